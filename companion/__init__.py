@@ -1,0 +1,1 @@
+"""The vehicle: a MAVLink surface boat on a Raspberry Pi."""

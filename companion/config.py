@@ -1,0 +1,266 @@
+"""The boat's configuration: one frozen tree, read from TOML.
+
+Every field has a default that is safe on the lake boat; a file names only what differs. An unknown key, a
+wrong type or a value out of range is a ConfigError that names the key. MAVLink parameters (`params.py`) are
+rows over the same fields.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from companion.errors import ConfigError
+
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+Positive = Annotated[float, Meta(gt=0.0)]
+SystemId = Annotated[int, Meta(ge=1, le=255)]
+Count = Annotated[int, Meta(ge=0)]
+
+
+class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A table of the TOML file."""
+
+
+class Identity(Section):
+    """Who the boat is on the MAVLink network, and who its operator may be (0: any ground station)."""
+
+    system_id: SystemId = 1
+    operator_system_id: Annotated[int, Meta(ge=0, le=255)] = 0
+
+
+class Heading(Section):
+    """Heading PID in the paper's form, Gc = Kp (1 + 1/(Ti s) + Td s), given as Kp, Ki = Kp/Ti, Kd = Kp Td.
+
+    Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad.
+    """
+
+    kp: NonNegative = 1.8
+    ki: NonNegative = 0.15
+    kd: NonNegative = 0.9
+    max_steering: Share = 1.0
+
+
+class Speed(Section):
+    """Speed loop: feed-forward throttle at cruise speed, then PI on the speed error."""
+
+    cruise_m_s: Positive = 2.0
+    cruise_throttle: Share = 0.6
+    kp: NonNegative = 0.3  # share of full throttle per m/s
+    ki: NonNegative = 0.2
+    max_throttle: Share = 1.0
+
+
+class Motors(Section):
+    """The gate's limits, and how long a thrust command stays good."""
+
+    slew_per_s: Positive = 4.0  # full scale per second; reversal passes through zero
+    deadband: Share = 0.0  # commands below this share are not sent: the propeller would only hum
+    command_timeout_s: Positive = 0.5
+    estimate_timeout_s: Positive = 3.0
+
+
+class Guidance(Section):
+    """Line of sight, corners and station keeping."""
+
+    waypoint_radius_m: Positive = 2.0
+    lookahead_m: Positive = 4.0
+    accel_m_s2: Positive = 0.4  # used to slow down for a corner or the end
+    corner_accel_m_s2: Positive = 0.5  # centripetal: how hard a corner may be taken
+    min_speed_m_s: Positive = 0.4  # slowest speed with steerage way
+    pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = 1.05  # heading error beyond which it turns on the spot
+    station_radius_m: Positive = 1.5
+
+
+class Mission(Section):
+    """Limits and habits of missions."""
+
+    max_items: Annotated[int, Meta(ge=1, le=65535)] = 5000
+    max_fence_items: Annotated[int, Meta(ge=1, le=65535)] = 1000
+    max_rally_items: Annotated[int, Meta(ge=1, le=65535)] = 250
+    rtl_speed_m_s: NonNegative = 0.0  # 0: cruise speed
+
+
+class Failsafe(Section):
+    """What happens when the operator goes silent or the pack runs low. Actions are Rover's FS_ACTION numbers:
+
+    0 nothing, 1 RTL, 2 HOLD, 3 SMART_RTL or RTL, 4 SMART_RTL or HOLD, 5 disarm, 6 LOITER or HOLD.
+    """
+
+    gcs_enabled: bool = True
+    gcs_timeout_s: Positive = 5.0
+    action: Annotated[int, Meta(ge=0, le=6)] = 6
+    manual_timeout_s: Positive = 1.0  # MANUAL_CONTROL and RC override go stale after this
+    battery_low_v: NonNegative = 10.2  # 0: off
+    battery_low_s: Positive = 10.0
+    battery_action: Annotated[int, Meta(ge=0, le=6)] = 1
+
+
+class Arming(Section):
+    """What must be well before the motors may turn."""
+
+    check: bool = True
+    min_fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
+    max_hdop: Positive = 2.5
+    battery_min_v: NonNegative = 10.5
+
+
+class Battery(Section):
+    """The pack: 3S LiPo by default."""
+
+    capacity_mah: Positive = 2200.0
+    cells: Annotated[int, Meta(ge=1, le=10)] = 3
+    full_v: Positive = 12.6
+    empty_v: Positive = 9.9
+
+
+class Mavlink(Section):
+    """Timers of the protocol machines. They run on the boat's clock."""
+
+    retry_s: Positive = 0.5  # a lost mission item is asked for again after this
+    retries: Annotated[int, Meta(ge=1)] = 10
+    stream_hz: NonNegative = 4.0  # telemetry before anyone has asked for rates
+
+
+class Storage(Section):
+    """Where missions and parameters live. An empty folder keeps them in memory only."""
+
+    folder: str = ""
+
+
+class L298N(Section):
+    """Pins in BCM numbers."""
+
+    driver: Literal["l298n", "none"] = "none"
+    left_forward: int = 5
+    left_backward: int = 6
+    left_enable: int = 12
+    right_forward: int = 20
+    right_backward: int = 21
+    right_enable: int = 13
+    pwm_hz: Annotated[int, Meta(ge=50, le=20000)] = 1000
+    dead_time_s: NonNegative = 0.02
+    left_reversed: bool = False
+    right_reversed: bool = False
+
+
+class GnssPart(Section):
+    """An NMEA 0183 receiver."""
+
+    driver: Literal["nmea", "none"] = "none"
+    port: str = "/dev/serial0"
+    baud: Positive = 9600
+
+
+class CompassPart(Section):
+    """A heading sensor: NMEA 0183 sentences, or a BNO055 on I²C. The correction is added to what it says."""
+
+    driver: Literal["nmea", "bno055", "none"] = "none"
+    port: str = "/dev/ttyUSB0"
+    baud: Positive = 4800
+    correction_rad: float = 0.0
+
+
+class SonarPart(Section):
+    """HC-SR04 style ranger, fixed or on a sweeping servo."""
+
+    driver: Literal["hcsr04", "none"] = "none"
+    trigger: int = 23
+    echo: int = 24
+    servo: int = -1  # −1: fixed ahead
+    sweep_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.pi
+    step_rad: Positive = math.radians(15.0)
+    max_range_m: Positive = 4.0
+
+
+class BatteryPart(Section):
+    """Battery monitor."""
+
+    driver: Literal["ina219", "none"] = "none"
+    address: int = 0x40
+
+
+class Parts(Section):
+    """Which driver moves which part of this boat."""
+
+    motors: L298N = L298N()
+    gnss: GnssPart = GnssPart()
+    compass: CompassPart = CompassPart()
+    sonar: SonarPart = SonarPart()
+    battery: BatteryPart = BatteryPart()
+
+
+class BoatConfig(Section):
+    """The whole tree."""
+
+    links: tuple[str, ...] = ()
+    identity: Identity = Identity()
+    heading: Heading = Heading()
+    speed: Speed = Speed()
+    motors: Motors = Motors()
+    guidance: Guidance = Guidance()
+    mission: Mission = Mission()
+    failsafe: Failsafe = Failsafe()
+    arming: Arming = Arming()
+    battery: Battery = Battery()
+    mavlink: Mavlink = Mavlink()
+    storage: Storage = Storage()
+    parts: Parts = Parts()
+
+
+def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
+    """Build the configuration from a TOML tree.
+
+    Raises:
+        ConfigError: names the source, the key and what was expected there.
+    """
+    try:
+        return msgspec.convert(dict(tree), BoatConfig)
+    except msgspec.ValidationError as error:
+        raise ConfigError(f"{source}: {error}") from None
+
+
+def load_config(path: Path) -> BoatConfig:
+    """Read a TOML file.
+
+    Raises:
+        ConfigError: no such file, not TOML (names the line), or a key that cannot be used.
+    """
+    return decode_config(load_toml(path), str(path))
+
+
+def load_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file into plain values.
+
+    Raises:
+        ConfigError: no such file, not UTF-8, or not TOML (names the line).
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not a TOML file: {error}") from None
+
+
+def with_value(config: BoatConfig, path: str, value: object) -> BoatConfig:
+    """A copy of the tree with one field replaced, such as `heading.kp`.
+
+    Raises:
+        ConfigError: no such field, or a value outside its type or range.
+    """
+    section_name, _, field = path.rpartition(".")
+    section = getattr(config, section_name, None) if section_name else None
+    if section is None or field not in section.__struct_fields__:
+        raise ConfigError(f"{path}: no such setting")
+    fields = {name: getattr(section, name) for name in section.__struct_fields__}
+    try:
+        changed = msgspec.convert({**fields, field: value}, type(section), strict=True)
+    except msgspec.ValidationError as error:
+        raise ConfigError(f"{path}: {error}") from None
+    return msgspec.structs.replace(config, **{section_name: changed})

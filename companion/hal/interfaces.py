@@ -1,0 +1,180 @@
+"""What the boat needs of its hardware, as small Protocols.
+
+The real drivers beside this file and the emulator's simulated ones satisfy the same interfaces; they are
+handed to `Boat` by a composition root. No call here blocks: a driver that must wait for its part keeps a
+reader thread of its own and hands over the latest reading, stamped with the boat's clock.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from companion.geo import LatLon
+
+
+@dataclass(frozen=True, slots=True)
+class GnssFix:
+    """One solution of a satellite receiver, or of whatever stands in for one.
+
+    fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float, 6 = RTK fixed.
+    Velocity components are over ground; None where the receiver does not say.
+    """
+
+    time_s: float
+    position: LatLon
+    fix_type: int
+    satellites: int
+    hdop: float
+    north_m_s: float | None = None
+    east_m_s: float | None = None
+    altitude_m: float = 0.0
+    horizontal_accuracy_m: float | None = None
+    unix_time_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class HeadingReading:
+    """Where the bow points: radians from true north, clockwise; the rate too where the part has a gyro."""
+
+    time_s: float
+    heading_rad: float
+    yaw_rate_rad_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SonarReading:
+    """One ping. bearing_rad is relative to the bow, clockwise; range_m is None when no echo came back."""
+
+    time_s: float
+    bearing_rad: float
+    range_m: float | None
+    min_range_m: float = 0.02
+    max_range_m: float = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryReading:
+    """The pack as the monitor sees it. current_a is positive while discharging, None when not measured."""
+
+    time_s: float
+    voltage_v: float
+    current_a: float | None = None
+
+
+class Motors(Protocol):
+    """Two thrusters. Values are shares of full drive, −1 (full astern) to 1 (full ahead)."""
+
+    def write(self, left: float, right: float) -> None:
+        """Drive both motors; a value that is not finite stops both."""
+
+    def stop(self) -> None:
+        """Cut both motors now."""
+
+    def close(self) -> None:
+        """Stop first, then let the part go. May be called twice."""
+
+
+class Gnss(Protocol):
+    """Position over ground."""
+
+    def read(self) -> GnssFix | None:
+        """The latest fix, None before the first; the same fix again until a new one has come."""
+
+    def close(self) -> None:
+        """Let the part go. May be called twice."""
+
+
+class Compass(Protocol):
+    """Heading."""
+
+    def read(self) -> HeadingReading | None:
+        """The latest reading, None before the first."""
+
+    def close(self) -> None:
+        """Let the part go. May be called twice."""
+
+
+class Sonar(Protocol):
+    """Ultrasonic ranger, swept or fixed."""
+
+    def read(self) -> Sequence[SonarReading]:
+        """The pings since the last call, oldest first."""
+
+    def close(self) -> None:
+        """Let the part go. May be called twice."""
+
+
+class Battery(Protocol):
+    """Battery monitor."""
+
+    def read(self) -> BatteryReading | None:
+        """The latest reading, None before the first."""
+
+    def close(self) -> None:
+        """Let the part go. May be called twice."""
+
+
+class Link(Protocol):
+    """One pipe of bytes to one station (or one radio). Never blocks, never raises once it is open.
+
+    A datagram link hands over whole datagrams; a stream link hands over whatever has come.
+    """
+
+    @property
+    def name(self) -> str:
+        """For people and logs, such as `tcp:127.0.0.1:52114`."""
+
+    @property
+    def is_datagram(self) -> bool:
+        """Whether one received chunk is one datagram."""
+
+    @property
+    def is_closed(self) -> bool:
+        """True once the far side is gone for good; the boat then forgets the link."""
+
+    def receive(self) -> list[bytes]:
+        """All chunks that have arrived, oldest first; empty when there are none."""
+
+    def send(self, data: bytes) -> bool:
+        """Send one frame whole, or drop it whole and say False (queue full, nobody there)."""
+
+    def fileno(self) -> int:
+        """A descriptor to wait on for arriving bytes, −1 when there is none."""
+
+    def close(self) -> None:
+        """Close. May be called twice."""
+
+
+class Port(Protocol):
+    """Something links come out of: a listening socket, or a single device."""
+
+    @property
+    def name(self) -> str:
+        """As in the configuration, such as `tcpin:0.0.0.0:5760`."""
+
+    def accept(self) -> list[Link]:
+        """Links that came into being since the last call. Never blocks."""
+
+    def fileno(self) -> int:
+        """A descriptor to wait on for new links, −1 when there is none."""
+
+    def close(self) -> None:
+        """Close, with every link that came out of it. May be called twice."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hardware:
+    """Everything a boat is built from. Sonar and battery monitor may be missing."""
+
+    motors: Motors
+    gnss: Gnss
+    compass: Compass
+    sonar: Sonar | None = None
+    battery: Battery | None = None
+
+    def close(self) -> None:
+        """Stop the motors, then let every part go."""
+        self.motors.close()
+        for part in (self.gnss, self.compass, self.sonar, self.battery):
+            if part is not None:
+                part.close()

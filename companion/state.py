@@ -1,0 +1,77 @@
+"""Values that travel through the boat, from estimation to motors. All frozen, all SI."""
+
+from dataclasses import dataclass
+
+from companion.geo import Point
+
+
+@dataclass(frozen=True, slots=True)
+class NavState:
+    """The boat's best knowledge of its own motion, in the local frame.
+
+    heading_rad: where the bow points, 0 = north, clockwise positive, in [−π, π).
+    north_m_s, east_m_s: over ground. position_age_s and heading_age_s: how old the last accepted
+    measurement is; infinite before the first.
+    """
+
+    time_s: float
+    north_m: float
+    east_m: float
+    heading_rad: float
+    yaw_rate_rad_s: float
+    north_m_s: float
+    east_m_s: float
+    surge_m_s: float
+    sway_m_s: float
+    position_age_s: float
+    heading_age_s: float
+
+    @property
+    def point(self) -> Point:
+        """Where the boat is."""
+        return Point(self.north_m, self.east_m)
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """What guidance asks of the control loops.
+
+    cross_track_m: how far the boat is to the right of its line, for telemetry and metrics only.
+    distance_m: to the end of the leg or the station.
+    """
+
+    heading_rad: float
+    speed_m_s: float
+    cross_track_m: float = 0.0
+    distance_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PidOutput:
+    """One evaluation of a PID: its terms, their limited sum, and whether the limit was met."""
+
+    p: float
+    i: float
+    d: float
+    total: float
+    saturated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Thrust:
+    """Shares of full drive per side, −1..1, before the gate."""
+
+    left: float
+    right: float
+
+
+@dataclass(frozen=True, slots=True)
+class MotorCommand:
+    """What the gate lets through to the motors, −1..1 per side."""
+
+    left: float
+    right: float
+    reason: str = ""  # why the gate stopped the motors; empty while they run
+
+
+STOPPED = MotorCommand(0.0, 0.0)

@@ -1,0 +1,31 @@
+"""Unit conversions and angle arithmetic. SI and radians inside, degrees and scaled integers at the edges."""
+
+import math
+
+TAU = 2.0 * math.pi
+
+
+def wrap_pi(angle_rad: float) -> float:
+    """Wrap an angle into [−π, π)."""
+    return (angle_rad + math.pi) % TAU - math.pi
+
+
+def wrap_two_pi(angle_rad: float) -> float:
+    """Wrap an angle into [0, 2π)."""
+    wrapped = angle_rad % TAU
+    return wrapped if wrapped < TAU else 0.0  # −1e-17 % TAU rounds up to TAU itself
+
+
+def clamp(value: float, low: float, high: float) -> float:
+    """Limit value to [low, high]; NaN comes out as NaN."""
+    return low if value < low else high if value > high else value
+
+
+def deg_to_e7(angle_deg: float) -> int:
+    """Degrees to MAVLink's 1e-7 degree integers, rounded to nearest."""
+    return round(angle_deg * 1e7)
+
+
+def e7_to_deg(angle_e7: int) -> float:
+    """MAVLink's 1e-7 degree integers to degrees."""
+    return angle_e7 / 1e7

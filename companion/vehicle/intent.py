@@ -1,0 +1,42 @@
+"""What the vehicle wants next: the modes' answer, guidance's input."""
+
+from dataclasses import dataclass
+
+from companion.geo import Point
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """No thrust: the boat drifts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Thrust by hand, no loop closed. throttle and steering are −1..1; steering is positive to starboard."""
+
+    throttle: float
+    steering: float
+
+
+@dataclass(frozen=True, slots=True)
+class FollowLeg:
+    """Sail the straight line start → end at speed_m_s over ground.
+
+    next_end is where the leg after this one leads: guidance slows for the corner between them. None means
+    that the boat is to stop at `end`.
+    """
+
+    start: Point
+    end: Point
+    speed_m_s: float
+    next_end: Point | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class KeepStation:
+    """Stay near a point against current and wind."""
+
+    point: Point
+
+
+Intent = Stop | Drive | FollowLeg | KeepStation

@@ -1,0 +1,1 @@
+"""The planner process: map, A* path, waypoints, upload, read-back, follow."""

@@ -1,0 +1,1 @@
+"""The emulator: the companion's own boat over simulated hardware and water."""
