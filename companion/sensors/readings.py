@@ -1,0 +1,54 @@
+"""What the boat's sensors say: values, stamped with the boat's clock. All frozen, all SI."""
+
+from dataclasses import dataclass
+
+from companion.geo import LatLon
+
+
+@dataclass(frozen=True, slots=True)
+class GnssFix:
+    """One solution of a satellite receiver, or of whatever stands in for one.
+
+    fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float, 6 = RTK fixed.
+    Velocity components are over ground; None where the receiver does not say.
+    """
+
+    time_s: float
+    position: LatLon
+    fix_type: int
+    satellites: int
+    hdop: float
+    north_m_s: float | None = None
+    east_m_s: float | None = None
+    altitude_m: float = 0.0
+    horizontal_accuracy_m: float | None = None
+    unix_time_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class HeadingReading:
+    """Where the bow points: radians from true north, clockwise; the rate too where the part has a gyro."""
+
+    time_s: float
+    heading_rad: float
+    yaw_rate_rad_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SonarReading:
+    """One ping. bearing_rad is relative to the bow, clockwise; range_m is None when no echo came back."""
+
+    time_s: float
+    bearing_rad: float
+    range_m: float | None
+    min_range_m: float = 0.02
+    max_range_m: float = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryReading:
+    """The pack as the monitor sees it. current_a is positive while discharging, None when not measured."""
+
+    time_s: float
+    voltage_v: float
+    current_a: float | None = None
