@@ -27,14 +27,14 @@ class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     """A table of the TOML file."""
 
 
-class Identity(Section):
+class Identity(Section, frozen=True):
     """Who the boat is on the MAVLink network, and who its operator may be (0: any ground station)."""
 
     system_id: SystemId = 1
     operator_system_id: Annotated[int, Meta(ge=0, le=255)] = 0
 
 
-class Heading(Section):
+class Heading(Section, frozen=True):
     """Heading PID in the paper's form, Gc = Kp (1 + 1/(Ti s) + Td s), given as Kp, Ki = Kp/Ti, Kd = Kp Td.
 
     Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad.
@@ -46,7 +46,7 @@ class Heading(Section):
     max_steering: Share = 1.0
 
 
-class Speed(Section):
+class Speed(Section, frozen=True):
     """Speed loop: feed-forward throttle at cruise speed, then PI on the speed error."""
 
     cruise_m_s: Positive = 2.0
@@ -56,7 +56,7 @@ class Speed(Section):
     max_throttle: Share = 1.0
 
 
-class Motors(Section):
+class Motors(Section, frozen=True):
     """The gate's limits, and how long a thrust command stays good."""
 
     slew_per_s: Positive = 4.0  # full scale per second; reversal passes through zero
@@ -65,7 +65,7 @@ class Motors(Section):
     estimate_timeout_s: Positive = 3.0
 
 
-class Guidance(Section):
+class Guidance(Section, frozen=True):
     """Line of sight, corners and station keeping."""
 
     waypoint_radius_m: Positive = 2.0
@@ -73,20 +73,23 @@ class Guidance(Section):
     accel_m_s2: Positive = 0.4  # used to slow down for a corner or the end
     corner_accel_m_s2: Positive = 0.5  # centripetal: how hard a corner may be taken
     min_speed_m_s: Positive = 0.4  # slowest speed with steerage way
-    pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = 1.05  # heading error beyond which it turns on the spot
+    pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = (
+        1.05  # heading error beyond which it turns on the spot
+    )
     station_radius_m: Positive = 1.5
 
 
-class Mission(Section):
+class Mission(Section, frozen=True):
     """Limits and habits of missions."""
 
     max_items: Annotated[int, Meta(ge=1, le=65535)] = 5000
     max_fence_items: Annotated[int, Meta(ge=1, le=65535)] = 1000
     max_rally_items: Annotated[int, Meta(ge=1, le=65535)] = 250
     rtl_speed_m_s: NonNegative = 0.0  # 0: cruise speed
+    done_behave: Annotated[int, Meta(ge=0, le=1)] = 1  # after the last item: 0 HOLD, 1 LOITER, as in Rover
 
 
-class Failsafe(Section):
+class Failsafe(Section, frozen=True):
     """What happens when the operator goes silent or the pack runs low. Actions are Rover's FS_ACTION numbers:
 
     0 nothing, 1 RTL, 2 HOLD, 3 SMART_RTL or RTL, 4 SMART_RTL or HOLD, 5 disarm, 6 LOITER or HOLD.
@@ -101,7 +104,7 @@ class Failsafe(Section):
     battery_action: Annotated[int, Meta(ge=0, le=6)] = 1
 
 
-class Arming(Section):
+class Arming(Section, frozen=True):
     """What must be well before the motors may turn."""
 
     check: bool = True
@@ -110,7 +113,7 @@ class Arming(Section):
     battery_min_v: NonNegative = 10.5
 
 
-class Battery(Section):
+class Battery(Section, frozen=True):
     """The pack: 3S LiPo by default."""
 
     capacity_mah: Positive = 2200.0
@@ -119,7 +122,7 @@ class Battery(Section):
     empty_v: Positive = 9.9
 
 
-class Mavlink(Section):
+class Mavlink(Section, frozen=True):
     """Timers of the protocol machines. They run on the boat's clock."""
 
     retry_s: Positive = 0.5  # a lost mission item is asked for again after this
@@ -127,13 +130,13 @@ class Mavlink(Section):
     stream_hz: NonNegative = 4.0  # telemetry before anyone has asked for rates
 
 
-class Storage(Section):
+class Storage(Section, frozen=True):
     """Where missions and parameters live. An empty folder keeps them in memory only."""
 
     folder: str = ""
 
 
-class L298N(Section):
+class L298N(Section, frozen=True):
     """Pins in BCM numbers."""
 
     driver: Literal["l298n", "none"] = "none"
@@ -149,7 +152,7 @@ class L298N(Section):
     right_reversed: bool = False
 
 
-class GnssPart(Section):
+class GnssPart(Section, frozen=True):
     """An NMEA 0183 receiver."""
 
     driver: Literal["nmea", "none"] = "none"
@@ -157,7 +160,7 @@ class GnssPart(Section):
     baud: Positive = 9600
 
 
-class CompassPart(Section):
+class CompassPart(Section, frozen=True):
     """A heading sensor: NMEA 0183 sentences, or a BNO055 on I²C. The correction is added to what it says."""
 
     driver: Literal["nmea", "bno055", "none"] = "none"
@@ -166,7 +169,7 @@ class CompassPart(Section):
     correction_rad: float = 0.0
 
 
-class SonarPart(Section):
+class SonarPart(Section, frozen=True):
     """HC-SR04 style ranger, fixed or on a sweeping servo."""
 
     driver: Literal["hcsr04", "none"] = "none"
@@ -178,14 +181,14 @@ class SonarPart(Section):
     max_range_m: Positive = 4.0
 
 
-class BatteryPart(Section):
+class BatteryPart(Section, frozen=True):
     """Battery monitor."""
 
     driver: Literal["ina219", "none"] = "none"
     address: int = 0x40
 
 
-class Parts(Section):
+class Parts(Section, frozen=True):
     """Which driver moves which part of this boat."""
 
     motors: L298N = L298N()
@@ -195,7 +198,7 @@ class Parts(Section):
     battery: BatteryPart = BatteryPart()
 
 
-class BoatConfig(Section):
+class BoatConfig(Section, frozen=True):
     """The whole tree."""
 
     links: tuple[str, ...] = ()

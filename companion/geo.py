@@ -41,7 +41,8 @@ class LatLon:
 
 def _meridian_radius_m(lat_rad: float) -> float:
     s = math.sin(lat_rad)
-    return WGS84_A_M * (1.0 - WGS84_E2) / (1.0 - WGS84_E2 * s * s) ** 1.5
+    w = 1.0 - WGS84_E2 * s * s
+    return WGS84_A_M * (1.0 - WGS84_E2) / (w * math.sqrt(w))
 
 
 def _normal_radius_m(lat_rad: float) -> float:
@@ -79,7 +80,9 @@ class LocalFrame:
         eta2 = WGS84_E2 / (1.0 - WGS84_E2) * cos_lat * cos_lat
         a = dlon * cos_lat
         east = normal * a * (1.0 + a * a * (1.0 - t2 + eta2) / 6.0)
-        north = self._arc_m(lat) + normal * math.tan(lat) * a * a * (0.5 + a * a * (5.0 - t2 + 9.0 * eta2) / 24.0)
+        north = self._arc_m(lat) + normal * math.tan(lat) * a * a * (
+            0.5 + a * a * (5.0 - t2 + 9.0 * eta2) / 24.0
+        )
         return Point(north, east)
 
     def to_global(self, point: Point) -> LatLon:

@@ -9,8 +9,8 @@ from companion.geo import LatLon
 class GnssFix:
     """One solution of a satellite receiver, or of whatever stands in for one.
 
-    fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float, 6 = RTK fixed.
-    Velocity components are over ground; None where the receiver does not say.
+    fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float,
+    6 = RTK fixed. Velocity components are over ground; None where the receiver does not say.
     """
 
     time_s: float

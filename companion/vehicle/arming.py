@@ -1,0 +1,35 @@
+"""What must be well before the motors may turn."""
+
+from companion.config import Arming, Motors
+from companion.sensors.readings import BatteryReading, GnssFix
+from companion.state import NavState
+from companion.vehicle.modes import Mode
+
+
+def arming_faults(
+    setting: Arming,
+    motors: Motors,
+    mode: Mode,
+    nav: NavState | None,
+    fix: GnssFix | None,
+    battery: BatteryReading | None,
+) -> list[str]:
+    """Reasons not to arm, worst first, in words for the operator; empty when all is well.
+
+    MANUAL and HOLD need no position, so they arm without one; the compass must answer in every mode.
+    """
+    if not setting.check:
+        return []
+    faults: list[str] = []
+    if mode.needs_position:
+        if fix is None or fix.fix_type < setting.min_fix_type:
+            faults.append(f"GPS: no {'3-D ' if setting.min_fix_type >= 3 else ''}fix")
+        elif fix.hdop > setting.max_hdop:
+            faults.append(f"GPS: HDOP {fix.hdop:.1f} is above {setting.max_hdop:.1f}")
+        elif nav is None or nav.position_age_s > motors.estimate_timeout_s:
+            faults.append("GPS: position is stale")
+    if nav is None or nav.heading_age_s > motors.estimate_timeout_s:
+        faults.append("Compass: no heading")
+    if battery is not None and battery.voltage_v < setting.battery_min_v:
+        faults.append(f"Battery: {battery.voltage_v:.1f} V is below {setting.battery_min_v:.1f} V")
+    return faults
