@@ -1,0 +1,87 @@
+"""The gate: the last word before the motors.
+
+Everything must say go: armed, a fresh command, finite numbers, and a fresh estimate where the command was
+computed from one. Anything else is zero at once, with the reason. What passes is limited in slew, goes
+through zero on its way from ahead to astern, and is dropped inside the dead band.
+"""
+
+import math
+
+from companion.config import Motors
+from companion.state import MotorCommand, NavState, Thrust
+from companion.units import clamp
+
+
+class Gate:
+    """Remembers only where the slew limiter stands."""
+
+    __slots__ = ("_left", "_right")
+
+    def __init__(self) -> None:
+        self._left = 0.0
+        self._right = 0.0
+
+    def check(
+        self,
+        thrust: Thrust,
+        *,
+        armed: bool,
+        command_age_s: float,
+        nav: NavState | None,
+        needs_estimate: bool,
+        setting: Motors,
+        dt_s: float,
+    ) -> MotorCommand:
+        """What the motors may do for the next dt_s.
+
+        command_age_s: how long ago the command was given; a negative age is as bad as a stale one, for a
+        clock that runs wrong would otherwise keep the motors running. needs_estimate: whether the command
+        was computed from nav (False while the operator drives by hand).
+        """
+        reason = _objection(thrust, armed, command_age_s, nav if needs_estimate else _FINE, setting)
+        if reason:
+            self._left = self._right = 0.0
+            return MotorCommand(0.0, 0.0, reason)
+        step = setting.slew_per_s * dt_s
+        if not step > 0.0:
+            step = 0.0
+        deadband = setting.deadband
+        self._left = left = _approach(self._left, thrust.left, step, deadband)
+        self._right = right = _approach(self._right, thrust.right, step, deadband)
+        return MotorCommand(left if abs(left) >= deadband else 0.0, right if abs(right) >= deadband else 0.0)
+
+
+_FINE = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def _objection(
+    thrust: Thrust, armed: bool, command_age_s: float, nav: NavState | None, setting: Motors
+) -> str:
+    """Why the motors must not turn; empty when they may. Comparisons are written so that NaN objects."""
+    if not armed:
+        return "disarmed"
+    if not 0.0 <= command_age_s <= setting.command_timeout_s:
+        return "command is stale"
+    if not math.isfinite(thrust.left + thrust.right):
+        return "thrust is not a number"
+    if nav is None:
+        return "no estimate"
+    limit_s = setting.estimate_timeout_s
+    if not nav.position_age_s <= limit_s:
+        return "position is stale"
+    if not nav.heading_age_s <= limit_s:
+        return "heading is stale"
+    motion = nav.north_m + nav.east_m + nav.heading_rad + nav.yaw_rate_rad_s + nav.surge_m_s + nav.sway_m_s
+    if not math.isfinite(motion):
+        return "estimate is not a number"
+    return ""
+
+
+def _approach(now: float, wanted: float, step: float, deadband: float) -> float:
+    """One slew step from now toward wanted, stopping at zero where the sign changes."""
+    wanted = clamp(wanted, -1.0, 1.0)
+    if abs(wanted) < deadband:
+        wanted = 0.0
+    if now * wanted < 0.0:
+        wanted = 0.0
+    return clamp(wanted, now - step, now + step)

@@ -1,0 +1,51 @@
+"""The helm: closes the heading and speed loops, or lets the operator's hand through."""
+
+from companion.config import BoatConfig
+from companion.control.heading import HeadingControl
+from companion.control.mixer import mix
+from companion.control.speed import SpeedControl
+from companion.state import Demand, NavState, PidOutput, Thrust
+from companion.vehicle.intent import Drive, Stop
+
+_NO_THRUST = Thrust(0.0, 0.0)
+
+
+class Helm:
+    """Turns what guidance asks into thrust.
+
+    heading_pid and speed_pid are the last evaluations, for telemetry; None while the loop is open. Loops that
+    are not closed forget what they have learned, so none starts with an integral from another situation.
+    """
+
+    __slots__ = ("_heading", "_speed", "heading_pid", "speed_pid")
+
+    def __init__(self) -> None:
+        self._heading = HeadingControl()
+        self._speed = SpeedControl()
+        self.heading_pid: PidOutput | None = None
+        self.speed_pid: PidOutput | None = None
+
+    def reset(self) -> None:
+        """Open both loops and forget their integrals. The owner calls this while the motors are stopped."""
+        self._heading.reset()
+        self._speed.reset()
+        self.heading_pid = self.speed_pid = None
+
+    def update(
+        self, demand: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig, dt_s: float
+    ) -> Thrust:
+        """Thrust per side for this tick. A Demand without a NavState gives none."""
+        if isinstance(demand, Demand) and nav is not None:
+            return self._close_loops(demand, nav, config, dt_s)
+        if self.heading_pid is not None:
+            self.reset()
+        return mix(demand.throttle, demand.steering) if isinstance(demand, Drive) else _NO_THRUST
+
+    def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
+        heading = self._heading.update(
+            demand.heading_rad, nav.heading_rad, nav.yaw_rate_rad_s, config.heading, dt_s
+        )
+        room = 1.0 - abs(heading.total)
+        speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room)
+        self.heading_pid, self.speed_pid = heading, speed
+        return mix(speed.total, heading.total)

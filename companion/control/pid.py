@@ -1,0 +1,89 @@
+"""A PID controller as pure arithmetic: Gc(s) = Kp (1 + 1/(Ti s) + Td s), the paper's Eq. 4.
+
+Three things differ from the textbook. The derivative comes from a *measured* rate that the caller hands in,
+never from a difference of errors: a wrapped angle's difference kicks at ±π. The integral is kept in output
+units, so a gain changed under way moves nothing at once. And it winds up no further than the authority that
+P and D leave to it (conditional anti-windup); what it has learned already is not taken away again.
+"""
+
+import math
+from typing import NamedTuple
+
+from companion.state import PidOutput
+from companion.units import clamp
+
+
+class Gains(NamedTuple):
+    """Parallel form: total = kp · error + ki · ∫error dt + kd · error rate."""
+
+    kp: float
+    ki: float
+    kd: float
+
+
+def gains_from_times(kp: float, ti_s: float, td_s: float) -> Gains:
+    """Kp, Ki = Kp/Ti and Kd = Kp·Td (the paper's Eq. 4). An infinite ti_s means no integral.
+
+    Raises:
+        ValueError: ti_s is not positive, or td_s is negative.
+    """
+    if not ti_s > 0.0:
+        raise ValueError(f"integral time must be positive, not {ti_s} s")
+    if not td_s >= 0.0:
+        raise ValueError(f"derivative time must not be negative, as {td_s} s is")
+    return Gains(kp, kp / ti_s, kp * td_s)
+
+
+def times_from_gains(gains: Gains) -> tuple[float, float, float]:
+    """(Kp, Ti in s, Td in s) of a parallel form; Ti is infinite without an integral gain.
+
+    Raises:
+        ValueError: kp is not positive, so that the standard form does not exist.
+    """
+    if not gains.kp > 0.0:
+        raise ValueError(f"proportional gain must be positive, not {gains.kp}")
+    return gains.kp, gains.kp / gains.ki if gains.ki else math.inf, gains.kd / gains.kp
+
+
+class Pid:
+    """The only state is the integral, in units of the output."""
+
+    __slots__ = ("integral",)
+
+    def __init__(self) -> None:
+        self.integral = 0.0
+
+    def reset(self) -> None:
+        """Forget the integral."""
+        self.integral = 0.0
+
+    def update(
+        self,
+        kp: float,
+        ki: float,
+        kd: float,
+        error: float,
+        error_rate: float,
+        dt_s: float,
+        low: float,
+        high: float,
+    ) -> PidOutput:
+        """Advance by dt_s and evaluate.
+
+        error is demand minus measurement, error_rate its time derivative with the demand held still (the
+        measured rate with its sign changed). The total is limited to [low, high], which must contain 0.
+        An error that is not finite comes out as NaN and leaves no trace in the integral.
+        """
+        p = kp * error
+        d = kd * error_rate
+        integral = self.integral if ki else 0.0
+        step = ki * error * dt_s
+        if step > 0.0:
+            integral = max(integral, min(integral + step, max(high - p - d, 0.0), high))
+        elif step < 0.0:
+            integral = min(integral, max(integral + step, min(low - p - d, 0.0), low))
+        if math.isfinite(integral):
+            self.integral = integral
+        wanted = p + integral + d
+        total = clamp(wanted, low, high)
+        return PidOutput(p, integral, d, total, total != wanted)

@@ -1,0 +1,50 @@
+"""The speed loop: feed-forward throttle, and a PI on what it leaves."""
+
+from companion.config import Speed
+from companion.control.pid import Pid
+from companion.state import PidOutput
+from companion.units import clamp
+
+ASTERN_SHARE = 0.5  # of max_throttle: propellers bite less astern, and a hard stop throws spray over the deck
+
+
+def feed_forward(speed_m_s: float, setting: Speed) -> float:
+    """Throttle share that holds a speed in still water.
+
+    Hull resistance grows with v² (Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd
+    ed. 2021, section 6.4: quadratic surge damping) and propeller thrust at a given advance number with n².
+    Both together make the shaft speed n, which a DC motor turns in proportion to its voltage, linear in v:
+    a straight line through (0, 0) and (cruise_m_s, cruise_throttle). Negative speeds are astern.
+    """
+    return setting.cruise_throttle * speed_m_s / setting.cruise_m_s
+
+
+class SpeedControl:
+    """Holds a speed along the bow, over ground: a current ahead or astern ends up in the integral."""
+
+    __slots__ = ("_pid",)
+
+    def __init__(self) -> None:
+        self._pid = Pid()
+
+    def reset(self) -> None:
+        """Forget the integral."""
+        self._pid.reset()
+
+    def update(
+        self, demand_m_s: float, surge_m_s: float, setting: Speed, dt_s: float, room: float = 1.0
+    ) -> PidOutput:
+        """Throttle share; astern it is limited to ASTERN_SHARE of what is allowed ahead.
+
+        room is the share that steering leaves to throttle, 0..1: the integral must not wind up on what the
+        mixer will take away. The feed-forward is counted in the output's p.
+        """
+        base = feed_forward(demand_m_s, setting)
+        high = min(setting.max_throttle, room)
+        low = -min(setting.max_throttle * ASTERN_SHARE, room)
+        # The PI works inside what the feed-forward leaves, whose span must contain 0.
+        base = clamp(base, low, high)
+        pi = self._pid.update(
+            setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base
+        )
+        return PidOutput(base + pi.p, pi.i, 0.0, base + pi.total, pi.saturated)
