@@ -1,0 +1,204 @@
+"""Scenarios: commented TOML that says which boat sails where, in what water, with which sensors.
+
+A scenario lies over its boat's file (`boats/`): tables join, values replace, so that a scenario, or `--set`
+on the command line, may change any number of the boat. The tables [hull], [thrusters], [battery] and
+[sensors.*] are the emulator's; [vehicle.*] is the companion's own configuration; [origin], [map], [route] and
+[[cases]] are shared with the planner, whose decoder reads them.
+
+Positions are [east, north] in metres of the local frame, or {lat_deg, lon_deg}.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import shapely
+from msgspec import Meta, field
+
+from companion.config import BoatConfig, Section, decode_config, load_toml
+from companion.errors import ConfigError
+from companion.geo import LatLon, LocalFrame, Point, bearing_rad, distance_m
+from mission_tools.maps.chart import Chart
+from mission_tools.maps.scenario import decode_scenario
+from mission_tools.maps.source import RouteDefaults
+from sitl.battery import BatteryParameters
+from sitl.environment import Environment
+from sitl.layers import Layer, decode, explain, merge, parse_overrides
+from sitl.sensors import Sensors
+from sitl.thrusters import ThrusterParameters
+from sitl.vessel import VesselParameters
+
+HERE = Path(__file__).parent
+DEFAULT_BOAT = "lake"
+
+Table = dict[str, Any]
+
+
+class Global(Section, frozen=True):
+    """A position on the globe."""
+
+    lat_deg: Annotated[float, Meta(ge=-90.0, le=90.0)]
+    lon_deg: Annotated[float, Meta(ge=-180.0, le=180.0)]
+
+
+class BoatTable(Section, frozen=True):
+    """Which boat, and how it lies in the water at first."""
+
+    model: str = DEFAULT_BOAT
+    start: tuple[float, float] | Global | None = None
+    heading_deg: float | None = None
+
+
+class Tree(Section, frozen=True):
+    """A whole scenario, the boat's file included. What the planner reads too is left to its own decoder."""
+
+    hull: VesselParameters
+    thrusters: ThrusterParameters
+    title: str = ""
+    seed: int = 1
+    origin: Table = field(default_factory=dict)
+    map: Table = field(default_factory=dict)
+    route: Table = field(default_factory=dict)
+    cases: tuple[Table, ...] = ()
+    boat: BoatTable = BoatTable()
+    environment: Environment = Environment()
+    battery: BatteryParameters = BatteryParameters()
+    sensors: Sensors = Sensors()
+    vehicle: Table = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A scenario with everything looked up, ready for `World`.
+
+    start and the route's points are in the chart's frame; heading_rad is clockwise from north; vehicle is
+    what the boat's own program is configured with.
+    """
+
+    title: str
+    seed: int
+    chart: Chart
+    route: RouteDefaults
+    start: Point
+    heading_rad: float
+    hull: VesselParameters
+    thrusters: ThrusterParameters
+    battery: BatteryParameters
+    sensors: Sensors
+    environment: Environment
+    vehicle: BoatConfig
+
+    @property
+    def frame(self) -> LocalFrame:
+        """The local frame of every position here."""
+        return self.chart.frame
+
+
+def load_scenario(source: str, overrides: Sequence[str] = (), case: str | None = None) -> Scenario:
+    """Read a scenario.
+
+    source: an installed scenario's name (`lake`, `pool`, `open`), a TOML file, or a GeoJSON map, on which the
+    lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of [[cases]].
+
+    Raises:
+        ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
+            and key.
+        MissionToolsError: the map cannot be used, or there is no such case.
+    """
+    path, own = _find(source)
+    layers = [own, parse_overrides(overrides)]
+    layers.insert(0, _boat_layer(layers, path.parent))
+    tree = decode(layers, Tree)
+    waters = decode_scenario(merge(layers), path)
+    if case is not None:
+        waters = waters.with_case(case)
+    chart, route = waters.chart, waters.route
+    start = _start(tree.boat.start, route.start, chart, own.name)
+    return Scenario(
+        title=tree.title or chart.name,
+        seed=tree.seed,
+        chart=chart,
+        route=route,
+        start=start,
+        heading_rad=_heading_rad(tree.boat.heading_deg, start, route.goal),
+        hull=tree.hull,
+        thrusters=tree.thrusters,
+        battery=tree.battery,
+        sensors=tree.sensors,
+        environment=tree.environment,
+        vehicle=_vehicle(tree.vehicle, layers),
+    )
+
+
+def scenario_names() -> list[str]:
+    """The installed scenarios."""
+    return sorted(path.stem for path in (HERE / "scenarios").glob("*.toml"))
+
+
+def _find(source: str) -> tuple[Path, Layer]:
+    """The scenario's file and its tree; for a GeoJSON map, one that consists of the map."""
+    path = Path(source)
+    if path.suffix in {".geojson", ".json"}:
+        return path, Layer(source, {"map": {"file": path.name}})
+    if path.suffix != ".toml":
+        path = HERE / "scenarios" / f"{source}.toml"
+        if source not in scenario_names():
+            known = ", ".join(scenario_names())
+            raise ConfigError(
+                f"{source}: no such scenario: expected one of {known}, or a .toml or .geojson file"
+            )
+    return path, Layer(str(path) if path.parent != HERE / "scenarios" else path.name, load_toml(path))
+
+
+def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:
+    table = merge(layers).get("boat", {})
+    model = table.get("model", DEFAULT_BOAT) if isinstance(table, dict) else DEFAULT_BOAT
+    if not isinstance(model, str):
+        raise ConfigError(explain("Expected `str` - at `$.boat.model`", layers))
+    if model.endswith(".toml"):
+        return Layer(str(folder / model), load_toml(folder / model))
+    path = HERE / "boats" / f"{model}.toml"
+    if not path.is_file() or path.parent != HERE / "boats":
+        known = ", ".join(sorted(boat.stem for boat in (HERE / "boats").glob("*.toml")))
+        raise ConfigError(
+            explain(
+                f"no boat {model!r}: expected one of {known}, or a .toml file - at `$.boat.model`", layers
+            )
+        )
+    return Layer(path.name, load_toml(path))
+
+
+def _vehicle(tree: Table, layers: Sequence[Layer]) -> BoatConfig:
+    try:
+        return decode_config(tree, "")
+    except ConfigError as error:
+        raise ConfigError(explain(str(error).removeprefix(": "), layers, root="vehicle")) from None
+
+
+def _start(
+    given: tuple[float, float] | Global | None, route_start: Point | None, chart: Chart, name: str
+) -> Point:
+    """Where the boat is put: its own start, else the route's, else the origin or some point on the water."""
+    if isinstance(given, Global):
+        start = chart.frame.to_local(LatLon(given.lat_deg, given.lon_deg))
+    elif given is not None:
+        start = Point(north_m=given[1], east_m=given[0])
+    elif route_start is not None:
+        start = route_start
+    elif chart.is_open:
+        start = Point(0.0, 0.0)
+    else:
+        middle = chart.water.representative_point()
+        start = Point(north_m=middle.y, east_m=middle.x)
+    if not shapely.contains_xy(chart.water, start.east_m, start.north_m):
+        at = f"[{start.east_m:g}, {start.north_m:g}]"
+        raise ConfigError(f"{name}: boat.start: {at} is not on the water ({chart.nearest_feature(start)})")
+    return start
+
+
+def _heading_rad(heading_deg: float | None, start: Point, goal: Point | None) -> float:
+    if heading_deg is not None:
+        return math.radians(heading_deg)
+    return bearing_rad(start, goal) if goal is not None and distance_m(start, goal) > 0.0 else 0.0

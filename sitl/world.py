@@ -1,0 +1,163 @@
+"""Everything outside the boat's computer: water, hull, thrusters, pack and sensors, one tick at a time.
+
+    world = World(scenario)
+    boat = Boat(config, world.hardware, …)
+    each tick:  boat.step(world.time_s);  world.step(dt_s)
+
+What a sensor says at a time is there to be read before the boat's step of that time. Nothing here looks at a
+clock: the state is a function of the scenario and of the commands written to the motors.
+"""
+
+import math
+import struct
+from typing import NamedTuple
+
+from companion.hal.interfaces import Hardware
+from companion.units import wrap_pi
+from sitl.battery import Pack
+from sitl.scenario import Scenario
+from sitl.sensors import SimCompass, SimGnss, SimSonar
+from sitl.shore import Shore
+from sitl.sim_hal import SimBattery, SimMotors
+from sitl.thrusters import Thrusters
+from sitl.vessel import Vessel
+
+STATE = struct.Struct("<q11d")
+
+
+class Truth(NamedTuple):
+    """What is really so: the emulator's own knowledge, hidden from the boat.
+
+    Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
+    water, ahead and to starboard; north_m_s and east_m_s over ground; grounded while the shore holds it.
+    """
+
+    time_s: float
+    north_m: float
+    east_m: float
+    heading_rad: float
+    surge_m_s: float
+    sway_m_s: float
+    yaw_rate_rad_s: float
+    north_m_s: float
+    east_m_s: float
+    left_thrust_n: float
+    right_thrust_n: float
+    grounded: bool
+
+
+class World:
+    """One boat in its water."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Put the boat at its start, at rest through the water, motors stopped, sensors sampled once."""
+        sensors, seed = scenario.sensors, scenario.seed
+        self.scenario = scenario
+        self.shore = Shore(scenario.chart, max(1.0, sensors.sonar.max_range_m))
+        self.tick = 0
+        self.groundings = 0
+        self._room_m = 0.0
+        self._current_n = scenario.environment.current_north_m_s
+        self._current_e = scenario.environment.current_east_m_s
+        self._vessel = Vessel(
+            scenario.hull, scenario.start.north_m, scenario.start.east_m, scenario.heading_rad
+        )
+        self._thrusters = Thrusters(scenario.thrusters)
+        self._pack = Pack(scenario.battery)
+        self._motors = SimMotors()
+        self._gnss = SimGnss(sensors.gnss, scenario.frame, seed)
+        self._compass = SimCompass(sensors.compass, seed)
+        self._sonar = SimSonar(sensors.sonar, self.shore, seed) if sensors.sonar.fitted else None
+        self._battery = SimBattery(scenario.battery.rate_hz)
+        self.hardware = Hardware(self._motors, self._gnss, self._compass, self._sonar, self._battery)
+        self._since_tick, self._since_s, self._dt_s = 0, 0.0, 0.0
+        self.truth = self._observe(0.0, grounded=False)
+        self._sense(self.truth)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the start."""
+        return self.truth.time_s
+
+    @property
+    def used_mah(self) -> float:
+        """Charge taken from the pack since it was full."""
+        return self._pack.used_mah
+
+    def step(self, dt_s: float) -> Truth:
+        """Advance by one tick; the truth at its end."""
+        if (
+            dt_s != self._dt_s
+        ):  # time is counted, not summed: tick × dt, exactly, as long as dt stays the same
+            self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
+        self.tick += 1
+        motors, vessel = self._motors, self._vessel
+        north_m, east_m = vessel.north_m, vessel.east_m
+        force_n, moment_nm = self._thrusters.step(motors.left, motors.right, dt_s)
+        self._pack.step(self._thrusters.current_a(motors.left, motors.right), dt_s)
+        vessel.step(force_n, moment_nm, self._current_n, self._current_e, dt_s)
+        grounded = self._meets_shore(north_m, east_m)
+        if grounded:
+            vessel.run_aground(north_m, east_m, self._current_n, self._current_e)
+            self.groundings += not self.truth.grounded
+        self.truth = truth = self._observe(self._since_s + (self.tick - self._since_tick) * dt_s, grounded)
+        self._sense(truth)
+        return truth
+
+    def _meets_shore(self, north_m: float, east_m: float) -> bool:
+        """Whether the way from there to where the hull is now touches the shore.
+
+        The distance to the shore, once measured, need not be measured again before that much way is made.
+        """
+        vessel = self._vessel
+        self._room_m -= math.hypot(vessel.north_m - north_m, vessel.east_m - east_m)
+        if self._room_m > 0.0:
+            return False
+        if self.shore.is_crossed(east_m, north_m, vessel.east_m, vessel.north_m):
+            return True
+        self._room_m = self.shore.room_m(vessel.east_m, vessel.north_m)
+        return False
+
+    def _observe(self, time_s: float, grounded: bool) -> Truth:
+        vessel = self._vessel
+        north_m_s, east_m_s = vessel.velocity_m_s(self._current_n, self._current_e)
+        return Truth(
+            time_s,
+            vessel.north_m,
+            vessel.east_m,
+            wrap_pi(vessel.heading_rad),
+            vessel.surge_m_s,
+            vessel.sway_m_s,
+            vessel.yaw_rate_rad_s,
+            north_m_s,
+            east_m_s,
+            self._thrusters.left.thrust_n,
+            self._thrusters.right.thrust_n,
+            grounded,
+        )
+
+    def _sense(self, truth: Truth) -> None:
+        now_s, north_m, east_m, heading_rad = truth.time_s, truth.north_m, truth.east_m, truth.heading_rad
+        self._gnss.sense(now_s, north_m, east_m, truth.north_m_s, truth.east_m_s)
+        self._compass.sense(now_s, heading_rad, truth.yaw_rate_rad_s)
+        if self._sonar is not None:
+            self._sonar.sense(now_s, north_m, east_m, heading_rad)
+        self._battery.sense(now_s, self._pack.voltage_v, self._pack.current_a)
+
+    def state_bytes(self) -> bytes:
+        """The physical state, packed: equal bytes mean an equal future, for equal commands and seed."""
+        vessel, thrusters = self._vessel, self._thrusters
+        return STATE.pack(
+            self.tick,
+            self.time_s,
+            vessel.north_m,
+            vessel.east_m,
+            vessel.heading_rad,
+            vessel.surge_m_s,
+            vessel.sway_m_s,
+            vessel.yaw_rate_rad_s,
+            thrusters.left.shaft,
+            thrusters.right.shaft,
+            self._pack.used_mah,
+            self._pack.voltage_v,
+        )
