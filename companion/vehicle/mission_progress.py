@@ -18,6 +18,7 @@ class MissionProgress:
         self.mission: Mission = ()
         self.current_seq = 0
         self.finished = False
+        self.has_started = False
         self.go_home = False  # the mission asked for RTL
         self.reached: list[int] = []  # sequences reached since the owner last took them
         self.speed_m_s: float | None = None  # None: cruise speed
@@ -44,6 +45,7 @@ class MissionProgress:
     def restart(self) -> None:
         """Go back to the first item."""
         self._jumps.clear()
+        self.has_started = False
         self.speed_m_s = None
         self.set_current(1 if not self.is_empty else 0)
 
@@ -70,6 +72,7 @@ class MissionProgress:
         self, nav: NavState, frame: LocalFrame, setting: Guidance, cruise_m_s: float, now_s: float
     ) -> Intent:
         """Advance to now and say what to sail; after the last item, keeps station there."""
+        self.has_started = True
         if self._leg_start is None:
             self._leg_start = nav.point
         for _ in range(_MAX_STEPS_WITHOUT_SAILING):

@@ -24,7 +24,7 @@ from companion.vehicle.arming import arming_faults
 from companion.vehicle.failsafe import Action, Alarm, BatteryWatch, OperatorWatch
 from companion.vehicle.intent import Drive, FollowLeg, Intent, KeepStation, Stop
 from companion.vehicle.mission_progress import MissionProgress
-from companion.vehicle.mission_steps import Mission
+from companion.vehicle.mission_steps import Mission, Waypoint
 from companion.vehicle.modes import Mode, mode_from_number
 
 
@@ -170,6 +170,15 @@ class Vehicle:
         config = self.config
         return arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
 
+    def active_position(self) -> LatLon | None:
+        """Where the boat is heading: the current waypoint or target, None when it steers for none."""
+        if self.mode is Mode.AUTO and self.progress.current_seq < len(self.progress.mission):
+            step = self.progress.mission[self.progress.current_seq]
+            return step.position if isinstance(step, Waypoint) else None
+        if self.mode in (Mode.GUIDED, Mode.RTL, Mode.LOITER):
+            return self.target or self._station
+        return None
+
     # How
 
     def _begin_mode(self, mode: Mode) -> None:
@@ -249,8 +258,6 @@ class Vehicle:
         return ACCEPTED
 
     def _start_mission(self, first_seq: int | None) -> Outcome:
-        if not self.armed:
-            return self._refuse("Mission start: arm first")
         if first_seq is not None and not self.progress.set_current(max(first_seq, 1)):
             return self._refuse(f"Mission has no item {first_seq} (last is {self.progress.last_seq})")
         return self.enter(Mode.AUTO)

@@ -1,0 +1,153 @@
+"""MAVLink parameters: rows over the configuration tree.
+
+One table (`params_table.py`) names every parameter. A row either stands for a field of the configuration,
+with a scale where Rover's unit differs, or is kept for the ground stations' sake: a constant that
+QGroundControl insists on, or a value that it writes and reads back. Names are ArduPilot Rover's where the
+meaning is the same.
+
+Values that differ from their defaults are kept as text, one `NAME VALUE` a line, which QGroundControl,
+MAVProxy and Mission Planner read as a parameter file.
+"""
+
+import logging
+import math
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+from companion.config import BoatConfig, with_value
+from companion.errors import ConfigError
+from companion.storage import Storage
+
+logger = logging.getLogger(__name__)
+
+_FILE = "params.parm"
+
+
+class Kind(IntEnum):
+    """MAV_PARAM_TYPE, as far as the table uses it."""
+
+    INT8 = 2
+    INT16 = 4
+    INT32 = 6
+    REAL32 = 9
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One parameter. `path` is a field of the configuration; without one the row keeps `default` itself.
+
+    value = field × scale. read_only rows are documented constants.
+    """
+
+    name: str
+    kind: Kind
+    text: str
+    path: str = ""
+    default: float = 0.0
+    scale: float = 1.0
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    read_only: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0 < len(self.name) <= 16:
+            raise ConfigError(f"parameter name {self.name!r} must have 1 to 16 characters")
+
+
+class Parameters:
+    """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
+
+    def __init__(self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage) -> None:
+        self.config = config
+        self.rows = rows
+        self._storage = storage
+        self._index = {row.name: index for index, row in enumerate(rows)}
+        self._kept = {row.name: row.default for row in rows if not row.path}
+        self._defaults = [self.value(row) for row in rows]
+        self._load()
+
+    def index_of(self, name: str) -> int | None:
+        """Where a parameter stands in the list, None when there is no such one."""
+        return self._index.get(name)
+
+    def value(self, row: Row) -> float:
+        """The value as stations see it: rounded to a 32-bit float, which is all the wire carries."""
+        if not row.path:
+            return _as_float32(self._kept[row.name])
+        section, _, field = row.path.rpartition(".")
+        return _as_float32(float(getattr(getattr(self.config, section), field)) * row.scale)
+
+    def set(self, name: str, value: float) -> str:
+        """Change a parameter and keep it. Returns why not, in words for the operator; empty when done."""
+        reason = self._change(name, value)
+        if not reason:
+            self._save()
+        return reason
+
+    def _change(self, name: str, value: float) -> str:
+        index = self._index.get(name)
+        if index is None:
+            return f"{name}: no such parameter"
+        row = self.rows[index]
+        if row.read_only:
+            return "" if value == self.value(row) else f"{name} is fixed at {self.value(row):g}"
+        if not math.isfinite(value):
+            return f"{name}: not a number"
+        if not row.low <= value <= row.high:
+            return f"{name}: {value:g} is outside {row.low:g}..{row.high:g}"
+        if row.kind is not Kind.REAL32:
+            value = float(round(value))
+        if not row.path:
+            self._kept[name] = value
+            return ""
+        try:
+            self.config = with_value(self.config, row.path, self._field_value(row, value))
+        except ConfigError as error:
+            return f"{name}: {error}"
+        return ""
+
+    def _field_value(self, row: Row, value: float) -> object:
+        section, _, field = row.path.rpartition(".")
+        current = getattr(getattr(self.config, section), field)
+        if isinstance(current, bool):
+            return value != 0.0
+        if isinstance(current, int):
+            return round(value / row.scale)
+        # 0.1 arrives as 0.10000000149: the shortest decimal with the same 32 bits is what was meant
+        return float(f"{_shortest(value)}") / row.scale
+
+    def _save(self) -> None:
+        lines = [
+            f"{row.name} {_shortest(self.value(row))}"
+            for row, default in zip(self.rows, self._defaults, strict=True)
+            if self.value(row) != default
+        ]
+        self._storage.save(_FILE, ("\n".join(lines) + "\n").encode())
+
+    def _load(self) -> None:
+        for number, line in enumerate(self._storage.load(_FILE).decode(errors="replace").splitlines(), 1):
+            words = line.replace(",", " ").split()
+            if not words or words[0].startswith("#"):
+                continue
+            try:
+                reason = self._change(words[0], float(words[1]))
+            except (IndexError, ValueError):
+                reason = f"{line!r} is not 'NAME VALUE'"
+            if reason:
+                logger.warning("%s line %d ignored: %s", _FILE, number, reason)
+
+
+def _as_float32(value: float) -> float:
+    result: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return result
+
+
+def _shortest(value: float) -> str:
+    """The shortest decimal that reads back as the same 32-bit float."""
+    for digits in range(1, 10):
+        text = f"{value:.{digits}g}"
+        if _as_float32(float(text)) == _as_float32(value):
+            return text
+    return repr(value)

@@ -1,0 +1,82 @@
+"""The one table of parameters. Everything else about them (list, file, documentation) is made from it."""
+
+import math
+
+from companion.params import Kind, Row
+
+_DEG = 180.0 / math.pi
+_REAL, _I8, _I16, _I32 = Kind.REAL32, Kind.INT8, Kind.INT16, Kind.INT32
+
+
+def _tuning() -> list[Row]:
+    """Parameters that change how the boat sails."""
+    return [
+        Row("SYSID_THISMAV", _I16, "MAVLink system id of the boat", "identity.system_id", low=1, high=255),
+        Row("SYSID_MYGCS", _I16, "System id of the operator, 0 takes any ground station", "identity.operator_system_id", low=0, high=255),
+        Row("HDG_KP", _REAL, "Heading PID: share of full steering per radian of error", "heading.kp", low=0, high=50),
+        Row("HDG_KI", _REAL, "Heading PID: integral gain, Kp/Ti", "heading.ki", low=0, high=50),
+        Row("HDG_KD", _REAL, "Heading PID: derivative gain on the measured yaw rate, Kp Td", "heading.kd", low=0, high=50),
+        Row("HDG_STR_MAX", _REAL, "Largest share of differential thrust for steering", "heading.max_steering", low=0, high=1),
+        Row("CRUISE_SPEED", _REAL, "Speed over ground in AUTO, GUIDED and RTL", "speed.cruise_m_s", unit="m/s", low=0.001, high=20),
+        Row("CRUISE_THROTTLE", _REAL, "Throttle that holds cruise speed in still water", "speed.cruise_throttle", scale=100.0, unit="%", low=0, high=100),
+        Row("WP_SPEED", _REAL, "The same as CRUISE_SPEED; ground stations' speed slider asks for it", "speed.cruise_m_s", unit="m/s", low=0.001, high=20),
+        Row("ATC_SPEED_P", _REAL, "Speed loop: share of full throttle per m/s of error", "speed.kp", low=0, high=50),
+        Row("ATC_SPEED_I", _REAL, "Speed loop: integral gain", "speed.ki", low=0, high=50),
+        Row("MOT_THR_MAX", _I16, "Largest throttle", "speed.max_throttle", scale=100.0, unit="%", low=0, high=100),
+        Row("MOT_THR_MIN", _I16, "Commands below this are not sent: the propeller would only hum", "motors.deadband", scale=100.0, unit="%", low=0, high=20),
+        Row("MOT_SLEWRATE", _I16, "Largest change of motor command", "motors.slew_per_s", scale=100.0, unit="%/s", low=1, high=5000),
+        Row("WP_RADIUS", _REAL, "A waypoint counts as reached within this distance", "guidance.waypoint_radius_m", unit="m", low=0.001, high=100),
+        Row("WP_ACCEL", _REAL, "Deceleration planned for corners and stops", "guidance.accel_m_s2", unit="m/s/s", low=0.0001, high=20),
+        Row("WP_PIVOT_ANGLE", _I16, "Heading error beyond which the boat turns on the spot", "guidance.pivot_angle_rad", scale=_DEG, unit="deg", low=1, high=180),
+        Row("LOS_LOOKAHEAD", _REAL, "Lookahead of the line-of-sight guidance", "guidance.lookahead_m", unit="m", low=0.001, high=100),
+        Row("ATC_TURN_MAX_G", _REAL, "Hardest turn at a corner", "guidance.corner_accel_m_s2", scale=1.0 / 9.80665, unit="gravities", low=0.00001, high=10),
+        Row("WP_SPEED_MIN", _REAL, "Slowest speed with steerage way", "guidance.min_speed_m_s", unit="m/s", low=0.001, high=20),
+        Row("LOIT_RADIUS", _REAL, "Station keeping acts outside this distance", "guidance.station_radius_m", unit="m", low=0.001, high=20),
+        Row("RTL_SPEED", _REAL, "Speed in RTL, 0 takes CRUISE_SPEED", "mission.rtl_speed_m_s", unit="m/s", low=0, high=20),
+        Row("MIS_DONE_BEHAVE", _I8, "After the mission: 0 HOLD, 1 LOITER", "mission.done_behave", low=0, high=1),
+        Row("FS_GCS_ENABLE", _I8, "Failsafe when the operator falls silent: 0 off, 1 on", "failsafe.gcs_enabled", low=0, high=1),
+        Row("FS_GCS_TIMEOUT", _REAL, "Silence of the operator that sets it off", "failsafe.gcs_timeout_s", unit="s", low=2, high=600),
+        Row("FS_ACTION", _I8, "0 none, 1 RTL, 2 HOLD, 3 SmartRTL or RTL, 4 SmartRTL or HOLD, 5 disarm, 6 LOITER or HOLD", "failsafe.action", low=0, high=6),
+        Row("RC_OVERRIDE_TIME", _REAL, "MANUAL_CONTROL and RC override go stale after this", "failsafe.manual_timeout_s", unit="s", low=0.1, high=120),
+        Row("BATT_CAPACITY", _I32, "Capacity of the pack", "battery.capacity_mah", unit="mAh", low=1, high=1000000),
+        Row("BATT_LOW_VOLT", _REAL, "Voltage of the battery failsafe, 0 off", "failsafe.battery_low_v", unit="V", low=0, high=100),
+        Row("BATT_LOW_TIMER", _REAL, "Time below BATT_LOW_VOLT that sets it off", "failsafe.battery_low_s", unit="s", low=0.1, high=120),
+        Row("BATT_FS_LOW_ACT", _I8, "Action of the battery failsafe, numbers as FS_ACTION", "failsafe.battery_action", low=0, high=6),
+        Row("BATT_ARM_VOLT", _REAL, "Voltage needed to arm", "arming.battery_min_v", unit="V", low=0, high=100),
+        Row("ARMING_CHECK", _I32, "Arming checks: 0 off, 1 on", "arming.check", low=0, high=1),
+        Row("GPS_HDOP_GOOD", _I16, "HDOP above which the boat does not arm", "arming.max_hdop", scale=100.0, unit="1/100", low=1, high=900),
+    ]  # fmt: skip
+
+
+def _constants() -> list[Row]:
+    """What QGroundControl's Rover pages insist on, as this boat's documented constants."""
+    fixed = [
+        ("FRAME_CLASS", _I8, 2.0, "Boat"),
+        ("FRAME_TYPE", _I8, 0.0, "Undefined"),
+        ("ARMING_REQUIRE", _I8, 1.0, "Arming is needed before the motors turn"),
+        ("BATT_MONITOR", _I8, 4.0, "Voltage and current"),
+        ("MODE_CH", _I8, 0.0, "No mode switch on a transmitter"),
+        ("RCMAP_ROLL", _I8, 1.0, "RC override: steering"),
+        ("RCMAP_PITCH", _I8, 2.0, "RC override: unused"),
+        ("RCMAP_THROTTLE", _I8, 3.0, "RC override: throttle"),
+        ("RCMAP_YAW", _I8, 4.0, "RC override: unused"),
+        ("COMPASS_DEC", _REAL, 0.0, "The heading sensor reports true heading"),
+        ("INS_ACCOFFS_X", _REAL, 0.001, "No accelerometer to calibrate"),
+        ("INS_ACCOFFS_Y", _REAL, 0.001, "No accelerometer to calibrate"),
+        ("INS_ACCOFFS_Z", _REAL, 0.001, "No accelerometer to calibrate"),
+    ]
+    for compass, is_used in (("", True), ("2", False), ("3", False)):
+        fixed.append((f"COMPASS_DEV_ID{compass}", _I32, 1.0 if is_used else 0.0, "Heading sensor"))
+        fixed.append((f"COMPASS_USE{compass}", _I8, 1.0 if is_used else 0.0, "Heading sensor is used"))
+        offset = 0.001 if is_used else 0.0
+        fixed += [(f"COMPASS_OFS{compass}_{axis}", _REAL, offset, "Calibrated in the part") for axis in "XYZ"]
+    for channel in range(1, 5):
+        fixed.append((f"RC{channel}_MIN", _I16, 1000.0, "RC override range"))
+        fixed.append((f"RC{channel}_MAX", _I16, 2000.0, "RC override range"))
+        fixed.append((f"RC{channel}_TRIM", _I16, 1500.0, "RC override centre"))
+    for position, mode in enumerate((0, 4, 5, 10, 11, 15), 1):
+        fixed.append((f"MODE{position}", _I8, float(mode), "Mode of this switch position"))
+    return [Row(name, kind, text, default=value, read_only=True) for name, kind, value, text in fixed]
+
+
+ROWS: tuple[Row, ...] = tuple(sorted([*_tuning(), *_constants()], key=lambda row: row.name))
