@@ -1,0 +1,136 @@
+"""The boat's MAVLink endpoint: hands each message to the service that it is for.
+
+The wire is untrusted: a message that no service knows, or that is for somebody else, is counted and dropped,
+and a fault in handling one is logged once for its kind and never reaches the control loop.
+"""
+
+import logging
+from collections.abc import Callable
+
+from companion.mavlink.address import Address, concerns
+from companion.mavlink.codec import Received
+from companion.mavlink.dialect import Message, dialect
+from companion.params import Parameters
+from companion.services.commands import CommandService, from_int, from_long
+from companion.services.heartbeat import HeartbeatService
+from companion.services.manual_control import ManualControlService
+from companion.services.mission import MissionService
+from companion.services.outbox import Origin, Outbox
+from companion.services.parameters import ParameterService
+from companion.services.snapshot import Snapshot
+from companion.services.statustext import StatusTextService
+from companion.services.telemetry import TelemetryService
+from companion.storage import Storage
+from companion.vehicle.vehicle import Vehicle
+
+logger = logging.getLogger(__name__)
+
+_MISSION = (
+    dialect.MAVLINK_MSG_ID_MISSION_COUNT,
+    dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
+    dialect.MAVLINK_MSG_ID_MISSION_ITEM,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_LIST,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST,
+    dialect.MAVLINK_MSG_ID_MISSION_ACK,
+    dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
+    dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
+)
+
+Handler = Callable[[Message, Origin, float], None]
+
+
+class Endpoint:
+    """All services of component 1, and the outbox that they share."""
+
+    def __init__(self, own: Address, vehicle: Vehicle, parameters: Parameters, storage: Storage) -> None:
+        self.outbox = Outbox()
+        self.ignored = 0  # messages that no service wanted
+        self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log
+        self._own = own
+        self._vehicle = vehicle
+        self._parameters = parameters
+        self._texts = StatusTextService(self.outbox)
+        self._heartbeat = HeartbeatService(vehicle, self.outbox)
+        self._telemetry = TelemetryService(self.outbox)
+        self._commands = CommandService(vehicle, self._telemetry, self.outbox)
+        self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
+        self._listings = ParameterService(parameters, self.outbox, self._texts)
+        self._manual = ManualControlService(vehicle)
+        self._handlers = self._dispatch_table()
+
+    def _dispatch_table(self) -> dict[int, Handler]:
+        listings, telemetry, commands = self._listings, self._telemetry, self._commands
+        table: dict[int, Handler] = {
+            dialect.MAVLINK_MSG_ID_HEARTBEAT: self._on_heartbeat,
+            dialect.MAVLINK_MSG_ID_COMMAND_LONG: lambda m, o, t: commands.handle(from_long(m, o, t)),
+            dialect.MAVLINK_MSG_ID_COMMAND_INT: lambda m, o, t: commands.handle(from_int(m, o, t)),
+            dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
+            dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: lambda m, o, t: listings.on_request_list(o),
+            dialect.MAVLINK_MSG_ID_PARAM_REQUEST_READ: lambda m, o, t: listings.on_request_read(m, o),
+            dialect.MAVLINK_MSG_ID_PARAM_SET: lambda m, o, t: listings.on_set(m),
+            dialect.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: (
+                lambda m, o, t: telemetry.on_request_data_stream(m, o.channel, t)
+            ),
+            dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_manual_control,
+            dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
+        }
+        table.update(dict.fromkeys(_MISSION, self._missions.handle))
+        return table
+
+    def open(self, channel: int) -> None:
+        """A channel has come into being: it hears a heartbeat at once, and telemetry from now on."""
+        self._telemetry.open(channel, self._parameters.config.mavlink.stream_hz)
+        self.outbox.send(channel, self._heartbeat.message())
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone."""
+        for service in (self._telemetry, self._listings, self._missions):
+            service.forget(channel)
+
+    def handle(self, channel: int, received: Received, now_s: float) -> None:
+        """Hand one message to its service. Never raises."""
+        message, sender = received.message, received.sender
+        handler = self._handlers.get(message.get_msgId())
+        if handler is None or sender == self._own or not self._is_for_us(message):
+            self.ignored += 1
+            return
+        try:
+            handler(message, Origin(channel, sender), now_s)
+        except Exception:
+            self.faults += 1
+            logger.exception("fault %d while handling %s", self.faults, message.get_type())
+
+    def tick(self, now: Snapshot) -> None:
+        """Everything that happens by the clock."""
+        self._heartbeat.tick(now.now_s)
+        self._missions.tick(now.now_s)
+        self._texts.tell(self._vehicle.take_notices())
+        self._listings.tick()
+        self._telemetry.tick(now)
+
+    def tell_changes(self) -> None:
+        """What a message just handled has changed is told at once, not at the next tick."""
+        self._heartbeat.tell_change()
+        self._texts.tell(self._vehicle.take_notices())
+
+    def _is_for_us(self, message: Message) -> bool:
+        target_system = getattr(message, "target_system", getattr(message, "target", 0))
+        return concerns(self._own, target_system, getattr(message, "target_component", 0))
+
+    def _is_operator(self, origin: Origin) -> bool:
+        chosen = self._parameters.config.identity.operator_system_id
+        return chosen in (0, origin.address.system)
+
+    def _on_heartbeat(self, message: Message, origin: Origin, now_s: float) -> None:
+        # A planner or logger announces another type: it must not keep the operator's failsafe quiet
+        if message.type == dialect.MAV_TYPE_GCS and self._is_operator(origin):
+            self._vehicle.operator.heard(now_s)
+
+    def _on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+        if self._is_operator(origin):
+            self._manual.on_manual_control(message)
+
+    def _on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+        if self._is_operator(origin):
+            self._manual.on_rc_override(message)

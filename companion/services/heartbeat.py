@@ -1,0 +1,65 @@
+"""HEARTBEAT: once a second, and at once whenever what it says has changed.
+
+A ground station waits 1.3 s for a new mode and 1.5 s for the armed bit; at 1 Hz alone it would sometimes
+report a failure that never was.
+"""
+
+from companion.mavlink.dialect import Message, dialect
+from companion.services.outbox import Outbox
+from companion.vehicle.modes import Mode
+from companion.vehicle.vehicle import Vehicle
+
+_PERIOD_S = 1.0
+
+_BASE_MODE = {
+    Mode.MANUAL: dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
+    Mode.HOLD: 0,
+    Mode.LOITER: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
+    Mode.AUTO: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
+    Mode.RTL: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
+    Mode.GUIDED: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
+}
+
+
+class HeartbeatService:
+    """Announces the boat as an ArduPilot surface boat with Rover's modes."""
+
+    def __init__(self, vehicle: Vehicle, outbox: Outbox) -> None:
+        self._vehicle = vehicle
+        self._outbox = outbox
+        self._due_s = 0.0
+        self._said: tuple[Mode, bool] | None = None
+
+    def message(self) -> Message:
+        """The heartbeat of now."""
+        vehicle = self._vehicle
+        base_mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | _BASE_MODE[vehicle.mode]
+        if vehicle.armed:
+            base_mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
+        # ACTIVE makes stations offer Return and go-to; a boat that holds is STANDBY so that they offer Disarm
+        is_active = vehicle.armed and vehicle.mode is not Mode.HOLD
+        return dialect.MAVLink_heartbeat_message(
+            type=dialect.MAV_TYPE_SURFACE_BOAT,
+            autopilot=dialect.MAV_AUTOPILOT_ARDUPILOTMEGA,
+            base_mode=base_mode,
+            custom_mode=int(vehicle.mode),
+            system_status=dialect.MAV_STATE_ACTIVE if is_active else dialect.MAV_STATE_STANDBY,
+            mavlink_version=3,
+        )
+
+    def tick(self, now_s: float) -> None:
+        """Send when due or changed."""
+        if now_s >= self._due_s:
+            self._due_s = now_s + _PERIOD_S
+            self._say()
+        else:
+            self.tell_change()
+
+    def tell_change(self) -> None:
+        """Send if mode or arming differ from what was said last."""
+        if (self._vehicle.mode, self._vehicle.armed) != self._said:
+            self._say()
+
+    def _say(self) -> None:
+        self._said = (self._vehicle.mode, self._vehicle.armed)
+        self._outbox.broadcast(self.message())

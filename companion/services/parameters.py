@@ -1,0 +1,72 @@
+"""The parameter protocol: list, read, set. Values are C-cast floats, as ArduPilot's are."""
+
+from collections import deque
+
+from companion.mavlink.dialect import Message, dialect
+from companion.params import Parameters
+from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
+from companion.vehicle.vehicle import Notice, Severity
+
+_LIST_PER_TICK = 10  # 500 a second at 50 Hz: a second's worth of a slow radio is never queued at once
+
+
+class ParameterService:
+    """Answers every request at once; a whole list goes out over the following ticks."""
+
+    def __init__(self, parameters: Parameters, outbox: Outbox, texts: StatusTextService) -> None:
+        self._parameters = parameters
+        self._outbox = outbox
+        self._texts = texts
+        self._listing: dict[int, deque[int]] = {}  # by channel: the indexes still to send
+
+    def on_request_list(self, origin: Origin) -> None:
+        """PARAM_REQUEST_LIST: (re)start the list on the channel it came from."""
+        self._listing[origin.channel] = deque(range(len(self._parameters.rows)))
+
+    def on_request_read(self, message: Message, origin: Origin) -> None:
+        """PARAM_REQUEST_READ by index, or by name when the index is −1. What does not exist is not answered:
+        the protocol has no refusal."""
+        index: int | None = message.param_index
+        if message.param_index < 0:
+            index = self._parameters.index_of(_name(message.param_id))
+        if index is not None and index < len(self._parameters.rows):
+            self._outbox.send(origin.channel, self._value(index))
+
+    def on_set(self, message: Message) -> None:
+        """PARAM_SET: everyone hears the stored value, also when the change was refused."""
+        name = _name(message.param_id)
+        reason = self._parameters.set(name, message.param_value)
+        if reason:
+            self._texts.tell([Notice(Severity.WARNING, reason)])
+        index = self._parameters.index_of(name)
+        if index is not None:
+            self._outbox.broadcast(self._value(index))
+
+    def forget(self, channel: int) -> None:
+        """A channel has closed."""
+        self._listing.pop(channel, None)
+
+    def tick(self) -> None:
+        """Go on with the lists under way."""
+        for channel in list(self._listing):
+            queue = self._listing[channel]
+            for _ in range(min(_LIST_PER_TICK, len(queue))):
+                self._outbox.send(channel, self._value(queue.popleft()))
+            if not queue:
+                del self._listing[channel]
+
+    def _value(self, index: int) -> Message:
+        row = self._parameters.rows[index]
+        return dialect.MAVLink_param_value_message(
+            param_id=row.name.encode("ascii"),
+            param_value=self._parameters.value(row),
+            param_type=int(row.kind),
+            param_count=len(self._parameters.rows),
+            param_index=index,
+        )
+
+
+def _name(param_id: str | bytes) -> str:
+    text = param_id.decode("ascii", errors="replace") if isinstance(param_id, bytes) else param_id
+    return text.rstrip("\x00")

@@ -1,0 +1,39 @@
+"""The boat at one instant, as telemetry reports it."""
+
+from dataclasses import dataclass
+
+from companion.config import BoatConfig
+from companion.geo import LocalFrame
+from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.state import Demand, MotorCommand, NavState, PidOutput
+from companion.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """One tick's knowledge. unix_s is 0 while the date is not known; load is the share of the tick used."""
+
+    now_s: float
+    unix_s: float
+    config: BoatConfig
+    vehicle: Vehicle
+    nav: NavState | None
+    frame: LocalFrame | None
+    fix: GnssFix | None
+    battery: BatteryReading | None
+    sonar: SonarReading | None
+    demand: Demand | None
+    heading_pid: PidOutput | None
+    command: MotorCommand
+    consumed_mah: float
+    load: float
+
+    @property
+    def boot_ms(self) -> int:
+        """Milliseconds since boot, as most messages stamp themselves."""
+        return round(self.now_s * 1e3) & 0xFFFFFFFF
+
+    @property
+    def boot_us(self) -> int:
+        """Microseconds since boot."""
+        return round(self.now_s * 1e6)

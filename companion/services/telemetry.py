@@ -1,0 +1,91 @@
+"""Telemetry: the table of messages that the boat can send, each channel's timetable, and single requests."""
+
+import math
+from collections.abc import Callable
+
+from companion.mavlink.dialect import Message, dialect
+from companion.services import motion_messages as motion
+from companion.services import status_messages as status
+from companion.services.outbox import Outbox
+from companion.services.snapshot import Snapshot
+from companion.services.streams import Streams
+
+_ID = dialect
+BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
+    _ID.MAVLINK_MSG_ID_ATTITUDE: motion.attitude,
+    _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: motion.global_position_int,
+    _ID.MAVLINK_MSG_ID_GPS_RAW_INT: motion.gps_raw_int,
+    _ID.MAVLINK_MSG_ID_LOCAL_POSITION_NED: motion.local_position_ned,
+    _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
+    _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
+    _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
+    _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
+    _ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION: status.autopilot_version,
+    _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
+    _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
+    _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
+    _ID.MAVLINK_MSG_ID_MISSION_CURRENT: status.mission_current,
+    _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
+    _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
+}
+
+
+class TelemetryService:
+    """Sends what is due on each channel."""
+
+    def __init__(self, outbox: Outbox) -> None:
+        self._outbox = outbox
+        self._streams: dict[int, Streams] = {}
+        self._latest: Snapshot | None = None
+
+    def open(self, channel: int, stream_hz: float) -> None:
+        """A channel has opened."""
+        self._streams[channel] = Streams(stream_hz)
+
+    def forget(self, channel: int) -> None:
+        """A channel has closed."""
+        self._streams.pop(channel, None)
+
+    @staticmethod
+    def offers(message_id: int) -> bool:
+        """Whether this is a message that the boat ever sends."""
+        return message_id in BUILDERS
+
+    def build(self, message_id: int) -> Message | None:
+        """One message as of the latest tick; None when it is unknown or there is nothing to say yet."""
+        builder = BUILDERS.get(message_id)
+        return builder(self._latest) if builder is not None and self._latest is not None else None
+
+    def set_interval_us(self, channel: int, message_id: int, interval_us: float, now_s: float) -> bool:
+        """SET_MESSAGE_INTERVAL: −1 stops, 0 asks for the default rate. False for a message we never send."""
+        if message_id not in BUILDERS or not math.isfinite(interval_us):
+            return False
+        interval_s = math.inf if interval_us < 0.0 else interval_us * 1e-6 if interval_us > 0.0 else 1.0
+        if (streams := self._streams.get(channel)) is not None:
+            streams.set_interval(message_id, interval_s, now_s)
+        return True
+
+    def interval_us(self, channel: int, message_id: int) -> int:
+        """GET_MESSAGE_INTERVAL: −1 when it is not sent, 0 when it never can be."""
+        if message_id not in BUILDERS:
+            return 0
+        streams = self._streams.get(channel)
+        interval_s = streams.interval_s(message_id) if streams is not None else math.inf
+        return -1 if math.isinf(interval_s) else round(interval_s * 1e6)
+
+    def on_request_data_stream(self, message: Message, channel: int, now_s: float) -> None:
+        """The old way to ask for rates, a group at a time."""
+        if (streams := self._streams.get(channel)) is not None:
+            rate_hz = float(message.req_message_rate) if message.start_stop else 0.0
+            streams.set_group(message.req_stream_id, rate_hz, now_s)
+
+    def tick(self, now: Snapshot) -> None:
+        """Send what is due. A message that several channels want is built once."""
+        self._latest = now
+        built: dict[int, Message | None] = {}
+        for channel, streams in self._streams.items():
+            for message_id in streams.due(now.now_s):
+                if message_id not in built:
+                    built[message_id] = BUILDERS[message_id](now)
+                if (message := built[message_id]) is not None:
+                    self._outbox.send(channel, message)
