@@ -1,0 +1,142 @@
+"""The boat: the whole data flow, from links and sensors to motors and telemetry, in one step."""
+
+from collections.abc import Sequence
+
+from companion.config import BoatConfig
+from companion.control.gate import Gate
+from companion.control.helm import Helm
+from companion.estimation.estimator import Estimator
+from companion.guidance.pilot import Pilot
+from companion.hal.interfaces import Hardware, Port
+from companion.mavlink.address import Address
+from companion.params import Parameters
+from companion.params_table import ROWS
+from companion.router.channels import Channels
+from companion.sensors.charge import ChargeCounter
+from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.services.endpoint import Endpoint
+from companion.services.snapshot import Snapshot
+from companion.state import STOPPED, Demand, MotorCommand, NavState
+from companion.storage import Storage
+from companion.vehicle.intent import Drive, Intent
+from companion.vehicle.vehicle import Vehicle
+
+COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
+TICK_S = 0.02
+
+
+class Boat:
+    """Everything on board but the hardware and the clock, which are handed in.
+
+    `step` is called once a tick, `receive` whenever a link has something; both with the seconds since boot.
+    """
+
+    def __init__(
+        self,
+        config: BoatConfig,
+        hardware: Hardware,
+        ports: Sequence[Port],
+        storage: Storage,
+        unix_offset_s: float = 0.0,
+    ) -> None:
+        own = Address(config.identity.system_id, COMPONENT_ID)
+        self.parameters = Parameters(config, ROWS, storage)
+        self.vehicle = Vehicle(self.parameters.config)
+        self.channels = Channels(ports, own)
+        self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage)
+        self.estimator = Estimator()
+        self.pilot = Pilot()
+        self.helm = Helm()
+        self.gate = Gate()
+        self.load = 0.0  # share of the tick that the last steps took; the runner's to say
+        self.command: MotorCommand = STOPPED
+        self.nav: NavState | None = None
+        self.demand: Demand | None = None
+        self._hardware = hardware
+        self._storage = storage
+        self._charge = ChargeCounter()
+        self._fix: GnssFix | None = None
+        self._battery: BatteryReading | None = None
+        self._ping: SonarReading | None = None
+        self._unix_offset_s = unix_offset_s
+
+    def receive(self, now_s: float) -> None:
+        """Take in new links and everything that stations have said, and answer at once."""
+        for number in self.channels.accept():
+            self.endpoint.open(number)
+        for number, received in self.channels.receive():
+            self.endpoint.handle(number, received, now_s)
+        self.vehicle.config = self.parameters.config
+        self.endpoint.tell_changes()
+        self._flush()
+        for number in self.channels.drop_closed():
+            self.endpoint.forget(number)
+
+    def step(self, now_s: float) -> None:
+        """One tick: sense, listen, decide, steer, drive, tell."""
+        self._sense(now_s)
+        self.receive(now_s)
+        intent = self.vehicle.decide()
+        self.command = self._steer(intent, now_s)
+        self._hardware.motors.write(self.command.left, self.command.right)
+        self.endpoint.tick(self._snapshot(now_s))
+        self._flush()
+
+    def close(self) -> None:
+        """Motors off first, then everything else. May be called twice."""
+        self._hardware.close()
+        self.channels.close()
+        self._storage.close()
+
+    def _sense(self, now_s: float) -> None:
+        hardware = self._hardware
+        self._fix = hardware.gnss.read()
+        self.nav = self.estimator.update(self._fix, hardware.compass.read(), now_s)
+        if hardware.battery is not None:
+            self._battery = hardware.battery.read()
+            self._charge.add(self._battery)
+        if hardware.sonar is not None and (pings := hardware.sonar.read()):
+            self._ping = pings[-1]
+        if self._fix is not None and self._fix.unix_time_s is not None:
+            self._unix_offset_s = self._fix.unix_time_s - self._fix.time_s
+        self.vehicle.sense(self.nav, self.estimator.frame, self._fix, self._battery, now_s)
+
+    def _steer(self, intent: Intent, now_s: float) -> MotorCommand:
+        config, nav = self.parameters.config, self.nav
+        steered = self.pilot.update(intent, nav, config, TICK_S)
+        self.demand = steered if isinstance(steered, Demand) else None
+        thrust = self.helm.update(steered, nav, config, TICK_S)
+        command = self.gate.check(
+            thrust,
+            armed=self.vehicle.armed,
+            command_age_s=now_s - nav.time_s if nav is not None else 0.0,
+            nav=nav,
+            needs_estimate=not isinstance(steered, Drive),
+            setting=config.motors,
+            dt_s=TICK_S,
+        )
+        if command.reason:
+            self.helm.reset()
+        return command
+
+    def _snapshot(self, now_s: float) -> Snapshot:
+        return Snapshot(
+            now_s=now_s,
+            unix_s=now_s + self._unix_offset_s if self._unix_offset_s else 0.0,
+            config=self.parameters.config,
+            vehicle=self.vehicle,
+            nav=self.nav,
+            frame=self.estimator.frame,
+            fix=self._fix,
+            battery=self._battery,
+            sonar=self._ping,
+            demand=self.demand,
+            heading_pid=self.helm.heading_pid,
+            command=self.command,
+            consumed_mah=self._charge.consumed_mah,
+            load=self.load,
+        )
+
+    def _flush(self) -> None:
+        for outgoing in self.endpoint.outbox.take():
+            self.channels.send(outgoing.message, outgoing.channel)

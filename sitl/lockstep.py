@@ -1,0 +1,45 @@
+"""The boat and its water in one process, tick by tick, as fast as the machine goes.
+
+Time is counted in ticks, so a run is a function of the scenario, its seed and what the station says.
+"""
+
+from companion.boat import COMPONENT_ID, TICK_S, Boat
+from companion.hal.memory import MemoryPort, memory_pair
+from companion.mavlink.address import Address
+from companion.storage import MemoryStorage, Storage
+from sitl.scenario import Scenario
+from sitl.station import Station
+from sitl.world import World
+
+
+class Lockstep:
+    """One boat, its world, and a station on a memory link."""
+
+    def __init__(self, scenario: Scenario, storage: Storage | None = None) -> None:
+        near, far = memory_pair("station")
+        self.world = World(scenario)
+        self.boat = Boat(
+            scenario.vehicle, self.world.hardware, [MemoryPort(near)], storage or MemoryStorage()
+        )
+        self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since boot."""
+        return self.world.time_s
+
+    def step(self) -> None:
+        """One tick: the boat acts on what its sensors say now, then the water moves on."""
+        now_s = self.world.time_s
+        self.boat.step(now_s)
+        self.station.step(now_s)
+        self.world.step(TICK_S)
+
+    def run_until(self, time_s: float) -> None:
+        """Step until simulated time has come."""
+        while self.time_s < time_s:
+            self.step()
+
+    def close(self) -> None:
+        """Let everything go."""
+        self.boat.close()

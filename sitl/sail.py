@@ -1,0 +1,150 @@
+"""One mission from boot to its end, in lockstep: upload, arm, sail, measure."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from companion.boat import TICK_S
+from companion.errors import BoatError
+from companion.geo import Point, distance_m
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem
+from companion.vehicle.mission_steps import Waypoint
+from companion.vehicle.modes import Mode
+from sitl.lockstep import Lockstep
+from sitl.recorder import NO_LEG, Recorder
+from sitl.scenario import Scenario
+
+_BOOT_S = 60.0  # longest wait for the boat to become armable
+_UPLOAD_S = 60.0
+_SLACK = 4.0  # a mission may take this many times its length at cruise speed, plus _BOOT_S
+
+
+class SailError(BoatError):
+    """The run ended before the mission did; the message says where and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The figures of a run; lengths and errors are ground truth. None where there is nothing to measure."""
+
+    scenario: str
+    seed: int
+    completed: bool
+    sim_seconds: float
+    cpu_seconds: float
+    real_time_factor: float
+    planned_length_m: float
+    path_length_m: float
+    time_s: float
+    cross_track_rms_m: float | None
+    cross_track_max_m: float | None
+    min_clearance_m: float | None
+    groundings: int
+    waypoints: int
+    waypoints_reached: int
+    final_mode: str
+    state_hash: str
+
+
+class Sailing:
+    """A run under way. `recorder` holds the truth of every tick since the mission began."""
+
+    def __init__(self, scenario: Scenario, items: Sequence[MissionItem]) -> None:
+        self.scenario = scenario
+        self.items = tuple(items)
+        self.recorder = Recorder()
+        self.planned: list[Point] = []
+        self.lockstep = Lockstep(scenario)
+        self._leg_of_seq: dict[int, int] = {}
+
+    def run(self, timeout_s: float | None = None, tell: Callable[[float, int], None] | None = None) -> Result:
+        """Sail the mission to its end.
+
+        timeout_s: simulated seconds after the start; by default a multiple of the planned time.
+        tell: called about once a simulated second with the time and the current item.
+
+        Raises:
+            SailError: the boat never became armable, refused the mission or the arming, or could not start.
+        """
+        began_s = time.process_time()
+        self._prepare()
+        started_s = self.lockstep.time_s
+        planned_m = sum(distance_m(a, b) for a, b in zip(self.planned, self.planned[1:], strict=False))
+        limit_s = timeout_s or _BOOT_S + _SLACK * planned_m / self.scenario.vehicle.speed.cruise_m_s
+        completed = self._sail(started_s + limit_s, tell)
+        cpu_s = time.process_time() - began_s
+        lockstep = self.lockstep
+        metrics = self.recorder.metrics(self.planned, lockstep.world.shore)
+        result = Result(
+            scenario=self.scenario.title,
+            seed=self.scenario.seed,
+            completed=completed,
+            sim_seconds=lockstep.time_s,
+            cpu_seconds=cpu_s,
+            real_time_factor=lockstep.time_s / cpu_s,
+            planned_length_m=planned_m,
+            path_length_m=metrics.path_length_m,
+            time_s=metrics.time_s,
+            cross_track_rms_m=metrics.cross_track_rms_m,
+            cross_track_max_m=metrics.cross_track_max_m,
+            min_clearance_m=metrics.min_clearance_m,
+            groundings=metrics.groundings,
+            waypoints=len(self.planned) - 1,
+            waypoints_reached=len({seq for seq in lockstep.station.reached if seq in self._leg_of_seq}),
+            final_mode=lockstep.boat.vehicle.mode.name,
+            state_hash=self.recorder.state_hash(),
+        )
+        lockstep.close()
+        return result
+
+    def _prepare(self) -> None:
+        lockstep, station = self.lockstep, self.lockstep.station
+        self._wait(self._is_armable, _BOOT_S, "the boat did not become armable")
+        station.upload(self.items, lockstep.time_s)
+        self._wait(lambda: station.uploaded is not None, _UPLOAD_S, "the upload did not end")
+        if not station.uploaded:
+            raise SailError(f"the boat refused the mission: {station.refusal}")
+        self._command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
+        self._command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
+        truth = lockstep.world.truth
+        self.planned = [Point(truth.north_m, truth.east_m)]
+        for seq, step in enumerate(lockstep.boat.vehicle.progress.mission):
+            if isinstance(step, Waypoint):
+                self._leg_of_seq[seq] = len(self.planned) - 1
+                self.planned.append(self.scenario.frame.to_local(step.position))
+
+    def _is_armable(self) -> bool:
+        status = self.lockstep.station.latest.get("SYS_STATUS")
+        bit = dialect.MAV_SYS_STATUS_PREARM_CHECK
+        return status is not None and bool(status.onboard_control_sensors_health & bit)
+
+    def _command(self, number: int, *params: float, what: str) -> None:
+        station = self.lockstep.station
+        station.command(number, *params)
+        self._wait(lambda: station.answer(number) is not None, 5.0, f"{what} was not answered")
+        if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
+            said = station.texts[-1] if station.texts else "it did not say why"
+            raise SailError(f"the boat refused {what}: {said}")
+
+    def _wait(self, is_so: Callable[[], bool], limit_s: float, failure: str) -> None:
+        deadline_s = self.lockstep.time_s + limit_s
+        while not is_so():
+            if self.lockstep.time_s > deadline_s:
+                raise SailError(f"{failure} within {limit_s:g} simulated seconds")
+            self.lockstep.step()
+
+    def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None) -> bool:
+        """Whether the mission was sailed to its end. It ends when the boat leaves AUTO of its own accord."""
+        lockstep = self.lockstep
+        vehicle, progress, world = lockstep.boat.vehicle, lockstep.boat.vehicle.progress, lockstep.world
+        record, legs = self.recorder.record, self._leg_of_seq
+        ticks_per_second = round(1.0 / TICK_S)
+        while vehicle.armed and vehicle.mode is Mode.AUTO and lockstep.time_s < deadline_s:
+            lockstep.step()
+            record(world.truth, legs.get(progress.current_seq, NO_LEG))
+            if tell is not None and world.tick % ticks_per_second == 0:
+                tell(lockstep.time_s, progress.current_seq)
+        for _ in range(ticks_per_second):  # let the last telegrams arrive
+            lockstep.step()
+        return progress.finished

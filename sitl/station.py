@@ -1,0 +1,98 @@
+"""A ground station in the emulator's own process: it speaks MAVLink with the boat over a memory link.
+
+It announces itself as an onboard controller, as the planner process does, so it never stands in for the
+operator. All that a lockstep run knows of the boat that is not ground truth, it knows from here.
+"""
+
+import math
+from collections.abc import Sequence
+
+from companion.hal.interfaces import Link
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionItem, MissionResult, MissionType
+from companion.mavlink.sender import Sender
+from companion.mavlink.transfer import Completed, Failed
+
+OWN = Address(245, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)
+_HEARTBEAT_S = 1.0
+
+
+class Station:
+    """Uploads, commands, and keeps the latest message of each type that it has heard."""
+
+    def __init__(self, link: Link, boat: Address) -> None:
+        self.boat = boat
+        self.latest: dict[str, Message] = {}
+        self.texts: list[str] = []
+        self.reached: list[int] = []
+        self.uploaded: bool | None = None  # None while an upload is under way
+        self.refusal = ""
+        self._link = link
+        self._decoder = Decoder(datagram=link.is_datagram)
+        self._encoder = Encoder(OWN)
+        self._sender = Sender(OWN, MissionType.MISSION)
+        self._acks: dict[int, int] = {}
+        self._heartbeat_s = -math.inf
+
+    def send(self, message: Message) -> None:
+        """Send anything."""
+        self._link.send(self._encoder.encode(message))
+
+    def command(self, number: int, *params: float) -> None:
+        """Send a COMMAND_LONG; its answer is then to be had from `answer`."""
+        self._acks.pop(number, None)
+        values = [*params, *([0.0] * (7 - len(params)))]
+        self.send(dialect.MAVLink_command_long_message(*self.boat, number, 0, *values))
+
+    def answer(self, number: int) -> int | None:
+        """The MAV_RESULT of the latest command of this number, None while there is none."""
+        return self._acks.get(number)
+
+    def upload(self, items: Sequence[MissionItem], now_s: float) -> None:
+        """Begin to upload a mission."""
+        self.uploaded = None
+        self._sender.offer(items, self.boat, now_s)
+
+    def step(self, now_s: float) -> None:
+        """Hear what has come, answer, keep the heartbeat going."""
+        for chunk in self._link.receive():
+            for received in self._decoder.feed(chunk):
+                self._hear(received.message, received.sender, now_s)
+        self._sender.tick(now_s)
+        for message in self._sender.take_outbox():
+            self.send(message)
+        for event in self._sender.take_events():
+            if isinstance(event, Completed | Failed):
+                self.uploaded = isinstance(event, Completed)
+                self.refusal = "" if isinstance(event, Completed) else self._why(event)
+        if now_s - self._heartbeat_s >= _HEARTBEAT_S:
+            self._heartbeat_s = now_s
+            self.send(
+                dialect.MAVLink_heartbeat_message(
+                    dialect.MAV_TYPE_ONBOARD_CONTROLLER,
+                    dialect.MAV_AUTOPILOT_INVALID,
+                    0,
+                    0,
+                    dialect.MAV_STATE_ACTIVE,
+                    3,
+                )
+            )
+
+    def _why(self, failed: Failed) -> str:
+        """The boat's own words, where it had any."""
+        said = [text for text in self.texts if "upload failed" in text or "refused" in text]
+        return said[-1] if said else f"{MissionResult(failed.result).name}: {failed.text}"
+
+    def _hear(self, message: Message, sender: Address, now_s: float) -> None:
+        name = message.get_type()
+        self.latest[name] = message
+        if name.startswith("MISSION_"):
+            self._sender.handle(message, sender, now_s)
+            if name == "MISSION_ITEM_REACHED":
+                self.reached.append(message.seq)
+        elif name == "COMMAND_ACK":
+            self._acks[message.command] = message.result
+        elif name == "STATUSTEXT":
+            self.texts.append(str(message.text).rstrip("\x00"))
