@@ -1,7 +1,7 @@
 """Draws mill_pond.geojson beside this file: an invented pond for scenarios, tests and pictures.
 
-Shores are given as a few control points in metres (east, north) of 50.0° N 1.2° W, roughened once by displacing
-midpoints with a fixed seed, and rounded by a closed Catmull-Rom spline. Run it again after a change:
+Shores are given as a few control points in metres (east, north) of 50.0° N 1.2° W, roughened once by
+displacing midpoints with a fixed seed, and rounded by a closed Catmull-Rom spline. Run again after a change:
 
     python examples/maps/draw_mill_pond.py
 """
@@ -21,12 +21,13 @@ FRAME = LocalFrame(LatLon(50.0, -1.2))
 
 SHORE: Ring = [
     (-298, 12), (-290, 62), (-252, 98), (-222, 132), (-232, 178), (-206, 222), (-166, 232), (-134, 204),
-    (-116, 158), (-98, 112), (-84, 116), (-76, 160), (-52, 196), (-26, 230), (22, 252), (76, 240), (108, 204), (140, 178), (172, 188), (194, 222),
+    (-116, 158), (-98, 112), (-84, 116), (-76, 160), (-52, 196), (-26, 230), (22, 252), (76, 240),
+    (108, 204), (140, 178), (172, 188), (194, 222),
     (206, 262), (226, 296), (243, 300), (240, 270), (230, 226), (222, 186), (244, 154), (282, 124), (302, 66),
     (288, 14), (246, -10), (196, -22), (186, -40), (214, -62), (262, -92), (272, -146), (232, -190),
     (172, -196), (134, -168), (98, -176), (62, -222), (4, -246), (-58, -232), (-82, -190), (-112, -166),
-    (-152, -184), (-204, -206), (-250, -180), (-262, -132), (-232, -92), (-192, -70), (-188, -50), (-226, -34),
-    (-280, -24),
+    (-152, -184), (-204, -206), (-250, -180), (-262, -132), (-232, -92), (-192, -70), (-188, -50),
+    (-226, -34), (-280, -24),
 ]  # fmt: skip
 
 ISLANDS: dict[str, Ring] = {
@@ -35,14 +36,15 @@ ISLANDS: dict[str, Ring] = {
         (-74, -44), (-102, -54),
     ],
     "Heron Island": [(74, 98), (80, 124), (104, 136), (132, 122), (138, 96), (124, 82), (116, 58), (94, 66)],
-    "Willow Ait": [(16, -112), (34, -98), (62, -96), (90, -106), (96, -116), (74, -120), (44, -124), (22, -122)],
+    "Willow Ait": [(16, -112), (34, -98), (62, -96), (90, -106), (96, -116), (74, -120), (44, -124),
+                   (22, -122)],
 }  # fmt: skip
 
 STRUCTURES: dict[str, tuple[str, Ring]] = {
-    "Boathouse Pier": ("pier", [(-246, -186), (-243, -189), (-211, -157), (-206, -162), (-203, -159), (-214, -148),
-                                (-217, -151), (-214, -154)]),
-    "Anglers' Raft": ("raft", [(-166, -116), (-156, -112), (-158.5, -105), (-168.5, -109)]),
-    "Diving Raft": ("raft", [(28, 58), (37, 54), (41, 63), (32, 67)]),
+    "Boathouse Pier": ("pier", [(-246, -186), (-243, -189), (-211, -157), (-206, -162), (-203, -159),
+                                (-214, -148), (-217, -151), (-214, -154)]),
+    "Anglers' Raft": ("raft", [(-124, -110), (-114, -106), (-116.5, -99), (-126.5, -103)]),
+    "Diving Raft": ("raft", [(50, 0), (59, -4), (63, 5), (54, 9)]),
     "Sluice Raft": ("raft", [(176, 166), (185, 169), (183, 176), (174, 173)]),
 }  # fmt: skip
 
@@ -72,11 +74,14 @@ def rounded(ring: Ring, steps: int) -> Ring:
         p0, p1, p2, p3 = (ring[(i + k) % count] for k in (-1, 0, 1, 2))
         for step in range(steps):
             t = step / steps
-            curve.append(tuple(  # type: ignore[arg-type]
-                0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t * t + (3 * b - a - 3 * c + d) * t**3)
-                for a, b, c, d in zip(p0, p1, p2, p3, strict=True)
-            ))  # fmt: skip
+            x, y = (_catmull_rom(*knots, t) for knots in zip(p0, p1, p2, p3, strict=True))
+            curve.append((x, y))
     return curve
+
+
+def _catmull_rom(a: float, b: float, c: float, d: float, t: float) -> float:
+    cubic = (3 * b - a - 3 * c + d) * t**3
+    return 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t * t + cubic)
 
 
 def position(east_m: float, north_m: float) -> list[float]:

@@ -1,0 +1,117 @@
+"""A piece of water in a local frame: where a boat may be, and what the things in it are called.
+
+Shapes are shapely's, with x = east and y = north in metres of the chart's frame.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.geo import LocalFrame, Point
+from mission_tools.errors import MapError
+
+Kind = Literal["water", "island", "obstacle", "pier", "raft", "keep_out", "swimming", "landmark"]
+Area: TypeAlias = Polygon | MultiPolygon
+
+KEPT_OUT: frozenset[str] = frozenset({"keep_out", "swimming"})
+SOLID: frozenset[str] = frozenset({"island", "obstacle", "pier", "raft"})
+OPEN_WATER_HALF_SIDE_M = 5000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Feature:
+    """Something on the chart that has a name. A landmark is a point and only for pictures."""
+
+    name: str
+    kind: Kind
+    shape: BaseGeometry
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chart:
+    """Water, with islands and obstacles cut out, and the areas in it to keep out of.
+
+    navigable: water less keep_out. shores: the outline of navigable, which a boat keeps clear of.
+    is_open: there is no shore at all; water is then a large square that stands for the sea.
+    """
+
+    name: str
+    frame: LocalFrame
+    water: Area
+    keep_out: Area
+    features: tuple[Feature, ...]
+    is_open: bool
+    navigable: Area
+    shores: BaseGeometry
+
+    def clearance_m(self, point: Point) -> float:
+        """Distance from a point in navigable water to the nearest thing that is not; 0 anywhere else."""
+        at = shapely.Point(point.east_m, point.north_m)
+        if not self.navigable.contains(at):
+            return 0.0
+        return math.inf if self.shores.is_empty else float(self.shores.distance(at))
+
+    def is_clear(self, start: Point, end: Point, clearance_m: float) -> bool:
+        """Whether the straight leg between two navigable points keeps this clear of every shore."""
+        leg = shapely.LineString([(start.east_m, start.north_m), (end.east_m, end.north_m)])
+        return not shapely.dwithin(self.shores, leg, clearance_m)
+
+    def leg_clearance_m(self, start: Point, end: Point) -> float:
+        """Distance from a straight leg to the nearest shore; infinite in open water."""
+        leg = shapely.LineString([(start.east_m, start.north_m), (end.east_m, end.north_m)])
+        return math.inf if self.shores.is_empty else float(self.shores.distance(leg))
+
+    def nearest_feature(self, point: Point) -> str:
+        """What a boat on navigable water is nearest to, for messages: “Alder Island”, “the shore”."""
+        at = shapely.Point(point.east_m, point.north_m)
+        solid = [feature for feature in self.features if feature.kind in KEPT_OUT | SOLID]
+        nearest = min(solid, key=lambda feature: feature.shape.distance(at), default=None)
+        if nearest is None or nearest.shape.distance(at) > self.shores.distance(at) + 1e-6:
+            return "the shore"
+        return nearest.name
+
+    def obstruction(self, point: Point) -> str | None:
+        """Where a point is if not on navigable water, for messages: “on Alder Island”; None if it is."""
+        at = shapely.Point(point.east_m, point.north_m)
+        if self.navigable.contains(at):
+            return None
+        for feature in self.features:
+            if feature.kind in KEPT_OUT | SOLID and feature.shape.intersects(at):
+                return f"{'in' if feature.kind in KEPT_OUT else 'on'} {feature.name}"
+        return "on land" if self.water.envelope.contains(at) else "outside the map"
+
+
+def build_chart(name: str, frame: LocalFrame, water: Area | None, features: Iterable[Feature]) -> Chart:
+    """Cut solid features out of the water (None: open water), collect those to keep out of.
+
+    Raises:
+        MapError: nothing navigable is left.
+    """
+    features = tuple(features)
+    half = OPEN_WATER_HALF_SIDE_M
+    whole = shapely.box(-half, -half, half, half) if water is None else water
+    solid = shapely.union_all([feature.shape for feature in features if feature.kind in SOLID])
+    kept_out = _area(shapely.union_all([feature.shape for feature in features if feature.kind in KEPT_OUT]))
+    cut = _area(whole.difference(solid))
+    navigable = _area(cut.difference(kept_out))
+    if navigable.is_empty:
+        raise MapError(f"{name}: no water is left between its islands, obstacles and keep-out areas")
+    shores = navigable.boundary
+    if water is None:  # the square's sides are not shores
+        shores = shores.difference(whole.boundary)
+    shapely.prepare(shores)
+    shapely.prepare(navigable)
+    return Chart(name, frame, cut, kept_out, features, water is None, navigable, shores)
+
+
+def _area(shape: BaseGeometry) -> Area:
+    """The polygons of a geometry; lines and points that an overlay left behind are dropped."""
+    if isinstance(shape, Polygon | MultiPolygon):
+        return shape
+    parts = [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
+    return MultiPolygon(parts)

@@ -1,0 +1,185 @@
+"""GeoJSON (RFC 7946) maps: a FeatureCollection, a Feature or a geometry, in WGS 84 [longitude, latitude].
+
+The property `kind` says what a feature is; without it, it is water, so a plain lake works as it is:
+
+| kind | shape | means |
+|---|---|---|
+| water | polygon | where the boat may be; rings inside are islands; several are joined |
+| island, obstacle, pier, raft | polygon | cut out of the water |
+| keep_out, swimming | polygon | water that the boat keeps out of |
+| landmark | point | a name on the picture, nothing else |
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, cast, get_args
+
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.geo import LatLon, LocalFrame
+from mission_tools.errors import MapError
+from mission_tools.maps.chart import Area, Chart, Feature, Kind, build_chart
+from mission_tools.maps.projection import to_local
+
+KINDS: tuple[str, ...] = get_args(Kind)
+_CROSSINGS = ("Self-intersection", "Ring Self-intersection")
+MAX_DISTANCE_FROM_ORIGIN_M = 100_000.0
+
+
+def load_geojson(path: Path, origin: LatLon | None = None) -> Chart:
+    """Read a map; without an origin the middle of its water becomes one.
+
+    Raises:
+        MapError: cannot be read, is not GeoJSON, a shape is not valid, or there is no water in it; one line
+            that names the file, the feature and the place.
+    """
+    try:
+        tree = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise MapError(f"{path}: cannot be read: {error.strerror}") from None
+    except json.JSONDecodeError as error:
+        raise MapError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
+    except (UnicodeDecodeError, RecursionError):
+        raise MapError(f"{path}: not a JSON text file") from None
+    return parse_geojson(tree, str(path), path.stem, origin)
+
+
+def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = None) -> Chart:
+    """Build a chart from decoded JSON; `source` stands before every error message.
+
+    Raises:
+        MapError: as `load_geojson`.
+    """
+    features = [
+        _feature(entry, f"{source}: feature {n}") for n, entry in enumerate(_entries(tree, source), 1)
+    ]
+    water = _area([feature for feature in features if feature.kind == "water"])
+    if water is None:
+        raise MapError(
+            f"{source}: no water in it: expected a polygon with the property kind = water, or none"
+        )
+    west, south, east, north = water.bounds
+    frame = LocalFrame(origin or LatLon(0.5 * (south + north), 0.5 * (west + east)))
+    local = to_local(water, frame.origin)
+    if local.distance(shapely.Point(0.0, 0.0)) > MAX_DISTANCE_FROM_ORIGIN_M:
+        raise MapError(
+            f"{source}: lies more than {MAX_DISTANCE_FROM_ORIGIN_M / 1000:.0f} km from the origin "
+            f"{frame.origin.lat_deg:.4f}, {frame.origin.lon_deg:.4f}: GeoJSON wants [longitude, latitude]"
+        )
+    named = [
+        Feature(feature.name, feature.kind, to_local(feature.shape, frame.origin))
+        for feature in features
+        if feature.name
+    ]
+    title = tree.get("name") if isinstance(tree, Mapping) else None
+    first = next((feature.name for feature in features if feature.kind == "water" and feature.name), name)
+    return build_chart(title if isinstance(title, str) else first, frame, cast(Area, local), named)
+
+
+def _area(features: Sequence[Feature]) -> BaseGeometry | None:
+    return shapely.union_all([feature.shape for feature in features]) if features else None
+
+
+def _entries(tree: object, source: str) -> list[Mapping[str, Any]]:
+    """The features of whatever kind of GeoJSON this is."""
+    if isinstance(tree, Mapping):
+        kind = tree.get("type")
+        if kind == "FeatureCollection" and isinstance(tree.get("features"), list):
+            return list(tree["features"])
+        if kind == "Feature":
+            return [tree]
+        if kind in ("Polygon", "MultiPolygon"):
+            return [{"type": "Feature", "properties": {}, "geometry": tree}]
+        if kind == "GeometryCollection":
+            raise MapError(f"{source}: a GeometryCollection: expected Polygon or MultiPolygon features")
+    raise MapError(f"{source}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
+
+
+def _feature(entry: object, where: str) -> Feature:
+    if not isinstance(entry, Mapping) or not isinstance(entry.get("geometry"), Mapping):
+        raise MapError(f"{where}: no geometry: expected a Feature with a Polygon")
+    properties = entry.get("properties")
+    properties = properties if isinstance(properties, Mapping) else {}
+    given = properties.get("name")
+    name = given if isinstance(given, str) else ""
+    where = f'{where} "{name}"' if name else where
+    kind = properties.get("kind", "water")
+    if kind not in KINDS:
+        raise MapError(f"{where}: kind {kind!r} is none of {', '.join(KINDS)}")
+    if kind == "landmark":
+        return Feature(name, kind, _landmark(entry["geometry"], where))
+    shape = _polygons(entry["geometry"], where)
+    return Feature(name or ("" if kind == "water" else kind.replace("_", "-")), kind, shape)
+
+
+def _landmark(geometry: Mapping[str, Any], where: str) -> BaseGeometry:
+    if geometry.get("type") != "Point":
+        raise MapError(f"{where}: a landmark is a Point, not {geometry.get('type')!r}")
+    return shapely.Point(_position(geometry.get("coordinates"), where))
+
+
+def _polygons(geometry: Mapping[str, Any], where: str) -> Area:
+    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+    if kind not in ("Polygon", "MultiPolygon"):
+        raise MapError(f"{where}: geometry is {kind!r}: expected Polygon or MultiPolygon")
+    if not isinstance(coordinates, list) or not coordinates:
+        raise MapError(f"{where}: empty geometry")
+    if kind == "Polygon":
+        return _polygon(coordinates, where)
+    parts = [_polygon(rings, f"{where}, part {n}") for n, rings in enumerate(coordinates, 1)]
+    shape = MultiPolygon(parts)
+    _checked(shape, where)
+    return shape
+
+
+def _polygon(rings: object, where: str) -> Polygon:
+    if not isinstance(rings, list) or not rings:
+        raise MapError(f"{where}: empty geometry")
+    outer, *holes = (_ring(ring, f"{where}, ring {n}") for n, ring in enumerate(rings, 1))
+    shape = Polygon(outer, holes)
+    _checked(shape, where)
+    return shape
+
+
+def _ring(ring: object, where: str) -> list[tuple[float, float]]:
+    if not isinstance(ring, list) or not ring:
+        raise MapError(f"{where}: empty ring")
+    corners = [_position(corner, f"{where}, position {n}") for n, corner in enumerate(ring, 1)]
+    if len(corners) < 4:
+        raise MapError(f"{where}: {len(corners)} positions: a closed ring has at least 4")
+    if corners[0] != corners[-1]:
+        raise MapError(f"{where}: not closed: ends at {_at(*corners[-1])}, began at {_at(*corners[0])}")
+    return corners
+
+
+def _position(value: object, where: str) -> tuple[float, float]:
+    numbers = value if isinstance(value, list) else []
+    if len(numbers) < 2 or not all(
+        isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in numbers[:2]
+    ):
+        raise MapError(f"{where}: expected [longitude, latitude], got {str(value)[:60]}")
+    lon_deg, lat_deg = float(numbers[0]), float(numbers[1])
+    if abs(lat_deg) > 90.0 or abs(lon_deg) > 180.0:
+        swapped = abs(lat_deg) <= 180.0 and abs(lon_deg) <= 90.0
+        hint = "longitude and latitude look swapped: " if swapped else ""
+        raise MapError(
+            f"{where}: [{lon_deg:g}, {lat_deg:g}] is out of range: {hint}expected [longitude, latitude]"
+        )
+    return lon_deg, lat_deg
+
+
+def _checked(shape: Area, where: str) -> None:
+    if shape.is_valid:
+        return
+    reason, _, place = shapely.is_valid_reason(shape).rstrip("]").partition("[")
+    said = "a ring crosses or touches itself" if reason in _CROSSINGS else reason.lower()
+    lon_deg, lat_deg = (float(number) for number in place.split()[:2])
+    raise MapError(f"{where}: not a valid polygon: {said} at {_at(lon_deg, lat_deg)}")
+
+
+def _at(lon_deg: float, lat_deg: float) -> str:
+    return f"lat {lat_deg:.7f}, lon {lon_deg:.7f}"
