@@ -1,0 +1,117 @@
+"""One frame at one place of some bytes: header, length and CRC, MAVLink 1 and 2.
+
+    v1: FE len seq sys comp id8 payload crc16
+    v2: FD len incompat compat seq sys comp id24 payload crc16 [signature, 13 bytes]
+
+A frame is believed only once its CRC fits; until then its length byte is a claim. What can be refused from
+the header alone is refused at once, so that a stray magic byte seldom holds back the frames behind it.
+"""
+
+from enum import Enum
+from struct import Struct
+from typing import NamedTuple
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import crc16
+from companion.mavlink.layout import LAYOUTS, Layout
+
+MAGIC_V1 = 0xFE
+MAGIC_V2 = 0xFD
+SIGNED = 0x01
+SIGNATURE_LENGTH = 13
+LONGEST_FRAME = 10 + 255 + 2 + SIGNATURE_LENGTH
+
+_OVERHEAD_V1 = 8
+_OVERHEAD_V2 = 12
+_HEADER_V2 = Struct("<BBBBBBHB")  # all but the magic
+_read_header_v2 = _HEADER_V2.unpack_from
+
+
+class Frame(NamedTuple):
+    """A frame whose CRC fits. data is all of it, as it came; payload may be cut or longer than the layout."""
+
+    layout: Layout
+    sender: Address
+    sequence: int
+    payload: bytes
+    data: bytes
+
+
+class Flaw(Enum):
+    """Why there is no frame at a place."""
+
+    INCOMPLETE = "more bytes are claimed than there are"
+    HEADER = "the header cannot be one of ours"
+    UNKNOWN = "a message that the dialect does not have"
+    CRC = "the checksum does not fit"
+
+
+def claimed_length(data: bytes, at: int) -> int:
+    """How long the frame at this magic byte says it is, 1 where even that is missing."""
+    if at + 3 > len(data):
+        return 1
+    if data[at] == MAGIC_V1:
+        return _OVERHEAD_V1 + data[at + 1]
+    return _OVERHEAD_V2 + data[at + 1] + (SIGNATURE_LENGTH if data[at + 2] & SIGNED else 0)
+
+
+def read_frame(data: bytes, at: int) -> Frame | Flaw:
+    """The frame whose magic byte is at `at`, or what is wrong with it. Never raises."""
+    return _read_v2(data, at) if data[at] == MAGIC_V2 else _read_v1(data, at)
+
+
+def _read_v2(data: bytes, at: int) -> Frame | Flaw:
+    available = len(data) - at
+    if available >= 3 and data[at + 2] & ~SIGNED:
+        return Flaw.HEADER  # an incompatibility that we do not know: the guide says to discard the frame
+    if available < _OVERHEAD_V2:
+        return Flaw.INCOMPLETE
+    length, incompat, _, sequence, system, component, id_low, id_high = _read_header_v2(data, at + 1)
+    layout = LAYOUTS.get(id_low | id_high << 16)
+    if layout is None:
+        return Flaw.UNKNOWN
+    crc_at = at + 10 + length
+    end = crc_at + 2 + (SIGNATURE_LENGTH if incompat else 0)
+    if end > len(data):
+        return Flaw.INCOMPLETE
+    if crc16(data[at + 1 : crc_at] + layout.crc_extra) != data[crc_at] | data[crc_at + 1] << 8:
+        return Flaw.CRC
+    return Frame(layout, Address(system, component), sequence, data[at + 10 : crc_at], data[at:end])
+
+
+def _read_v1(data: bytes, at: int) -> Frame | Flaw:
+    available = len(data) - at
+    if available < 6:
+        return Flaw.INCOMPLETE
+    _, length, sequence, system, component, message_id = data[at : at + 6]
+    layout = LAYOUTS.get(message_id)
+    if layout is None:
+        return Flaw.UNKNOWN
+    if length > layout.size:
+        return Flaw.HEADER  # version 1 has no extensions: nothing can be longer than we know it
+    crc_at = at + 6 + length
+    if crc_at + 2 > len(data):
+        return Flaw.INCOMPLETE
+    if crc16(data[at + 1 : crc_at] + layout.crc_extra) != data[crc_at] | data[crc_at + 1] << 8:
+        return Flaw.CRC
+    return Frame(layout, Address(system, component), sequence, data[at + 6 : crc_at], data[at : crc_at + 2])
+
+
+def build_frame(address: Address, sequence: int, layout: Layout, payload: bytes) -> bytes:
+    """A MAVLink 2 frame; trailing zeros of the payload are dropped but for its first byte."""
+    payload = payload.rstrip(b"\0") or b"\0"
+    message_id = layout.message_id
+    body = (
+        _HEADER_V2.pack(
+            len(payload),
+            0,
+            0,
+            sequence,
+            address.system,
+            address.component,
+            message_id & 0xFFFF,
+            message_id >> 16,
+        )
+        + payload
+    )
+    return b"\xfd" + body + crc16(body + layout.crc_extra).to_bytes(2, "little")

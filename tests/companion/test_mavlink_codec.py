@@ -1,0 +1,210 @@
+"""Encoder and decoder against the table of frames, pymavlink itself, and streams with dirt in them."""
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.mavlink.address import Address, concerns, is_named
+from companion.mavlink.codec import Counters, Decoder, Encoder
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.framing import LONGEST_FRAME
+from companion.mavlink.layout import LAYOUTS
+
+VECTORS: list[dict[str, Any]] = json.loads(
+    (Path(__file__).parents[1] / "vectors" / "frames.json").read_text(encoding="utf-8")
+)
+FRAMES = [row for row in VECTORS if "message" in row]
+FLAWS = [row for row in VECTORS if "flaw" in row]
+STATION = Address(255, 190)
+
+
+def row_name(row: Mapping[str, Any]) -> str:
+    return str(row.get("flaw") or f"{row['message']}-v{row['version']}{'-signed' * row['signed']}")
+
+
+def build(name: str, fields: Mapping[str, Any]) -> Message:
+    values = {
+        key: math.nan if value is None else value.encode() if isinstance(value, str) else value
+        for key, value in fields.items()
+    }
+    message: Message = getattr(dialect, f"MAVLink_{name.lower()}_message")(**values)
+    return message
+
+
+def plain(value: object) -> object:
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def heartbeat(custom_mode: int = 0) -> Message:
+    message: Message = dialect.MAVLink_heartbeat_message(11, 3, 81, custom_mode, 4, 3)
+    return message
+
+
+def total_of_flaws(counters: Counters) -> int:
+    return counters.bad_frames + counters.unknown
+
+
+@pytest.mark.parametrize("datagram", [True, False], ids=["datagram", "stream"])
+@pytest.mark.parametrize("row", FRAMES, ids=row_name)
+def test_a_frame_of_the_table_decodes_to_its_fields(row: dict[str, Any], datagram: bool) -> None:
+    decoder = Decoder(datagram)
+    frame = bytes.fromhex(row["hex"])
+    (received,) = decoder.feed(frame)
+    assert received.message.get_type() == row["message"]
+    assert received.sender == STATION
+    assert received.frame == frame
+    assert {name: plain(getattr(received.message, name)) for name in row["fields"]} == row["fields"]
+    assert decoder.counters == Counters(bytes_in=len(frame), frames_in=1)
+
+
+@pytest.mark.parametrize("row", [r for r in FRAMES if r["version"] == 2 and not r["signed"]], ids=row_name)
+def test_a_message_of_the_table_encodes_to_its_frame(row: dict[str, Any]) -> None:
+    encoder = Encoder(STATION)
+    for _ in range(row["sequence"]):
+        encoder.encode(heartbeat())
+    assert encoder.encode(build(row["message"], row["fields"])).hex() == row["hex"]
+
+
+@pytest.mark.parametrize("row", FLAWS, ids=row_name)
+def test_a_flawed_datagram_is_counted_once_and_gives_no_message(row: dict[str, Any]) -> None:
+    decoder = Decoder(datagram=True)
+    assert decoder.feed(bytes.fromhex(row["hex"])) == []
+    assert getattr(decoder.counters, row["counted_as"]) == 1
+    assert total_of_flaws(decoder.counters) == 1
+
+
+@pytest.mark.parametrize("row", FLAWS, ids=row_name)
+def test_a_flaw_in_a_stream_costs_none_of_the_frames_behind_it(row: dict[str, Any]) -> None:
+    encoder, decoder = Encoder(STATION), Decoder(datagram=False)
+    stream = bytes.fromhex(row["hex"]) + b"".join(encoder.encode(heartbeat(n)) for n in range(40))
+    assert [r.message.custom_mode for r in decoder.feed(stream)] == list(range(40))
+    assert total_of_flaws(decoder.counters) == 1
+
+
+def test_a_cut_off_datagram_leaves_nothing_behind_for_the_next() -> None:
+    frame = Encoder(STATION).encode(heartbeat(7))
+    decoder = Decoder(datagram=True)
+    assert decoder.feed(frame[:-4]) == []
+    assert decoder.feed(frame[-4:]) == []
+    assert [r.message.custom_mode for r in decoder.feed(frame)] == [7]
+
+
+def test_two_messages_in_one_datagram_are_both_received() -> None:
+    encoder = Encoder(STATION)
+    data = encoder.encode(heartbeat(1)) + encoder.encode(heartbeat(2))
+    assert [r.message.custom_mode for r in Decoder(datagram=True).feed(data)] == [1, 2]
+
+
+def test_a_stray_magic_byte_before_a_lone_heartbeat_does_not_hold_it_back() -> None:
+    frame = Encoder(STATION).encode(heartbeat(9))
+    for stray in (b"\xfd", b"\xfe", b"\xfd\xfd", b"\xfe\xfd"):
+        assert [r.message.custom_mode for r in Decoder(datagram=False).feed(stray + frame)] == [9]
+
+
+@given(st.lists(st.binary(max_size=40), min_size=1, max_size=8), st.integers(1, 64))
+def test_frames_survive_any_dirt_between_them_and_any_way_of_cutting_the_stream(
+    dirt: list[bytes], chunk: int
+) -> None:
+    encoder, decoder = Encoder(STATION), Decoder(datagram=False)
+    stream = b"".join(piece + encoder.encode(heartbeat(n)) for n, piece in enumerate(dirt))
+    # What looks like the begin of a long frame holds back what follows until it is proved wrong.
+    stream += bytes(LONGEST_FRAME)
+    modes = [
+        received.message.custom_mode
+        for at in range(0, len(stream), chunk)
+        for received in decoder.feed(stream[at : at + chunk])
+        if received.message.get_type() == "HEARTBEAT" and received.sender == STATION
+    ]
+    assert modes == list(range(len(dirt)))
+    assert decoder.counters.bytes_in == len(stream)
+
+
+@pytest.mark.parametrize("message_id", sorted(LAYOUTS))
+def test_every_message_of_the_dialect_packs_and_unpacks_as_pymavlink_does(message_id: int) -> None:
+    layout = LAYOUTS[message_id]
+    packer = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
+    payload = bytes((37 * n + message_id) % 100 + 1 for n in range(layout.size))
+    message = layout.unpack(payload)
+    assert layout.pack(message) == payload
+    frame = message.pack(packer)
+    assert Encoder(STATION).encode(message) == frame
+    theirs = packer.decode(bytearray(frame))
+    (ours,) = Decoder(datagram=True).feed(bytes(frame))
+    assert repr(ours.message.to_dict()) == repr(theirs.to_dict())
+    assert ours.message.get_msgId() == message_id
+
+
+@pytest.mark.parametrize("message_id", sorted(LAYOUTS))
+def test_every_message_of_zeros_is_cut_and_restored_as_pymavlink_does(message_id: int) -> None:
+    message = LAYOUTS[message_id].unpack(b"")
+    frame = Encoder(STATION).encode(message)
+    assert frame == message.pack(dialect.MAVLink(None, srcSystem=255, srcComponent=190))
+    assert len(frame) == 13
+    (received,) = Decoder(datagram=True).feed(frame)
+    assert repr(received.message.to_dict()) == repr(message.to_dict())
+
+
+def test_a_payload_longer_than_the_definition_is_read_as_far_as_it_is_known() -> None:
+    layout = LAYOUTS[dialect.MAVLINK_MSG_ID_HEARTBEAT]
+    message = layout.unpack(layout.pack(heartbeat(5)) + b"of a newer dialect")
+    assert message.custom_mode == 5
+
+
+def test_a_text_that_is_no_text_raises_nothing_and_goes_out_as_it_came() -> None:
+    layout = LAYOUTS[dialect.MAVLINK_MSG_ID_STATUSTEXT]
+    payload = b"\x04" + b"\xff\xfe\x80caf\xc3\xa9" + bytes(41) + b"\0\0\0"
+    message = layout.unpack(payload)
+    assert "caf" in message.text
+    assert layout.pack(message).rstrip(b"\0") == payload.rstrip(b"\0")
+
+
+def test_the_sequence_runs_round_and_gaps_are_counted_as_lost_per_sender() -> None:
+    encoder, other, decoder = Encoder(STATION), Encoder(Address(2, 1)), Decoder(datagram=True)
+    frames = [encoder.encode(heartbeat(n)) for n in range(600)]
+    for n, frame in enumerate(frames):
+        if n % 100 != 50:
+            decoder.feed(frame)
+        if n % 10 == 0:
+            decoder.feed(other.encode(heartbeat(n)))
+    assert decoder.counters.lost == 6
+    assert decoder.counters.frames_in == 594 + 60
+
+
+def test_doubled_and_late_frames_are_not_counted_as_lost() -> None:
+    encoder, decoder = Encoder(STATION), Decoder(datagram=True)
+    first, second, third = (encoder.encode(heartbeat(n)) for n in range(3))
+    for frame in (first, second, second, first, third):
+        decoder.feed(frame)
+    assert decoder.counters.lost == 0
+
+
+def test_what_goes_out_is_counted() -> None:
+    counters = Counters()
+    frame = Encoder(STATION, counters).encode(heartbeat())
+    assert counters == Counters(bytes_out=len(frame), frames_out=1)
+
+
+@pytest.mark.parametrize(
+    ("target", "for_all", "by_name"),
+    [
+        ((0, 0), True, False),
+        ((0, 7), True, False),
+        ((1, 0), True, True),
+        ((1, 1), True, True),
+        ((1, 2), False, False),
+        ((2, 1), False, False),
+        ((2, 0), False, False),
+    ],
+)
+def test_a_target_concerns_us_as_the_routing_rules_say(
+    target: tuple[int, int], for_all: bool, by_name: bool
+) -> None:
+    own = Address(1, 1)
+    assert concerns(own, *target) is for_all
+    assert is_named(own, *target) is by_name
