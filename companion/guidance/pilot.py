@@ -3,62 +3,92 @@
 import math
 
 from companion.config import BoatConfig
-from companion.guidance.line_of_sight import (
-    CrabAngle,
-    desired_course_rad,
-    heading_for_course_rad,
-    leg_course_rad,
-    lookahead_m,
-)
-from companion.guidance.speed_profile import leg_speed_m_s, steered_speed_m_s
+from companion.geo import Point
+from companion.guidance.drift import Drift
+from companion.guidance.line_of_sight import desired_course_rad, leg_course_rad, lookahead_m
+from companion.guidance.speed_profile import leg_speed_m_s, steered_speed_m_s, turn_lead_m
 from companion.guidance.station_keeping import StationKeeping
 from companion.state import Demand, NavState
 from companion.units import wrap_pi
 from companion.vehicle.intent import Drive, FollowLeg, Intent, KeepStation, Stop
 
+_STOP = Stop()
+
 
 class Pilot:
-    """Holds guidance's only memories: the crab angle, and the line of the virtual anchor."""
+    """Guidance's memory: the drift, the anchor line, and the corner that an early turn has missed."""
 
-    __slots__ = ("_crab", "_station", "_station_point")
+    __slots__ = ("_missed", "_station", "_station_point", "drift")
 
     def __init__(self) -> None:
-        self._crab = CrabAngle()
+        self.drift = Drift()
         self._station = StationKeeping()
-        self._station_point: object = None
+        self._station_point: Point | None = None
+        self._missed: Point | None = None
 
     def update(
         self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float
     ) -> Demand | Drive | Stop:
-        """What to hold now. Stop and Drive go through; without a NavState everything else is Stop."""
-        if nav is None or isinstance(intent, Stop | Drive):
+        """What to hold now. Stop and Drive go through; without a NavState everything else is Stop.
+
+        A boat adrift or steered by hand teaches the drift as well as one on a leg.
+        """
+        if nav is not None:
+            self.drift.update(nav, dt_s)
+        if not isinstance(intent, KeepStation):
             self._station_point = None
-            self._crab.reset()
-            return intent if isinstance(intent, Stop | Drive) else Stop()
+        if isinstance(intent, Stop | Drive):
+            return intent
+        if nav is None:
+            return _STOP
         if isinstance(intent, FollowLeg):
-            self._station_point = None
-            return self._follow(intent, nav, config, dt_s)
-        return self._keep(intent, nav, config, dt_s)
+            return self._follow(intent, nav, config)
+        return self._keep(intent.point, nav, config, dt_s)
 
-    def _keep(self, intent: KeepStation, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
-        if intent.point != self._station_point:
+    def _keep(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
+        if point != self._station_point:
             self._station.reset()
-            self._crab.reset()
-            self._station_point = intent.point
-        return self._station.update(intent.point, nav, config.guidance, config.speed.cruise_m_s, dt_s)
+            self._station_point = point
+        return self._station.update(point, nav, config.guidance, config.speed.cruise_m_s, dt_s)
 
-    def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
+    def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Demand:
         setting = config.guidance
-        start, end = leg.start, leg.end
-        course = leg_course_rad(start, end, nav.point)
-        c, s = math.cos(course), math.sin(course)
-        north, east = nav.north_m - end.north_m, nav.east_m - end.east_m
-        to_go, cross_track = -(north * c + east * s), east * c - north * s
-        speed_over_ground = math.hypot(nav.north_m_s, nav.east_m_s)
-        ahead = lookahead_m(speed_over_ground, config.speed.cruise_m_s, setting)
-        crab = self._crab.update(nav, setting.min_speed_m_s, dt_s)
-        heading = heading_for_course_rad(desired_course_rad(course, cross_track, ahead), crab)
-        turn = None if leg.next_end is None else wrap_pi(leg_course_rad(end, leg.next_end, end) - course)
+        end, here = leg.end, nav.point
+        course = aim = leg_course_rad(leg.start, end, here)
+        to_go, cross_track = _to_go_and_cross_track_m(course, end, nav)
+        aim_cross = cross_track
+        ground_speed = math.hypot(nav.north_m_s, nav.east_m_s)
+        turn: float | None = None
+        if leg.next_end is not None:
+            turn = wrap_pi(leg_course_rad(end, leg.next_end, here) - course)
+            if to_go < turn_lead_m(turn, ground_speed, setting) and self._is_closing(end, nav):
+                aim = course + turn
+                _, aim_cross = _to_go_and_cross_track_m(aim, end, nav)
+        cross_speed = nav.east_m_s * math.cos(aim) - nav.north_m_s * math.sin(aim)
+        ahead = lookahead_m(ground_speed, config.speed.cruise_m_s, setting)
+        wanted = desired_course_rad(aim, aim_cross, cross_speed, ahead)
+        water_speed = max(self.drift.water_speed_m_s(nav), setting.min_speed_m_s)
+        heading = wrap_pi(self.drift.heading_for_course_rad(wanted, water_speed))
         speed = leg_speed_m_s(leg.speed_m_s, to_go, turn, setting)
         speed = steered_speed_m_s(speed, wrap_pi(heading - nav.heading_rad), setting)
-        return Demand(heading, speed, cross_track, math.hypot(north, east))
+        distance = math.hypot(end.north_m - nav.north_m, end.east_m - nav.east_m)
+        return Demand(heading, speed, cross_track, distance)
+
+    def _is_closing(self, end: Point, nav: NavState) -> bool:
+        """Whether a turn begun early may go on.
+
+        Once it carries the boat away from the corner before the mission has gone on to the next leg, the
+        rest of this leg is sailed without: else a small waypoint could be passed by for ever.
+        """
+        if end == self._missed:
+            return False
+        closing = (end.north_m - nav.north_m) * nav.north_m_s + (end.east_m - nav.east_m) * nav.east_m_s
+        self._missed = end if closing < 0.0 else None
+        return closing >= 0.0
+
+
+def _to_go_and_cross_track_m(course_rad: float, end: Point, nav: NavState) -> tuple[float, float]:
+    """How far it is along the course to the end, and how far the boat is to starboard of that line."""
+    c, s = math.cos(course_rad), math.sin(course_rad)
+    north, east = nav.north_m - end.north_m, nav.east_m - end.east_m
+    return -(north * c + east * s), east * c - north * s
