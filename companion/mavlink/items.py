@@ -1,0 +1,228 @@
+"""Mission items as the wire carries them, whatever list they belong to.
+
+An item's x and y are integers whose scale depends on its frame (MAVLink guide, "Mission protocol"): degrees
+× 1e7 in global frames, metres × 1e4 in local ones, the plain number in MAV_FRAME_MISSION.
+"""
+
+import math
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Any
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+
+GLOBAL_FRAMES = frozenset(
+    (
+        dialect.MAV_FRAME_GLOBAL,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        dialect.MAV_FRAME_GLOBAL_INT,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT,
+        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
+    )
+)
+LOCAL_FRAMES = frozenset(
+    (
+        dialect.MAV_FRAME_LOCAL_NED,
+        dialect.MAV_FRAME_LOCAL_ENU,
+        dialect.MAV_FRAME_LOCAL_OFFSET_NED,
+        dialect.MAV_FRAME_BODY_NED,
+        dialect.MAV_FRAME_BODY_OFFSET_NED,
+        dialect.MAV_FRAME_BODY_FRD,
+        dialect.MAV_FRAME_LOCAL_FRD,
+        dialect.MAV_FRAME_LOCAL_FLU,
+    )
+)
+
+_INT32_MAX = 2**31 - 1
+_FLOATS = ("param1", "param2", "param3", "param4", "z")
+_LIMITS = {
+    "frame": (0, 255),
+    "command": (0, 65535),
+    "current": (0, 255),
+    "autocontinue": (0, 255),
+    "x": (-(2**31), _INT32_MAX),
+    "y": (-(2**31), _INT32_MAX),
+}
+_singles = struct.Struct("<5f")
+
+
+class MissionType(IntEnum):
+    """MAV_MISSION_TYPE of the lists that a vehicle keeps."""
+
+    MISSION = dialect.MAV_MISSION_TYPE_MISSION
+    FENCE = dialect.MAV_MISSION_TYPE_FENCE
+    RALLY = dialect.MAV_MISSION_TYPE_RALLY
+
+
+class MissionResult(IntEnum):
+    """MAV_MISSION_RESULT; a number that it does not have is taken for ERROR."""
+
+    ACCEPTED = dialect.MAV_MISSION_ACCEPTED
+    ERROR = dialect.MAV_MISSION_ERROR
+    UNSUPPORTED_FRAME = dialect.MAV_MISSION_UNSUPPORTED_FRAME
+    UNSUPPORTED = dialect.MAV_MISSION_UNSUPPORTED
+    NO_SPACE = dialect.MAV_MISSION_NO_SPACE
+    INVALID = dialect.MAV_MISSION_INVALID
+    INVALID_PARAM1 = dialect.MAV_MISSION_INVALID_PARAM1
+    INVALID_PARAM2 = dialect.MAV_MISSION_INVALID_PARAM2
+    INVALID_PARAM3 = dialect.MAV_MISSION_INVALID_PARAM3
+    INVALID_PARAM4 = dialect.MAV_MISSION_INVALID_PARAM4
+    INVALID_PARAM5_X = dialect.MAV_MISSION_INVALID_PARAM5_X
+    INVALID_PARAM6_Y = dialect.MAV_MISSION_INVALID_PARAM6_Y
+    INVALID_PARAM7 = dialect.MAV_MISSION_INVALID_PARAM7
+    INVALID_SEQUENCE = dialect.MAV_MISSION_INVALID_SEQUENCE
+    DENIED = dialect.MAV_MISSION_DENIED
+    OPERATION_CANCELLED = dialect.MAV_MISSION_OPERATION_CANCELLED
+
+    @classmethod
+    def _missing_(cls, value: object) -> "MissionResult":  # noqa: ARG003
+        return cls.ERROR
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Why an item or a list is not taken: the answer on the wire, and one sentence for a person."""
+
+    result: MissionResult
+    text: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MissionItem:
+    """One entry of a mission, fence or rally list, exactly as a MISSION_ITEM_INT carries it.
+
+    Floats are rounded to single precision, so an item equals itself after a transfer. NaN ("not set") equals
+    NaN here.
+
+    Raises:
+        ValueError: a number that its field on the wire cannot hold; names the field.
+    """
+
+    frame: int
+    command: int
+    current: int = 0
+    autocontinue: int = 1
+    param1: float = 0.0
+    param2: float = 0.0
+    param3: float = 0.0
+    param4: float = 0.0
+    x: int = 0
+    y: int = 0
+    z: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in _LIMITS.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ValueError(f"{name} {value} is outside {low}..{high}")
+        values = (self.param1, self.param2, self.param3, self.param4, self.z)
+        try:
+            singles = _singles.unpack(_singles.pack(*values))
+        except OverflowError:
+            raise ValueError(f"one of {', '.join(_FLOATS)} is too large: {values}") from None
+        for name, single in zip(_FLOATS, singles, strict=True):
+            object.__setattr__(self, name, single)
+
+    def _key(self) -> tuple[int | float | None, ...]:
+        values = [getattr(self, field) for field in _NAMES]
+        return tuple(None if value != value else value for value in values)  # noqa: PLR0124  NaN alone differs
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, MissionItem) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    @staticmethod
+    def from_message(message: Message) -> "MissionItem | Fault":
+        """Read a MISSION_ITEM_INT, or the old MISSION_ITEM whose x and y are floats. Never raises."""
+        x, y = message.x, message.y
+        if message.get_type() == "MISSION_ITEM":
+            scaled_x, scaled_y = _scaled(x, message.frame), _scaled(y, message.frame)
+            if scaled_x is None:
+                return Fault(MissionResult.INVALID_PARAM5_X, f"x is {x}, which is no position")
+            if scaled_y is None:
+                return Fault(MissionResult.INVALID_PARAM6_Y, f"y is {y}, which is no position")
+            x, y = scaled_x, scaled_y
+        return MissionItem(
+            frame=message.frame,
+            command=message.command,
+            current=message.current,
+            autocontinue=message.autocontinue,
+            param1=message.param1,
+            param2=message.param2,
+            param3=message.param3,
+            param4=message.param4,
+            x=x,
+            y=y,
+            z=message.z,
+        )
+
+    def to_message(self, seq: int, target: Address, mission_type: MissionType) -> Message:
+        """The MISSION_ITEM_INT that carries this item."""
+        message: Message = dialect.MAVLink_mission_item_int_message(
+            target.system,
+            target.component,
+            seq,
+            self.frame,
+            self.command,
+            self.current,
+            self.autocontinue,
+            self.param1,
+            self.param2,
+            self.param3,
+            self.param4,
+            self.x,
+            self.y,
+            self.z,
+            mission_type,
+        )
+        return message
+
+    def to_dict(self) -> dict[str, int | float | str | None]:
+        """Plain values for JSON: NaN as null, an infinity as "inf" or "-inf"."""
+        return {name: _to_plain(getattr(self, name)) for name in _NAMES}
+
+    @staticmethod
+    def from_dict(values: Mapping[str, Any]) -> "MissionItem":
+        """The item that `to_dict` described.
+
+        Raises:
+            ValueError: a key is missing or unknown, or a value is no number; names the key.
+        """
+        if set(values) != set(_NAMES):
+            wrong = ", ".join(sorted(set(values) ^ set(_NAMES)))
+            raise ValueError(f"a mission item with missing or unknown keys: {wrong}")
+        return MissionItem(**{name: _from_plain(name, values[name]) for name in _NAMES})
+
+
+_NAMES = tuple(field.name for field in fields(MissionItem))
+
+
+def _scaled(value: float, frame: int) -> int | None:
+    """A coordinate of a MISSION_ITEM as the integer of a MISSION_ITEM_INT, None where it has none."""
+    scale = 1e7 if frame in GLOBAL_FRAMES else 1e4 if frame in LOCAL_FRAMES else 1.0
+    scaled = value * scale
+    return round(scaled) if math.isfinite(scaled) and abs(scaled) <= _INT32_MAX else None
+
+
+def _to_plain(value: float) -> int | float | str | None:
+    if isinstance(value, int):
+        return value
+    return None if math.isnan(value) else str(value) if math.isinf(value) else value
+
+
+def _from_plain(name: str, value: object) -> Any:  # noqa: ANN401  an int or a float, as the field asks
+    if name not in _FLOATS:
+        if type(value) is not int:
+            raise ValueError(f"{name} must be a whole number, not {value!r}")
+        return value
+    if value is None:
+        return math.nan
+    if type(value) in (int, float) or value in ("inf", "-inf"):
+        return float(value)  # type: ignore[arg-type]
+    raise ValueError(f"{name} must be a number or null, not {value!r}")
