@@ -1,0 +1,76 @@
+"""A link that loses, delays, reorders and doubles what it carries, the same way for the same seed."""
+
+import heapq
+import random
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """What a channel does to a datagram.
+
+    loss and duplication are probabilities, 0..1. Each copy arrives delay_s + up to jitter_s later (uniform),
+    so that jitter reorders. bandwidth_bytes_s limits the flow, 0 for no limit; what would have to queue for
+    longer than backlog_s is dropped, as a radio's full buffer drops it.
+
+    Raises:
+        ValueError: a probability outside 0..1, or a negative time or bandwidth; names the field.
+    """
+
+    loss: float = 0.0
+    delay_s: float = 0.0
+    jitter_s: float = 0.0
+    duplication: float = 0.0
+    bandwidth_bytes_s: float = 0.0
+    backlog_s: float = 2.0
+
+    def __post_init__(self) -> None:
+        for name in ("loss", "duplication"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise ValueError(f"{name} {getattr(self, name)} is outside 0..1")
+        for name in ("delay_s", "jitter_s", "bandwidth_bytes_s", "backlog_s"):
+            if not 0.0 <= getattr(self, name) < float("inf"):
+                raise ValueError(f"{name} {getattr(self, name)} is not a number from 0 up")
+
+
+class Channel:
+    """One direction of a link. A change of its quality holds for what is sent from then on."""
+
+    __slots__ = ("_free_s", "_in_flight", "_random", "_sent", "quality")
+
+    def __init__(self, quality: Quality, seed: int) -> None:
+        self.quality = quality
+        self._random = random.Random(seed)
+        self._in_flight: list[tuple[float, int, bytes]] = []
+        self._sent = 0
+        self._free_s = 0.0
+
+    def send(self, data: bytes, now_s: float) -> None:
+        """Put a datagram on its way."""
+        quality = self.quality
+        if quality.bandwidth_bytes_s:
+            begin_s = max(now_s, self._free_s)
+            if begin_s - now_s > quality.backlog_s:
+                return
+            self._free_s = begin_s + len(data) / quality.bandwidth_bytes_s
+            now_s = self._free_s
+        # A fixed number of draws per datagram: the fate of one does not depend on that of another.
+        lost, doubled, early, late = (self._random.random() for _ in range(4))
+        if lost < quality.loss:
+            return
+        for share in (early, late) if doubled < quality.duplication else (early,):
+            self._sent += 1
+            arrival_s = now_s + quality.delay_s + share * quality.jitter_s
+            heapq.heappush(self._in_flight, (arrival_s, self._sent, data))
+
+    def receive(self, now_s: float) -> list[bytes]:
+        """What has arrived by now, in order of arrival."""
+        arrived = []
+        while self._in_flight and self._in_flight[0][0] <= now_s:
+            arrived.append(heapq.heappop(self._in_flight)[2])
+        return arrived
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is on its way."""
+        return not self._in_flight

@@ -1,0 +1,89 @@
+"""The seeded channel does what its quality says, and the same again."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sitl.channel import Channel, Quality
+
+qualities = st.builds(
+    Quality,
+    loss=st.floats(0.0, 1.0),
+    delay_s=st.floats(0.0, 1.0),
+    jitter_s=st.floats(0.0, 1.0),
+    duplication=st.floats(0.0, 1.0),
+)
+
+
+def carry(
+    channel: Channel, count: int, step_s: float = 0.01, until_s: float = 10.0
+) -> list[tuple[float, bytes]]:
+    for n in range(count):
+        channel.send(n.to_bytes(2, "big"), n * step_s)
+    ticks = int(until_s / step_s) + 1
+    return [(k * step_s, data) for k in range(ticks) for data in channel.receive(k * step_s)]
+
+
+def test_a_perfect_channel_hands_over_everything_at_once_and_in_order() -> None:
+    channel = Channel(Quality(), seed=1)
+    assert [data for _, data in carry(channel, 100)] == [n.to_bytes(2, "big") for n in range(100)]
+    assert channel.is_empty
+
+
+@given(qualities, st.integers(0, 2**32))
+def test_the_same_seed_gives_the_same_fate(quality: Quality, seed: int) -> None:
+    assert carry(Channel(quality, seed), 50, until_s=3.0) == carry(Channel(quality, seed), 50, until_s=3.0)
+
+
+def test_another_seed_gives_another_fate() -> None:
+    quality = Quality(loss=0.5)
+    assert carry(Channel(quality, 1), 100) != carry(Channel(quality, 2), 100)
+
+
+def test_loss_and_duplication_come_at_the_asked_rates() -> None:
+    assert len(carry(Channel(Quality(loss=0.3), 3), 4000, step_s=0.001)) == pytest.approx(2800, rel=0.05)
+    assert len(carry(Channel(Quality(duplication=0.3), 3), 4000, step_s=0.001)) == pytest.approx(
+        5200, rel=0.05
+    )
+
+
+def test_nothing_arrives_before_its_delay_and_all_before_delay_and_jitter() -> None:
+    channel = Channel(Quality(delay_s=0.2, jitter_s=0.1), seed=4)
+    for k in range(200):
+        channel.send(b"x", 5.0 + k * 1e-6)
+    assert channel.receive(5.199) == []
+    assert 0 < len(channel.receive(5.25)) < 200
+    channel.receive(5.301)
+    assert channel.is_empty
+
+
+def test_jitter_reorders() -> None:
+    arrived = [data for _, data in carry(Channel(Quality(jitter_s=0.1), seed=5), 100)]
+    assert sorted(arrived) == [n.to_bytes(2, "big") for n in range(100)]
+    assert arrived != sorted(arrived)
+
+
+def test_bandwidth_spreads_a_burst_and_drops_what_would_wait_too_long() -> None:
+    channel = Channel(Quality(bandwidth_bytes_s=1000.0, backlog_s=0.5), seed=6)
+    for _ in range(100):
+        channel.send(bytes(100), 0.0)  # 0.1 s each
+    assert len(channel.receive(0.3)) == 3
+    assert len(channel.receive(10.0)) == 3
+    assert channel.is_empty
+
+
+def test_a_link_that_is_cut_loses_all_until_it_is_mended() -> None:
+    channel = Channel(Quality(), seed=7)
+    channel.quality = Quality(loss=1.0)
+    channel.send(b"gone", 0.0)
+    channel.quality = Quality()
+    channel.send(b"here", 0.0)
+    assert channel.receive(0.0) == [b"here"]
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("loss", 1.1), ("duplication", -0.1), ("delay_s", -1.0), ("jitter_s", float("nan"))]
+)
+def test_an_impossible_quality_is_refused_by_name(field: str, value: float) -> None:
+    with pytest.raises(ValueError, match=field):
+        Quality(**{field: value})
