@@ -64,11 +64,11 @@ def test_jitter_reorders() -> None:
 
 
 def test_bandwidth_spreads_a_burst_and_drops_what_would_wait_too_long() -> None:
-    channel = Channel(Quality(bandwidth_bytes_s=1000.0, backlog_s=0.5), seed=6)
+    channel = Channel(Quality(bandwidth_bytes_s=1024.0, backlog_s=0.5), seed=6)
     for _ in range(100):
-        channel.send(bytes(100), 0.0)  # 0.1 s each
-    assert len(channel.receive(0.3)) == 3
-    assert len(channel.receive(10.0)) == 3
+        channel.send(bytes(128), 0.0)  # 0.125 s each
+    assert len(channel.receive(0.375)) == 3
+    assert len(channel.receive(10.0)) == 2
     assert channel.is_empty
 
 
