@@ -1,0 +1,29 @@
+"""When to try again what has just failed."""
+
+
+class Backoff:
+    """Waiting times that double from first_s to longest_s. Time is handed in."""
+
+    __slots__ = ("_delay_s", "_due_s", "_first_s", "_longest_s")
+
+    def __init__(self, first_s: float = 0.5, longest_s: float = 8.0) -> None:
+        self._first_s = first_s
+        self._longest_s = longest_s
+        self._delay_s = first_s
+        self._due_s = float("-inf")
+
+    def is_due(self, now_s: float) -> bool:
+        """Whether the next try may start."""
+        return now_s >= self._due_s
+
+    def failed(self, now_s: float = 0.0) -> float:
+        """Put the next try off, twice as far as the last time; returns the wait in seconds."""
+        delay_s = self._delay_s
+        self._due_s = now_s + delay_s
+        self._delay_s = min(2.0 * delay_s, self._longest_s)
+        return delay_s
+
+    def succeeded(self) -> None:
+        """Start again with the shortest wait."""
+        self._delay_s = self._first_s
+        self._due_s = float("-inf")

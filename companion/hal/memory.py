@@ -1,0 +1,109 @@
+"""Links that never leave the process: lockstep runs and tests."""
+
+from collections import deque
+
+from companion.hal.interfaces import Link
+
+_QUEUE_FRAMES = 4096
+
+
+class MemoryLink:
+    """One end of a pair. What one end sends, the other receives, chunk by chunk and in order.
+
+    Like a UDP socket, a full end drops what comes next. Closing one end ends the other as soon as it has
+    handed over what was under way.
+    """
+
+    __slots__ = ("_arrived", "_has_ended", "_is_closed", "_is_datagram", "_name", "_peer", "_queue_frames")
+
+    def __init__(self, name: str, is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES) -> None:
+        self._name = name
+        self._is_datagram = is_datagram
+        self._queue_frames = queue_frames
+        self._arrived: deque[bytes] = deque()
+        self._peer: MemoryLink | None = None
+        self._has_ended = False
+        self._is_closed = False
+
+    @property
+    def name(self) -> str:
+        """As given."""
+        return self._name
+
+    @property
+    def is_datagram(self) -> bool:
+        """As given."""
+        return self._is_datagram
+
+    @property
+    def is_closed(self) -> bool:
+        """True once either end was closed and nothing is left to receive."""
+        return self._is_closed or (self._has_ended and not self._arrived)
+
+    def receive(self) -> list[bytes]:
+        """Everything that the other end has sent since the last call."""
+        chunks = list(self._arrived)
+        self._arrived.clear()
+        return chunks
+
+    def send(self, data: bytes) -> bool:
+        """Hand one frame to the other end; False if that is closed or full."""
+        peer = self._peer
+        if peer is None or peer._is_closed or self._is_closed or len(peer._arrived) >= peer._queue_frames:
+            return False
+        peer._arrived.append(bytes(data))
+        return True
+
+    def fileno(self) -> int:
+        """−1: there is nothing to wait on."""
+        return -1
+
+    def close(self) -> None:
+        """Close this end and, once drained, the other. May be called twice."""
+        self._is_closed = True
+        self._arrived.clear()
+        if self._peer is not None:
+            self._peer._has_ended = True
+
+
+def memory_pair(
+    name: str = "memory", is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES
+) -> tuple[MemoryLink, MemoryLink]:
+    """Two ends joined together."""
+    near = MemoryLink(f"{name}:a", is_datagram, queue_frames)
+    far = MemoryLink(f"{name}:b", is_datagram, queue_frames)
+    near._peer, far._peer = far, near
+    return near, far
+
+
+class MemoryPort:
+    """Satisfies `companion.hal.interfaces.Port`: hands out the links that were put in with `offer`."""
+
+    def __init__(self, *links: Link, name: str = "memory") -> None:
+        self._name = name
+        self._offered: list[Link] = list(links)
+        self._links: list[Link] = []
+
+    @property
+    def name(self) -> str:
+        """As given."""
+        return self._name
+
+    def offer(self, link: Link) -> None:
+        """Let the next `accept` return this link."""
+        self._offered.append(link)
+
+    def accept(self) -> list[Link]:
+        """The links offered since the last call."""
+        fresh, self._offered = self._offered, []
+        self._links += fresh
+        return fresh
+
+    def fileno(self) -> int:
+        """−1: there is nothing to wait on."""
+        return -1
+
+    def close(self) -> None:
+        """Close every link that was offered. May be called twice."""
+        for link in (*self._links, *self._offered):
+            link.close()

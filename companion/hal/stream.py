@@ -1,0 +1,110 @@
+"""A link over a descriptor that carries a stream of bytes: a TCP connection or a serial line."""
+
+import os
+from collections.abc import Callable
+
+_CHUNK_BYTES = 4096
+_CHUNKS_PER_CALL = 16  # so that a flooding station cannot hold the boat's tick
+
+
+class StreamLink:
+    """Satisfies `companion.hal.interfaces.Link` over a non-blocking descriptor.
+
+    What the far side is too slow to take waits in a queue of at most queue_bytes; a frame that does not fit
+    is dropped whole, so the stream never holds half a frame. The queue drains on every `receive` and `send`.
+    End of stream closes the link, also when the far side has closed only its sending half: a station that
+    will never speak again is as good as gone.
+    """
+
+    __slots__ = (
+        "_descriptor",
+        "_is_broken",
+        "_name",
+        "_pending",
+        "_queue_bytes",
+        "_release",
+        "dropped_frames",
+    )
+
+    def __init__(self, name: str, descriptor: int, release: Callable[[], object], queue_bytes: int) -> None:
+        self._name = name
+        self._descriptor = descriptor
+        self._release = release
+        self._queue_bytes = queue_bytes
+        self._pending = bytearray()
+        self._is_broken = False  # sending failed; what has arrived may still be read
+        self.dropped_frames = 0
+
+    @property
+    def name(self) -> str:
+        """Who is at the far end."""
+        return self._name
+
+    @property
+    def is_datagram(self) -> bool:
+        """False: chunks are cut anywhere."""
+        return False
+
+    @property
+    def is_closed(self) -> bool:
+        """True after `close`, or after the far side has gone and everything it said was handed over."""
+        return self._descriptor < 0
+
+    def receive(self) -> list[bytes]:
+        """What has arrived, 64 KiB at most a call."""
+        chunks: list[bytes] = []
+        has_ended = False
+        while self._descriptor >= 0 and len(chunks) < _CHUNKS_PER_CALL:
+            try:
+                chunk = os.read(self._descriptor, _CHUNK_BYTES)
+            except (BlockingIOError, InterruptedError):
+                has_ended = self._is_broken
+                break
+            except OSError:
+                has_ended = True
+                break
+            if not chunk:
+                has_ended = True
+                break
+            chunks.append(chunk)
+            if len(chunk) < _CHUNK_BYTES and not self._is_broken:
+                break
+        if has_ended:
+            self.close()
+        elif self._pending:
+            self._drain()
+        return chunks
+
+    def send(self, data: bytes) -> bool:
+        """Send or queue one frame whole; False if it was dropped whole."""
+        if self._pending:
+            self._drain()
+        is_full = bool(self._pending) and len(self._pending) + len(data) > self._queue_bytes
+        if is_full or self._is_broken or self._descriptor < 0:
+            self.dropped_frames += 1
+            return False
+        self._pending += data
+        self._drain()
+        return not self._is_broken
+
+    def fileno(self) -> int:
+        """The descriptor, −1 once closed."""
+        return self._descriptor
+
+    def close(self) -> None:
+        """Let the descriptor go. May be called twice."""
+        if self._descriptor >= 0:
+            self._descriptor = -1
+            self._pending.clear()
+            self._release()
+
+    def _drain(self) -> None:
+        if self._descriptor < 0 or self._is_broken:
+            return
+        try:
+            del self._pending[: os.write(self._descriptor, self._pending)]
+        except (BlockingIOError, InterruptedError):
+            pass
+        except OSError:
+            self._is_broken = True
+            self._pending.clear()

@@ -1,0 +1,234 @@
+"""MAVLink over UDP: to one fixed station, or to whichever stations call."""
+
+import errno
+import socket
+from collections import deque
+from collections.abc import Callable
+
+from companion.errors import LinkError
+from companion.hal.interfaces import Link
+from companion.hal.internet import Address, resolve, show
+
+PEER_IDLE_S = 60.0
+MAX_PEERS = 32
+_DATAGRAM_BYTES = 65535
+_DATAGRAMS_PER_CALL = 256  # so that a flooding station cannot hold the boat's tick
+_QUEUE_DATAGRAMS = 512
+
+
+class UdpOutPort:
+    """`udpout:HOST:PORT`: one link to one destination, from one source port for life.
+
+    The socket is never connected: the boat may start before its network does, and a station that is not
+    there yet must not turn into an error. Only datagrams of that host and port are taken, unless the
+    destination is a broadcast address.
+
+    Raises:
+        LinkError: the host is not known.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        address = resolve("udpout", host, port)
+        self._name = f"udpout:{show(host, port)}"
+        self._link = _UdpOutLink(self._name, address)
+        self._fresh: list[Link] = [self._link]
+
+    @property
+    def name(self) -> str:
+        """The url."""
+        return self._name
+
+    @property
+    def source_port(self) -> int:
+        """Where answers arrive."""
+        return self._link.source_port
+
+    def accept(self) -> list[Link]:
+        """The link, once."""
+        fresh, self._fresh = self._fresh, []
+        return fresh
+
+    def fileno(self) -> int:
+        """−1: no second link will come."""
+        return -1
+
+    def close(self) -> None:
+        """Close the link. May be called twice."""
+        self._link.close()
+
+
+class _UdpOutLink:
+    is_datagram = True
+
+    def __init__(self, name: str, address: Address) -> None:
+        self.name = name
+        self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._socket.bind(("", 0))
+        self._destination = address.sockaddr
+        self._takes_any_source = False
+        self.is_closed = False
+        self.strangers = 0  # datagrams from somebody else
+
+    @property
+    def source_port(self) -> int:
+        return int(self._socket.getsockname()[1])
+
+    def receive(self) -> list[bytes]:
+        chunks: list[bytes] = []
+        for _ in range(_DATAGRAMS_PER_CALL):
+            try:
+                data, source = self._socket.recvfrom(_DATAGRAM_BYTES)
+            except (BlockingIOError, InterruptedError):
+                break
+            except OSError:
+                if self.is_closed:
+                    break
+                continue  # a reported ICMP refusal; the next datagram may be good
+            if not (self._takes_any_source or source[:2] == self._destination[:2]):
+                self.strangers += 1
+            elif data:
+                chunks.append(data)
+        return chunks
+
+    def send(self, data: bytes) -> bool:
+        try:
+            self._socket.sendto(data, self._destination)
+        except OSError as error:
+            # The kernel knows which addresses are broadcast: it refuses the first datagram to one.
+            if error.errno == errno.EACCES and not self._takes_any_source and not self.is_closed:
+                self._takes_any_source = True
+                self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+                return self.send(data)
+            return False
+        return True
+
+    def fileno(self) -> int:
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        self.is_closed = True
+        self._socket.close()
+
+
+class UdpInPort:
+    """`udpin:HOST:PORT`: every address that sends here becomes a link.
+
+    A peer that is silent for idle_s is forgotten; beyond max_peers at a time, newcomers are not heard.
+    Port 0 lets the system choose; `name` shows the choice.
+
+    Raises:
+        LinkError: the address is in use or not ours.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        now: Callable[[], float],
+        idle_s: float = PEER_IDLE_S,
+        max_peers: int = MAX_PEERS,
+    ) -> None:
+        address = resolve("udpin", host, port)
+        self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        try:
+            self._socket.bind(address.sockaddr)
+        except OSError as error:
+            self._socket.close()
+            where = show(host, port)
+            raise LinkError(f"udpin:{where}: cannot listen on {where}: {error.strerror}") from None
+        self._name = f"udpin:{show(host, self._socket.getsockname()[1])}"
+        self._now = now
+        self._idle_s = idle_s
+        self._max_peers = max_peers
+        self._peers: dict[object, _UdpPeer] = {}
+        self._fresh: list[Link] = []
+        self.refused_datagrams = 0
+
+    @property
+    def name(self) -> str:
+        """The url with the real port."""
+        return self._name
+
+    def accept(self) -> list[Link]:
+        """Links to the peers that have called for the first time; idle ones are closed."""
+        self._pump()
+        oldest_s = self._now() - self._idle_s
+        for peer in [peer for peer in self._peers.values() if peer.heard_s < oldest_s]:
+            peer.close()
+        fresh, self._fresh = self._fresh, []
+        return fresh
+
+    def fileno(self) -> int:
+        """The socket that all peers share, −1 once closed."""
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        """Close the socket and every link. May be called twice."""
+        for peer in list(self._peers.values()):
+            peer.close()
+        self._socket.close()
+
+    def _pump(self) -> None:
+        """Sort what has arrived by sender."""
+        for _ in range(_DATAGRAMS_PER_CALL):
+            try:
+                data, source = self._socket.recvfrom(_DATAGRAM_BYTES)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError:
+                if self._socket.fileno() < 0:
+                    return
+                continue
+            peer = self._peers.get(source)
+            if peer is None:
+                if not data or len(self._peers) >= self._max_peers:
+                    self.refused_datagrams += 1
+                    continue
+                peer = _UdpPeer(self, source)
+                self._peers[source] = peer
+                self._fresh.append(peer)
+            peer.heard_s = self._now()
+            if data:
+                peer.arrived.append(data)
+
+    def _send(self, data: bytes, destination: tuple[str, int]) -> bool:
+        try:
+            self._socket.sendto(data, destination)
+        except OSError:
+            return False
+        return True
+
+    def _forget(self, source: object) -> None:
+        self._peers.pop(source, None)
+
+
+class _UdpPeer:
+    is_datagram = True
+
+    def __init__(self, port: UdpInPort, source: tuple[str, int]) -> None:
+        self.name = f"udp:{show(source[0], source[1])}"
+        self._port = port
+        self._source = source
+        self.arrived: deque[bytes] = deque(maxlen=_QUEUE_DATAGRAMS)
+        self.heard_s = 0.0
+        self.is_closed = False
+
+    def receive(self) -> list[bytes]:
+        if not self.is_closed:
+            self._port._pump()
+        chunks = list(self.arrived)
+        self.arrived.clear()
+        return chunks
+
+    def send(self, data: bytes) -> bool:
+        return not self.is_closed and self._port._send(data, self._source)
+
+    def fileno(self) -> int:
+        return -1 if self.is_closed else self._port.fileno()
+
+    def close(self) -> None:
+        if not self.is_closed:
+            self.is_closed = True
+            self._port._forget(self._source)

@@ -1,0 +1,70 @@
+"""Twins below the drivers: a clock that is set by hand, a serial line that can be unplugged."""
+
+import os
+import pty
+import time
+import tty
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+
+class HandClock:
+    """The boat's clock, moved by the test."""
+
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def advance(self, seconds: float) -> None:
+        self.now_s += seconds
+
+
+class PtyLine:
+    """A serial device under a stable path; the test holds the far end."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._master = -1
+        self.plug_in()
+
+    @property
+    def device(self) -> str:
+        return str(self.path)
+
+    def plug_in(self) -> None:
+        self._master, slave = pty.openpty()
+        tty.setraw(slave)
+        os.set_blocking(self._master, False)
+        self.path.symlink_to(os.ttyname(slave))
+        os.close(slave)
+
+    def unplug(self) -> None:
+        self.path.unlink(missing_ok=True)
+        if self._master >= 0:
+            os.close(self._master)
+            self._master = -1
+
+    def say(self, data: bytes) -> None:
+        assert os.write(self._master, data) == len(data)
+
+    def heard(self) -> bytes:
+        try:
+            return os.read(self._master, 1 << 20)
+        except (BlockingIOError, OSError):
+            return b""
+
+
+def gather(receive: Callable[[], Iterable[bytes]], into: list[bytes]) -> list[bytes]:
+    """Append what has arrived; returns the list."""
+    into.extend(receive())
+    return into
+
+
+def eventually(condition: Callable[[], object]) -> None:
+    """Try a condition until it holds: the kernel's own hand-over between two ends takes a moment."""
+    deadline_s = time.monotonic() + 5.0
+    while not condition():
+        assert time.monotonic() < deadline_s, "it never came about"
+        time.sleep(0.0005)

@@ -1,0 +1,205 @@
+"""UDP ports over loopback, with sockets as stations."""
+
+import socket
+from collections.abc import Iterator
+
+import pytest
+from hardware_twins import HandClock, eventually, gather
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.errors import LinkError
+from companion.hal.interfaces import Link
+from companion.hal.udp import MAX_PEERS, PEER_IDLE_S, UdpInPort, UdpOutPort
+
+HERE = "127.0.0.1"
+
+
+@pytest.fixture
+def clock() -> HandClock:
+    return HandClock()
+
+
+@pytest.fixture
+def server(clock: HandClock) -> Iterator[UdpInPort]:
+    port = UdpInPort(HERE, 0, clock)
+    yield port
+    port.close()
+
+
+class Station:
+    """A ground station's socket."""
+
+    def __init__(self, number: int = 0) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((HERE, number))
+        self._socket.settimeout(5.0)
+        self.number: int = self._socket.getsockname()[1]
+
+    def __enter__(self) -> "Station":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._socket.close()
+
+    def say(self, data: bytes, number: int) -> None:
+        self._socket.sendto(data, (HERE, number))
+
+    def hear(self) -> tuple[bytes, int]:
+        data, source = self._socket.recvfrom(65535)
+        return data, source[1]
+
+
+def number_of(port: UdpInPort) -> int:
+    return int(port.name.rpartition(":")[2])
+
+
+def call_in(port: UdpInPort, station: Station, data: bytes = b"hello") -> Link:
+    station.say(data, number_of(port))
+    (link,) = port.accept()
+    return link
+
+
+def test_a_port_that_the_system_chose_shows_in_the_name(server: UdpInPort) -> None:
+    assert server.name.startswith("udpin:127.0.0.1:")
+    assert number_of(server) > 0
+
+
+def test_every_peer_becomes_a_link_of_its_own(server: UdpInPort) -> None:
+    with Station() as near, Station() as far:
+        near_link, far_link = call_in(server, near, b"near"), call_in(server, far, b"far")
+        assert near_link.receive() == [b"near"]
+        assert far_link.receive() == [b"far"]
+        assert near_link.is_datagram
+        assert near_link.name == f"udp:127.0.0.1:{near.number}"
+        assert far_link.send(b"to far")
+        assert near_link.send(b"to near")
+        assert near.hear() == (b"to near", number_of(server))
+        assert far.hear() == (b"to far", number_of(server))
+        assert server.accept() == []
+
+
+def test_datagrams_arrive_whole_and_in_order_without_a_call_to_accept(server: UdpInPort) -> None:
+    with Station() as station:
+        link = call_in(server, station, b"1")
+        station.say(b"2", number_of(server))
+        station.say(b"3", number_of(server))
+        assert link.receive() == [b"1", b"2", b"3"]
+        assert link.receive() == []
+
+
+def test_an_idle_peer_is_forgotten_and_may_call_again(server: UdpInPort, clock: HandClock) -> None:
+    with Station() as station:
+        link = call_in(server, station)
+        clock.advance(PEER_IDLE_S - 1.0)
+        station.say(b"still here", number_of(server))
+        server.accept()
+        clock.advance(PEER_IDLE_S - 1.0)
+        server.accept()
+        assert link.send(b"noted")
+        clock.advance(2.0)
+        server.accept()
+        assert link.is_closed
+        assert not link.send(b"anyone?")
+        assert link.fileno() == -1
+        assert call_in(server, station) is not link
+
+
+def test_beyond_the_limit_newcomers_are_not_heard(clock: HandClock) -> None:
+    port = UdpInPort(HERE, 0, clock, max_peers=2)
+    with Station() as first, Station() as second, Station() as third:
+        call_in(port, first)
+        link = call_in(port, second)
+        third.say(b"me too", number_of(port))
+        assert port.accept() == []
+        assert port.refused_datagrams == 1
+        link.close()
+        call_in(port, third)
+    port.close()
+    assert MAX_PEERS == 32
+
+
+def test_an_address_in_use_is_named(server: UdpInPort, clock: HandClock) -> None:
+    number = number_of(server)
+    with pytest.raises(LinkError, match=f"udpin:127.0.0.1:{number}: cannot listen.*Address already in use"):
+        UdpInPort(HERE, number, clock)
+
+
+def test_the_same_port_can_be_taken_again_after_close(clock: HandClock) -> None:
+    port = UdpInPort(HERE, 0, clock)
+    with Station() as station:
+        link = call_in(port, station)
+    port.close()
+    port.close()
+    assert link.is_closed
+    assert link.receive() == [b"hello"]
+    assert port.accept() == []
+    UdpInPort(HERE, number_of(port), clock).close()
+
+
+def test_udpout_keeps_one_source_port_and_hears_only_its_station() -> None:
+    with Station() as station, Station() as stranger:
+        port = UdpOutPort(HERE, station.number)
+        (link,) = port.accept()
+        assert port.accept() == []
+        assert link.name == f"udpout:127.0.0.1:{station.number}"
+        for data in (b"one", b"two"):
+            assert link.send(data)
+            assert station.hear() == (data, port.source_port)
+        stranger.say(b"evil", port.source_port)
+        station.say(b"good", port.source_port)
+        assert link.receive() == [b"good"]
+        port.close()
+        port.close()
+        assert link.is_closed
+        assert not link.send(b"late")
+        assert link.receive() == []
+
+
+def test_a_station_that_is_not_there_is_no_error_and_is_heard_once_it_is() -> None:
+    with Station() as station:
+        number = station.number
+    port = UdpOutPort(HERE, number)
+    (link,) = port.accept()
+    for _ in range(5):  # each of these is answered by an ICMP refusal
+        assert link.send(b"anyone?")
+        assert link.receive() == []
+    with Station(number) as station:
+        station.say(b"here I am", port.source_port)
+        assert link.receive() == [b"here I am"]
+        assert not link.is_closed
+    port.close()
+
+
+def test_a_broadcast_address_is_sent_to_and_answers_come_from_anyone() -> None:
+    port = UdpOutPort("127.255.255.255", 9)
+    (link,) = port.accept()
+    assert link.send(b"anyone?")
+    with Station() as station:
+        station.say(b"I am", port.source_port)
+        assert link.receive() == [b"I am"]
+    port.close()
+
+
+def test_a_host_that_nobody_knows_is_named() -> None:
+    with pytest.raises(LinkError, match=r"udpout:no such host:14550: host 'no such host' is not known"):
+        UdpOutPort("no such host", 14550)
+
+
+@settings(max_examples=30)
+@given(st.lists(st.binary(min_size=1, max_size=1400), min_size=1, max_size=20))
+def test_any_bytes_come_through_as_they_were(datagrams: list[bytes]) -> None:
+    server = UdpInPort(HERE, 0, HandClock())
+    client = UdpOutPort(HERE, number_of(server))
+    (out,) = client.accept()
+    for datagram in datagrams:
+        assert out.send(datagram)
+    (link,) = server.accept()
+    assert link.receive() == datagrams
+    for datagram in datagrams:
+        assert link.send(datagram)
+    heard: list[bytes] = []
+    eventually(lambda: len(gather(out.receive, heard)) >= len(datagrams))
+    assert heard == datagrams
+    client.close()
+    server.close()

@@ -1,0 +1,55 @@
+"""The pair of links that never leaves the process."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.hal.memory import MemoryPort, memory_pair
+
+
+@given(st.lists(st.tuples(st.booleans(), st.binary(max_size=50))))
+def test_each_end_receives_what_the_other_sent_in_order(traffic: list[tuple[bool, bytes]]) -> None:
+    near, far = memory_pair()
+    for from_near, data in traffic:
+        assert (near if from_near else far).send(data)
+    assert far.receive() == [data for from_near, data in traffic if from_near]
+    assert near.receive() == [data for from_near, data in traffic if not from_near]
+    assert near.receive() == far.receive() == []
+
+
+def test_a_full_end_drops_what_comes_next_whole() -> None:
+    near, far = memory_pair(queue_frames=2)
+    assert [near.send(data) for data in (b"1", b"2", b"3")] == [True, True, False]
+    assert far.receive() == [b"1", b"2"]
+    assert near.send(b"4")
+
+
+def test_closing_one_end_ends_the_other_after_its_last_words() -> None:
+    near, far = memory_pair()
+    near.send(b"last words")
+    near.close()
+    near.close()
+    assert near.is_closed
+    assert not far.is_closed
+    assert not far.send(b"anyone?")
+    assert far.receive() == [b"last words"]
+    assert far.is_closed
+
+
+def test_what_was_sent_is_not_changed_by_a_buffer_that_is_used_again() -> None:
+    near, far = memory_pair(is_datagram=False)
+    buffer = bytearray(b"first")
+    near.send(memoryview(buffer))  # type: ignore[arg-type]
+    buffer[:] = b"other"
+    assert far.receive() == [b"first"]
+    assert not far.is_datagram
+
+
+def test_a_port_hands_every_offered_link_out_once_and_closes_them_all() -> None:
+    near, far = memory_pair()
+    port = MemoryPort(near)
+    assert port.accept() == [near]
+    assert port.accept() == []
+    port.offer(far)
+    port.close()
+    assert near.is_closed
+    assert far.is_closed
