@@ -1,0 +1,204 @@
+"""L298N dual H-bridge: two brushed motors, three pins each.
+
+The legs (IN1, IN2) are plain on-off pins that choose the direction, and the PWM is on the enable pin: with
+enable low the bridge is open whatever the legs say, so one pin alone can cut a motor, the current freewheels
+between pulses, and a step of speed never touches the direction pins. GPIO 12 and 13 are the defaults because
+they carry the Pi's hardware PWM channels.
+
+Truth table of the L298 data sheet (ST, table "Function"): EN low = free; EN high with IN1 ≠ IN2 = drive;
+EN high with IN1 = IN2 = short-circuit brake.
+"""
+
+import math
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Protocol
+
+from companion import config
+from companion.errors import HardwareError
+from companion.hal.optional import import_optional
+from companion.units import clamp
+
+
+class Leg(Protocol):
+    """A digital output, as gpiozero's OutputDevice."""
+
+    def on(self) -> None: ...
+    def off(self) -> None: ...
+    def close(self) -> None: ...
+
+
+class Enable(Protocol):
+    """A PWM output, as gpiozero's PWMOutputDevice; `value` is the duty cycle, 0..1."""
+
+    value: float
+
+    def off(self) -> None: ...
+    def close(self) -> None: ...
+
+
+class HalfBridgePair:
+    """One motor: forward leg, backward leg, enable.
+
+    A leg goes on only after the opposite leg has been off for dead_time_s. Nothing sleeps: while the dead
+    time runs, both legs are off, and a later `drive` turns the new leg on.
+    """
+
+    __slots__ = (
+        "_backward",
+        "_dead_time_s",
+        "_direction",
+        "_enable",
+        "_forward",
+        "_now",
+        "_released_s",
+        "_side",
+    )
+
+    def __init__(
+        self, forward: Leg, backward: Leg, enable: Enable, dead_time_s: float, now: Callable[[], float]
+    ) -> None:
+        self._forward = forward
+        self._backward = backward
+        self._enable = enable
+        self._dead_time_s = dead_time_s
+        self._now = now
+        self._direction = 0  # whose leg is on: 1 forward, −1 backward, 0 neither
+        self._side = 0  # whose leg was on last
+        self._released_s = -math.inf
+
+    def drive(self, share: float) -> None:
+        """Turn at a share of full drive, −1..1."""
+        direction = (share > 0.0) - (share < 0.0)
+        if direction != self._direction:
+            if self._direction:
+                self.release()
+            if not direction or (
+                direction != self._side and self._now() - self._released_s < self._dead_time_s
+            ):
+                return
+            (self._backward if direction > 0 else self._forward).off()
+            self._direction = self._side = direction
+            (self._forward if direction > 0 else self._backward).on()
+        if direction:
+            self._enable.value = abs(share)
+
+    def release(self) -> None:
+        """Open the bridge: enable first, then both legs. Every pin is tried even when another one raises.
+
+        Raises:
+            HardwareError: a pin could not be switched.
+        """
+        if self._direction:
+            self._released_s = self._now()
+        self._direction = 0
+        _try_all(self._enable.off, self._forward.off, self._backward.off)
+
+    def close(self) -> None:
+        """Give the pins back.
+
+        Raises:
+            HardwareError: a pin could not be given back.
+        """
+        _try_all(self._enable.close, self._forward.close, self._backward.close)
+
+
+class L298N:
+    """Satisfies `companion.hal.interfaces.Motors` over two half-bridge pairs."""
+
+    __slots__ = ("_is_closed", "_left", "_right")
+
+    def __init__(self, left: HalfBridgePair, right: HalfBridgePair) -> None:
+        self._left = left
+        self._right = right
+        self._is_closed = False
+        self.stop()
+
+    def write(self, left: float, right: float) -> None:
+        """Drive both motors, −1..1; beyond that is limited, and a value that is not finite stops both.
+
+        Raises:
+            HardwareError: closed, or a pin failed; both motors are off then.
+        """
+        if self._is_closed:
+            raise HardwareError("L298N: written to after close")
+        if not (math.isfinite(left) and math.isfinite(right)):
+            self.stop()
+            return
+        try:
+            self._left.drive(clamp(left, -1.0, 1.0))
+            self._right.drive(clamp(right, -1.0, 1.0))
+        except BaseException as error:
+            try:
+                self.stop()
+            except HardwareError as stuck:
+                raise stuck from error
+            if isinstance(error, Exception):
+                raise HardwareError(f"L298N: {error}") from error
+            raise
+
+    def stop(self) -> None:
+        """Open both bridges now.
+
+        Raises:
+            HardwareError: a pin could not be switched off; all others were.
+        """
+        if not self._is_closed:
+            _try_all(self._left.release, self._right.release)
+
+    def close(self) -> None:
+        """Stop, then give the pins back. May be called twice.
+
+        Raises:
+            HardwareError: as `stop`; the pins were given back all the same.
+        """
+        if self._is_closed:
+            return
+        try:
+            _try_all(self.stop, self._left.close, self._right.close)
+        finally:
+            self._is_closed = True
+
+
+def open_l298n(pins: config.L298N, now: Callable[[], float], pin_factory: object = None) -> L298N:
+    """The bridge on the Pi's own pins. `pin_factory` is gpiozero's; None takes the machine's.
+
+    A reversed motor has its legs swapped here, once.
+
+    Raises:
+        HardwareError: gpiozero is missing, there are no pins on this machine, or one is taken.
+    """
+    gpiozero = import_optional("gpiozero", "L298N")
+    try:
+        with ExitStack() as undo:
+
+            def pair(forward: int, backward: int, enable: int, is_reversed: bool) -> HalfBridgePair:
+                # Enable comes first: held low, it keeps the motor free while the legs are set up.
+                pwm = gpiozero.PWMOutputDevice(enable, frequency=pins.pwm_hz, pin_factory=pin_factory)
+                undo.enter_context(pwm)
+                legs = (backward, forward) if is_reversed else (forward, backward)
+                ahead, astern = (
+                    undo.enter_context(gpiozero.OutputDevice(leg, pin_factory=pin_factory)) for leg in legs
+                )
+                return HalfBridgePair(ahead, astern, pwm, pins.dead_time_s, now)
+
+            bridge = L298N(
+                pair(pins.left_forward, pins.left_backward, pins.left_enable, pins.left_reversed),
+                pair(pins.right_forward, pins.right_backward, pins.right_enable, pins.right_reversed),
+            )
+            undo.pop_all()
+    except Exception as error:
+        raise HardwareError(f"L298N: the pins cannot be opened: {error}") from error
+    return bridge
+
+
+def _try_all(*actions: Callable[[], None]) -> None:
+    """Carry out every action; then report the first that failed."""
+    first: Exception | None = None
+    for action in actions:
+        try:
+            action()
+        except Exception as error:
+            first = first or error
+    if first is not None:
+        raise first if isinstance(first, HardwareError) else HardwareError(f"L298N: {first}") from first
