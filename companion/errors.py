@@ -7,16 +7,21 @@
     │   └── LinkError                  a port that carries MAVLink cannot be opened
     └── LocalProtocolError (RuntimeError)  our own code asked a protocol machine for what its state forbids
 
-What arrives on the wire never raises past the endpoint: it is dropped and counted.
+What arrives on the wire never raises past the endpoint: it is dropped and counted. `exit_code` is what a
+program ends with: 1 the job failed, 2 wrong input, 3 no link.
 """
 
 
 class BoatError(Exception):
     """Root of every error that the companion raises on purpose."""
 
+    exit_code = 1
+
 
 class ConfigError(BoatError, ValueError):
     """A configuration that cannot be used."""
+
+    exit_code = 2
 
 
 class StorageError(BoatError, OSError):
@@ -29,6 +34,8 @@ class HardwareError(BoatError, OSError):
 
 class LinkError(HardwareError):
     """A port that carries MAVLink cannot be opened."""
+
+    exit_code = 3
 
 
 class LocalProtocolError(BoatError, RuntimeError):

@@ -148,3 +148,12 @@ class Sailing:
         for _ in range(ticks_per_second):  # let the last telegrams arrive
             lockstep.step()
         return progress.finished
+
+    def ending(self) -> str:
+        """How the run ended, for a person: the boat's last words."""
+        vehicle = self.lockstep.boat.vehicle
+        said = "; ".join(self.lockstep.station.texts[-3:]) or "nothing"
+        where = (
+            f"at item {vehicle.progress.current_seq} of {vehicle.progress.last_seq} in {vehicle.mode.name}"
+        )
+        return f"{where}; the boat said: {said}"

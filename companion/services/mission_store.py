@@ -29,9 +29,12 @@ def load_items(storage: Storage, mission_type: MissionType) -> tuple[MissionItem
         return ()
     try:
         tree = json.loads(content)
-        if tree["version"] != _VERSION:
-            raise ValueError(f"version {tree['version']}, this program writes {_VERSION}")
-        return tuple(MissionItem.from_dict(entry) for entry in tree["items"])
-    except (ValueError, KeyError, TypeError) as error:
+        version, entries = tree["version"], tree["items"]
+        items = tuple(MissionItem.from_dict(entry) for entry in entries)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         logger.warning("%s ignored: %s", _file(mission_type), error)
         return ()
+    if version != _VERSION:
+        logger.warning("%s ignored: version %s, expected %s", _file(mission_type), version, _VERSION)
+        return ()
+    return items

@@ -1,0 +1,82 @@
+"""boat-companion: the program on the boat."""
+
+import logging
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from companion import __version__
+from companion.app import check_config, run_boat
+from companion.config import BoatConfig, load_config
+from companion.errors import BoatError
+from companion.params import Parameters
+from companion.params_table import ROWS
+from companion.shutdown import Shutdown
+from companion.storage import MemoryStorage
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="The vehicle: drives the boat and speaks MAVLink to every ground station.",
+)
+
+ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
+
+
+@app.command()
+def run(
+    config: ConfigFile,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say more in the log.")] = False,
+) -> None:
+    """Run the boat until Ctrl-C or SIGTERM. The motors are off before the first and after the last tick.
+
+    Example:  boat-companion run --config /etc/mavboat/boat.toml
+    """
+    logging.basicConfig(
+        level=logging.DEBUG if verbose else logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
+    )
+    shutdown = Shutdown()
+    shutdown.install()
+    run_boat(load_config(config), shutdown)
+
+
+@app.command()
+def check(config: ConfigFile) -> None:
+    """Read a configuration and say what is wrong with it, without touching any hardware."""
+    tree = load_config(config)
+    check_config(tree)
+    typer.echo(f"{config}: fine; links {', '.join(tree.links)}")
+
+
+@app.command()
+def params() -> None:
+    """List every parameter with its default, unit and meaning."""
+    table = Table("name", "default", "unit", "meaning", box=None)
+    parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
+    for row in ROWS:
+        table.add_row(row.name, f"{parameters.value(row):g}", row.unit, row.text)
+    Console().print(table)
+
+
+@app.command()
+def version() -> None:
+    """Print the version."""
+    typer.echo(__version__)
+
+
+def main() -> None:
+    """Entry point. What a person can mend is one line and an exit code."""
+    try:
+        app()
+    except BoatError as error:
+        sys.stderr.write(f"boat-companion: {error}\n")
+        sys.exit(error.exit_code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+"""The composition root: the only file of the companion that picks concrete drivers."""
+
+import logging
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+from companion.boat import TICK_S, Boat
+from companion.clock import SystemClock
+from companion.config import BoatConfig
+from companion.errors import ConfigError
+from companion.hal.battery import open_ina219
+from companion.hal.compass import open_bno055, open_nmea_compass
+from companion.hal.gnss import open_nmea_gnss
+from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Motors, Port, Sonar
+from companion.hal.l298n import open_l298n
+from companion.hal.port_url import open_port, parse_port_url
+from companion.hal.ultrasonic import open_ultrasonic
+from companion.runner import Runner
+from companion.storage import FolderStorage, MemoryStorage, Storage
+
+logger = logging.getLogger(__name__)
+
+Now = Callable[[], float]
+
+
+def check_config(config: BoatConfig) -> None:
+    """What can be said of a configuration without touching hardware.
+
+    Raises:
+        ConfigError: names the key.
+    """
+    for url in config.links:
+        parse_port_url(url)
+    if not config.links:
+        raise ConfigError("links: a boat without a link cannot be reached; expected at least one")
+    for name in ("motors", "gnss", "compass"):
+        if getattr(config.parts, name).driver == "none":
+            raise ConfigError(f"parts.{name}.driver: the boat cannot sail without; expected a driver")
+
+
+def open_ports(urls: tuple[str, ...], now: Now) -> list[Port]:
+    """Open every link of a configuration, or none.
+
+    Raises:
+        ConfigError, LinkError: names the url.
+    """
+    with ExitStack() as undo:
+        ports: list[Port] = []
+        for url in urls:
+            ports.append(open_port(url, now))
+            undo.callback(ports[-1].close)
+        undo.pop_all()
+    return ports
+
+
+def open_hardware(config: BoatConfig, now: Now) -> Hardware:
+    """Open every part that the configuration names; the motors first, so that they are off from the start.
+
+    Raises:
+        HardwareError: names the part that does not answer; those already open are closed again.
+    """
+    parts = config.parts
+    with ExitStack() as undo:
+        motors: Motors = open_l298n(parts.motors, now)
+        undo.callback(motors.close)
+        gnss: Gnss = open_nmea_gnss(parts.gnss, now)
+        undo.callback(gnss.close)
+        compass: Compass = (
+            open_bno055(parts.compass, now)
+            if parts.compass.driver == "bno055"
+            else open_nmea_compass(parts.compass, now)
+        )
+        undo.callback(compass.close)
+        sonar: Sonar | None = None
+        if parts.sonar.driver != "none":
+            sonar = open_ultrasonic(parts.sonar, now)
+            undo.callback(sonar.close)
+        battery: Battery | None = None
+        if parts.battery.driver != "none":
+            battery = open_ina219(parts.battery, now)
+            undo.callback(battery.close)
+        undo.pop_all()
+    return Hardware(motors, gnss, compass, sonar, battery)
+
+
+def open_storage(folder: str) -> Storage:
+    """Memory that survives, or memory that does not when no folder is named.
+
+    Raises:
+        StorageError: the folder cannot be used.
+    """
+    return FolderStorage(Path(folder).expanduser()) if folder else MemoryStorage()
+
+
+def run_boat(
+    config: BoatConfig,
+    should_stop: Callable[[], bool],
+    clock: SystemClock | None = None,
+    open_parts: Callable[[BoatConfig, Now], Hardware] = open_hardware,
+) -> Boat:
+    """Run the boat until told to stop. Whatever happens, the motors are off when this returns or raises.
+
+    Raises:
+        ConfigError, HardwareError, LinkError, StorageError: the boat could not be put together.
+    """
+    check_config(config)
+    clock = clock or SystemClock()
+    with ExitStack() as undo:
+        hardware = open_parts(config, clock.now_s)
+        undo.callback(hardware.close)
+        storage = open_storage(config.storage.folder)
+        undo.callback(storage.close)
+        ports = open_ports(config.links, clock.now_s)
+        for port in ports:
+            undo.callback(port.close)
+            logger.info("listening on %s", port.name)
+        boat = Boat(config, hardware, ports, storage, clock.unix_offset_s())
+        undo.callback(boat.close)
+
+        def step(_: int) -> None:
+            boat.load = runner.load
+            boat.step(clock.now_s())
+
+        def receive() -> None:
+            boat.receive(clock.now_s())
+
+        runner = Runner(clock, TICK_S, step, receive, boat.channels.filenos)
+        runner.run(should_stop)
+        ticks = runner.ticks
+        logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)
+    return boat

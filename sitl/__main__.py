@@ -1,0 +1,36 @@
+"""boat-sitl: the emulator's program."""
+
+import sys
+
+import typer
+
+from mission_tools.cli.exit import run_app
+from sitl.cli.arguments import with_json_told_apart
+from sitl.cli.sail import sail
+from sitl.cli.serve import serve
+
+PROGRAM = "boat-sitl"
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="The emulator: the boat's own program over simulated hardware and water.",
+)
+app.command()(serve)
+app.command()(sail)
+
+
+def run_program(arguments: list[str]) -> int:
+    """Run the program; returns its exit code."""
+    return run_app(app, PROGRAM, with_json_told_apart(arguments))
+
+
+def main() -> None:
+    """Entry point."""
+    sys.exit(run_program(sys.argv[1:]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+"""`boat-sitl sail`: one mission in lockstep, as fast as the machine goes."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
+from sitl.missions import plan_mission, read_mission, wire_items
+from sitl.report import as_json, draw, print_table
+from sitl.sail import Result, SailError, Sailing
+
+
+def sail(
+    source: Source,
+    mission: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="a .plan or .waypoints file [planned on the scenario's map]"),
+    ] = None,
+    settings: Settings = None,
+    case: Case = None,
+    seed: Seed = None,
+    start: StartAt = None,
+    timeout: Annotated[
+        float | None, typer.Option(metavar="S", min=0.0, help="simulated seconds [4 × the planned time]")
+    ] = None,
+    as_json_text: Annotated[
+        bool, typer.Option("--json", help="figures as JSON on stdout, or in a file: --json FILE.json")
+    ] = False,
+    json_file: Annotated[Path | None, typer.Option("--json-file", hidden=True)] = None,
+    csv: Csv = None,
+    png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw chart, plan and true track")] = None,
+) -> None:
+    """Sail one mission in lockstep, as fast as the machine goes, and measure it against the truth.
+
+    The same scenario, mission and seed give the same state hash. Exit code 1 if the mission is not completed.
+
+    Example:  boat-sitl sail pool --case 2 --set environment.current_m_s=0.01 --png out/pool.png
+    """
+    console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
+    plan = None
+    if mission is not None:
+        to_sail = read_mission(mission)
+        scenario = scenario_from(source, settings, case, seed, start, to_sail.home)
+    else:
+        scenario = scenario_from(source, settings, case, seed, start)
+        to_sail, plan = plan_mission(scenario)
+    sailing = Sailing(scenario, wire_items(to_sail))
+    result = _run(sailing, timeout, console)
+    if csv is not None:
+        sailing.recorder.write_csv(_made_room_for(csv), every=5)
+    if json_file is not None:
+        _made_room_for(json_file).write_text(as_json(result) + "\n", encoding="utf-8")
+    if png is not None:
+        draw(sailing, plan, result, _made_room_for(png))
+    if as_json_text:
+        typer.echo(as_json(result))
+    else:
+        print_table(result, console)
+    if not result.completed:
+        raise SailError(f"the mission was not completed: {sailing.ending()}")
+
+
+def _run(sailing: Sailing, timeout: float | None, console: Console) -> Result:
+    """Sail with a progress bar where there is a person to see it."""
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("sailing", total=len(sailing.items) - 1)
+
+        def tell(time_s: float, seq: int) -> None:
+            progress.update(task, completed=seq - 1, description=f"{time_s:.0f} s, item {seq}")
+
+        return sailing.run(timeout, tell)
+
+
+def _made_room_for(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path

@@ -1,0 +1,69 @@
+"""`boat-sitl serve`: the boat in real time behind TCP and UDP."""
+
+import logging
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.clock import SystemClock
+from companion.shutdown import Shutdown
+from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
+from sitl.serve import RECORD_EVERY, Server
+
+
+def serve(
+    source: Source = "open",
+    settings: Settings = None,
+    case: Case = None,
+    seed: Seed = None,
+    start: StartAt = None,
+    speedup: Annotated[float, typer.Option(min=0.01, max=1000.0, help="times real time")] = 1.0,
+    host: Annotated[str, typer.Option(help="address that the TCP server listens on")] = "127.0.0.1",
+    tcp: Annotated[int, typer.Option(min=0, max=65535, help="TCP port; 0: the system's choice")] = 5760,
+    no_tcp: Annotated[bool, typer.Option("--no-tcp", help="no TCP server")] = False,
+    udp: Annotated[
+        str, typer.Option(metavar="HOST:PORT", help="the station that UDP goes to")
+    ] = "127.0.0.1:14550",
+    no_udp: Annotated[bool, typer.Option("--no-udp", help="no UDP")] = False,
+    link: Annotated[
+        list[str] | None, typer.Option(metavar="URL", help="a further link, as udpin:127.0.0.1:14560")
+    ] = None,
+    state: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="keep missions and parameters here over restarts")
+    ] = None,
+    csv: Csv = None,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
+) -> None:
+    """Run the boat in real time until Ctrl-C, for QGroundControl, MAVProxy, MAVSDK and any other station.
+
+    TCP on 5760 and UDP to 127.0.0.1:14550 by default. Nothing outside this machine can reach it unless
+    --host, --udp or --link say so. Timers that wait for stations are stretched along with --speedup.
+
+    Example:  boat-sitl serve lake --speedup 5
+    """
+    logging.basicConfig(
+        level=logging.INFO if verbose else logging.WARNING, format="%(levelname)s %(message)s"
+    )
+    urls = [] if no_tcp else [f"tcpin:{host}:{tcp}"]
+    urls += [] if no_udp else [f"udpout:{udp}"]
+    scenario = scenario_from(source, settings, case, seed, start)
+    shutdown = Shutdown()
+    shutdown.install()
+    server = Server(
+        scenario,
+        [*urls, *(link or [])],
+        SystemClock(),
+        speedup=speedup,
+        state_folder="" if state is None else str(state),
+        record=csv is not None,
+    )
+    links = ", ".join(server.port_names) or "no link"
+    typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {links}")
+    typer.echo("boat-sitl: ready; Ctrl-C ends")
+    sys.stdout.flush()
+    server.run(shutdown)
+    if csv is not None:
+        csv.parent.mkdir(parents=True, exist_ok=True)
+        server.recorder.write_csv(csv, every=RECORD_EVERY)

@@ -1,0 +1,63 @@
+"""A run's figures for people, for scripts and as a picture."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from mission_tools.draw import save_picture
+from mission_tools.planning import Plan
+from sitl.sail import Result, Sailing
+
+_MAX_DRAWN = 4000  # points of a track: more than a picture has pixels across
+
+
+def as_json(result: Result) -> str:
+    """One object, one key a figure."""
+    return json.dumps(dataclasses.asdict(result), indent=2)
+
+
+def print_table(result: Result, console: Console) -> None:
+    """One figure a row."""
+    table = Table(title=f"{result.scenario}, seed {result.seed}", box=None, show_header=False)
+    for name, value in (
+        ("mission", "completed" if result.completed else f"not completed, ends in {result.final_mode}"),
+        ("waypoints reached", f"{result.waypoints_reached} of {result.waypoints}"),
+        ("planned length", _metres(result.planned_length_m)),
+        ("path length", _metres(result.path_length_m)),
+        ("time", f"{result.time_s:.1f} s"),
+        ("cross-track error, RMS", _metres(result.cross_track_rms_m)),
+        ("cross-track error, largest", _metres(result.cross_track_max_m)),
+        ("nearest to shore or obstacle", _metres(result.min_clearance_m)),
+        ("groundings", str(result.groundings)),
+        ("simulated", f"{result.sim_seconds:.1f} s at {result.real_time_factor:.0f} × real time"),
+        ("state hash", result.state_hash[:16]),
+    ):
+        table.add_row(name, value)
+    console.print(table)
+
+
+def draw(sailing: Sailing, plan: Plan | None, result: Result, path: Path) -> None:
+    """Chart, plan and true track.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    track = sailing.recorder.track()
+    track = track[:: max(1, len(track) // _MAX_DRAWN)]
+    scenario = sailing.scenario
+    save_picture(
+        path,
+        scenario.chart,
+        plan,
+        track,
+        title=scenario.title,
+        subtitle=f"{result.path_length_m:.4g} m sailed in {result.time_s:.0f} s, "
+        f"cross-track RMS {_metres(result.cross_track_rms_m)}",
+    )
+
+
+def _metres(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g} m" if value < 100.0 else f"{value:.1f} m"

@@ -1,0 +1,87 @@
+"""The emulator in real time: the boat behind TCP and UDP ports, for any ground station."""
+
+import logging
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+
+import msgspec
+
+from companion.app import open_ports, open_storage
+from companion.boat import TICK_S, Boat
+from companion.clock import Clock
+from companion.config import BoatConfig
+from companion.runner import Runner
+from sitl.recorder import NO_LEG, Recorder
+from sitl.scenario import Scenario
+from sitl.world import World
+
+logger = logging.getLogger(__name__)
+
+RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
+
+
+class Server:
+    """One boat in its water, in step with the wall clock times `speedup`."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        urls: Sequence[str],
+        clock: Clock,
+        *,
+        speedup: float = 1.0,
+        state_folder: str = "",
+        record: bool = False,
+    ) -> None:
+        """Open the ports.
+
+        Raises:
+            ConfigError, LinkError: a url that cannot be read, or that the system refuses.
+            StorageError: the folder cannot be used.
+        """
+        self.recorder = Recorder()
+        self._record = record  # a trajectory grows for as long as the boat runs
+        with ExitStack() as undo:
+            storage = open_storage(state_folder)
+            undo.callback(storage.close)
+            ports = open_ports(tuple(urls), clock.now_s)
+            self.port_names = [port.name for port in ports]
+            self.world = World(scenario)
+            config = stretched(scenario.vehicle, speedup)
+            self.boat = Boat(config, self.world.hardware, ports, storage)
+            undo.pop_all()
+        self._runner = Runner(
+            clock, TICK_S / speedup, self._step, self._receive, self.boat.channels.filenos, skip_missed=False
+        )
+
+    def run(self, should_stop: Callable[[], bool]) -> None:
+        """Run until told to stop, then close everything."""
+        try:
+            self._runner.run(should_stop)
+        finally:
+            self.boat.close()
+
+    def _step(self, _: int) -> None:
+        self.boat.load = self._runner.load
+        self.boat.step(self.world.time_s)
+        truth = self.world.step(TICK_S)
+        if self._record:
+            self.recorder.record(truth, NO_LEG)
+
+    def _receive(self) -> None:
+        self.boat.receive(self.world.time_s)
+
+
+def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
+    """The configuration with the timers that wait for people and programs stretched.
+
+    They live by the wall clock: a heartbeat a second is one in `speedup` seconds of the boat's time.
+    """
+    replace = msgspec.structs.replace
+    failsafe = replace(
+        config.failsafe,
+        gcs_timeout_s=config.failsafe.gcs_timeout_s * speedup,
+        manual_timeout_s=config.failsafe.manual_timeout_s * speedup,
+    )
+    mavlink = replace(config.mavlink, retry_s=config.mavlink.retry_s * speedup)
+    return replace(config, failsafe=failsafe, mavlink=mavlink)
