@@ -1,0 +1,268 @@
+"""Any MAVLink vehicle, over MAVSDK: upload, read back, arm, start, watch.
+
+We announce an onboard controller (MAV_TYPE_ONBOARD_CONTROLLER) with a system id of its own. A planner that
+called itself a ground station would keep the operator's failsafe quiet for as long as it runs.
+"""
+
+import asyncio
+import contextlib
+import json
+import logging
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from contextlib import asynccontextmanager
+
+from mavsdk.asyncio import ComponentType, Configuration, Mavsdk, MavsdkConnectionError, System
+from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
+from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
+from mavsdk.logging import log_subscribe
+from mavsdk.plugins.mavlink_direct import MavlinkDirectError, MavlinkMessage
+from mavsdk.plugins.mission_raw import MissionItem as RawItem
+from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
+
+from mission_tools.errors import CommandRefused, LinkLost, NoVehicle, UploadRejected
+from mission_tools.link_url import LinkUrl
+from mission_tools.mission import Command, MissionItem, MissionType
+from mission_tools.vehicle_state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
+
+DEFAULT_SYSTEM_ID = 245
+ONBOARD_COMPUTER = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
+SILENCE_S = 5.0  # without a heartbeat the link counts as lost
+TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
+RETRY_S = 1.0
+MESSAGES = (
+    "HEARTBEAT",
+    "GLOBAL_POSITION_INT",
+    "MISSION_CURRENT",
+    "MISSION_ITEM_REACHED",
+    "MISSION_REQUEST",
+    "MISSION_REQUEST_INT",
+    "MISSION_ACK",
+    "STATUSTEXT",
+)
+ASKED_RATES_HZ = {33: 4.0, 42: 2.0}  # GLOBAL_POSITION_INT, MISSION_CURRENT
+NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
+
+Transfer = Callable[[], Awaitable[list[RawItem] | None]]
+
+log = logging.getLogger(__name__)
+
+
+class Vehicle:
+    """One vehicle on one link. Made by `connect`."""
+
+    def __init__(self, link: LinkUrl, system: System, system_id: int, clock: Callable[[], float]) -> None:
+        self.link = link
+        self.system_id = system_id
+        self.state = VehicleState()
+        self._clock = clock
+        self._missions = MissionRawAsync(system)
+        self._direct = MavlinkDirectAsync(system)
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether no heartbeat has come for SILENCE_S."""
+        return self._clock() - self.state.heard_s > SILENCE_S
+
+    def raise_if_lost(self, doing: str) -> None:
+        """Raise:
+        LinkLost: the vehicle has fallen silent; `doing` says in the middle of what.
+        """
+        if self.is_lost:
+            raise LinkLost(
+                f"{self.link.typed}: lost the vehicle while {doing}: no heartbeat for {SILENCE_S:.0f} s"
+            )
+
+    async def upload(self, kind: MissionType, items: Sequence[MissionItem]) -> None:
+        """Replace one of the vehicle's lists.
+
+        Raises:
+            UploadRejected: the vehicle refused; says which list, why and at which item.
+            LinkLost: no more answer.
+        """
+        raw = [_raw_item(seq, item, kind) for seq, item in enumerate(items)]
+        upload = {
+            MissionType.MISSION: self._missions.upload_mission,
+            MissionType.FENCE: self._missions.upload_geofence,
+            MissionType.RALLY: self._missions.upload_rally_points,
+        }[kind]
+        await self._transfer(f"uploading the {NAMES[kind]}", lambda: upload(raw))
+
+    async def download(self, kind: MissionType) -> tuple[MissionItem, ...]:
+        """One of the lists that the vehicle holds.
+
+        Raises:
+            UploadRejected: the vehicle does not hand it out.
+            LinkLost: no more answer.
+        """
+        download = {
+            MissionType.MISSION: self._missions.download_mission,
+            MissionType.FENCE: self._missions.download_geofence,
+            MissionType.RALLY: self._missions.download_rallypoints,
+        }[kind]
+        return tuple(map(_item, await self._transfer(f"reading back the {NAMES[kind]}", download)))
+
+    async def _transfer(self, doing: str, transfer: Transfer) -> list[RawItem]:
+        """Run one MAVSDK transfer and tell its failures in our words."""
+        began_s, self.state.refused, self.state.requested_item = self._clock(), 0, -1
+        try:
+            return await transfer() or []
+        except MissionRawError as error:
+            log.debug("%s: %s", doing, error.result.name)
+            result = error.result
+        if result is MissionRawResult.NO_MISSION_AVAILABLE:
+            return []
+        await asyncio.sleep(TEXT_DELAY_S)
+        item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
+        if result is MissionRawResult.TIMEOUT or not self.state.refused:
+            after = item and f", after{item}"
+            raise LinkLost(
+                f"{self.link.typed}: the vehicle stopped answering while {doing}{after}; try again"
+            )
+        reason = MISSION_REFUSALS.get(self.state.refused, f"MAV_MISSION_RESULT {self.state.refused}")
+        text = self.state.last_complaint(began_s)
+        raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}" + (f" ({text})" if text else ""))
+
+    async def start(self, patience_s: float) -> None:
+        """Begin the mission from its first item: arm, then MISSION_START.
+
+        A vehicle that is not ready to arm is asked again until patience_s has passed.
+
+        Raises:
+            CommandRefused: with the vehicle's reason.
+            LinkLost: no more answer.
+        """
+        with contextlib.suppress(MissionRawError):  # a vehicle without this starts from its first item anyway
+            await self._missions.set_current_mission_item(1 if self.state.is_ardupilot else 0)
+        give_up_s = self._clock() + patience_s
+        while not self.state.armed:
+            try:
+                await self.command(Command.COMPONENT_ARM_DISARM, "arm", 1.0)
+                break
+            except CommandRefused:
+                if self._clock() + RETRY_S > give_up_s:
+                    raise
+                await asyncio.sleep(RETRY_S)
+        self.state.reached_item = -1
+        await self.command(Command.MISSION_START, "start the mission")
+        if not await self.wait_for(self._is_sailing, patience_s):
+            self.raise_if_lost("starting the mission")
+            raise CommandRefused(f"the vehicle took the start but stays in {self.state.mode}, not AUTO")
+
+    def _is_sailing(self) -> bool:
+        return self.state.armed and (self.state.custom_mode == AUTO or not self.state.is_ardupilot)
+
+    async def command(self, command: Command, doing: str, *params: float) -> None:
+        """Send a command and wait for its answer.
+
+        Raises:
+            CommandRefused: with the vehicle's reason, and its text if one came.
+            LinkLost: no answer.
+        """
+        began_s = self._clock()
+        fields = {f"param{number}": 0.0 for number in range(1, 8)}
+        fields |= {f"param{number}": value for number, value in enumerate(params, start=1)}
+        try:
+            ack = await self._direct.send_command(self._command_long(command, fields))
+        except MavlinkDirectError:
+            raise LinkLost(f"{self.link.typed}: the vehicle does not answer the request to {doing}") from None
+        result = json.loads(ack.fields_json)["result"]
+        if result != 0:
+            await asyncio.sleep(TEXT_DELAY_S)
+            text = self.state.last_complaint(began_s) or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
+            raise CommandRefused(f"the vehicle refused to {doing}: {text}")
+
+    async def ask_for_rates(self) -> None:
+        """Ask for the messages that following needs. Vehicles that cannot are left to their own rates."""
+        for message_id, rate_hz in ASKED_RATES_HZ.items():
+            fields = {"param1": float(message_id), "param2": 1e6 / rate_hz}
+            with contextlib.suppress(MavlinkDirectError):
+                await self._direct.send_message(self._command_long(Command.SET_MESSAGE_INTERVAL, fields))
+
+    async def wait_for(self, condition: Callable[[], bool], timeout_s: float) -> bool:
+        """Wait until something holds; False when it has not within the time, or the link is lost."""
+        give_up_s = self._clock() + timeout_s
+        while not condition():
+            if self._clock() > give_up_s or self.is_lost:
+                return False
+            await asyncio.sleep(0.05)
+        return True
+
+    def _command_long(self, command: Command, fields: dict[str, float]) -> MavlinkMessage:
+        to = {
+            "target_system": self.system_id,
+            "target_component": 1,
+            "command": int(command),
+            "confirmation": 0,
+        }
+        return MavlinkMessage("COMMAND_LONG", 0, 0, self.system_id, 1, json.dumps(to | fields))
+
+    async def watch(self, name: str) -> None:
+        """Fold one kind of message into the state, for ever."""
+        async for message in self._direct.subscribe_message(name):
+            try:
+                fields = json.loads(message.fields_json)
+                self.state.handle(name, message.component_id, fields, self._clock())
+            except (ValueError, KeyError, TypeError) as error:
+                log.debug("%s that makes no sense: %r", name, error)
+
+    def close(self) -> None:
+        """Let MAVSDK's plugins go."""
+        self._missions.destroy()
+        self._direct.destroy()
+
+
+@asynccontextmanager
+async def connect(
+    link: LinkUrl,
+    timeout_s: float,
+    system_id: int = DEFAULT_SYSTEM_ID,
+    clock: Callable[[], float] = time.monotonic,
+) -> AsyncIterator[Vehicle]:
+    """Open the link and wait for an autopilot's heartbeat.
+
+    Raises:
+        NoVehicle: the link cannot be opened, or nobody answers on it; says what to try.
+    """
+    log_subscribe(_log_quietly)
+    configuration = Configuration.create_with_component_type(ComponentType.COMPANION_COMPUTER)
+    configuration.system_id, configuration.component_id = system_id, ONBOARD_COMPUTER
+    async with Mavsdk(configuration) as mavsdk:
+        try:
+            await mavsdk.add_any_connection(link.mavsdk)
+        except MavsdkConnectionError as error:
+            raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
+        system = await mavsdk.first_autopilot(timeout_s)
+        if system is None:
+            raise NoVehicle(f"{link.typed}: no vehicle within {timeout_s:g} s: {link.advice}")
+        vehicle = Vehicle(link, system, await system.get_system_id(), clock)
+        watchers = [asyncio.create_task(vehicle.watch(name)) for name in MESSAGES]
+        try:
+            vehicle.state.heard_s = clock()
+            if not await vehicle.wait_for(lambda: vehicle.state.custom_mode >= 0, SILENCE_S):
+                raise NoVehicle(
+                    f"{link.typed}: the vehicle fell silent after its first heartbeat: {link.advice}"
+                )
+            await vehicle.ask_for_rates()
+            yield vehicle
+        finally:
+            for watcher in watchers:
+                watcher.cancel()
+            await asyncio.gather(*watchers, return_exceptions=True)
+            vehicle.close()
+
+
+def _log_quietly(level: int, message: str, file: str | None, line: int) -> bool:
+    """MAVSDK prints to stdout in colour unless it is told that its line has been dealt with."""
+    log.debug("MAVSDK %s: %s (%s:%d)", level, message, file, line)
+    return True
+
+
+def _raw_item(seq: int, item: MissionItem, kind: MissionType) -> RawItem:
+    head = (seq, item.frame, item.command, int(seq == 0), int(item.autocontinue))
+    return RawItem(*head, *item.params, item.x, item.y, item.z, int(kind))
+
+
+def _item(raw: RawItem) -> MissionItem:
+    params = (raw.param1, raw.param2, raw.param3, raw.param4)
+    return MissionItem(raw.command, raw.frame, params, raw.x, raw.y, raw.z, bool(raw.autocontinue))

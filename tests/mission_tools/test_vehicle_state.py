@@ -1,0 +1,61 @@
+"""Messages folded into a state."""
+
+import pytest
+
+from companion.geo import LatLon
+from mission_tools.vehicle_state import VehicleState
+
+HEARTBEAT = {"autopilot": 3, "type": 11, "custom_mode": 10, "base_mode": 129}
+
+
+def test_a_heartbeat_tells_mode_arming_and_that_the_link_lives() -> None:
+    state = VehicleState()
+    state.handle("HEARTBEAT", 1, HEARTBEAT, now_s=7.0)
+    assert (state.mode, state.armed, state.heard_s, state.is_ardupilot) == ("AUTO", True, 7.0, True)
+
+
+def test_heartbeats_of_other_components_are_not_the_boats() -> None:
+    state = VehicleState()
+    state.handle("HEARTBEAT", 154, HEARTBEAT, now_s=7.0)
+    assert state == VehicleState()
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "mode", "name"), [(3, 4, "HOLD"), (3, 99, "mode 99"), (12, 4, "mode 4")]
+)
+def test_modes_have_rovers_names_on_ardupilot_only(autopilot: int, mode: int, name: str) -> None:
+    assert VehicleState(autopilot=autopilot, custom_mode=mode).mode == name
+
+
+def test_a_position_of_zero_zero_is_no_position() -> None:
+    state = VehicleState()
+    state.handle("GLOBAL_POSITION_INT", 1, {"lat": 0, "lon": 0, "vx": 0, "vy": 0}, 1.0)
+    assert state.position is None
+
+
+def test_a_position_tells_place_and_speed() -> None:
+    state = VehicleState()
+    state.handle("GLOBAL_POSITION_INT", 1, {"lat": 500000000, "lon": -12000000, "vx": 30, "vy": 40}, 2.0)
+    assert (state.position, state.speed_m_s) == (LatLon(50.0, -1.2), 0.5)
+
+
+def test_reached_items_only_count_up() -> None:
+    state = VehicleState()
+    for seq in (2, 3, 1):
+        state.handle("MISSION_ITEM_REACHED", 1, {"seq": seq}, 1.0)
+    assert state.reached_item == 3
+
+
+def test_a_long_text_is_put_together_from_its_chunks() -> None:
+    state = VehicleState()
+    for text in ("a" * 50, "b" * 50, "end"):
+        state.handle("STATUSTEXT", 1, {"severity": 3, "text": text, "id": 9}, 1.0)
+    assert state.last_complaint(0.0) == "a" * 50 + "b" * 50 + "end"
+
+
+def test_the_last_complaint_is_a_warning_or_worse_and_not_older_than_asked() -> None:
+    state = VehicleState()
+    for at_s, severity, text in ((1.0, 3, "old"), (2.0, 4, "Arm: no fix"), (3.0, 6, "hello")):
+        state.handle("STATUSTEXT", 1, {"severity": severity, "text": text}, at_s)
+    assert state.last_complaint(1.5) == "Arm: no fix"
+    assert state.last_complaint(2.5) == ""

@@ -1,0 +1,138 @@
+"""A voyage seen from outside: when it has ended, and how."""
+
+import math
+
+import pytest
+
+from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.errors import VehicleError
+from mission_tools.follow import describe, distance, duration
+from mission_tools.mission import Command, Mission, MissionItem
+from mission_tools.route import mission_along
+from mission_tools.vehicle_state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
+from mission_tools.voyage import STALL_S, Voyage
+
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+PATH = [FRAME.to_global(Point(north, 0.0)) for north in (0.0, 100.0, 200.0, 300.0)]
+MISSION = mission_along(PATH, speed_m_s=1.0)  # items: speed 1, waypoints 2, 3, 4
+
+
+def sailing(north_m: float, current_item: int = 2, **more: object) -> VehicleState:
+    state = VehicleState(autopilot=3, custom_mode=AUTO, armed=True, mission_state=MISSION_ACTIVE)
+    state.position = FRAME.to_global(Point(north_m, 0.0))
+    state.current_item = current_item
+    for name, value in more.items():
+        setattr(state, name, value)
+    return state
+
+
+def test_progress_counts_waypoints_and_the_way_along_all_legs() -> None:
+    voyage = Voyage(MISSION, now_s=0.0)
+    assert voyage.update(sailing(0.0, 1), 0.0).left_m == pytest.approx(300.0, abs=0.1)
+    progress = voyage.update(sailing(150.0, 3), 75.0)
+    assert (progress.waypoint, progress.waypoints) == (2, 3)
+    assert progress.left_m == pytest.approx(150.0, abs=0.1)
+    assert progress.eta_s == pytest.approx(75.0, rel=0.01)
+    assert not progress.finished
+
+
+def test_the_end_is_the_last_waypoint_reached_whatever_the_mode_is_then() -> None:
+    voyage = Voyage(MISSION, now_s=0.0)
+    assert not voyage.update(sailing(299.0, 4, reached_item=3), 1.0).finished
+    ended = voyage.update(sailing(300.0, 4, reached_item=4, custom_mode=4, armed=False), 2.0)
+    assert ended.finished
+    assert ended.left_m == 0.0
+
+
+def test_a_completed_mission_state_ends_the_voyage_only_after_an_active_one() -> None:
+    stale = Voyage(MISSION, now_s=0.0)
+    assert not stale.update(sailing(0.0, mission_state=MISSION_COMPLETE), 0.0).finished
+    voyage = Voyage(MISSION, now_s=0.0)
+    voyage.update(sailing(0.0), 0.0)
+    assert voyage.update(sailing(300.0, mission_state=MISSION_COMPLETE), 1.0).finished
+
+
+def test_items_of_other_autopilots_count_from_zero() -> None:
+    voyage = Voyage.of(VehicleState(autopilot=12), MISSION, 0.0)
+    assert not voyage.update(sailing(299.0, 3, autopilot=12, reached_item=2), 0.0).finished
+    assert voyage.update(sailing(300.0, 3, autopilot=12, reached_item=3), 0.0).finished
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"custom_mode": 4}, r"left AUTO for HOLD on the way to waypoint 2 of 3 \(GCS lost\)"),
+        ({"custom_mode": 11}, "left AUTO for RTL"),
+        ({"armed": False}, "disarmed on the way to waypoint 2 of 3"),
+    ],
+)
+def test_leaving_auto_or_disarming_ends_the_voyage_with_the_vehicles_reason(
+    change: dict[str, object], said: str
+) -> None:
+    voyage = Voyage(MISSION, now_s=10.0)
+    voyage.update(sailing(110.0, 3), 11.0)
+    state = sailing(120.0, 3, **change)
+    state.texts.append((9.0, 2, "an old story"))
+    state.texts.append((11.5, 4, "GCS lost"))
+    state.texts.append((11.6, 6, "just a note"))
+    with pytest.raises(VehicleError, match=said) as raised:
+        voyage.update(state, 12.0)
+    assert raised.value.exit_code == 1
+
+
+def test_a_boat_that_makes_no_progress_is_given_up_after_the_stall_time_and_not_before() -> None:
+    voyage = Voyage(MISSION, now_s=0.0)
+    for tick in range(int(STALL_S)):
+        voyage.update(sailing(50.0 + 0.005 * (tick % 2)), float(tick))
+    with pytest.raises(
+        VehicleError, match=r"no progress for 60 s on the way to waypoint 1 of 3, 2.*m before"
+    ):
+        voyage.update(sailing(50.0), STALL_S + 1.0)
+
+
+def test_the_slowest_boat_that_moves_is_not_stuck() -> None:
+    voyage = Voyage(MISSION, now_s=0.0)
+    for tick in range(1000):
+        assert not voyage.update(sailing(0.002 * tick), float(tick)).finished
+
+
+def test_waiting_at_a_waypoint_is_not_being_stuck() -> None:
+    hold = MissionItem.at(PATH[1], Command.NAV_WAYPOINT, (120.0, 0.0, 0.0, 0.0))
+    voyage = Voyage(Mission((hold, *MISSION.items[2:]), PATH[0]), now_s=0.0)
+    voyage.update(sailing(100.0, 1), 0.0)
+    voyage.update(sailing(100.0, 1), 150.0)
+    with pytest.raises(VehicleError, match="no progress for 180 s"):
+        voyage.update(sailing(100.0, 1), 181.0)
+
+
+def test_the_track_keeps_every_new_place_once_and_measures_it() -> None:
+    voyage = Voyage(MISSION, now_s=5.0)
+    for time_s, north_m in ((5.0, 0.0), (5.1, 0.0), (6.0, 30.0), (7.0, 40.0)):
+        voyage.update(sailing(north_m), time_s)
+    assert [point.time_s for point in voyage.track] == [0.0, 1.0, 2.0]
+    assert voyage.track_length_m == pytest.approx(40.0, abs=0.01)
+
+
+def test_progress_is_said_in_one_line() -> None:
+    voyage = Voyage(MISSION, now_s=0.0)
+    first = voyage.update(sailing(0.0, speed_m_s=1.5), 0.0)
+    assert math.isnan(first.eta_s)
+    assert describe(first) == "waypoint 1 of 3: 300 m left at 1.50 m/s"
+    later = voyage.update(sailing(100.0, 3, speed_m_s=2.0), 50.0)
+    assert describe(later) == "waypoint 2 of 3: 200 m left at 2.00 m/s, 1 min 40 s to go"
+
+
+@pytest.mark.parametrize(
+    ("said", "meant"),
+    [
+        (duration(59.4), "59 s"),
+        (duration(59.6), "1 min 00 s"),
+        (duration(3600.0), "1 h 00 min"),
+        (distance(0.857), "0.86 m"),
+        (distance(12.34), "12.3 m"),
+        (distance(9999.0), "9999 m"),
+        (distance(12345.0), "12.35 km"),
+    ],
+)
+def test_times_and_lengths_are_rounded_as_people_say_them(said: str, meant: str) -> None:
+    assert said == meant
