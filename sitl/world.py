@@ -22,6 +22,7 @@ from sitl.sim_hal import SimBattery, SimMotors
 from sitl.thrusters import Thrusters
 from sitl.vessel import Vessel
 
+GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
 STATE = struct.Struct("<q11d")
 
 
@@ -29,7 +30,8 @@ class Truth(NamedTuple):
     """What is really so: the emulator's own knowledge, hidden from the boat.
 
     Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
-    water, ahead and to starboard; north_m_s and east_m_s over ground; grounded while the shore holds it.
+    water, ahead and to starboard; north_m_s and east_m_s over ground; grounded: it touched the shore within
+    the last second.
     """
 
     time_s: float
@@ -57,6 +59,7 @@ class World:
         self.tick = 0
         self.groundings = 0
         self._room_m = 0.0
+        self._touched_s = -math.inf
         self._current_n = scenario.environment.current_north_m_s
         self._current_e = scenario.environment.current_east_m_s
         self._vessel = Vessel(
@@ -71,7 +74,7 @@ class World:
         self._battery = SimBattery(scenario.battery.rate_hz)
         self.hardware = Hardware(self._motors, self._gnss, self._compass, self._sonar, self._battery)
         self._since_tick, self._since_s, self._dt_s = 0, 0.0, 0.0
-        self.truth = self._observe(0.0, grounded=False)
+        self.truth = self._observe(0.0)
         self._sense(self.truth)
 
     @property
@@ -96,11 +99,12 @@ class World:
         force_n, moment_nm = self._thrusters.step(motors.left, motors.right, dt_s)
         self._pack.step(self._thrusters.current_a(motors.left, motors.right), dt_s)
         vessel.step(force_n, moment_nm, self._current_n, self._current_e, dt_s)
-        grounded = self._meets_shore(north_m, east_m)
-        if grounded:
+        time_s = self._since_s + (self.tick - self._since_tick) * dt_s
+        if self._meets_shore(north_m, east_m):
             vessel.run_aground(north_m, east_m, self._current_n, self._current_e)
             self.groundings += not self.truth.grounded
-        self.truth = truth = self._observe(self._since_s + (self.tick - self._since_tick) * dt_s, grounded)
+            self._touched_s = time_s
+        self.truth = truth = self._observe(time_s)
         self._sense(truth)
         return truth
 
@@ -118,7 +122,7 @@ class World:
         self._room_m = self.shore.room_m(vessel.east_m, vessel.north_m)
         return False
 
-    def _observe(self, time_s: float, grounded: bool) -> Truth:
+    def _observe(self, time_s: float) -> Truth:
         vessel = self._vessel
         north_m_s, east_m_s = vessel.velocity_m_s(self._current_n, self._current_e)
         return Truth(
@@ -133,7 +137,7 @@ class World:
             east_m_s,
             self._thrusters.left.thrust_n,
             self._thrusters.right.thrust_n,
-            grounded,
+            time_s - self._touched_s < GROUNDED_S,
         )
 
     def _sense(self, truth: Truth) -> None:

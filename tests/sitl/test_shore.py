@@ -1,0 +1,123 @@
+"""Rays, room and crossings against hand-computed geometry and against shapely."""
+
+import math
+
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+from shapely.geometry import Polygon
+
+from companion.geo import LatLon, LocalFrame
+from mission_tools.maps.chart import Chart, Feature, build_chart
+from sitl.shore import Shore
+
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+SQUARE = shapely.box(-10.0, -10.0, 10.0, 10.0)
+ROCK = Polygon([(2.0, 1.0), (3.0, 1.0), (3.0, 2.0), (2.0, 2.0)])
+PLACE = st.floats(-9.9, 9.9)
+
+
+def chart(water: Polygon | None, *rocks: Polygon) -> Chart:
+    return build_chart("test", FRAME, water, [Feature("rock", "obstacle", rock) for rock in rocks])
+
+
+SHORE = Shore(chart(SQUARE, ROCK), reach_m=4.0)
+
+
+@pytest.mark.parametrize(
+    ("east_m", "north_m", "bearing_deg", "range_m"),
+    [
+        (0.0, 8.0, 0.0, 2.0),  # north wall
+        (8.0, 0.0, 90.0, 2.0),  # east wall
+        (8.0, 8.0, 45.0, 2.0 * math.sqrt(2.0)),  # into the corner
+        (0.0, 1.5, 90.0, 2.0),  # the rock's west side
+        (5.0, 1.5, 270.0, 2.0),  # its east side
+        (2.5, 0.0, 0.0, 1.0),  # its south side
+        (0.0, 0.0, 0.0, math.inf),  # the wall is 10 m off, beyond the ranger
+        (0.0, 1.5, 270.0, math.inf),  # the rock is behind
+    ],
+)
+def test_a_single_ray_meets_the_shore_where_geometry_says(
+    east_m: float, north_m: float, bearing_deg: float, range_m: float
+) -> None:
+    assert SHORE.range_m(east_m, north_m, [math.radians(bearing_deg)], 4.0) == pytest.approx(range_m)
+
+
+def test_the_nearest_ray_of_a_fan_counts() -> None:
+    fan = [math.radians(60.0), math.radians(90.0), math.radians(120.0)]
+    assert SHORE.range_m(0.5, 0.2, fan[1:], 4.0) == math.inf
+    # The left ray, 30° above east, reaches x = 2 at y = 0.2 + 1.5 tan 30° = 1.066, on the rock's face.
+    assert SHORE.range_m(0.5, 0.2, fan, 4.0) == pytest.approx(1.5 / math.cos(math.radians(30.0)))
+
+
+@given(east_m=PLACE, north_m=PLACE, bearing_deg=st.floats(0.0, 360.0))
+def test_rays_agree_with_shapely(east_m: float, north_m: float, bearing_deg: float) -> None:
+    bearings = [math.radians(bearing_deg + side) for side in (-7.5, 0.0, 7.5)]
+    origin = shapely.Point(east_m, north_m)
+    expected = math.inf
+    for bearing in bearings:
+        ray = shapely.LineString(
+            [(east_m, north_m), (east_m + 4.0 * math.sin(bearing), north_m + 4.0 * math.cos(bearing))]
+        )
+        hit = ray.intersection(chart_water().boundary)
+        if not hit.is_empty:
+            expected = min(expected, origin.distance(hit))
+    found = SHORE.range_m(east_m, north_m, bearings, 4.0)
+    if found != expected:  # a ray that ends or grazes within rounding may be judged either way
+        assert found == pytest.approx(expected, abs=1e-6) or abs(min(found, expected) - 4.0) < 1e-6
+
+
+def chart_water() -> Polygon:
+    return SQUARE.difference(ROCK)
+
+
+@given(east_m=PLACE, north_m=PLACE)
+def test_room_is_the_distance_to_the_shore_up_to_the_reach(east_m: float, north_m: float) -> None:
+    distance_m = chart_water().boundary.distance(shapely.Point(east_m, north_m))
+    assert SHORE.room_m(east_m, north_m) == pytest.approx(min(4.0, distance_m), abs=1e-9)
+
+
+@given(east_m=PLACE, north_m=PLACE, d_east_m=st.floats(-2.0, 2.0), d_north_m=st.floats(-2.0, 2.0))
+def test_a_way_that_leaves_the_water_is_always_noticed(
+    east_m: float, north_m: float, d_east_m: float, d_north_m: float
+) -> None:
+    water = chart_water()
+    end = shapely.Point(east_m + d_east_m, north_m + d_north_m)
+    if water.contains(shapely.Point(east_m, north_m)) and water.distance(end) > 1e-9:
+        assert SHORE.is_crossed(east_m, north_m, end.x, end.y)
+
+
+def test_a_way_through_a_corner_of_the_shore_counts_as_touching_it() -> None:
+    assert SHORE.is_crossed(1.5, 1.5, 2.5, 0.5)  # touches (2, 1) exactly
+    assert not SHORE.is_crossed(1.0, 0.5, 1.9, 0.5)
+
+
+def test_open_water_has_no_shore_at_all() -> None:
+    sea = Shore(chart(None), reach_m=4.0)
+    assert sea.near(0.0, 0.0) == ()
+    assert sea.range_m(0.0, 0.0, [0.0], 4.0) == math.inf
+    assert not sea.is_crossed(4999.0, 0.0, 5001.0, 0.0)
+    assert sea.clearances_m([0.0], [0.0]) == [math.inf]
+
+
+def test_a_rock_in_open_water_is_the_only_shore() -> None:
+    sea = Shore(chart(None, ROCK), reach_m=4.0)
+    assert len(sea.near(2.5, 0.0)) == 4
+    assert sea.clearances_m([2.5, 1000.0], [0.0, 1.5]) == pytest.approx([1.0, 997.0])
+    assert not sea.is_crossed(4999.0, 0.0, 5001.0, 0.0)
+
+
+def test_a_repeated_corner_does_no_harm() -> None:
+    corners = [(0.0, 0.0), (10.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+    assert Shore(chart(Polygon(corners)), reach_m=4.0).room_m(9.0, 5.0) == pytest.approx(1.0)
+
+
+def test_a_long_shoreline_is_only_looked_at_nearby() -> None:
+    coast = Polygon(
+        [(500.0 * math.sin(a), 500.0 * math.cos(a)) for a in [i * math.tau / 5000 for i in range(5000)]]
+    )
+    shore = Shore(chart(coast), reach_m=4.0)
+    assert shore.near(0.0, 0.0) == ()
+    assert 0 < len(shore.near(0.0, 498.0)) < 40
+    assert shore.range_m(0.0, 498.0, [0.0], 4.0) == pytest.approx(2.0, abs=1e-3)

@@ -1,0 +1,150 @@
+"""The hull against closed forms, symmetries and conservation."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec import structs
+
+from sitl.scenario import load_scenario
+from sitl.vessel import Vessel, VesselParameters
+
+DT_S = 0.02
+LAKE = load_scenario("open").hull
+POOL = load_scenario("pool").hull
+
+
+def sail(
+    parameters: VesselParameters,
+    force_n: float,
+    moment_nm: float,
+    for_s: float,
+    dt_s: float = DT_S,
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    current: tuple[float, float] = (0.0, 0.0),
+) -> Vessel:
+    vessel = Vessel(parameters)
+    vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s = start
+    for _ in range(round(for_s / dt_s)):
+        vessel.step(force_n, moment_nm, *current, dt_s)
+    return vessel
+
+
+@pytest.mark.parametrize("hull", [LAKE, POOL])
+@pytest.mark.parametrize("speed_m_s", [0.02, 0.05])
+def test_steady_speed_balances_thrust_against_damping(hull: VesselParameters, speed_m_s: float) -> None:
+    thrust_n = hull.surge_linear * speed_m_s + hull.surge_quadratic * speed_m_s**2
+    vessel = sail(hull, thrust_n, 0.0, for_s=300.0)
+    assert vessel.surge_m_s == pytest.approx(speed_m_s, rel=1e-4)
+    assert (vessel.sway_m_s, vessel.yaw_rate_rad_s, vessel.east_m) == (0.0, 0.0, 0.0)
+
+
+def test_a_coasting_hull_slows_down_as_the_closed_form_says() -> None:
+    # m u' = −(a + b u) u has the solution u = u0 e / (1 + b u0 (1 − e) / a), e = exp(−a t / m).
+    mass, a, b = LAKE.mass_kg + LAKE.surge_added_kg, LAKE.surge_linear, LAKE.surge_quadratic
+    for seconds in (1.0, 5.0, 20.0):
+        e = math.exp(-a * seconds / mass)
+        expected = 2.0 * e / (1.0 + b * 2.0 * (1.0 - e) / a)
+        assert sail(LAKE, 0.0, 0.0, seconds, start=(2.0, 0.0, 0.0)).surge_m_s == pytest.approx(
+            expected, rel=1e-5
+        )
+
+
+def test_a_pure_turn_settles_where_moment_and_yaw_damping_balance() -> None:
+    vessel = sail(LAKE, 0.0, LAKE.yaw_linear * 0.7 + LAKE.yaw_quadratic * 0.49, for_s=60.0)
+    assert vessel.yaw_rate_rad_s == pytest.approx(0.7, rel=1e-6)
+    assert (vessel.north_m, vessel.east_m) == (0.0, 0.0)
+
+
+def test_a_clockwise_moment_turns_to_starboard_and_the_hull_slides_outward() -> None:
+    vessel = sail(LAKE, 4.0, 0.3, for_s=3.0, start=(2.0, 0.0, 0.0))
+    assert vessel.heading_rad > 0.3
+    assert vessel.east_m > 0.0
+    assert vessel.sway_m_s < -0.03  # to port, away from the turn's centre
+
+
+@given(force_n=st.floats(-6.0, 6.0), moment_nm=st.floats(0.01, 0.8), speed_m_s=st.floats(-1.0, 3.0))
+def test_port_and_starboard_turns_are_exact_mirror_images(
+    force_n: float, moment_nm: float, speed_m_s: float
+) -> None:
+    right = sail(LAKE, force_n, moment_nm, 3.0, start=(speed_m_s, 0.0, 0.0))
+    left = sail(LAKE, force_n, -moment_nm, 3.0, start=(speed_m_s, 0.0, 0.0))
+    assert (left.north_m, left.surge_m_s) == (right.north_m, right.surge_m_s)
+    assert (left.east_m, left.heading_rad) == (-right.east_m, -right.heading_rad)
+    assert (left.sway_m_s, left.yaw_rate_rad_s) == (-right.sway_m_s, -right.yaw_rate_rad_s)
+
+
+@pytest.mark.parametrize("hull", [LAKE, POOL])
+@given(u=st.floats(-1.0, 1.0), v=st.floats(-1.0, 1.0), r=st.floats(-1.0, 1.0))
+def test_an_unpowered_hull_never_gains_energy(hull: VesselParameters, u: float, v: float, r: float) -> None:
+    top = 3.0 if hull is LAKE else 0.07
+    vessel = Vessel(hull)
+    vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s = u * top, v * top, r * 2.0
+    energy_j = vessel.energy_j
+    for _ in range(500):
+        vessel.step(0.0, 0.0, 0.3, -0.2, DT_S)
+        assert vessel.energy_j <= energy_j
+        energy_j = vessel.energy_j
+
+
+def test_an_unpowered_hull_at_rest_drifts_with_the_current() -> None:
+    vessel = sail(LAKE, 0.0, 0.0, for_s=100.0, current=(0.3, -0.4))
+    assert [vessel.north_m, vessel.east_m] == pytest.approx([30.0, -40.0])
+    assert vessel.velocity_m_s(0.3, -0.4) == (0.3, -0.4)
+    assert vessel.heading_rad == 0.0
+
+
+@given(
+    force_n=st.floats(-4.0, 6.0),
+    moment_nm=st.floats(-0.8, 0.8),
+    north_m_s=st.floats(-1.0, 1.0),
+    east_m_s=st.floats(-1.0, 1.0),
+)
+def test_a_current_only_carries_the_whole_motion_along(
+    force_n: float, moment_nm: float, north_m_s: float, east_m_s: float
+) -> None:
+    still = sail(LAKE, force_n, moment_nm, 6.0)
+    carried = sail(LAKE, force_n, moment_nm, 6.0, current=(north_m_s, east_m_s))
+    assert carried.north_m - still.north_m == pytest.approx(6.0 * north_m_s, abs=1e-9)
+    assert carried.east_m - still.east_m == pytest.approx(6.0 * east_m_s, abs=1e-9)
+    assert carried.heading_rad == still.heading_rad
+    assert carried.surge_m_s == still.surge_m_s
+
+
+def test_halving_the_step_quarters_the_error() -> None:
+    def end(dt_s: float) -> tuple[float, float, float]:
+        vessel = sail(LAKE, 5.0, 0.4, 4.0, dt_s=dt_s)
+        return vessel.north_m, vessel.east_m, vessel.heading_rad
+
+    exact = end(0.0005)
+    errors = [math.dist(end(dt_s), exact) for dt_s in (0.04, 0.02, 0.01)]
+    assert errors[1] < 1e-3  # a millimetre after four seconds of hard turning, at the step that is used
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.15)
+
+
+def test_a_hull_without_its_skeg_does_not_hold_its_course() -> None:
+    bare = structs.replace(LAKE, skeg_lift_kg_m=0.0)
+    swing = {
+        hull: abs(sail(hull, 4.0, 0.0, 20.0, start=(2.0, 0.0, 0.01)).heading_rad) for hull in (LAKE, bare)
+    }
+    assert swing[LAKE] < 0.2
+    assert swing[bare] > 1.0
+
+
+def test_running_aground_stops_the_hull_over_ground_whatever_the_current() -> None:
+    vessel = sail(LAKE, 5.0, 0.2, for_s=3.0, current=(0.3, 0.4))
+    vessel.run_aground(7.0, 8.0, 0.3, 0.4)
+    assert (vessel.north_m, vessel.east_m) == (7.0, 8.0)
+    assert list(vessel.velocity_m_s(0.3, 0.4)) == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_a_hull_wider_than_long_is_refused() -> None:
+    with pytest.raises(ValueError, match="beam_m must not exceed length_m"):
+        structs.replace(LAKE, beam_m=2.0).__post_init__()
+
+
+def test_a_hull_too_light_for_its_damping_is_refused() -> None:
+    with pytest.raises(ValueError, match="faster than a step"):
+        structs.replace(POOL, surge_linear=20.0).__post_init__()

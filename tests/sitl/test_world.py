@@ -1,0 +1,183 @@
+"""The world as a whole: what the boats can do, grounding, and the same run twice."""
+
+import math
+import random
+
+import pytest
+import shapely
+
+from companion.hal.interfaces import Battery, Motors
+from sitl.recorder import Recorder
+from sitl.scenario import load_scenario
+from sitl.sim_hal import SimBattery, SimMotors
+from sitl.world import Truth, World
+
+DT_S = 0.02
+
+
+def world(name: str = "open", *overrides: str) -> World:
+    return World(load_scenario(name, overrides))
+
+
+def drive(water: World, left: float, right: float, for_s: float) -> Truth:
+    water.hardware.motors.write(left, right)
+    for _ in range(round(for_s / DT_S)):
+        water.step(DT_S)
+    return water.truth
+
+
+@pytest.mark.parametrize(("name", "cruise_m_s", "top_m_s"), [("open", 2.0, 3.0), ("pool", 0.045, 0.07)])
+def test_cruise_throttle_and_full_drive_give_the_boats_speeds(
+    name: str, cruise_m_s: float, top_m_s: float
+) -> None:
+    scenario = load_scenario("open", ["boat.model=pool"] if name == "pool" else [])
+    throttle = scenario.vehicle.speed.cruise_throttle
+    assert drive(World(scenario), throttle, throttle, 60.0).surge_m_s == pytest.approx(cruise_m_s, rel=0.03)
+    assert drive(World(scenario), 1.0, 1.0, 60.0).surge_m_s == pytest.approx(top_m_s, rel=0.03)
+
+
+def test_the_lake_boat_reaches_cruise_speed_in_three_to_four_seconds() -> None:
+    water = world()
+    assert drive(water, 1.0, 1.0, 3.0).surge_m_s < 2.0
+    assert drive(water, 1.0, 1.0, 1.0).surge_m_s > 2.0
+
+
+def test_the_lake_boat_slides_in_a_hard_turn_and_spins_on_the_spot() -> None:
+    turning = drive(world(), 1.0, 0.2, 20.0)
+    assert 0.4 < turning.yaw_rate_rad_s < 1.0
+    assert -15.0 < math.degrees(math.atan2(turning.sway_m_s, turning.surge_m_s)) < -5.0
+    assert drive(world(), 1.0, -1.0, 10.0).yaw_rate_rad_s > 1.0
+
+
+def test_port_and_starboard_are_mirror_images_through_the_whole_boat() -> None:
+    right, left = drive(world(), 0.9, 0.3, 10.0), drive(world(), 0.3, 0.9, 10.0)
+    assert (left.north_m, left.east_m) == (right.north_m, -right.east_m)
+    assert (left.heading_rad, left.sway_m_s) == (-right.heading_rad, -right.sway_m_s)
+
+
+def test_a_boat_with_stopped_motors_drifts_with_the_current() -> None:
+    truth = drive(
+        world("open", "environment.current_m_s=0.5", "environment.current_to_deg=90"), 0.0, 0.0, 60.0
+    )
+    assert [truth.north_m, truth.east_m] == pytest.approx([0.0, 30.0])
+    assert [truth.surge_m_s, truth.east_m_s] == pytest.approx([0.0, 0.5])
+
+
+def test_motors_hold_their_last_command_until_it_changes() -> None:
+    water = world()
+    first = drive(water, 0.6, 0.6, 1.0)
+    for _ in range(200):
+        water.step(DT_S)
+    assert water.truth.surge_m_s > first.surge_m_s
+    water.hardware.close()
+    coasting = water.truth.surge_m_s
+    for _ in range(200):
+        water.step(DT_S)
+    assert water.truth.surge_m_s < 0.7 * coasting
+    assert water.truth.left_thrust_n == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_command_that_is_not_a_number_stops_both_motors_and_one_too_large_is_limited() -> None:
+    motors = SimMotors()
+    as_part: Motors = motors
+    as_part.write(7.0, -7.0)
+    assert (motors.left, motors.right) == (1.0, -1.0)
+    as_part.write(0.5, math.nan)
+    assert (motors.left, motors.right) == (0.0, 0.0)
+    as_part.close()
+    as_part.close()
+
+
+def test_the_monitor_reads_the_pack_at_its_own_rate() -> None:
+    monitor = SimBattery(10.0)
+    as_part: Battery = monitor
+    times = set()
+    for tick in range(50):
+        monitor.sense(tick * DT_S, 12.0, 1.0)
+        reading = as_part.read()
+        assert reading is not None
+        times.add(reading.time_s)
+    assert sorted(times) == pytest.approx([0.1 * n for n in range(10)])
+
+
+def test_driving_costs_charge_and_sags_the_pack() -> None:
+    idle, busy = world(), world()
+    drive(idle, 0.0, 0.0, 30.0)
+    drive(busy, 1.0, 1.0, 30.0)
+    assert busy.used_mah > 3.0 * idle.used_mah
+    readings = [water.hardware.battery.read() for water in (idle, busy) if water.hardware.battery]
+    assert readings[0] is not None
+    assert readings[1] is not None
+    assert readings[1].voltage_v < readings[0].voltage_v - 0.1
+
+
+def test_every_sensor_has_spoken_before_the_first_step_but_the_late_receiver() -> None:
+    parts = world().hardware
+    assert parts.compass.read() is not None
+    assert parts.battery is not None
+    assert parts.battery.read() is not None
+    assert parts.sonar is not None
+    assert len(parts.sonar.read()) == 1
+    assert parts.gnss.read() is None
+
+
+def test_a_boat_without_sonar_has_none() -> None:
+    assert world("open", "sensors.sonar.fitted=false").hardware.sonar is None
+
+
+def test_time_is_tick_times_step_exactly() -> None:
+    water = world()
+    for tick in range(1, 5001):
+        assert water.step(DT_S).time_s == tick * DT_S
+
+
+def test_a_boat_that_meets_the_shore_stops_there_and_can_back_off() -> None:
+    water = world("pool", "boat.start=[0.5, 2.3]", "boat.heading_deg=0", "sensors.sonar.fitted=false")
+    truth = drive(water, 1.0, 1.0, 20.0)
+    assert truth.grounded
+    assert water.groundings == 1
+    assert truth.north_m == pytest.approx(2.45, abs=0.002)
+    assert truth.north_m < 2.45
+    assert [truth.north_m_s, truth.east_m_s] == pytest.approx([0.0, 0.0], abs=1e-12)
+    truth = drive(water, -1.0, -1.0, 10.0)
+    assert not truth.grounded
+    assert truth.north_m < 2.4
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_drunken_helmsman_ever_gets_out_of_the_pool(seed: int) -> None:
+    helm = random.Random(seed)
+    current = ("environment.current_m_s=0.03", "environment.current_to_deg=60")
+    water = world("pool", "sensors.sonar.fitted=false", *current)
+    inside = water.scenario.chart.water
+    for _ in range(60):
+        truth = drive(water, helm.uniform(-1.0, 1.0), helm.uniform(-0.2, 1.0), 2.0)
+        assert shapely.contains_xy(inside, truth.east_m, truth.north_m)
+    assert water.groundings > 0
+
+
+def run(*overrides: str, seed: int = 1) -> tuple[str, bytes, list[object]]:
+    water = world("pool", f"seed={seed}", *overrides)
+    recorder = Recorder()
+    heard: list[object] = []
+    for tick in range(500):
+        # A crude helmsman that acts on noisy sensors, so that their noise reaches the motion.
+        compass = water.hardware.compass.read()
+        steer = 0.0 if compass is None else compass.heading_rad
+        water.hardware.motors.write(0.7 - 0.1 * steer, 0.7 + 0.1 * steer)
+        heard += [compass, water.hardware.gnss.read()]
+        recorder.record(water.step(DT_S), leg=tick % 3)
+    return recorder.state_hash(), water.state_bytes(), heard
+
+
+def test_the_same_seed_gives_the_same_bytes() -> None:
+    assert run() == run()
+
+
+def test_another_seed_gives_another_run() -> None:
+    assert run(seed=2)[0] != run()[0]
+    assert run(seed=2)[1] != run()[1]
+
+
+def test_leaving_out_the_sonar_changes_nothing_else() -> None:
+    assert run("sensors.sonar.fitted=false") == run()
