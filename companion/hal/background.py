@@ -1,0 +1,50 @@
+"""A thread for a part that makes its reader wait: sonar echoes, serial lines, I²C."""
+
+import logging
+import threading
+from collections.abc import Callable
+
+from companion.hal.backoff import Backoff
+
+_log = logging.getLogger(__name__)
+
+
+class Background:
+    """Calls `step` in a daemon thread until closed; step returns the seconds to wait before its next call.
+
+    A step that raises is logged when the trouble begins and tried again after a wait that grows: a loose
+    I²C wire must not end the thread, and a part that comes back is read again.
+    """
+
+    def __init__(self, step: Callable[[], float], name: str, first_wait_s: float = 0.0) -> None:
+        self._step = step
+        self._name = name
+        self._first_wait_s = first_wait_s
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Begin to call `step`."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread and wait for it, a second at most. May be called twice."""
+        self._stop.set()
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join(timeout=1.0)
+
+    def _run(self) -> None:
+        wait_s = self._first_wait_s
+        trouble_s, is_well = Backoff(first_s=0.1, longest_s=2.0), True
+        while not self._stop.wait(wait_s):
+            try:
+                wait_s = self._step()
+            except Exception as error:
+                if is_well:
+                    _log.warning("%s: %s; trying again", self._name, error)
+                wait_s, is_well = trouble_s.failed(), False
+            else:
+                if not is_well:
+                    _log.info("%s: answers again", self._name)
+                trouble_s.succeeded()
+                is_well = True

@@ -1,0 +1,206 @@
+"""The sonar over a trigger pin that answers with an echo of a set length."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from gpiozero import GPIODevice, InputDevice
+from gpiozero.pins.mock import MockFactory, MockPWMPin
+from hardware_twins import HandClock, eventually
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion import config
+from companion.errors import HardwareError
+from companion.hal.ultrasonic import (
+    PING_PERIOD_S,
+    HcSr04,
+    Ultrasonic,
+    open_ultrasonic,
+    speed_of_sound_m_s,
+    sweep_bearings_rad,
+)
+from companion.sensors.readings import SonarReading
+
+PART = config.SonarPart(driver="hcsr04")
+SOUND_M_S = speed_of_sound_m_s(15.0)
+
+
+class EchoPin(MockPWMPin):  # type: ignore[misc]
+    """The echo line: its edges bear the time stamps that the twin gives them."""
+
+    def edge(self, ticks_s: float, level: bool) -> None:
+        self._last_change = ticks_s
+        self._state = level
+        if self._when_changed is not None:
+            self._call_when_changed()
+
+
+class SonarTwin(MockPWMPin):  # type: ignore[misc]
+    """The trigger line: a whole pulse on it makes the part answer at once, on a time scale of its own."""
+
+    echo: EchoPin
+    echo_s: float | None = 0.01
+    hangs = False
+    pulses = 0
+    clock_s = 0.0
+
+    def _change_state(self, value: float) -> bool:
+        has_fallen = bool(self._state) and not value
+        has_changed: bool = super()._change_state(value)
+        if has_fallen:
+            self.pulses += 1
+            if self.echo_s is not None:
+                self.clock_s += 1.0
+                self.echo.edge(self.clock_s, True)
+                if not self.hangs:
+                    self.echo.edge(self.clock_s + self.echo_s, False)
+        return has_changed
+
+
+class Bench:
+    """A Pi with the twin on it."""
+
+    def __init__(self) -> None:
+        self.factory = MockFactory(pin_class=MockPWMPin)
+        self.factory.ticks_diff = lambda later, earlier: later - earlier
+        self.echo: Any = self.factory.pin(PART.echo, pin_class=EchoPin)
+        self.twin: Any = self.factory.pin(PART.trigger, pin_class=SonarTwin)
+        self.twin.echo = self.echo
+
+    def ranger(self, max_range_m: float = 4.0) -> HcSr04:
+        trigger = GPIODevice(PART.trigger, pin_factory=self.factory)
+        echo = InputDevice(PART.echo, pin_factory=self.factory)
+        return HcSr04(trigger, echo, self.factory.ticks_diff, max_range_m, 15.0)
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    bench = Bench()
+    yield bench
+    bench.factory.reset()
+
+
+def test_range_is_half_the_way_of_the_sound(bench: Bench) -> None:
+    ranger = bench.ranger()
+    bench.twin.echo_s = 2.0 * 1.5 / SOUND_M_S
+    assert ranger.ping_m() == pytest.approx(1.5)
+    bench.twin.echo_s = 2.0 * 0.02 / SOUND_M_S
+    assert ranger.ping_m() == pytest.approx(0.02)
+    assert bench.twin.pulses == 2
+    assert [state.state for state in bench.twin.states] == [0.0, 1.0, 0.0, 1.0, 0.0]
+
+
+def test_sound_is_faster_in_warm_air() -> None:
+    assert speed_of_sound_m_s(0.0) == pytest.approx(331.3)
+    assert speed_of_sound_m_s(20.0) == pytest.approx(343.4, abs=0.1)
+
+
+def test_no_echo_in_range_is_none(bench: Bench) -> None:
+    ranger = bench.ranger()
+    bench.twin.echo_s = 0.038  # what the part holds when nothing came back
+    assert ranger.ping_m() is None
+    bench.twin.echo_s = 2.0 * 4.01 / SOUND_M_S
+    assert ranger.ping_m() is None
+
+
+def test_a_part_that_does_not_answer_is_a_fault_and_not_free_water(bench: Bench) -> None:
+    ranger = bench.ranger(max_range_m=0.1)
+    bench.twin.echo_s = None
+    with pytest.raises(HardwareError, match="no answer to the trigger"):
+        ranger.ping_m()
+
+
+def test_an_echo_pin_that_hangs_is_no_echo_and_then_a_fault_until_it_lets_go(bench: Bench) -> None:
+    ranger = bench.ranger(max_range_m=0.1)
+    bench.twin.hangs = True
+    assert ranger.ping_m() is None
+    with pytest.raises(HardwareError, match="stuck high"):
+        ranger.ping_m()
+    bench.twin.hangs = False
+    bench.echo.edge(50.0, False)
+    bench.twin.echo_s = 2.0 * 0.05 / SOUND_M_S
+    assert ranger.ping_m() == pytest.approx(0.05)
+
+
+class FakeRanger:
+    """Hands out the ranges that it is given."""
+
+    def __init__(self, *ranges_m: float | None) -> None:
+        self._ranges_m = iter(ranges_m)
+        self.closes = 0
+
+    def ping_m(self) -> float | None:
+        return next(self._ranges_m)
+
+    def close(self) -> None:
+        self.closes += 1
+
+
+def test_every_ping_is_handed_over_once_with_its_time_and_bearing() -> None:
+    clock, turned = HandClock(), list[float]()
+    ranger = FakeRanger(1.0, None, 3.0, 1.5)
+    sonar = Ultrasonic(ranger, clock, (-0.5, 0.0, 0.5), turned.append)
+    assert sonar.read() == []
+    for _ in range(4):
+        assert sonar.step() == PING_PERIOD_S
+        clock.advance(0.06)
+    readings = sonar.read()
+    assert [reading.bearing_rad for reading in readings] == [-0.5, 0.0, 0.5, -0.5]
+    assert [reading.range_m for reading in readings] == [1.0, None, 3.0, 1.5]
+    assert [reading.time_s for reading in readings] == pytest.approx([100.0, 100.06, 100.12, 100.18])
+    assert turned == [-0.5, 0.0, 0.5, -0.5, 0.0]
+    assert sonar.read() == []
+    sonar.close()
+    sonar.close()
+    assert ranger.closes == 1
+
+
+@given(st.floats(0.1, math.pi), st.floats(0.01, 2.0))
+def test_a_sweep_swings_evenly_from_end_to_end_and_back(sweep_rad: float, step_rad: float) -> None:
+    bearings = sweep_bearings_rad(sweep_rad, step_rad)
+    assert min(bearings) == pytest.approx(-sweep_rad / 2.0)
+    assert max(bearings) == pytest.approx(sweep_rad / 2.0)
+    swing = [*bearings, bearings[0]]
+    steps = [abs(b - a) for a, b in itertools.pairwise(swing)]
+    assert steps == pytest.approx([steps[0]] * len(steps))
+    assert steps[0] <= step_rad + 1e-9
+
+
+def test_the_default_sweep_covers_half_the_horizon_in_thirteen_directions() -> None:
+    bearings = sweep_bearings_rad(PART.sweep_rad, PART.step_rad)
+    assert len(set(bearings)) == 13
+    assert len(bearings) == 24
+    assert sweep_bearings_rad(0.0, 0.1) == (0.0,)
+
+
+@pytest.mark.realtime
+def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Bench) -> None:
+    part = config.SonarPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
+    servo: Any = bench.factory.pin(18)
+    bench.twin.echo_s = 2.0 * 2.0 / SOUND_M_S
+    sonar = open_ultrasonic(part, HandClock(), bench.factory)
+    readings: list[SonarReading] = []
+
+    def has_pinged() -> bool:
+        readings.extend(sonar.read())
+        return len(readings) >= 3
+
+    eventually(has_pinged)
+    sonar.close()
+    assert [reading.bearing_rad for reading in readings[:3]] == pytest.approx(
+        [-math.pi / 2, math.pi / 2, -math.pi / 2]
+    )
+    assert {round(reading.range_m or 0.0, 6) for reading in readings} == {2.0}
+    duty = [state.state for state in servo.states if state.state]
+    assert duty[1:3] == pytest.approx([0.0025 / 0.020, 0.0005 / 0.020])  # port is the longest pulse
+    assert {bench.twin.function, bench.echo.function, servo.function} == {"input"}
+
+
+def test_pins_that_cannot_be_opened_are_given_back(bench: Bench) -> None:
+    clash = config.SonarPart(driver="hcsr04", servo=PART.trigger)
+    with pytest.raises(HardwareError, match="sonar: the pins cannot be opened"):
+        open_ultrasonic(clash, HandClock(), bench.factory)
+    open_ultrasonic(PART, HandClock(), bench.factory).close()
