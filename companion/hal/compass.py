@@ -1,0 +1,127 @@
+"""Compasses: one that talks NMEA 0183, and the BNO055 on I²C."""
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+from companion import config
+from companion.errors import HardwareError
+from companion.hal.background import Background
+from companion.hal.interfaces import Port
+from companion.hal.nmea_part import NmeaPart, open_nmea_port
+from companion.hal.optional import import_optional
+from companion.sensors.nmea import Sentence
+from companion.sensors.nmea_heading import HEADING_SENTENCES, HeadingAssembler
+from companion.sensors.readings import HeadingReading
+from companion.units import wrap_pi
+
+_BNO055_PERIOD_S = 0.04
+_NDOF_MODE = 0x0C
+
+
+class NmeaCompass:
+    """Satisfies `companion.hal.interfaces.Compass`. For HDM, correction_rad carries the local variation."""
+
+    def __init__(self, port: Port, now: Callable[[], float], correction_rad: float = 0.0) -> None:
+        self._assembler = HeadingAssembler(correction_rad)
+        self._latest: HeadingReading | None = None
+        self.part = NmeaPart(port, now, HEADING_SENTENCES, self._take)
+
+    def read(self) -> HeadingReading | None:
+        """The latest reading, None before the first."""
+        return self._latest
+
+    def close(self) -> None:
+        """End the thread and close the port. May be called twice."""
+        self.part.close()
+
+    def _take(self, sentence: Sentence, time_s: float) -> None:
+        reading = self._assembler.feed(sentence, time_s)
+        if reading is not None:
+            self._latest = reading
+
+
+def open_nmea_compass(part: config.CompassPart, now: Callable[[], float]) -> NmeaCompass:
+    """The compass on its port, being read.
+
+    Raises:
+        ConfigError: the port cannot be read.
+        LinkError: the system refuses it.
+    """
+    compass = NmeaCompass(open_nmea_port(part.port, part.baud, now), now, part.correction_rad)
+    compass.part.start()
+    return compass
+
+
+class Bno055Part(Protocol):
+    """What is used of the part's driver: degrees, rad/s, calibration 0..3 (system, gyro, accel, magnet)."""
+
+    mode: int
+
+    @property
+    def euler(self) -> tuple[float | None, float | None, float | None]: ...
+    @property
+    def gyro(self) -> tuple[float | None, float | None, float | None]: ...
+    @property
+    def calibration_status(self) -> tuple[int, int, int, int]: ...
+
+
+class Bno055Compass:
+    """Satisfies `companion.hal.interfaces.Compass`.
+
+    The part lies flat with x to the bow and z up: its heading grows clockwise, its z rate counter-clockwise
+    (data sheet BST-BNO055-DS000, tables 3-13 and 3-14), so the rate changes sign. Its north is magnetic;
+    correction_rad carries variation and mounting angle. Headings count only once the magnetometer has been
+    calibrated since power-up: before that they start at zero wherever the bow points.
+    """
+
+    def __init__(self, part: Bno055Part, now: Callable[[], float], correction_rad: float = 0.0) -> None:
+        self._part = part
+        self._now = now
+        self._correction_rad = correction_rad
+        self._knows_north = False
+        self._latest: HeadingReading | None = None
+        self._background = Background(self.step, "BNO055")
+
+    def start(self) -> None:
+        """Begin to read the part in a thread."""
+        self._background.start()
+
+    def step(self) -> float:
+        """Read the part once; returns the seconds to wait before the next reading."""
+        heading_deg, rate_rad_s = self._part.euler[0], self._part.gyro[2]
+        if heading_deg is None:
+            # A dip of its supply sends the part back to configuration mode, where it measures nothing.
+            self._knows_north = False
+            self._part.mode = _NDOF_MODE
+        elif not self._knows_north:
+            self._knows_north = self._part.calibration_status[3] > 0
+        elif 0.0 <= heading_deg <= 360.0:  # a disturbed transfer shows as a heading off the scale
+            heading_rad = wrap_pi(math.radians(heading_deg) + self._correction_rad)
+            yaw_rate_rad_s = None if rate_rad_s is None else -rate_rad_s
+            self._latest = HeadingReading(self._now(), heading_rad, yaw_rate_rad_s)
+        return _BNO055_PERIOD_S
+
+    def read(self) -> HeadingReading | None:
+        """The latest reading, None before the first."""
+        return self._latest
+
+    def close(self) -> None:
+        """End the thread. May be called twice."""
+        self._background.close()
+
+
+def open_bno055(part: config.CompassPart, now: Callable[[], float]) -> Bno055Compass:
+    """The part on the Pi's I²C bus, being read.
+
+    Raises:
+        HardwareError: its library is missing, or it does not answer.
+    """
+    board = import_optional("board", "BNO055")
+    bno055 = import_optional("adafruit_bno055", "BNO055")
+    try:
+        compass = Bno055Compass(bno055.BNO055_I2C(board.I2C()), now, part.correction_rad)
+    except Exception as error:
+        raise HardwareError(f"BNO055: does not answer on the I²C bus: {error}") from error
+    compass.start()
+    return compass

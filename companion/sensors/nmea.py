@@ -1,0 +1,89 @@
+"""NMEA 0183: bytes to sentences. Pure; malformed input is counted, never raised."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pynmeagps import NMEAReader
+from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEAStreamError, NMEATypeError
+
+_LONGEST_SENTENCE = 256  # the standard says 82; some receivers know better
+_FAULTS = (
+    NMEAParseError,
+    NMEATypeError,
+    NMEAMessageError,
+    NMEAStreamError,
+    ValueError,
+    IndexError,
+    TypeError,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """A sentence whose checksum was right: its kind, such as GGA, and its fields under pynmeagps' names."""
+
+    kind: str
+    fields: Mapping[str, object]
+
+    def number(self, name: str) -> float | None:
+        """A numeric field, None where it was left empty."""
+        value = self.fields.get(name)
+        return float(value) if isinstance(value, float | int) and math.isfinite(value) else None
+
+    def text(self, name: str) -> str:
+        """A field of letters, empty where it was left empty."""
+        return str(self.fields.get(name, ""))
+
+
+class NmeaReader:
+    """Cuts a byte stream into sentences and parses those of the wanted kinds.
+
+    `malformed` counts lines with a wrong checksum, wrong fields or too many bytes; `skipped` sentences of
+    kinds that were not asked for, which are not even parsed.
+    """
+
+    def __init__(self, wanted: frozenset[str]) -> None:
+        self._wanted = wanted
+        self._held = b""
+        self.accepted = 0
+        self.skipped = 0
+        self.malformed = 0
+
+    def feed(self, data: bytes) -> list[Sentence]:
+        """Parse what is complete; half a sentence waits for the rest."""
+        *lines, self._held = (self._held + data).split(b"\n")
+        if len(self._held) > _LONGEST_SENTENCE:
+            self._held = b""
+            self.malformed += 1
+        sentences = []
+        for line in lines:
+            sentence = self._parse(line.rstrip())
+            if sentence is not None:
+                sentences.append(sentence)
+        return sentences
+
+    def forget(self) -> None:
+        """Drop half a sentence: the line was cut."""
+        self._held = b""
+
+    def _parse(self, line: bytes) -> Sentence | None:
+        if not line:
+            return None
+        raw = line[max(line.rfind(b"$"), 0) :]  # what was cut off before may run into a whole sentence
+        if raw[:1] != b"$" or raw[-3:-2] != b"*" or len(raw) > _LONGEST_SENTENCE:
+            self.malformed += 1
+            return None
+        if raw[3:6].decode("ascii", "replace") not in self._wanted:
+            self.skipped += 1
+            return None
+        try:
+            message = NMEAReader.parse(raw + b"\r\n")
+        except _FAULTS:
+            message = None
+        if message is None:
+            self.malformed += 1
+            return None
+        self.accepted += 1
+        fields = {name: value for name, value in vars(message).items() if not name.startswith("_")}
+        return Sentence(message.msgID, fields)

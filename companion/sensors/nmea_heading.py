@@ -1,0 +1,67 @@
+"""From NMEA 0183 sentences of a compass to headings (v4.11: HDT, THS, HDG, HDM, ROT)."""
+
+import math
+
+from companion.sensors.nmea import Sentence
+from companion.sensors.readings import HeadingReading
+from companion.units import wrap_pi
+
+HEADING_SENTENCES = frozenset({"HDT", "THS", "HDG", "HDM", "ROT"})
+
+_PRECEDENCE_S = 2.0
+_RATE_LIFE_S = 1.0
+_TRUE, _CORRECTED, _MAGNETIC = 3, 2, 1
+
+
+class HeadingAssembler:
+    """Turns sentences into readings; correction_rad is added to every heading.
+
+    HDT and THS speak of true north. HDG is magnetic, and its own deviation and variation are applied (east
+    positive). HDM is magnetic and carries neither, as an HDG may: with such a compass the local variation
+    belongs into correction_rad. A better kind silences a worse one for 2 s. ROT (°/min, positive to
+    starboard) gives the yaw rate.
+    """
+
+    def __init__(self, correction_rad: float = 0.0) -> None:
+        self._correction_rad = correction_rad
+        self._rank = 0
+        self._ranked_s = -math.inf
+        self._rate_rad_s: float | None = None
+        self._rate_s = -math.inf
+
+    def feed(self, sentence: Sentence, time_s: float) -> HeadingReading | None:
+        """Take one sentence that arrived at time_s; None if it gives no heading."""
+        if sentence.kind == "ROT":
+            rate_deg_min = sentence.number("rot") if sentence.text("valid") == "A" else None
+            self._rate_rad_s = None if rate_deg_min is None else math.radians(rate_deg_min) / 60.0
+            self._rate_s = time_s
+            return None
+        heading_deg, rank = _heading_deg(sentence)
+        if heading_deg is None or (rank < self._rank and time_s - self._ranked_s < _PRECEDENCE_S):
+            return None
+        self._rank, self._ranked_s = rank, time_s
+        rate_rad_s = self._rate_rad_s if time_s - self._rate_s < _RATE_LIFE_S else None
+        return HeadingReading(time_s, wrap_pi(math.radians(heading_deg) + self._correction_rad), rate_rad_s)
+
+
+def _heading_deg(sentence: Sentence) -> tuple[float | None, int]:
+    """The heading, None when there is none, and how good its kind is."""
+    if sentence.kind == "HDT":
+        return sentence.number("headingT"), _TRUE
+    if sentence.kind == "THS":
+        return (sentence.number("headt") if sentence.text("mi") == "A" else None), _TRUE
+    magnetic_deg = sentence.number("headingM")
+    if sentence.kind == "HDM" or magnetic_deg is None:
+        return magnetic_deg, _MAGNETIC
+    deviation_deg = _eastward_deg(sentence, "deviation") or 0.0
+    variation_deg = _eastward_deg(sentence, "variation")
+    if variation_deg is None:
+        return magnetic_deg + deviation_deg, _MAGNETIC
+    return magnetic_deg + deviation_deg + variation_deg, _CORRECTED
+
+
+def _eastward_deg(sentence: Sentence, name: str) -> float | None:
+    angle_deg, side = sentence.number(name), sentence.text(f"{name}EW")
+    if angle_deg is None or side not in {"E", "W"}:
+        return None
+    return angle_deg if side == "E" else -angle_deg

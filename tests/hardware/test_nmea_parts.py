@@ -1,0 +1,133 @@
+"""Receiver and compass behind ports: in memory step by step, and over a serial line with their threads."""
+
+import math
+import sys
+from pathlib import Path
+
+import pytest
+from hardware_twins import HandClock, PtyLine, eventually
+
+from companion import config
+from companion.errors import LinkError
+from companion.hal.compass import NmeaCompass, open_nmea_compass
+from companion.hal.gnss import NmeaGnss, open_nmea_gnss
+from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+
+
+def sentence(body: str) -> bytes:
+    checksum = 0
+    for byte in body.encode():
+        checksum ^= byte
+    return f"${body}*{checksum:02X}\r\n".encode()
+
+
+def epoch(second: int, satellites: int = 9) -> bytes:
+    return sentence(f"GNRMC,0927{second:02}.00,A,5030.0,N,00112.0,W,2.0,90.0,280524,,,A") + sentence(
+        f"GNGGA,0927{second:02}.00,5030.0,N,00112.0,W,1,{satellites},0.85,12.5,M,47.0,M,,"
+    )
+
+
+def port_and_far_end() -> tuple[MemoryPort, MemoryLink]:
+    near, far = memory_pair(is_datagram=False)
+    return MemoryPort(near), far
+
+
+def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_time() -> None:
+    port, receiver = port_and_far_end()
+    clock = HandClock()
+    gnss = NmeaGnss(port, clock)
+    assert gnss.read() is None
+    receiver.send(epoch(0))
+    gnss.part.step()
+    clock.advance(1.0)
+    receiver.send(epoch(1))
+    gnss.part.step()
+    first = gnss.read()
+    assert first is not None
+    assert first.time_s == clock()
+    clock.advance(0.5)
+    gnss.part.step()
+    assert gnss.read() is first
+
+
+def test_noise_on_the_line_is_counted_and_does_not_stop_the_compass() -> None:
+    port, part = port_and_far_end()
+    compass = NmeaCompass(port, HandClock(), correction_rad=math.radians(2.0))
+    for piece in (b"\x00\xff$$$*\r\n", sentence("HCHDM,88.0,M")[:9], b"\r\n", sentence("HCHDM,88.0,M")):
+        part.send(piece)
+        compass.part.step()
+    reading = compass.read()
+    assert reading is not None
+    assert math.degrees(reading.heading_rad) == pytest.approx(90.0)
+    assert compass.part.reader.malformed == 2
+
+
+def test_half_a_sentence_of_an_unplugged_part_is_forgotten() -> None:
+    near, part = memory_pair(is_datagram=False)
+    port = MemoryPort(near)
+    compass = NmeaCompass(port, HandClock())
+    whole = sentence("HEHDT,90.0,T")
+    part.send(whole[:8])
+    compass.part.step()
+    part.close()
+    again, part = memory_pair(is_datagram=False)
+    port.offer(again)
+    part.send(whole[8:] + whole)
+    compass.part.step()
+    assert compass.part.reader.accepted == 1
+
+
+def test_a_closed_part_lets_its_port_go() -> None:
+    near, _ = memory_pair()
+    gnss = NmeaGnss(MemoryPort(near), HandClock())
+    gnss.close()
+    gnss.close()
+    assert near.is_closed
+
+
+@pytest.mark.realtime
+def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) -> None:
+    line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
+    gnss = open_nmea_gnss(config.GnssPart(driver="nmea", port=line.device), clock)
+    line.say(epoch(0)[:30])
+    line.say(epoch(0)[30:] + epoch(1, satellites=7))
+    eventually(lambda: (fix := gnss.read()) is not None and fix.satellites == 7)
+    line.unplug()
+    clock.advance(10.0)
+    line.plug_in()
+
+    def hears_again() -> bool:
+        clock.advance(0.1)
+        line.say(epoch(2, satellites=5) + epoch(3, satellites=5))
+        return (fix := gnss.read()) is not None and fix.satellites == 5
+
+    eventually(hears_again)
+    gnss.close()
+    gnss.close()
+    line.unplug()
+
+
+@pytest.mark.realtime
+def test_a_compass_on_a_serial_line_is_read_by_its_own_thread(tmp_path: Path) -> None:
+    line = PtyLine(tmp_path / "ttyCOMPASS")
+    part = config.CompassPart(driver="nmea", port=line.device, correction_rad=0.5)
+    compass = open_nmea_compass(part, HandClock())
+    line.say(b"\xff\xff" + sentence("HEHDT,0.0,T"))
+    eventually(lambda: compass.read() is not None)
+    reading = compass.read()
+    assert reading is not None
+    assert reading.heading_rad == pytest.approx(0.5)
+    compass.close()
+    line.unplug()
+
+
+def test_a_receiver_may_also_be_on_the_network() -> None:
+    gnss = open_nmea_gnss(config.GnssPart(driver="nmea", port="udpin:127.0.0.1:0"), HandClock())
+    gnss.close()
+    assert gnss.read() is None
+
+
+def test_a_receiver_that_is_missing_is_named() -> None:
+    with pytest.raises(LinkError, match="there is no device /dev/ttyNONE"):
+        open_nmea_gnss(config.GnssPart(driver="nmea", port="/dev/ttyNONE"), HandClock())
+    assert "companion.hal.gnss" in sys.modules
