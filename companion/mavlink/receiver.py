@@ -1,0 +1,166 @@
+"""The receiving side of a mission transfer: the boat in an upload, a station in a download."""
+
+from collections.abc import Callable
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.transfer import (
+    MOST_ITEMS,
+    NOBODY,
+    Completed,
+    Failed,
+    Started,
+    State,
+    Transfer,
+    Trigger,
+)
+
+ItemCheck = Callable[[int, MissionItem], Fault | None]
+
+
+def take_any(seq: int, item: MissionItem) -> Fault | None:  # noqa: ARG001
+    """An item check that has no objection."""
+    return None
+
+
+class Receiver(Transfer):
+    """Collects a list aside, asks for each item, and hands the whole over as `Completed`.
+
+    check: looks at each item as it arrives; a Fault ends the transfer with its result. The owner answers
+    `Completed` with `confirm`, once the list is stored.
+    """
+
+    def __init__(
+        self,
+        own: Address,
+        mission_type: MissionType,
+        retry_s: float = 0.5,
+        retries: int = 10,
+        max_items: int = MOST_ITEMS,
+        check: ItemCheck = take_any,
+    ) -> None:
+        super().__init__(own, mission_type, retry_s, retries, max_items)
+        self._check = check
+        self._count = 0
+        self._items: list[MissionItem] = []
+        self._nudged_s = float("-inf")
+
+    def request_list(self, partner: Address, now_s: float) -> None:
+        """Ask a partner for its list.
+
+        Raises:
+            LocalProtocolError: a transfer is under way.
+        """
+        self._begin(Trigger.ASK, partner)
+        self._await(
+            dialect.MAVLink_mission_request_list_message(
+                partner.system, partner.component, self.mission_type
+            ),
+            now_s,
+        )
+
+    def confirm(self, now_s: float, result: MissionResult = MissionResult.ACCEPTED) -> None:
+        """The owner's answer to `Completed`: the list is stored, or it is not and `result` says why.
+
+        Raises:
+            LocalProtocolError: nothing waits to be confirmed.
+        """
+        self._settle(Trigger.STORED, None, now_s)
+        self._latest = self._acknowledge(self._partner, result)
+
+    def handle(self, message: Message, sender: Address, now_s: float) -> None:
+        """Take a message of the mission protocol; others, and those meant for others, change nothing."""
+        name = message.get_type()
+        if name not in _RECEIVED or not self._is_ours(message, sender):
+            return
+        if name == "MISSION_COUNT":
+            self._handle_count(message.count, sender, now_s)
+        elif name == "MISSION_CLEAR_ALL":
+            self._handle_count(0, sender, now_s)
+        elif self._partner not in (NOBODY, sender):
+            self.ignored += 1
+        elif name == "MISSION_ACK":
+            self._handle_ack(message, sender, now_s)
+        else:
+            self._handle_item(message, sender, now_s)
+
+    def _handle_count(self, count: int, sender: Address, now_s: float) -> None:
+        if not self._is_free_for(sender) or not self._may(Trigger.COUNT if count else Trigger.EMPTY):
+            return
+        if count > self.max_items:
+            self._fail(
+                Fault(MissionResult.NO_SPACE, f"{count} items offered, there is room for {self.max_items}"),
+                sender,
+                now_s,
+            )
+            return
+        if self.state is State.RECEIVING and count == self._count and not self._items:
+            self._repeat()  # the same offer again: our first request was lost
+            return
+        self._begin(Trigger.COUNT if count else Trigger.EMPTY, sender)
+        self._count, self._items = count, []
+        self._events.append(Started(count, sender))
+        if count:
+            self._request_next(sender, now_s)
+        else:
+            self._events.append(Completed((), sender))
+
+    def _handle_ack(self, message: Message, sender: Address, now_s: float) -> None:
+        if message.type == MissionResult.ACCEPTED:
+            self.ignored += 1  # accepting is for us to do
+        else:
+            self._handle_refusal(MissionResult(message.type), sender, now_s)
+
+    def _handle_item(self, message: Message, sender: Address, now_s: float) -> None:
+        if message.current > 1:
+            self.ignored += (
+                1  # ArduPilot's go-to and change of altitude travel as items; they belong to no list
+            )
+        elif self.state is State.RECEIVING:
+            self._receive_item(message, sender, now_s)
+        elif self.state is State.SETTLED:
+            self._move(Trigger.ITEM)
+            self._repeat()
+        elif self.state is State.IDLE:
+            self._move(Trigger.ITEM)
+            self._acknowledge(sender, MissionResult.ERROR)
+            self.ignored += 1
+        else:
+            self.ignored += 1
+
+    def _receive_item(self, message: Message, sender: Address, now_s: float) -> None:
+        expected = len(self._items)
+        if message.seq != expected:
+            self.ignored += 1
+            if message.seq > expected and now_s - self._nudged_s >= self._retry_s:
+                self._nudged_s = now_s
+                self._repeat()
+            return
+        item = MissionItem.from_message(message)
+        fault = item if isinstance(item, Fault) else self._check(expected, item)
+        if fault is not None:
+            self._fail(Fault(fault.result, f"item {expected}: {fault.text}"), sender, now_s)
+        elif isinstance(item, MissionItem):
+            self._items.append(item)
+            if len(self._items) == self._count:
+                self._move(Trigger.LAST_ITEM)
+                self._events.append(Completed(tuple(self._items), sender))
+            else:
+                self._move(Trigger.ITEM)
+                self._request_next(sender, now_s)
+
+    def _request_next(self, partner: Address, now_s: float) -> None:
+        self._await(
+            dialect.MAVLink_mission_request_int_message(
+                partner.system, partner.component, len(self._items), self.mission_type
+            ),
+            now_s,
+        )
+
+
+_RECEIVED = frozenset(
+    ("MISSION_COUNT", "MISSION_CLEAR_ALL", "MISSION_ACK", "MISSION_ITEM", "MISSION_ITEM_INT")
+)
+
+__all__ = ["Completed", "Failed", "ItemCheck", "Receiver", "Started", "take_any"]

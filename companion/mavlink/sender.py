@@ -1,0 +1,137 @@
+"""The sending side of a mission transfer: the boat in a download, a station in an upload."""
+
+from collections.abc import Callable, Sequence
+
+from companion.errors import LocalProtocolError
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, Started, State, Transfer, Trigger
+
+
+class Sender(Transfer):
+    """Offers a list and answers the requests for its items, old and new, with MISSION_ITEM_INT.
+
+    source: where the list is, asked once per MISSION_REQUEST_LIST, so that one download is one list whatever
+    happens meanwhile. Without a source only `offer` begins a transfer, as a station does for an upload.
+
+    Whoever begins a transfer sees to it that it goes on. So a sender that was asked for its list only waits:
+    stations take a count or an item that they have not asked for as a sign of confusion.
+    """
+
+    def __init__(
+        self,
+        own: Address,
+        mission_type: MissionType,
+        retry_s: float = 0.5,
+        retries: int = 10,
+        max_items: int = MOST_ITEMS,
+        source: Callable[[], Sequence[MissionItem]] | None = None,
+    ) -> None:
+        super().__init__(own, mission_type, retry_s, retries, max_items)
+        self._source = source
+        self._was_asked = False
+        self._items: tuple[MissionItem, ...] = ()
+        self._unsent: set[int] = set()  # never asked for in this transfer
+        self._asked: set[int] = set()  # asked for since the partner last began at item 0
+
+    def offer(self, items: Sequence[MissionItem], partner: Address, now_s: float) -> None:
+        """Begin to send a list; an offer to the same partner that is under way begins again.
+
+        Raises:
+            ValueError: more items than max_items.
+            LocalProtocolError: a transfer with another partner is under way.
+        """
+        if len(items) > self.max_items:
+            raise ValueError(f"{len(items)} items are more than the {self.max_items} that can be sent")
+        if self.partner not in (None, partner):
+            raise LocalProtocolError(f"a transfer with {self.partner} is under way")
+        self._was_asked = False
+        self._begin(Trigger.OFFER, partner)
+        self._items = tuple(items)
+        self._unsent, self._asked = set(range(len(items))), set()
+        self._events.append(Started(len(items), partner))
+        self._await(
+            dialect.MAVLink_mission_count_message(
+                partner.system, partner.component, len(items), self.mission_type
+            ),
+            now_s,
+        )
+
+    def handle(self, message: Message, sender: Address, now_s: float) -> None:
+        """Take a message of the mission protocol; others, and those meant for others, change nothing."""
+        name = message.get_type()
+        if name not in _RECEIVED or not self._is_ours(message, sender):
+            return
+        if name == "MISSION_REQUEST_LIST":
+            self._handle_request_list(sender, now_s)
+        elif name == "MISSION_ACK":
+            self._handle_ack(message, sender, now_s)
+        elif self._is_free_for(sender):
+            self._handle_request(message.seq, sender, now_s)
+
+    def _handle_request_list(self, sender: Address, now_s: float) -> None:
+        if self._source is None:
+            self.ignored += 1
+        elif self._is_free_for(sender):
+            if self.state is State.OFFERING:
+                self._repeat()  # asked twice: our count was lost
+            else:
+                self.offer(self._source(), sender, now_s)
+                self._was_asked = True
+
+    def _handle_request(self, seq: int, sender: Address, now_s: float) -> None:
+        if self.state is State.IDLE or sender != self._partner:
+            self.ignored += 1
+            self._acknowledge(sender, MissionResult.ERROR)
+        elif seq >= len(self._items):
+            if self.state is State.SETTLED:
+                self.ignored += 1
+            else:
+                text = f"item {seq} was asked for, the list has {len(self._items)}"
+                self._fail(Fault(MissionResult.INVALID_SEQUENCE, text), sender, now_s)
+        else:
+            self._send_item(seq, sender, now_s)
+
+    def _send_item(self, seq: int, partner: Address, now_s: float) -> None:
+        """Answer a request. A partner that comes back to item 0 begins again, which is progress too."""
+        item = self._items[seq].to_message(seq, partner, self.mission_type)
+        begins_again = seq == 0 and len(self._asked) > 1
+        is_progress = seq not in self._asked or begins_again
+        if begins_again:
+            self._asked.clear()
+        self._asked.add(seq)
+        self._unsent.discard(seq)
+        settled = self.state is State.SETTLED
+        self._move(Trigger.REQUEST)
+        if is_progress and not settled:
+            self._await(item, now_s)
+        else:
+            self._outbox.append(item)
+
+    def _handle_ack(self, message: Message, sender: Address, now_s: float) -> None:
+        if sender != self._partner:
+            self.ignored += 1
+        elif message.type != MissionResult.ACCEPTED:
+            self._handle_refusal(MissionResult(message.type), sender, now_s)
+        elif self._unsent:
+            self.ignored += 1  # it cannot have what it never asked for: this answers an earlier transfer
+        elif self._may(Trigger.ACCEPTED):
+            self._settle(Trigger.ACCEPTED, None, now_s)
+            self._events.append(Completed(self._items, sender))
+
+    def _remind(self) -> None:
+        if not self._was_asked:
+            super()._remind()
+
+    def _expire(self, now_s: float) -> None:
+        """A partner that asked for the list, or for all of its items, is not told: it waits for nothing."""
+        if self._unsent and not self._was_asked:
+            super()._expire(now_s)
+            return
+        self._settle(Trigger.EXPIRED, None, now_s)
+        text = "all items were sent, but not acknowledged" if not self._unsent else "the partner fell silent"
+        self._events.append(Failed(MissionResult.OPERATION_CANCELLED, text, self._partner))
+
+
+_RECEIVED = frozenset(("MISSION_REQUEST_LIST", "MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"))

@@ -1,0 +1,301 @@
+"""The mission transfer protocol: what `Sender` and `Receiver` have in common.
+
+Theory of operation
+-------------------
+A list (mission, fence or rally) goes from a sender to a receiver, which asks for each item:
+
+    sender                      receiver
+                   ◄─ MISSION_REQUEST_LIST   only when the receiver begins, as in a download
+    MISSION_COUNT ─►
+                   ◄─ MISSION_REQUEST_INT 0
+    ITEM_INT 0 ───►
+                   ◄─ MISSION_REQUEST_INT 1, and so on
+                   ◄─ MISSION_ACK
+
+A boat receives uploads and sends downloads; a station has it the other way round. Both are the same machines.
+
+- Each side repeats its last message when nothing has come for `retry_s`, `retries` times, then gives up. Only
+  progress (an item not had before, an item not asked for before) starts the count anew.
+- The wire is untrusted. Before a message can do anything, it must name our system and component, and carry
+  our mission type. One transfer has one partner; another station that begins meanwhile is answered
+  MAV_MISSION_DENIED, whose definition is just that ("not accepting any mission commands from this
+  communication partner"), and disturbs nothing.
+- Either side ends a transfer at once by a MISSION_ACK that is not ACCEPTED. Errors are final (MAVLink guide,
+  "Errors/Completion"); repeated and skipped items are not errors.
+- Whole or not at all: a receiver hands its list over in one piece, as `Completed`, and stays in STORING until
+  its owner confirms that the list is safe. Only then is ACCEPTED sent. A sender believes ACCEPTED only after
+  every item has been asked for: one that comes sooner belongs to an earlier transfer.
+- MAVLink does not number transfers. An item that the network doubles and delivers into a later transfer of
+  the same partner cannot be told from that one's own; only reading the list back shows it.
+- The last MISSION_ACK may be lost. So a finished machine is SETTLED for a while: it remembers its partner and
+  answers a repeated last message the same way again.
+
+The machines do no I/O and read no clock: `handle`, `tick`, `take_outbox`, `take_events`. A message that the
+table has no row for is counted as `ignored`; a call of ours that it has no row for is a LocalProtocolError.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum, auto
+from types import MappingProxyType
+
+from companion.errors import LocalProtocolError
+from companion.mavlink.address import Address, is_named
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+
+NOBODY = Address(0, 0)
+MOST_ITEMS = 65535  # MISSION_COUNT counts in 16 bits
+
+
+class State(Enum):
+    """Where a transfer stands."""
+
+    IDLE = auto()
+    LISTING = auto()  # receiver: has asked for the list, waits for its count
+    RECEIVING = auto()  # receiver: waits for the item asked for
+    STORING = auto()  # receiver: has all, waits for its owner
+    OFFERING = auto()  # sender: has sent the count, waits for the first request
+    SENDING = auto()  # sender: has sent an item, waits for the next request or the end
+    SETTLED = auto()  # it is over; the partner may not know yet
+
+
+class Trigger(Enum):
+    """What moves it."""
+
+    ASK = auto()  # our owner asks for a list
+    OFFER = auto()  # our owner, or the partner's MISSION_REQUEST_LIST, has us offer one
+    STORED = auto()  # our owner confirms
+    COUNT = auto()  # of one item or more
+    EMPTY = auto()  # a count of none, or MISSION_CLEAR_ALL
+    ITEM = auto()
+    LAST_ITEM = auto()
+    REQUEST = auto()
+    ACCEPTED = auto()
+    REFUSED = auto()  # the partner's MISSION_ACK with an error, or its cancel
+    FAULT = auto()  # we end it
+    EXPIRED = auto()  # the retries, or the time to remember, are used up
+
+
+_BEGIN = {Trigger.ASK: State.LISTING, Trigger.COUNT: State.RECEIVING, Trigger.EMPTY: State.STORING}
+_BREAK_OFF = dict.fromkeys((Trigger.REFUSED, Trigger.FAULT, Trigger.EXPIRED), State.SETTLED)
+
+TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
+    {
+        State.IDLE: {
+            **_BEGIN,
+            Trigger.OFFER: State.OFFERING,
+            Trigger.ITEM: State.IDLE,  # out of the blue: answered with an error
+            Trigger.REQUEST: State.IDLE,
+        },
+        State.LISTING: {
+            Trigger.COUNT: State.RECEIVING,
+            Trigger.EMPTY: State.STORING,
+            **_BREAK_OFF,
+        },
+        State.RECEIVING: {
+            Trigger.COUNT: State.RECEIVING,  # the partner begins again
+            Trigger.EMPTY: State.STORING,
+            Trigger.ITEM: State.RECEIVING,
+            Trigger.LAST_ITEM: State.STORING,
+            **_BREAK_OFF,
+        },
+        State.STORING: {Trigger.STORED: State.SETTLED},
+        State.OFFERING: {
+            Trigger.OFFER: State.OFFERING,
+            Trigger.REQUEST: State.SENDING,
+            Trigger.ACCEPTED: State.SETTLED,
+            **_BREAK_OFF,
+        },
+        State.SENDING: {
+            Trigger.OFFER: State.OFFERING,
+            Trigger.REQUEST: State.SENDING,
+            Trigger.ACCEPTED: State.SETTLED,
+            **_BREAK_OFF,
+        },
+        State.SETTLED: {
+            **_BEGIN,
+            Trigger.OFFER: State.OFFERING,
+            Trigger.ITEM: State.SETTLED,  # our answer was lost
+            Trigger.REQUEST: State.SETTLED,
+            Trigger.EXPIRED: State.IDLE,
+        },
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """A transfer of `count` items has begun."""
+
+    count: int
+    partner: Address
+
+
+@dataclass(frozen=True, slots=True)
+class Completed:
+    """The list is whole: at a receiver, to be stored and confirmed; at a sender, acknowledged."""
+
+    items: tuple[MissionItem, ...]
+    partner: Address
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """The transfer is over and nothing has changed. text is one sentence for a person."""
+
+    result: MissionResult
+    text: str
+    partner: Address
+
+
+Event = Started | Completed | Failed
+
+
+class Transfer:
+    """The common part of both machines: partner, retries, outbox and events.
+
+    own: our address. retry_s: how long to wait for an answer. retries: how often to ask again.
+    max_items: how long a list may be.
+    """
+
+    def __init__(
+        self,
+        own: Address,
+        mission_type: MissionType,
+        retry_s: float = 0.5,
+        retries: int = 10,
+        max_items: int = MOST_ITEMS,
+    ) -> None:
+        self.own = own
+        self.mission_type = mission_type
+        self.max_items = max_items
+        self.ignored = 0
+        self.state = State.IDLE
+        self._retry_s = retry_s
+        self._retries = retries
+        self._retries_left = 0
+        self._deadline_s = 0.0
+        self._partner = NOBODY
+        self._latest: Message | None = None  # what is repeated while no answer comes
+        self._outbox: list[Message] = []
+        self._events: list[Event] = []
+
+    @property
+    def partner(self) -> Address | None:
+        """With whom a transfer is under way, None when there is none."""
+        return None if self.state in (State.IDLE, State.SETTLED) else self._partner
+
+    def tick(self, now_s: float) -> None:
+        """Repeat what has not been answered in time, give up after the last retry."""
+        if self.state in (State.IDLE, State.STORING) or now_s < self._deadline_s:
+            return
+        if self.state is State.SETTLED:
+            self._move(Trigger.EXPIRED)
+            self._partner = NOBODY
+        elif self._retries_left == 0:
+            self._expire(now_s)
+        else:
+            self._retries_left -= 1
+            self._deadline_s = now_s + self._retry_s
+            self._remind()
+
+    def cancel(self, now_s: float) -> None:
+        """Break off and tell the partner; changes nothing where there is nothing to break off."""
+        if Trigger.FAULT in TRANSITIONS[self.state]:
+            self._fail(Fault(MissionResult.OPERATION_CANCELLED, "cancelled"), self._partner, now_s)
+
+    def take_outbox(self) -> list[Message]:
+        """The messages to be sent, in order; their target fields say to whom."""
+        outbox, self._outbox = self._outbox, []
+        return outbox
+
+    def take_events(self) -> list[Event]:
+        """What has happened since the last call, in order."""
+        events, self._events = self._events, []
+        return events
+
+    def _move(self, trigger: Trigger) -> None:
+        """Follow a row of the table.
+
+        Raises:
+            LocalProtocolError: there is none, which is a mistake of ours: messages are asked about before.
+        """
+        try:
+            self.state = TRANSITIONS[self.state][trigger]
+        except KeyError:
+            raise LocalProtocolError(
+                f"{trigger.name} is not possible in a {self.mission_type.name} transfer: {self.state.name}"
+            ) from None
+
+    def _may(self, trigger: Trigger) -> bool:
+        """Whether a message has a row; counted if it has not."""
+        possible = trigger in TRANSITIONS[self.state]
+        self.ignored += not possible
+        return possible
+
+    def _is_ours(self, message: Message, sender: Address) -> bool:
+        """Whether a message of the mission protocol names us and our list, and comes from somebody."""
+        return (
+            message.mission_type == self.mission_type
+            and is_named(self.own, message.target_system, message.target_component)
+            and sender.system != NOBODY.system
+        )
+
+    def _is_free_for(self, sender: Address) -> bool:
+        """Whether this station may begin; another one than the partner is told that it may not."""
+        if self.partner in (None, sender):
+            return True
+        self.ignored += 1
+        self._acknowledge(sender, MissionResult.DENIED)
+        return False
+
+    def _begin(self, trigger: Trigger, partner: Address) -> None:
+        self._move(trigger)
+        self._partner = partner
+
+    def _await(self, message: Message, now_s: float) -> None:
+        """Send what wants an answer. All retries are left: this is progress."""
+        self._retries_left = self._retries
+        self._deadline_s = now_s + self._retry_s
+        self._latest = message
+        self._outbox.append(message)
+
+    def _remind(self) -> None:
+        """No answer has come in time."""
+        self._repeat()
+
+    def _repeat(self) -> None:
+        if self._latest is not None:
+            self._outbox.append(self._latest)
+
+    def _acknowledge(self, partner: Address, result: MissionResult) -> Message:
+        message: Message = dialect.MAVLink_mission_ack_message(
+            partner.system, partner.component, result, self.mission_type
+        )
+        self._outbox.append(message)
+        return message
+
+    def _settle(self, trigger: Trigger, latest: Message | None, now_s: float) -> None:
+        """End it, and remember the last word for as long as the partner may go on asking."""
+        self._move(trigger)
+        self._latest = latest
+        self._deadline_s = now_s + self._retry_s * (self._retries + 1)
+
+    def _fail(self, fault: Fault, partner: Address, now_s: float, trigger: Trigger = Trigger.FAULT) -> None:
+        """End it, or refuse it before it began, for a reason of ours, and say so to the partner."""
+        answer = self._acknowledge(partner, fault.result)
+        if self.partner is not None:
+            self._settle(trigger, answer, now_s)
+        self._events.append(Failed(fault.result, fault.text, partner))
+
+    def _expire(self, now_s: float) -> None:
+        waited_s = self._retry_s * (self._retries + 1)
+        text = f"no answer from {self._partner.system}/{self._partner.component} for {waited_s:g} s"
+        self._fail(Fault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, Trigger.EXPIRED)
+
+    def _handle_refusal(self, result: MissionResult, sender: Address, now_s: float) -> None:
+        """The partner ends it: nothing is answered."""
+        if self._may(Trigger.REFUSED):
+            self._settle(Trigger.REFUSED, None, now_s)
+            self._events.append(Failed(result, f"the other side answered {result.name}", sender))
