@@ -13,7 +13,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Failed, Transfer
+from companion.mavlink.transfer import Completed, Failed, State, Transfer
 from companion.requests import GoTo, SetCurrentItem
 from companion.services.mission_items import check_jumps, to_step
 from companion.services.mission_store import load_items, save_items
@@ -106,12 +106,15 @@ class MissionService:
     def tick(self, now_s: float) -> None:
         """Retries, time-outs, and lists whose writing has ended."""
         for one in self._lists.values():
-            self._finish_saving(one, now_s)
-            one.receiver.tick(now_s)
-            self._after_receiver(one, now_s)
+            if one.saving is not None:
+                self._finish_saving(one, now_s)
+            if one.receiver.state is not State.IDLE:
+                one.receiver.tick(now_s)
+                self._after_receiver(one, now_s)
             for channel, sender in one.senders.items():
-                sender.tick(now_s)
-                self._post(sender, channel)
+                if sender.state is not State.IDLE:
+                    sender.tick(now_s)
+                    self._post(sender, channel)
         for seq in self._vehicle.progress.take_reached():
             self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
 

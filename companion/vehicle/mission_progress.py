@@ -25,6 +25,7 @@ class MissionProgress:
         self._leg_start: Point | None = None
         self._hold_until_s = math.nan
         self._station: Point | None = None
+        self._ends: tuple[Point, Point | None] | None = None
         self._jumps: dict[int, int] = {}
 
     @property
@@ -90,11 +91,11 @@ class MissionProgress:
         """The intent of the current item, or None when it is done and another is current."""
         match self.mission[self.current_seq] if self.mission else Home():
             case Waypoint() as waypoint:
-                end = frame.to_local(waypoint.position)
+                end, next_end = self._leg_ends(waypoint, frame)
                 if math.isnan(self._hold_until_s):
-                    radius_m = waypoint.radius_m or setting.waypoint_radius_m
-                    if not self._has_arrived(nav, end, radius_m):
-                        return self._leg(nav, end, frame, waypoint, cruise_m_s)
+                    if not self._has_arrived(nav, end, waypoint.radius_m or setting.waypoint_radius_m):
+                        start = self._leg_start or nav.point
+                        return FollowLeg(start, end, self.speed_m_s or cruise_m_s, next_end)
                     self.reached.append(self.current_seq)
                     self._station = end
                     self._hold_until_s = now_s + waypoint.hold_s
@@ -133,16 +134,13 @@ class MissionProgress:
         self._leg_start = nav.point  # swept past too far off: aim at it again from here
         return False
 
-    def _leg(
-        self, nav: NavState, end: Point, frame: LocalFrame, waypoint: Waypoint, cruise_m_s: float
-    ) -> FollowLeg:
-        onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
-        return FollowLeg(
-            start=self._leg_start or nav.point,
-            end=end,
-            speed_m_s=self.speed_m_s or cruise_m_s,
-            next_end=frame.to_local(onward.position) if onward else None,
-        )
+    def _leg_ends(self, waypoint: Waypoint, frame: LocalFrame) -> tuple[Point, Point | None]:
+        """Where this leg ends and where the next one does, projected once a leg."""
+        if self._ends is None:
+            onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
+            next_end = frame.to_local(onward.position) if onward is not None else None
+            self._ends = frame.to_local(waypoint.position), next_end
+        return self._ends
 
     def _next_waypoint(self) -> Waypoint | None:
         """The waypoint that follows without a stop between, None when the boat stops at this one."""
@@ -178,6 +176,7 @@ class MissionProgress:
 
     def _begin_item(self, leg_start: Point | None = None) -> None:
         self._leg_start = leg_start
+        self._ends = None
         self._hold_until_s = math.nan
         if leg_start is None:
             self._station = None
