@@ -113,10 +113,8 @@ class Receiver(Transfer):
             self._handle_refusal(MissionResult(message.type), sender, now_s)
 
     def _handle_item(self, message: Message, sender: Address, now_s: float) -> None:
-        if message.current > 1:
-            self.ignored += (
-                1  # ArduPilot's go-to and change of altitude travel as items; they belong to no list
-            )
+        if message.current > 1:  # ArduPilot's go-to and change of altitude travel as items of no list
+            self.ignored += 1
         elif self.state is State.RECEIVING:
             self._receive_item(message, sender, now_s)
         elif self.state is State.SETTLED:

@@ -73,7 +73,10 @@ class Sender(Transfer):
     def _handle_request_list(self, sender: Address, now_s: float) -> None:
         if self._source is None:
             self.ignored += 1
-        elif self._is_free_for(sender):
+            return
+        if self._was_asked and not self._unsent and self.partner not in (None, sender):
+            self._expire(now_s)  # not every station acknowledges; one that has all holds nobody up
+        if self._is_free_for(sender):
             if self.state is State.OFFERING:
                 self._repeat()  # asked twice: our count was lost
             else:

@@ -79,6 +79,12 @@ class Trigger(Enum):
 
 _BEGIN = {Trigger.ASK: State.LISTING, Trigger.COUNT: State.RECEIVING, Trigger.EMPTY: State.STORING}
 _BREAK_OFF = dict.fromkeys((Trigger.REFUSED, Trigger.FAULT, Trigger.EXPIRED), State.SETTLED)
+_OFFERED = {
+    Trigger.OFFER: State.OFFERING,
+    Trigger.REQUEST: State.SENDING,
+    Trigger.ACCEPTED: State.SETTLED,
+    **_BREAK_OFF,
+}
 
 TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
     {
@@ -101,18 +107,8 @@ TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
             **_BREAK_OFF,
         },
         State.STORING: {Trigger.STORED: State.SETTLED},
-        State.OFFERING: {
-            Trigger.OFFER: State.OFFERING,
-            Trigger.REQUEST: State.SENDING,
-            Trigger.ACCEPTED: State.SETTLED,
-            **_BREAK_OFF,
-        },
-        State.SENDING: {
-            Trigger.OFFER: State.OFFERING,
-            Trigger.REQUEST: State.SENDING,
-            Trigger.ACCEPTED: State.SETTLED,
-            **_BREAK_OFF,
-        },
+        State.OFFERING: _OFFERED,
+        State.SENDING: _OFFERED,
         State.SETTLED: {
             **_BEGIN,
             Trigger.OFFER: State.OFFERING,
@@ -155,8 +151,7 @@ Event = Started | Completed | Failed
 class Transfer:
     """The common part of both machines: partner, retries, outbox and events.
 
-    own: our address. retry_s: how long to wait for an answer. retries: how often to ask again.
-    max_items: how long a list may be.
+    retry_s: how long to wait for an answer. retries: how often to ask again. max_items: per list.
     """
 
     def __init__(
@@ -180,6 +175,11 @@ class Transfer:
         self._latest: Message | None = None  # what is repeated while no answer comes
         self._outbox: list[Message] = []
         self._events: list[Event] = []
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether there is nothing to be ticked."""
+        return self.state is State.IDLE
 
     @property
     def partner(self) -> Address | None:

@@ -356,6 +356,16 @@ def test_a_second_station_is_denied_a_download_meanwhile() -> None:
     assert machine.take_events()[-1] == Completed(ITEMS, STATION)
 
 
+def test_a_station_that_has_all_but_never_acknowledges_holds_nobody_up() -> None:
+    machine = Sender(BOAT, MISSION, source=lambda: ITEMS)
+    tell(machine, request_list(), request(0), request(1), request(2))
+    machine.take_outbox()
+    tell(machine, request_list(), sender=SECOND)
+    (offer,) = machine.take_outbox()
+    assert (offer.get_type(), offer.target_system) == ("MISSION_COUNT", SECOND.system)
+    assert machine.partner == SECOND
+
+
 def test_a_request_beyond_the_list_ends_it_as_out_of_sequence() -> None:
     machine = sending()
     tell(machine, request(3))
