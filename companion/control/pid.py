@@ -72,7 +72,7 @@ class Pid:
 
         error is demand minus measurement, error_rate its time derivative with the demand held still (the
         measured rate with its sign changed). The total is limited to [low, high], which must contain 0.
-        An error that is not finite comes out as NaN and leaves no trace in the integral.
+        An error that is not finite makes the total NaN and leaves no trace in the integral.
         """
         p = kp * error
         d = kd * error_rate
@@ -82,8 +82,9 @@ class Pid:
             integral = max(integral, min(integral + step, max(high - p - d, 0.0), high))
         elif step < 0.0:
             integral = min(integral, max(integral + step, min(low - p - d, 0.0), low))
-        if math.isfinite(integral):
-            self.integral = integral
         wanted = p + integral + d
+        if not math.isfinite(wanted):
+            return PidOutput(p, self.integral, d, math.nan, True)
+        self.integral = integral
         total = clamp(wanted, low, high)
         return PidOutput(p, integral, d, total, total != wanted)

@@ -16,6 +16,10 @@ from companion.state import NavState
 MIN_FIX_TYPE = 3  # a 3-D fix
 SIGMA_PER_HDOP_M = 0.8  # for receivers that do not say how accurate they are
 MIN_SIGMA_M = 0.001
+MAX_SIGMA_M = 1000.0  # what lies beyond these four is a fault of the part; comparisons let no NaN pass
+MAX_SPEED_M_S = 100.0
+MAX_HEADING_RAD = 100.0
+MAX_RATE_RAD_S = 50.0
 
 
 class Estimator:
@@ -65,13 +69,13 @@ class Estimator:
         sigma_m = fix.horizontal_accuracy_m
         if sigma_m is None:
             sigma_m = SIGMA_PER_HDOP_M * fix.hdop
+        if not sigma_m <= MAX_SIGMA_M:
+            return
         velocity = None
         if fix.north_m_s is not None and fix.east_m_s is not None:
             velocity = (fix.north_m_s, fix.east_m_s)
-            if not math.isfinite(fix.north_m_s + fix.east_m_s):
+            if not abs(fix.north_m_s) + abs(fix.east_m_s) <= MAX_SPEED_M_S:
                 return
-        if not math.isfinite(sigma_m):
-            return
         if self.frame is None:
             self.frame = LocalFrame(fix.position)
         self._position.update(
@@ -81,5 +85,5 @@ class Estimator:
 
 def _take_heading(compass: HeadingFilter, reading: HeadingReading) -> None:
     rate = reading.yaw_rate_rad_s
-    if math.isfinite(reading.heading_rad) and (rate is None or math.isfinite(rate)):
+    if abs(reading.heading_rad) <= MAX_HEADING_RAD and (rate is None or abs(rate) <= MAX_RATE_RAD_S):
         compass.update(reading.time_s, reading.heading_rad, rate)

@@ -1,0 +1,221 @@
+"""Estimator, pilot, helm and gate close the loop over a plant of this file's own: simple, drifting and noisy.
+
+The plant is a first-order Nomoto hull with sideslip, T r' + r = K δ, and a surge in which thrust ∝ n² works
+against drag ∝ v². It shares nothing with the emulator, so the two cannot be wrong in the same way.
+"""
+
+import math
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import pytest
+
+from companion.config import BoatConfig
+from companion.control.gate import Gate
+from companion.control.helm import Helm
+from companion.estimation.estimator import Estimator
+from companion.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, distance_m
+from companion.guidance.pilot import Pilot
+from companion.sensors.readings import GnssFix, HeadingReading
+from companion.state import NavState
+from companion.vehicle.intent import FollowLeg, Intent, KeepStation
+
+DT = 0.02
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+CONFIG = BoatConfig()
+ORIGIN = Point(0.0, 0.0)
+Chooser = Callable[[NavState], Intent]
+
+
+@dataclass
+class Voyage:
+    """A boat under way: plant, sensors and the boat's own arithmetic. track holds the truth."""
+
+    current: tuple[float, float] = (0.0, 0.0)
+    at: Point = ORIGIN
+    heading_rad: float = 0.0
+    noise_m: float = 0.15
+    rng: random.Random = field(default_factory=lambda: random.Random(11))
+    track: list[Point] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.rate = self.surge = self.sway = self.throttle = self.steering = 0.0
+        self.tick = 0
+        self.fix: GnssFix | None = None
+        self.estimator, self.pilot, self.helm, self.gate = Estimator(), Pilot(), Helm(), Gate()
+
+    def sail_to_the_end(self, route: "Route", seconds: float) -> None:
+        """Sail until the route is done, at most so long."""
+        while not route.is_done and self.tick * DT < seconds:
+            self._step(route)
+
+    def sail(self, choose: Chooser, seconds: float) -> None:
+        """Advance; choose is asked each tick with the estimate, in the frame of the truth."""
+        for _ in range(round(seconds / DT)):
+            self._step(choose)
+
+    def _step(self, choose: Chooser) -> None:
+        now, self.tick = self.tick * DT, self.tick + 1
+        c, s = math.cos(self.heading_rad), math.sin(self.heading_rad)
+        north = self.surge * c - self.sway * s + self.current[0]
+        east = self.surge * s + self.sway * c + self.current[1]
+        gauss = self.rng.gauss
+        if self.tick % 10 == 1:
+            heard = Point(
+                self.at.north_m + gauss(0.0, self.noise_m), self.at.east_m + gauss(0.0, self.noise_m)
+            )
+            self.fix = GnssFix(
+                now,
+                FRAME.to_global(heard),
+                3,
+                12,
+                0.9,
+                north + gauss(0.0, 0.05),
+                east + gauss(0.0, 0.05),
+                horizontal_accuracy_m=0.25,
+            )
+        reading = HeadingReading(
+            now, self.heading_rad + 0.02 + gauss(0.0, 0.015), self.rate + gauss(0.0, 0.005)
+        )
+        nav = self.estimator.update(self.fix, reading, now)
+        assert nav is not None
+        # The frame begins at the first, noisy fix; the intent is given in the same frame.
+        demand = self.pilot.update(choose(nav), nav, CONFIG, DT)
+        thrust = self.helm.update(demand, nav, CONFIG, DT)
+        command = self.gate.check(
+            thrust,
+            armed=True,
+            command_age_s=0.0,
+            nav=nav,
+            needs_estimate=True,
+            setting=CONFIG.motors,
+            dt_s=DT,
+        )
+        self._move(0.5 * (command.left + command.right), 0.5 * (command.left - command.right), north, east)
+
+    def _move(self, throttle: float, steering: float, north: float, east: float) -> None:
+        self.throttle += DT / 0.2 * (throttle - self.throttle)
+        self.steering += DT / 0.2 * (steering - self.steering)
+        balance = 0.3 * self.surge  # throttle that holds this speed
+        self.surge += DT * 4.0 * (self.throttle * abs(self.throttle) - balance * abs(balance))
+        self.rate += DT * (0.8 * self.steering - self.rate) / 0.6
+        self.sway += DT * (-0.15 * self.surge * self.rate - self.sway) / 0.5
+        self.heading_rad += DT * self.rate
+        self.at = Point(self.at.north_m + DT * north, self.at.east_m + DT * east)
+        self.track.append(self.at)
+
+
+def _rms(values: list[float]) -> float:
+    return math.sqrt(sum(value * value for value in values) / len(values))
+
+
+def _off_route_m(route: list[Point], at: Point) -> float:
+    """Distance from a polyline."""
+    nearest = math.inf
+    for start, end in pairwise(route):
+        along, cross = along_and_cross_track_m(start, end, at)
+        length = distance_m(start, end)
+        inside = 0.0 <= along <= length
+        nearest = min(nearest, abs(cross) if inside else min(distance_m(start, at), distance_m(end, at)))
+    return nearest
+
+
+class Route:
+    """Goes on to the next leg at the waypoint's circle or the line across the leg's end."""
+
+    def __init__(self, *points: tuple[float, float], speed_m_s: float = 2.0) -> None:
+        self.points = [Point(*point) for point in points]
+        self.speed_m_s = speed_m_s
+        self.leg = 1
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the last waypoint has been reached."""
+        return self.leg >= len(self.points)
+
+    def __call__(self, nav: NavState) -> Intent:
+        while self.leg < len(self.points):
+            start, end = self.points[self.leg - 1], self.points[self.leg]
+            along, _ = along_and_cross_track_m(start, end, nav.point)
+            near = distance_m(nav.point, end) <= CONFIG.guidance.waypoint_radius_m
+            if not near and along < distance_m(start, end):
+                onward = self.points[self.leg + 1] if self.leg + 1 < len(self.points) else None
+                return FollowLeg(start, end, self.speed_m_s, onward)
+            self.leg += 1
+        return KeepStation(self.points[-1])
+
+
+@pytest.mark.parametrize("current", [(0.0, 0.0), (0.0, 0.5), (0.0, -0.5), (0.5, 0.0), (-0.5, 0.0)])
+def test_a_straight_leg_is_held_in_any_current(current: tuple[float, float]) -> None:
+    route = Route((0.0, 0.0), (200.0, 0.0))
+    voyage = Voyage(current)
+    voyage.sail(route, 90.0)
+    off = [point.east_m for point in voyage.track]
+    settled = off[1000:]
+    assert _rms(off) < 0.4
+    assert _rms(settled) < 0.2
+    assert abs(sum(settled) / len(settled)) < 0.2  # nothing steady remains
+    assert voyage.at.north_m > 160.0
+
+
+@pytest.mark.parametrize("current", [(0.0, 0.0), (0.35, 0.35), (0.0, 0.5)])
+def test_a_zigzag_with_right_angles_stays_near_its_line(current: tuple[float, float]) -> None:
+    corners = [(0.0, 0.0), (50.0, 0.0), (50.0, 50.0), (100.0, 50.0), (100.0, 100.0), (150.0, 100.0)]
+    route = Route(*corners)
+    voyage = Voyage(current)
+    voyage.sail_to_the_end(route, 175.0)
+    assert route.is_done
+    off = [_off_route_m(route.points, point) for point in voyage.track]
+    assert _rms(off) < 0.35
+    assert max(off) < 1.5
+
+
+def test_a_hairpin_is_taken_and_its_waypoint_reached() -> None:
+    route = Route((0.0, 0.0), (40.0, 0.0), (5.0, 5.0))
+    voyage = Voyage()
+    voyage.sail_to_the_end(route, 75.0)
+    assert route.is_done
+    assert min(distance_m(point, Point(40.0, 0.0)) for point in voyage.track) < 2.3
+
+
+def test_the_last_waypoint_is_not_run_past() -> None:
+    voyage = Voyage()
+    voyage.sail(Route((0.0, 0.0), (60.0, 0.0)), 60.0)
+    assert max(point.north_m for point in voyage.track) < 62.0
+    assert distance_m(voyage.at, Point(60.0, 0.0)) < 1.5
+
+
+@pytest.mark.parametrize("heading_rad", [0.0, 1.5, 3.0])
+@pytest.mark.parametrize("current", [(0.0, 0.0), (0.5, 0.0), (-0.3, 0.4)])
+def test_station_is_kept_against_half_a_metre_per_second(
+    current: tuple[float, float], heading_rad: float
+) -> None:
+    voyage = Voyage(current, heading_rad=heading_rad)
+    voyage.sail(lambda _: KeepStation(ORIGIN), 180.0)
+    away = [distance_m(point, ORIGIN) for point in voyage.track]
+    assert max(away) < 8.0
+    assert max(away[4500:]) < 2.5
+    if current != (0.0, 0.0):
+        into = math.atan2(-current[1], -current[0])
+        assert math.cos(voyage.heading_rad - into) > 0.8
+
+
+def test_station_without_current_is_kept_almost_at_rest() -> None:
+    voyage = Voyage()
+    voyage.sail(lambda _: KeepStation(ORIGIN), 60.0)
+    drives = []
+    for _ in range(500):
+        voyage.sail(lambda _: KeepStation(ORIGIN), DT)
+        drives.append(abs(voyage.throttle))
+    assert sum(drives) / len(drives) < 0.1
+
+
+def test_the_same_seed_sails_the_same_track() -> None:
+    tracks = []
+    for _ in range(2):
+        voyage = Voyage((0.0, 0.3))
+        voyage.sail(Route((0.0, 0.0), (30.0, 0.0), (30.0, 30.0)), 20.0)
+        tracks.append(voyage.track)
+    assert tracks[0] == tracks[1]

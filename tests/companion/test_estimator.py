@@ -1,0 +1,234 @@
+"""The estimator against motions that are known exactly, and against readings that are not to be believed."""
+
+import math
+import random
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.estimation.estimator import Estimator
+from companion.geo import LatLon, LocalFrame, Point
+from companion.sensors.readings import GnssFix, HeadingReading
+from companion.state import NavState
+
+ORIGIN = LatLon(50.0, -1.2)
+FRAME = LocalFrame(ORIGIN)
+DT = 0.02
+
+
+HERE = Point(0.0, 0.0)
+
+
+def _fix(time_s: float, at: Point = HERE, velocity: tuple[float, float] | None = None) -> GnssFix:
+    north, east = velocity or (None, None)
+    return GnssFix(time_s, FRAME.to_global(at), 3, 12, 0.9, north, east, horizontal_accuracy_m=0.25)
+
+
+def _sail_straight(
+    estimator: Estimator,
+    seconds: float,
+    *,
+    latency_s: float = 0.0,
+    doppler: bool = True,
+    noise_m: float = 0.0,
+) -> list[tuple[Point, NavState]]:
+    """1.5 m/s toward 30° with the bow at 0.3 rad, GNSS at 5 Hz: truth and estimate at each tick."""
+    rng = random.Random(4)
+    velocity = (1.5 * math.cos(math.radians(30.0)), 1.5 * math.sin(math.radians(30.0)))
+    track: list[tuple[Point, NavState]] = []
+    fix: GnssFix | None = None
+    for tick in range(round(seconds / DT)):
+        now = tick * DT
+        if tick % 10 == round(latency_s / DT) and now >= latency_s:
+            then = now - latency_s
+            at = Point(
+                velocity[0] * then + rng.gauss(0.0, noise_m), velocity[1] * then + rng.gauss(0.0, noise_m)
+            )
+            fix = _fix(then, at, velocity if doppler else None)
+        nav = estimator.update(fix, HeadingReading(now, 0.3, 0.0), now)
+        if nav is not None and fix is not None:
+            track.append((Point(velocity[0] * now, velocity[1] * now), nav))
+    return track
+
+
+def test_nothing_in_nothing_out() -> None:
+    estimator = Estimator()
+    assert estimator.update(None, None, 1.0) is None
+    assert estimator.frame is None
+
+
+def test_the_frame_is_laid_at_the_first_good_fix_and_stays_there() -> None:
+    estimator = Estimator()
+    assert estimator.update(replace(_fix(0.1), fix_type=2), None, 0.2) is None
+    estimator.update(_fix(0.3, Point(5.0, 0.0)), None, 0.4)
+    estimator.update(_fix(0.5, Point(9.0, 0.0)), None, 0.6)
+    assert estimator.frame is not None
+    assert FRAME.to_local(estimator.frame.origin) == pytest.approx((5.0, 0.0), abs=1e-3)
+
+
+def test_what_is_not_known_yet_is_infinitely_old() -> None:
+    nav = Estimator().update(None, HeadingReading(1.0, 0.5), 1.5)
+    assert nav is not None
+    assert nav.position_age_s == math.inf
+    assert nav.heading_age_s == pytest.approx(0.5)
+    nav = Estimator().update(_fix(1.0), None, 1.5)
+    assert nav is not None
+    assert nav.position_age_s == pytest.approx(0.5)
+    assert nav.heading_age_s == math.inf
+
+
+@pytest.mark.parametrize("doppler", [True, False])
+@pytest.mark.parametrize("latency_s", [0.0, 0.1])
+def test_a_straight_course_is_followed_without_lag(latency_s: float, doppler: bool) -> None:
+    for truth, nav in _sail_straight(Estimator(), 20.0, latency_s=latency_s, doppler=doppler)[500:]:
+        assert nav.point == pytest.approx(truth, abs=0.02)
+        assert math.hypot(nav.north_m_s, nav.east_m_s) == pytest.approx(1.5, abs=0.01)
+        assert latency_s <= nav.position_age_s + 1e-9 < latency_s + 0.2
+
+
+def test_noise_is_smoothed_and_the_motion_kept() -> None:
+    track = _sail_straight(Estimator(), 60.0, noise_m=0.2)[500:]
+    errors = [math.dist(nav.point, truth) for truth, nav in track]
+    raw = 0.2 * math.sqrt(2.0)
+    assert math.sqrt(sum(error * error for error in errors) / len(errors)) < 0.6 * raw
+
+
+def test_surge_and_sway_are_the_velocity_in_the_boats_frame() -> None:
+    _, nav = _sail_straight(Estimator(), 10.0)[-1]
+    off = math.radians(30.0) - nav.heading_rad
+    assert (nav.surge_m_s, nav.sway_m_s) == pytest.approx(
+        (1.5 * math.cos(off), 1.5 * math.sin(off)), abs=0.01
+    )
+
+
+def test_the_same_fix_again_only_grows_older() -> None:
+    estimator = Estimator()
+    fix = _fix(0.0, Point(0.0, 0.0), (1.0, 0.0))
+    navs = [estimator.update(fix, None, tick * DT) for tick in range(51)]
+    last = navs[-1]
+    assert last is not None
+    assert last.position_age_s == pytest.approx(1.0)
+    assert last.north_m == pytest.approx(last.north_m_s * 1.0)
+
+
+def test_dead_reckoning_ends_before_it_runs_away() -> None:
+    estimator = Estimator()
+    estimator.update(_fix(0.0, Point(0.0, 0.0), (2.0, 0.0)), None, 0.0)
+    nav = estimator.update(None, None, 600.0)
+    assert nav is not None
+    assert nav.north_m < 5.0
+    assert nav.position_age_s == 600.0
+
+
+def test_after_a_long_gap_the_filter_begins_anew() -> None:
+    estimator = Estimator()
+    _sail_straight(estimator, 5.0)
+    nav = estimator.update(_fix(100.0, Point(300.0, 0.0), (0.0, 0.0)), None, 100.0)
+    assert nav is not None
+    assert nav.north_m == pytest.approx(300.0, abs=0.01)
+    assert nav.north_m_s == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        replace(_fix(5.0, Point(50.0, 0.0)), north_m_s=math.nan, east_m_s=0.0),
+        replace(_fix(5.0, Point(50.0, 0.0)), horizontal_accuracy_m=math.nan),
+        replace(_fix(5.0, Point(50.0, 0.0)), horizontal_accuracy_m=None, hdop=math.inf),
+        replace(_fix(5.0, Point(50.0, 0.0)), horizontal_accuracy_m=1e300),
+        replace(_fix(5.0, Point(50.0, 0.0)), north_m_s=1e300, east_m_s=0.0),
+        replace(_fix(5.0, Point(50.0, 0.0)), fix_type=1),
+        replace(_fix(5.0, Point(50.0, 0.0)), time_s=math.nan),
+        _fix(0.5, Point(50.0, 0.0)),  # older than what is known
+        _fix(99.0, Point(50.0, 0.0)),  # from the future
+    ],
+)
+def test_a_bad_fix_ages_the_estimate_and_moves_nothing(bad: GnssFix) -> None:
+    estimator = Estimator()
+    estimator.update(_fix(1.0), None, 1.0)
+    nav = estimator.update(bad, None, 6.0)
+    assert nav is not None
+    assert nav.point == pytest.approx((0.0, 0.0))
+    assert nav.position_age_s == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [HeadingReading(2.0, math.nan), HeadingReading(2.0, 1.0, math.inf), HeadingReading(math.nan, 1.0)],
+)
+def test_a_bad_heading_ages_the_estimate_and_turns_nothing(bad: HeadingReading) -> None:
+    estimator = Estimator()
+    estimator.update(None, HeadingReading(1.0, 0.5), 1.0)
+    nav = estimator.update(None, bad, 2.0)
+    assert nav is not None
+    assert nav.heading_rad == pytest.approx(0.5)
+    assert nav.heading_age_s == 1.0
+
+
+@pytest.mark.parametrize("gyro", [True, False])
+def test_a_steady_turn_is_followed_through_the_wrap(gyro: bool) -> None:
+    estimator, rate = Estimator(), 0.8
+    for tick in range(1000):
+        now = tick * DT
+        truth = rate * now
+        nav = estimator.update(None, HeadingReading(now, truth, rate if gyro else None), now)
+        assert nav is not None
+        if now > 3.0:
+            assert -math.pi <= nav.heading_rad < math.pi
+            assert math.cos(nav.heading_rad - truth) > math.cos(0.01)
+            assert nav.yaw_rate_rad_s == pytest.approx(rate, abs=0.02)
+
+
+def test_a_gyro_keeps_the_compass_noise_out() -> None:
+    estimator, rng, errors = Estimator(), random.Random(7), []
+    for tick in range(2000):
+        now = tick * DT
+        nav = estimator.update(None, HeadingReading(now, rng.gauss(0.4, 0.05), 0.0), now)
+        assert nav is not None
+        errors.append(nav.heading_rad - 0.4)
+    assert math.sqrt(sum(error * error for error in errors[200:]) / 1800) < 0.015
+
+
+def test_a_drifting_gyro_leaves_only_a_small_offset() -> None:
+    estimator = Estimator()
+    for tick in range(2000):
+        nav = estimator.update(None, HeadingReading(tick * DT, 0.4, 0.01), tick * DT)
+    assert nav is not None
+    assert nav.heading_rad == pytest.approx(0.4 + 0.01 * 0.5, abs=1e-3)
+
+
+wild = st.floats(allow_nan=True, allow_infinity=True)
+fixes = st.builds(
+    GnssFix,
+    time_s=wild | st.floats(0.0, 20.0),
+    position=st.builds(LatLon, st.floats(-85.0, 85.0), st.floats(-180.0, 180.0)),
+    fix_type=st.integers(0, 6),
+    satellites=st.integers(0, 30),
+    hdop=wild,
+    north_m_s=st.none() | wild,
+    east_m_s=st.none() | wild,
+    horizontal_accuracy_m=st.none() | wild,
+)
+headings = st.builds(
+    HeadingReading,
+    time_s=wild | st.floats(0.0, 20.0),
+    heading_rad=wild,
+    yaw_rate_rad_s=st.none() | wild,
+)
+
+
+@given(st.lists(st.tuples(st.none() | fixes, st.none() | headings), max_size=30))
+def test_whatever_the_sensors_say_the_estimate_stays_finite(
+    readings: list[tuple[GnssFix | None, HeadingReading | None]],
+) -> None:
+    estimator = Estimator()
+    for tick, (fix, heading) in enumerate(readings):
+        nav = estimator.update(fix, heading, tick * 0.5)
+        if nav is None:
+            continue
+        motion = (nav.north_m, nav.east_m, nav.heading_rad, nav.yaw_rate_rad_s, nav.surge_m_s, nav.sway_m_s)
+        assert all(math.isfinite(value) for value in motion)
+        assert nav.position_age_s >= 0.0
+        assert nav.heading_age_s >= 0.0

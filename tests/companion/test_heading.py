@@ -1,0 +1,96 @@
+"""The heading loop: the short way round, D from the measured rate, and the paper's three sets of gains."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.config import Heading
+from companion.control.heading import HeadingControl
+from companion.units import wrap_pi
+
+P_ONLY = Heading(kp=0.1, ki=0.0, kd=0.0)
+
+
+@pytest.mark.parametrize(
+    ("demand_deg", "heading_deg", "error_deg"),
+    [
+        (10, 0, 10),
+        (0, 10, -10),
+        (179, -179, -2),
+        (-179, 179, 2),
+        (350, 0, -10),
+        (90, -80, 170),
+        (90, -100, -170),
+    ],
+)
+def test_turns_the_short_way(demand_deg: float, heading_deg: float, error_deg: float) -> None:
+    out = HeadingControl().update(math.radians(demand_deg), math.radians(heading_deg), 0.0, P_ONLY, 0.02)
+    assert out.total == pytest.approx(0.1 * math.radians(error_deg))
+
+
+def test_the_derivative_brakes_a_turn_and_never_sees_the_wrap() -> None:
+    control = HeadingControl()
+    setting = Heading(kp=0.0, ki=0.0, kd=0.5)
+    for heading in (3.1, 3.14, -3.14, -3.1):
+        assert control.update(-3.0, heading, 0.2, setting, 0.02).d == pytest.approx(-0.1)
+
+
+def test_steering_stays_within_its_share() -> None:
+    out = HeadingControl().update(1.5, 0.0, 0.0, Heading(kp=9.0, max_steering=0.6), 0.02)
+    assert out.total == 0.6
+    assert out.saturated
+
+
+@given(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
+def test_whole_turns_make_no_difference(demand: float, heading: float) -> None:
+    error = wrap_pi(demand - heading)
+    if abs(abs(error) - math.pi) < 1e-6:
+        return
+    plain = HeadingControl().update(demand, heading, 0.0, P_ONLY, 0.02).total
+    turned = HeadingControl().update(demand + 4 * math.pi, heading - 2 * math.pi, 0.0, P_ONLY, 0.02).total
+    assert turned == pytest.approx(plain, abs=1e-9)
+
+
+def _step_response(kp: float, ki: float, kd: float, step_rad: float = 1.0) -> list[float]:
+    """First-order Nomoto hull, T r' + r = K δ, of the pool boat's size: heading over 30 s at 50 Hz."""
+    gain_rad_s, lag_s, dt_s = 0.8, 1.2, 0.02
+    setting, control = Heading(kp=kp, ki=ki, kd=kd), HeadingControl()
+    heading, rate, track = 0.0, 0.0, []
+    for _ in range(1500):
+        steering = control.update(step_rad, heading, rate, setting, dt_s).total
+        rate += dt_s * (gain_rad_s * steering - rate) / lag_s
+        heading += dt_s * rate
+        track.append(heading / step_rad)
+    return track
+
+
+def _overshoot_and_settling_s(track: list[float]) -> tuple[float, float]:
+    last = max((tick for tick, value in enumerate(track) if abs(value - 1.0) > 0.05), default=0)
+    return max(track) - 1.0, last * 0.02
+
+
+@pytest.mark.parametrize("gains", [(3.0, 2.0, 3.0), (4.0, 1.0, 5.0), (4.5, 2.3, 1.0), (2.5, 0.15, 1.8)])
+def test_the_papers_gains_and_ours_settle_without_swinging(gains: tuple[float, float, float]) -> None:
+    track = _step_response(*gains)
+    overshoot, settling_s = _overshoot_and_settling_s(track)
+    assert overshoot < 0.35
+    assert settling_s < 12.0
+    assert track[-1] == pytest.approx(1.0, abs=0.02)
+
+
+def test_more_derivative_swings_less() -> None:
+    swing = [_overshoot_and_settling_s(_step_response(4.5, 0.5, kd))[0] for kd in (0.5, 1.5, 4.0)]
+    assert swing == sorted(swing, reverse=True)
+    assert swing[0] > swing[-1] + 0.05
+
+
+def test_the_integral_removes_what_a_steady_moment_leaves() -> None:
+    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0)
+    heading, rate = 0.0, 0.0
+    for _ in range(3000):
+        steering = control.update(0.5, heading, rate, setting, 0.02).total
+        rate += 0.02 * (0.8 * (steering - 0.2) - rate) / 1.2
+        heading += 0.02 * rate
+    assert heading == pytest.approx(0.5, abs=1e-3)

@@ -1,0 +1,69 @@
+"""The helm closes the loops it is asked to close, and forgets the others."""
+
+from dataclasses import replace
+
+import pytest
+
+from companion.config import BoatConfig, with_value
+from companion.control.helm import Helm
+from companion.state import Demand, NavState, Thrust
+from companion.vehicle.intent import Drive, Stop
+
+CONFIG = BoatConfig()
+STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+CRUISING = replace(STILL, north_m_s=2.0, surge_m_s=2.0)
+
+
+def test_stop_gives_no_thrust() -> None:
+    assert Helm().update(Stop(), STILL, CONFIG, 0.02) == Thrust(0.0, 0.0)
+
+
+def test_the_operators_hand_goes_through_the_mixer() -> None:
+    thrust = Helm().update(Drive(0.5, 0.2), None, CONFIG, 0.02)
+    assert (thrust.left, thrust.right) == pytest.approx((0.7, 0.3))
+
+
+def test_on_course_and_at_speed_only_the_feed_forward_drives() -> None:
+    helm = Helm()
+    thrust = helm.update(Demand(0.0, 2.0), CRUISING, CONFIG, 0.02)
+    assert (thrust.left, thrust.right) == pytest.approx((0.6, 0.6))
+    assert helm.heading_pid is not None
+    assert helm.heading_pid.total == 0.0
+    assert helm.speed_pid is not None
+    assert helm.speed_pid.total == pytest.approx(0.6)
+
+
+def test_steers_to_starboard_for_a_heading_to_starboard() -> None:
+    thrust = Helm().update(Demand(0.1, 2.0), CRUISING, CONFIG, 0.02)
+    assert thrust.left > thrust.right
+
+
+def test_a_far_heading_takes_all_the_thrust_there_is() -> None:
+    assert Helm().update(Demand(1.5, 2.0), CRUISING, CONFIG, 0.02) == Thrust(1.0, -1.0)
+
+
+def test_a_demand_without_an_estimate_gives_no_thrust() -> None:
+    helm = Helm()
+    assert helm.update(Demand(1.5, 2.0), None, CONFIG, 0.02) == Thrust(0.0, 0.0)
+    assert helm.heading_pid is None
+
+
+@pytest.mark.parametrize("pause", [Stop(), Drive(0.2, 0.0)])
+def test_open_loops_forget_what_they_learned(pause: Stop | Drive) -> None:
+    helm = Helm()
+    fresh = helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02)
+    for _ in range(200):
+        learned = helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02)
+    assert learned != fresh
+    helm.update(pause, STILL, CONFIG, 0.02)
+    assert helm.heading_pid is None
+    assert helm.speed_pid is None
+    assert helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02) == fresh
+
+
+def test_new_gains_count_from_the_next_tick() -> None:
+    helm = Helm()
+    before = helm.update(Demand(0.1, 0.0), STILL, with_value(CONFIG, "heading.ki", 0.0), 0.02)
+    config = with_value(with_value(CONFIG, "heading.ki", 0.0), "heading.kp", 2.0 * CONFIG.heading.kp)
+    after = helm.update(Demand(0.1, 0.0), STILL, config, 0.02)
+    assert after.left - after.right == pytest.approx(2.0 * (before.left - before.right))

@@ -1,0 +1,56 @@
+"""Line of sight: the law itself, and the geometry around it."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.config import Guidance
+from companion.geo import Point
+from companion.guidance.line_of_sight import RESPONSE_S, desired_course_rad, leg_course_rad, lookahead_m
+
+SETTING = Guidance(lookahead_m=4.0)
+
+
+def test_on_the_leg_the_course_is_the_legs() -> None:
+    assert desired_course_rad(0.7, 0.0, 0.0, 4.0) == 0.7
+
+
+def test_one_lookahead_off_is_approached_at_45_degrees() -> None:
+    assert desired_course_rad(0.0, 4.0, 0.0, 4.0) == pytest.approx(-math.pi / 4)
+    assert desired_course_rad(0.0, -4.0, 0.0, 4.0) == pytest.approx(math.pi / 4)
+
+
+def test_a_closing_boat_is_turned_back_early() -> None:
+    still = desired_course_rad(0.0, 2.0, 0.0, 4.0)
+    assert desired_course_rad(0.0, 2.0, -1.0, 4.0) == pytest.approx(-math.atan((2.0 - RESPONSE_S) / 4.0))
+    assert still < desired_course_rad(0.0, 2.0, -1.0, 4.0) < 0.0
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(-1e4, 1e4), st.floats(0.1, 20.0))
+def test_never_steers_further_than_square_to_the_leg(leg: float, cross: float, ahead: float) -> None:
+    offset = desired_course_rad(leg, cross, 0.0, ahead) - leg
+    assert abs(offset) <= math.pi / 2 + 1e-9
+    assert offset * cross <= 0.0
+
+
+@pytest.mark.parametrize(("speed", "expected"), [(2.0, 4.0), (0.0, 2.0), (1.5, 3.0), (9.0, 6.0)])
+def test_lookahead_grows_with_speed_between_its_bounds(speed: float, expected: float) -> None:
+    assert lookahead_m(speed, 2.0, SETTING) == pytest.approx(expected)
+
+
+def test_a_leg_without_length_points_at_its_end() -> None:
+    end = Point(3.0, 3.0)
+    assert leg_course_rad(end, end, Point(0.0, 0.0)) == pytest.approx(math.pi / 4)
+    assert leg_course_rad(Point(0.0, 0.0), Point(0.0, 5.0), Point(9.0, 9.0)) == pytest.approx(math.pi / 2)
+
+
+def test_a_proportional_course_closes_exponentially() -> None:
+    """For small offsets ẏ = −v y / lookahead; the response lead makes the time constant longer by
+    RESPONSE_S."""
+    speed, ahead, cross, rate = 2.0, 4.0, 0.2, 0.0
+    for _ in range(round(2.7 / 0.001)):
+        rate = speed * math.sin(desired_course_rad(0.0, cross, rate, ahead))
+        cross += 0.001 * rate
+    assert cross == pytest.approx(0.2 * math.exp(-2.7 / (ahead / speed + RESPONSE_S)), rel=0.01)

@@ -1,0 +1,97 @@
+"""The pilot: which demand each intent leads to."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from companion.config import BoatConfig
+from companion.geo import Point
+from companion.guidance.pilot import Pilot
+from companion.state import Demand, NavState
+from companion.vehicle.intent import Drive, FollowLeg, KeepStation, Stop
+
+CONFIG = BoatConfig()
+DT = 0.02
+NORTHBOUND = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.1, 0.02)
+LEG = FollowLeg(Point(0.0, 0.0), Point(100.0, 0.0), 2.0)
+CORNER = replace(LEG, next_end=Point(100.0, 50.0))
+
+
+def _demand(pilot: Pilot, intent: FollowLeg | KeepStation, nav: NavState) -> Demand:
+    demand = pilot.update(intent, nav, CONFIG, DT)
+    assert isinstance(demand, Demand)
+    return demand
+
+
+@pytest.mark.parametrize("intent", [Stop(), Drive(0.3, -0.1)])
+@pytest.mark.parametrize("nav", [None, NORTHBOUND])
+def test_stop_and_drive_go_through(intent: Stop | Drive, nav: NavState | None) -> None:
+    assert Pilot().update(intent, nav, CONFIG, DT) == intent
+
+
+@pytest.mark.parametrize("intent", [LEG, KeepStation(Point(0.0, 0.0))])
+def test_without_an_estimate_the_boat_stops(intent: FollowLeg | KeepStation) -> None:
+    assert Pilot().update(intent, None, CONFIG, DT) == Stop()
+
+
+def test_on_the_leg_it_holds_course_and_speed() -> None:
+    assert _demand(Pilot(), LEG, NORTHBOUND) == Demand(0.0, 2.0, 0.0, 100.0)
+
+
+def test_beside_the_leg_it_steers_back_and_says_how_far_off_it_is() -> None:
+    demand = _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=3.0))
+    assert demand.heading_rad == pytest.approx(-math.atan(3.0 / CONFIG.guidance.lookahead_m))
+    assert demand.cross_track_m == pytest.approx(3.0)
+    assert _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=-3.0)).heading_rad == -demand.heading_rad
+
+
+def test_it_slows_for_the_end_and_not_for_a_straight_junction() -> None:
+    near = replace(NORTHBOUND, north_m=98.0)
+    assert _demand(Pilot(), LEG, near).speed_m_s < 1.0
+    assert _demand(Pilot(), replace(LEG, next_end=Point(200.0, 0.0)), near).speed_m_s == 2.0
+
+
+def test_it_turns_onto_the_next_leg_before_the_corner() -> None:
+    assert _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=90.0)).heading_rad == pytest.approx(0.0)
+    early = _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=97.0))
+    assert 0.2 < early.heading_rad < math.pi / 2
+    assert early.cross_track_m == pytest.approx(0.0)  # still told of the leg it is on
+
+
+def test_an_early_turn_that_missed_its_corner_is_not_tried_again() -> None:
+    pilot = Pilot()
+    close = replace(NORTHBOUND, north_m=98.0)
+    assert _demand(pilot, CORNER, close).heading_rad > 0.2
+    away = replace(close, north_m_s=-0.5, surge_m_s=-0.5)
+    assert _demand(pilot, CORNER, away).heading_rad == pytest.approx(0.0)
+    assert _demand(pilot, CORNER, close).heading_rad == pytest.approx(0.0)
+    other = FollowLeg(Point(0.0, 0.0), Point(100.0, 1.0), 2.0, Point(100.0, 50.0))
+    assert _demand(pilot, other, close).heading_rad > 0.2
+
+
+def test_a_bow_that_points_elsewhere_turns_on_the_spot() -> None:
+    assert _demand(Pilot(), LEG, replace(NORTHBOUND, heading_rad=2.0)).speed_m_s == 0.0
+
+
+def test_the_bow_is_held_against_a_drift_that_was_learned_adrift() -> None:
+    pilot = Pilot()
+    adrift = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.5, 0.1, 0.02)
+    for _ in range(1500):
+        pilot.update(Stop(), adrift, CONFIG, DT)
+    through_water = replace(NORTHBOUND, east_m_s=0.0)
+    demand = _demand(pilot, LEG, through_water)
+    water_speed = math.hypot(2.0, 0.5)
+    assert demand.heading_rad == pytest.approx(-math.asin(0.5 / water_speed), abs=0.01)
+
+
+def test_a_new_station_forgets_the_old_ones_line() -> None:
+    pilot = Pilot()
+    here = Point(0.0, 0.0)
+    still = NavState(0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
+    assert _demand(pilot, KeepStation(here), still).heading_rad == pytest.approx(0.7)
+    turned = replace(still, heading_rad=-1.0)
+    assert _demand(pilot, KeepStation(here), turned).heading_rad == pytest.approx(0.7)
+    assert _demand(pilot, KeepStation(Point(0.1, 0.0)), turned).heading_rad == pytest.approx(-1.0)
+    pilot.update(Stop(), turned, CONFIG, DT)
+    assert _demand(pilot, KeepStation(here), turned).heading_rad == pytest.approx(-1.0)
