@@ -3,7 +3,7 @@
 The legs (IN1, IN2) are plain on-off pins that choose the direction, and the PWM is on the enable pin: with
 enable low the bridge is open whatever the legs say, so one pin alone can cut a motor, the current freewheels
 between pulses, and a step of speed never touches the direction pins. GPIO 12 and 13 are the defaults because
-they carry the Pi's hardware PWM channels.
+the Pi pulls them down at reset: the motors are free until the program has the pins.
 
 Truth table of the L298 data sheet (ST, table "Function"): EN low = free; EN high with IN1 ≠ IN2 = drive;
 EN high with IN1 = IN2 = short-circuit brake.
