@@ -80,13 +80,27 @@ def generator(seed: int, name: str) -> random.Random:
 class SimGnss:
     """The receiver: a queue of fixes on their way, and the latest that has arrived."""
 
-    __slots__ = ("_frame", "_latest", "_next", "_random", "_settings", "_under_way", "_wander_e", "_wander_n")
+    __slots__ = (
+        "_drive_m",
+        "_frame",
+        "_keep",
+        "_latest",
+        "_next",
+        "_random",
+        "_settings",
+        "_under_way",
+        "_wander_e",
+        "_wander_n",
+    )
 
     def __init__(self, settings: GnssSettings, frame: LocalFrame, seed: int) -> None:
         """Start without a fix, the wander in its steady state."""
         self._settings = settings
         self._frame = frame
         self._random = generator(seed, "gnss")
+        # The wander's share that lasts to the next fix, and the noise that keeps its deviation what it is.
+        self._keep = math.exp(-1.0 / (settings.rate_hz * settings.wander_s))
+        self._drive_m = settings.wander_m * math.sqrt(1.0 - self._keep * self._keep)
         self._under_way: deque[GnssFix] = deque()
         self._latest: GnssFix | None = None
         self._next = 0
@@ -104,10 +118,8 @@ class SimGnss:
 
     def _fix(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> GnssFix:
         settings, gauss = self._settings, self._random.gauss
-        keep = math.exp(-1.0 / (settings.rate_hz * settings.wander_s))
-        drive = settings.wander_m * math.sqrt(1.0 - keep * keep)
-        self._wander_n = keep * self._wander_n + gauss(0.0, drive)
-        self._wander_e = keep * self._wander_e + gauss(0.0, drive)
+        self._wander_n = self._keep * self._wander_n + gauss(0.0, self._drive_m)
+        self._wander_e = self._keep * self._wander_e + gauss(0.0, self._drive_m)
         heard = Point(
             north_m + self._wander_n + gauss(0.0, settings.noise_m),
             east_m + self._wander_e + gauss(0.0, settings.noise_m),

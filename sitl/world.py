@@ -20,7 +20,7 @@ from sitl.sensors import SimCompass, SimGnss, SimSonar
 from sitl.shore import Shore
 from sitl.sim_hal import SimBattery, SimMotors
 from sitl.thrusters import Thrusters
-from sitl.vessel import Vessel
+from sitl.vessel import LONGEST_STEP_S, Vessel
 
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
 STATE = struct.Struct("<q11d")
@@ -73,7 +73,7 @@ class World:
         self._sonar = SimSonar(sensors.sonar, self.shore, seed) if sensors.sonar.fitted else None
         self._battery = SimBattery(scenario.battery.rate_hz)
         self.hardware = Hardware(self._motors, self._gnss, self._compass, self._sonar, self._battery)
-        self._since_tick, self._since_s, self._dt_s = 0, 0.0, 0.0
+        self._since_tick, self._since_s, self._dt_s = 0, 0.0, math.nan
         self.truth = self._observe(0.0)
         self._sense(self.truth)
 
@@ -88,10 +88,15 @@ class World:
         return self._pack.used_mah
 
     def step(self, dt_s: float) -> Truth:
-        """Advance by one tick; the truth at its end."""
-        if (
-            dt_s != self._dt_s
-        ):  # time is counted, not summed: tick × dt, exactly, as long as dt stays the same
+        """Advance by one tick; the truth at its end.
+
+        Raises:
+            ValueError: a step too long for the hull's integrator, or not a positive time.
+        """
+        if dt_s != self._dt_s:
+            if not 0.0 < dt_s <= LONGEST_STEP_S:
+                raise ValueError(f"a step of {dt_s} s: expected more than 0 and at most {LONGEST_STEP_S} s")
+            # Time is counted, not summed: it is tick × dt exactly for as long as dt stays the same.
             self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
         self.tick += 1
         motors, vessel = self._motors, self._vessel

@@ -1,6 +1,8 @@
 """Rays, room and crossings against hand-computed geometry and against shapely."""
 
 import math
+import random
+from pathlib import Path
 
 import pytest
 import shapely
@@ -10,8 +12,10 @@ from shapely.geometry import Polygon
 
 from companion.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import Chart, Feature, build_chart
+from mission_tools.maps.geojson import load_geojson
 from sitl.shore import Shore
 
+REAL_SHORES = Path(__file__).parents[3] / "shared" / "maps" / "shore"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 SQUARE = shapely.box(-10.0, -10.0, 10.0, 10.0)
 ROCK = Polygon([(2.0, 1.0), (3.0, 1.0), (3.0, 2.0), (2.0, 2.0)])
@@ -121,3 +125,25 @@ def test_a_long_shoreline_is_only_looked_at_nearby() -> None:
     assert shore.near(0.0, 0.0) == ()
     assert 0 < len(shore.near(0.0, 498.0)) < 40
     assert shore.range_m(0.0, 498.0, [0.0], 4.0) == pytest.approx(2.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["pond_citra_fl", "lake_millinocket_me", "lake_vassiviere_fr"])
+def test_real_shorelines_give_the_room_and_the_echoes_that_shapely_does(name: str) -> None:
+    file = REAL_SHORES / f"{name}.geojson"
+    if not file.is_file():
+        pytest.skip(f"no real shorelines at {REAL_SHORES}")
+    waters = load_geojson(file)
+    shore = Shore(waters, reach_m=4.0)
+    edge = waters.water.boundary
+    place = random.Random(name)
+    for _ in range(50):
+        at = edge.interpolate(place.random(), normalized=True)
+        east_m, north_m = at.x + place.uniform(-3.0, 3.0), at.y + place.uniform(-3.0, 3.0)
+        bearing = place.uniform(0.0, math.tau)
+        end = (east_m + 4.0 * math.sin(bearing), north_m + 4.0 * math.cos(bearing))
+        hit = edge.intersection(shapely.LineString([(east_m, north_m), end]))
+        here = shapely.Point(east_m, north_m)
+        assert shore.room_m(east_m, north_m) == pytest.approx(min(4.0, edge.distance(here)), abs=1e-6)
+        expected = math.inf if hit.is_empty else here.distance(hit)
+        assert shore.range_m(east_m, north_m, [bearing], 4.0) == pytest.approx(expected, abs=1e-6)
+        assert shore.is_crossed(east_m, north_m, *end) == (not hit.is_empty)

@@ -131,6 +131,19 @@ def test_time_is_tick_times_step_exactly() -> None:
         assert water.step(DT_S).time_s == tick * DT_S
 
 
+@pytest.mark.parametrize("dt_s", [0.0, -0.02, 0.06, math.nan])
+def test_a_step_that_the_integrator_cannot_take_is_refused(dt_s: float) -> None:
+    with pytest.raises(ValueError, match="expected more than 0 and at most"):
+        world().step(dt_s)
+
+
+def test_a_change_of_step_keeps_the_time() -> None:
+    water = world()
+    for dt_s in (0.02, 0.02, 0.01, 0.05):
+        water.step(dt_s)
+    assert water.time_s == pytest.approx(0.1)
+
+
 def test_a_boat_that_meets_the_shore_stops_there_and_can_back_off() -> None:
     water = world("pool", "boat.start=[0.5, 2.3]", "boat.heading_deg=0", "sensors.sonar.fitted=false")
     truth = drive(water, 1.0, 1.0, 20.0)
