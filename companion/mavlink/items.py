@@ -7,8 +7,9 @@ An item's x and y are integers whose scale depends on its frame (MAVLink guide, 
 import math
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import IntEnum
+from operator import attrgetter
 from typing import Any
 
 from companion.mavlink.address import Address
@@ -38,16 +39,22 @@ LOCAL_FRAMES = frozenset(
 )
 
 _INT32_MAX = 2**31 - 1
-_FLOATS = ("param1", "param2", "param3", "param4", "z")
-_LIMITS = {
-    "frame": (0, 255),
-    "command": (0, 65535),
-    "current": (0, 255),
-    "autocontinue": (0, 255),
-    "x": (-(2**31), _INT32_MAX),
-    "y": (-(2**31), _INT32_MAX),
+_CODES = {
+    "frame": "B",
+    "command": "H",
+    "current": "B",
+    "autocontinue": "B",
+    "param1": "f",
+    "param2": "f",
+    "param3": "f",
+    "param4": "f",
+    "x": "i",
+    "y": "i",
+    "z": "f",
 }
-_singles = struct.Struct("<5f")
+_NAMES = tuple(_CODES)
+_values = attrgetter(*_NAMES)
+_wire = struct.Struct("<" + "".join(_CODES.values()))
 
 
 class MissionType(IntEnum):
@@ -115,21 +122,27 @@ class MissionItem:
     z: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _LIMITS.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} {value} is outside {low}..{high}")
-        values = (self.param1, self.param2, self.param3, self.param4, self.z)
+        values = _values(self)
         try:
-            singles = _singles.unpack(_singles.pack(*values))
-        except OverflowError:
-            raise ValueError(f"one of {', '.join(_FLOATS)} is too large: {values}") from None
-        for name, single in zip(_FLOATS, singles, strict=True):
-            object.__setattr__(self, name, single)
+            carried = _wire.unpack(_wire.pack(*values))
+        except (struct.error, OverflowError):
+            raise ValueError(self._misfit()) from None
+        if carried != values:  # rounded; or NaN, which never equals itself
+            for name, value in zip(_NAMES, carried, strict=True):
+                object.__setattr__(self, name, value)
+
+    def _misfit(self) -> str:
+        """Which field does not fit, for a person."""
+        for name, code in _CODES.items():
+            value = getattr(self, name)
+            try:
+                struct.pack("<" + code, value)
+            except (struct.error, OverflowError):
+                return f"{name} {value!r} does not fit its field on the wire"
+        return "every field fits"
 
     def _key(self) -> tuple[int | float | None, ...]:
-        values = [getattr(self, field) for field in _NAMES]
-        return tuple(None if value != value else value for value in values)  # noqa: PLR0124  NaN alone differs
+        return tuple(None if value != value else value for value in _values(self))  # noqa: PLR0124  NaN alone differs
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, MissionItem) else NotImplemented
@@ -200,9 +213,6 @@ class MissionItem:
         return MissionItem(**{name: _from_plain(name, values[name]) for name in _NAMES})
 
 
-_NAMES = tuple(field.name for field in fields(MissionItem))
-
-
 def _scaled(value: float, frame: int) -> int | None:
     """A coordinate of a MISSION_ITEM as the integer of a MISSION_ITEM_INT, None where it has none."""
     scale = 1e7 if frame in GLOBAL_FRAMES else 1e4 if frame in LOCAL_FRAMES else 1.0
@@ -217,7 +227,7 @@ def _to_plain(value: float) -> int | float | str | None:
 
 
 def _from_plain(name: str, value: object) -> Any:  # noqa: ANN401  an int or a float, as the field asks
-    if name not in _FLOATS:
+    if _CODES[name] != "f":
         if type(value) is not int:
             raise ValueError(f"{name} must be a whole number, not {value!r}")
         return value

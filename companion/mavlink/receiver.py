@@ -9,7 +9,6 @@ from companion.mavlink.transfer import (
     MOST_ITEMS,
     NOBODY,
     Completed,
-    Failed,
     Started,
     State,
     Transfer,
@@ -160,5 +159,3 @@ class Receiver(Transfer):
 _RECEIVED = frozenset(
     ("MISSION_COUNT", "MISSION_CLEAR_ALL", "MISSION_ACK", "MISSION_ITEM", "MISSION_ITEM_INT")
 )
-
-__all__ = ["Completed", "Failed", "ItemCheck", "Receiver", "Started", "take_any"]

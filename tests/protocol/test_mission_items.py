@@ -119,7 +119,7 @@ def test_a_number_that_the_wire_cannot_hold_is_refused_by_name(field: str, value
 
 
 def test_a_float_beyond_single_precision_is_refused() -> None:
-    with pytest.raises(ValueError, match="too large"):
+    with pytest.raises(ValueError, match="z 1e"):
         MissionItem(3, 16, z=1e300)
 
 
