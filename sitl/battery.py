@@ -49,8 +49,9 @@ class Pack:
         """Draw the motors' current and the electronics' for dt_s."""
         parameters = self._parameters
         self.current_a = motor_current_a + parameters.idle_a
-        self._used_c = min(self._capacity_c, self._used_c + self.current_a * dt_s)
+        self._used_c += self.current_a * dt_s
+        self._used_c = min(self._used_c, self._capacity_c)
         tenths = 10.0 * (1.0 - self._used_c / self._capacity_c)
-        below = min(int(tenths), len(CELL_V) - 2)
+        below = int(tenths) if tenths < 10.0 else 9  # a full cell lies at the end of the last piece
         cell_v = CELL_V[below] + (tenths - below) * (CELL_V[below + 1] - CELL_V[below])
-        self.voltage_v = max(0.0, parameters.cells * cell_v - self.current_a * parameters.resistance_ohm)
+        self.voltage_v = parameters.cells * cell_v - self.current_a * parameters.resistance_ohm
