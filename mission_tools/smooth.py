@@ -12,6 +12,7 @@ IsClear = Callable[[Point, Point], bool]
 """Whether the straight leg between two points may be sailed."""
 
 MAX_ROUNDS = 12
+CUT_HALVINGS = 8
 MIN_GAIN = 2e-4  # share of the length that another round must win to be worth its time
 
 
@@ -24,14 +25,17 @@ def pull_taut(path: Sequence[Point], is_clear: IsClear, spacing_m: float) -> tup
     """Shorten a path without moving its ends, until it hardly gets any shorter.
 
     Each round sets points along the path, `spacing_m` apart, and from each kept point skips to the farthest
-    that is clear ahead; rounds run forth and back, because where a skip ends depends on where the last
-    one began. The legs of `path` are taken to be clear; those of the result are, and it is never longer.
+    that is clear ahead, forth and then back, because where a skip ends depends on where the last one began.
+    Then each bend that is left is cut as deep as is clear: a skip alone sticks where two legs that graze two
+    headlands meet too far out. The legs of `path` are taken to be clear; those of the result are, and it is
+    never longer.
     """
     taut = _skip_ahead(tuple(path), is_clear)
     length_m = path_length_m(taut)
     for _ in range(MAX_ROUNDS):
         taut = _skip_ahead(_with_points_between(taut, spacing_m)[::-1], is_clear)
         taut = _skip_ahead(_with_points_between(taut[::-1], spacing_m), is_clear)
+        taut = _skip_ahead(_cut_bends(taut, is_clear), is_clear)
         shorter_m = path_length_m(taut)
         if shorter_m > length_m * (1.0 - MIN_GAIN):
             break
@@ -90,14 +94,31 @@ def _skip_ahead(path: tuple[Point, ...], is_clear: IsClear) -> tuple[Point, ...]
     return tuple(kept)
 
 
+def _cut_bends(path: tuple[Point, ...], is_clear: IsClear) -> tuple[Point, ...]:
+    """Replace each bend by a chord between its legs, the longest of a halving series that is clear."""
+    points = [path[0]]
+    for here, after in pairwise(path[1:]):
+        before, share = points[-1], 1.0
+        for _ in range(CUT_HALVINGS):
+            first, last = _between(here, before, share), _between(here, after, share)
+            if is_clear(first, last):
+                points += [first, last]
+                break
+            share *= 0.5
+        else:
+            points.append(here)
+    return (*points, path[-1])
+
+
+def _between(a: Point, b: Point, share: float) -> Point:
+    return Point(a.north_m + share * (b.north_m - a.north_m), a.east_m + share * (b.east_m - a.east_m))
+
+
 def _with_points_between(path: Sequence[Point], spacing_m: float) -> tuple[Point, ...]:
     dense = [path[0]]
     for a, b in pairwise(path):
         count = max(1, round(distance_m(a, b) / spacing_m))
-        for k in range(1, count):
-            t = k / count
-            dense.append(Point(a.north_m + t * (b.north_m - a.north_m), a.east_m + t * (b.east_m - a.east_m)))
-        dense.append(b)
+        dense += [*(_between(a, b, k / count) for k in range(1, count)), b]
     return tuple(dense)
 
 

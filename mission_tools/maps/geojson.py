@@ -77,7 +77,10 @@ def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = 
     ]
     title = tree.get("name") if isinstance(tree, Mapping) else None
     first = next((feature.name for feature in features if feature.kind == "water" and feature.name), name)
-    return build_chart(title if isinstance(title, str) else first, frame, cast(Area, local), named)
+    try:
+        return build_chart(title if isinstance(title, str) else first, frame, cast(Area, local), named)
+    except MapError as error:
+        raise MapError(f"{source}: {error}") from None
 
 
 def _area(features: Sequence[Feature]) -> BaseGeometry | None:

@@ -1,0 +1,297 @@
+"""Charts, plans and tracks as pictures, drawn like a small nautical chart.
+
+Axes are east and north in metres of the chart's frame. Everything is drawn on figures handed in or made here;
+no state outside them is touched.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.geo import Point, distance_m
+from mission_tools.cartouche import (
+    BAND,
+    HALO,
+    INK,
+    KEEP_OUT,
+    KEEP_OUT_TINT,
+    PAPER,
+    PLAN_STYLE,
+    PLANNED,
+    SAILED,
+    View,
+    draw_frame,
+    draw_legend,
+    draw_north_arrow,
+    draw_scale_bar,
+)
+from mission_tools.maps.chart import KEPT_OUT, Chart, Feature
+from mission_tools.planning import Plan
+
+LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
+WATER = "#b7daeb"
+TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
+MARGIN_SHARE = 0.16
+WHOLE_CHART_RATIO = 3.0
+
+
+def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequence[Point] = ()) -> None:
+    """Land, water, the band nearer to shores than the clearance, and every feature with its name.
+
+    Names of small things are put on the side away from the route.
+    """
+    axes.set_facecolor(WATER if chart.is_open else LAND)
+    if not chart.is_open:
+        _fill(axes, chart.water, facecolor=WATER, edgecolor="none", zorder=1)
+    if clearance_m > 0.0 and not chart.shores.is_empty:
+        band = chart.shores.buffer(clearance_m, quad_segs=6).intersection(chart.water)
+        _fill(axes, band, facecolor=BAND, edgecolor="none", zorder=2)
+    if not chart.is_open:
+        _fill(axes, chart.water, facecolor="none", edgecolor=LAND_EDGE, linewidth=1.1, zorder=4)
+    for feature in chart.features:
+        _draw_feature(axes, chart, feature, route)
+
+
+def draw_plan(axes: Axes, plan: Plan) -> None:
+    """The planned line, dashed."""
+    east, north = _columns(plan.points)
+    axes.plot(east, north, zorder=8, **PLAN_STYLE)
+
+
+def draw_track(
+    axes: Axes, track: Sequence[Point], speeds_m_s: Sequence[float] | None = None
+) -> LineCollection | None:
+    """Where the boat sailed; coloured by speed if speeds are given, one for each point.
+
+    Returns:
+        The coloured line for a colour bar, None for a plain one.
+    """
+    east, north = _columns(track)
+    if speeds_m_s is None:
+        axes.plot(east, north, color=SAILED, linewidth=1.7, zorder=10, solid_capstyle="round")
+        return None
+    segments = [[(a.east_m, a.north_m), (b.east_m, b.north_m)] for a, b in pairwise(track)]
+    line = LineCollection(segments, cmap="viridis", linewidths=2.4, zorder=10, capstyle="round")
+    line.set_array(np.asarray(speeds_m_s[: len(segments)], dtype=np.float64))
+    axes.add_collection(line, autolim=False)
+    return line
+
+
+def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
+    """Start, goal, and the waypoints between them numbered from 1; the last number is the goal's."""
+    for number, point in enumerate(points[1:-1], 1):
+        axes.plot(point.east_m, point.north_m, "o", ms=11, mfc="white", mec=PLANNED, mew=1.5, zorder=11)
+        axes.annotate(
+            str(number), (point.east_m, point.north_m), ha="center", va="center_baseline", fontsize=7.5,
+            color=PLANNED, fontweight="bold", zorder=12,
+        )  # fmt: skip
+    for point, marker, label in ((points[0], "o", "Start"), (points[-1], "*", "Goal")):
+        size = 11 if marker == "o" else 19
+        axes.plot(point.east_m, point.north_m, marker, ms=size, mfc=PLANNED, mec="white", mew=1.4, zorder=13)
+        axes.annotate(
+            label, (point.east_m, point.north_m), xytext=(10, -13), textcoords="offset points", fontsize=10,
+            fontweight="bold", color=INK, path_effects=HALO, zorder=14,
+        )  # fmt: skip
+
+
+def save_picture(
+    path: Path,
+    chart: Chart,
+    plan: Plan | None = None,
+    track: Sequence[Point] | None = None,
+    *,
+    title: str = "",
+    subtitle: str = "",
+    clearance_m: float | None = None,
+    speeds_m_s: Sequence[float] | None = None,
+) -> None:
+    """Write one picture of 1600 × 1200 pixels; the suffix of path chooses the format.
+
+    The clearance band is drawn for clearance_m, or for the plan's clearance where it is None. The view is the
+    whole chart, or the surroundings of plan and track where those are far smaller.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    figure = Figure(figsize=(12.8, 9.6), dpi=125, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.045, 0.045, 0.925, 0.855))
+    view = _view(chart, plan, track, aspect=(12.8 * 0.925) / (9.6 * 0.855))
+    west, south, east, north = view
+    axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
+    band_m = clearance_m if clearance_m is not None else plan.settings.clearance_m if plan else 0.0
+    route = plan.points if plan else tuple(track or ())
+    _draw_tints(axes, chart, east - west)
+    draw_chart(axes, chart, band_m, route)
+    _draw_water_name(axes, chart, plan, track, view)
+    if plan is not None:
+        draw_plan(axes, plan)
+    line = draw_track(axes, track, speeds_m_s) if track else None
+    if plan is not None:
+        draw_waypoints(axes, plan.points)
+    elif track:
+        draw_waypoints(axes, (track[0], track[-1]))
+    draw_frame(axes, chart, view)
+    draw_scale_bar(axes, view)
+    draw_north_arrow(axes)
+    draw_legend(axes, chart, band_m, plan is not None, bool(track) and line is None)
+    if line is not None:
+        bar = figure.colorbar(line, cax=axes.inset_axes((0.025, 0.945, 0.2, 0.018)), orientation="horizontal")
+        bar.set_label("speed over ground, m/s", fontsize=9)
+        bar.ax.tick_params(labelsize=8)
+    figure.text(0.045, 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
+    figure.text(0.045, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
+    figure.savefig(path)
+
+
+def _view(chart: Chart, plan: Plan | None, track: Sequence[Point] | None, aspect: float) -> View:
+    points = [*(plan.points if plan else ()), *(track or ())]
+    shown: list[BaseGeometry] = [shapely.Point(point.east_m, point.north_m) for point in points]
+    if chart.is_open:
+        shown += [feature.shape for feature in chart.features]
+    elif not shown or not _is_far_larger(chart, shown):
+        shown.append(chart.water)
+    west, south, east, north = shapely.union_all(shown).bounds if shown else (-50.0, -50.0, 50.0, 50.0)
+    is_whole = len(shown) > len(points) and not chart.is_open
+    width, height = max(east - west, 1e-3), max(north - south, 1e-3)
+    margin = (0.035 if is_whole else MARGIN_SHARE) * max(width, height)
+    width, height = width + 2.0 * margin, height + 2.0 * margin
+    width, height = max(width, height * aspect), max(height, width / aspect)
+    middle_east, middle_north = 0.5 * (west + east), 0.5 * (south + north)
+    return (
+        middle_east - 0.5 * width,
+        middle_north - 0.5 * height,
+        middle_east + 0.5 * width,
+        middle_north + 0.5 * height,
+    )
+
+
+def _is_far_larger(chart: Chart, shown: list[BaseGeometry]) -> bool:
+    def extent(bounds: View) -> float:
+        return max(bounds[2] - bounds[0], bounds[3] - bounds[1])
+
+    route = shapely.union_all(shown).bounds
+    return extent(chart.water.bounds) > WHOLE_CHART_RATIO * max(extent(route), 1e-3)
+
+
+def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
+    return [point.east_m for point in points], [point.north_m for point in points]
+
+
+def _fill(axes: Axes, shape: BaseGeometry, **style: Any) -> None:  # noqa: ANN401 (matplotlib's own)
+    for part in shapely.get_parts(shape):
+        if isinstance(part, Polygon) and not part.is_empty:
+            rings = [part.exterior, *part.interiors]
+            outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2]) for ring in rings))
+            axes.add_patch(PathPatch(outline, **style))
+
+
+def _draw_tints(axes: Axes, chart: Chart, width_m: float) -> None:
+    """Tints that grow lighter from the shore, as on printed lake maps; decoration, not depths."""
+    if chart.is_open:
+        return
+    for share, tint in TINTS:
+        _fill(axes, chart.water.buffer(-share * width_m), facecolor=tint, edgecolor="none", zorder=1.5)
+
+
+def _draw_feature(axes: Axes, chart: Chart, feature: Feature, route: Sequence[Point]) -> None:
+    if feature.kind == "landmark":
+        _draw_landmark(axes, chart, feature)
+    elif feature.kind in KEPT_OUT:
+        afloat = feature.shape.intersection(chart.water)
+        tint: dict[str, Any] = {
+            "facecolor": KEEP_OUT_TINT,
+            "edgecolor": KEEP_OUT,
+            "hatch": "///",
+        }
+        _fill(axes, afloat, alpha=0.45, linewidth=0, zorder=3, **tint)
+        _fill(axes, afloat, facecolor="none", edgecolor=KEEP_OUT, linewidth=1.2, linestyle="--", zorder=5)
+        _name(axes, feature, color=KEEP_OUT, fontstyle="italic")
+    elif feature.kind == "island":
+        _fill(axes, feature.shape, facecolor=ISLAND, edgecolor=LAND_EDGE, linewidth=1.0, zorder=5)
+        _name(axes, feature, fontstyle="italic")
+    elif feature.kind != "water":
+        _fill(axes, feature.shape, facecolor=STRUCTURE, edgecolor="#4e3b28", linewidth=1.0, zorder=5)
+        _name_beside(axes, feature, route)
+
+
+def _name(axes: Axes, feature: Feature, **style: Any) -> None:  # noqa: ANN401 (matplotlib's own)
+    """In the middle of the thing."""
+    style = {"color": INK, "fontsize": 9.0, "ha": "center", "va": "center", **style}
+    at = feature.shape.centroid
+    axes.text(at.x, at.y, feature.name, path_effects=HALO, zorder=6, clip_on=True, **style)
+
+
+def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
+    """To the right or left of a small thing, on the side that is farther from the route."""
+    west, south, east, north = feature.shape.bounds
+    reach_m = 2.0 * (east - west)
+    middle = 0.5 * (south + north)
+    sides = {"left": (east + reach_m, east, 6), "right": (west - reach_m, west, -6)}
+
+    def room_m(alignment: str) -> float:
+        at = Point(middle, sides[alignment][0])
+        return min(
+            (distance_m(at, point) for point in _dense(route)), default=1.0 if alignment == "left" else 0.0
+        )
+
+    alignment = max(sides, key=room_m)
+    _, edge, offset = sides[alignment]
+    axes.annotate(
+        feature.name, (edge, middle), xytext=(offset, 0), textcoords="offset points", ha=alignment,
+        va="center", fontsize=8.0, color=INK, path_effects=HALO, zorder=6, annotation_clip=True,
+    )  # fmt: skip
+
+
+def _dense(route: Sequence[Point]) -> list[Point]:
+    return [
+        Point(a.north_m + k / 32 * (b.north_m - a.north_m), a.east_m + k / 32 * (b.east_m - a.east_m))
+        for a, b in pairwise(route)
+        for k in range(33)
+    ]
+
+
+def _draw_landmark(axes: Axes, chart: Chart, feature: Feature) -> None:
+    """A small square with its name on the landward side."""
+    at = feature.shape.centroid
+    is_west = at.x < 0.5 * (chart.water.bounds[0] + chart.water.bounds[2])
+    axes.plot(at.x, at.y, "s", ms=6, mfc=INK, mec="white", mew=0.8, zorder=6)
+    axes.annotate(
+        feature.name, (at.x, at.y), xytext=(-8 if is_west else 8, 0), textcoords="offset points",
+        ha="right" if is_west else "left", va="center", fontsize=9.0, fontweight="bold", color=INK,
+        path_effects=HALO, zorder=6, annotation_clip=True,
+    )  # fmt: skip
+
+
+def _draw_water_name(
+    axes: Axes, chart: Chart, plan: Plan | None, track: Sequence[Point] | None, view: View
+) -> None:
+    """The water's name where there is most room for it."""
+    if chart.is_open or not any(feature.kind == "water" for feature in chart.features):
+        return
+    room = chart.navigable.intersection(shapely.box(*view))
+    for points in (plan.points if plan else (), track or ()):
+        if len(points) > 1:
+            line = shapely.LineString([(point.east_m, point.north_m) for point in points])
+            room = room.difference(line.buffer(0.03 * (view[2] - view[0])))
+    parts = [part for part in shapely.get_parts(room) if isinstance(part, Polygon)]
+    if not parts:
+        return
+    circle = shapely.maximum_inscribed_circle(MultiPolygon(parts), tolerance=0.005 * (view[2] - view[0]))
+    east_m, north_m = circle.coords[0]
+    axes.text(
+        east_m, north_m, chart.name.split(",")[0], fontsize=15, fontstyle="italic", color="#4f86a6",
+        ha="center", va="center", family="DejaVu Serif", zorder=3.5, clip_on=True,
+    )  # fmt: skip

@@ -1,0 +1,83 @@
+"""Pictures: that they are drawn, at the promised size, and show what they are told to."""
+
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+import shapely
+from matplotlib.figure import Figure
+
+from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.draw import draw_chart, draw_track, save_picture
+from mission_tools.maps import Chart, Feature, build_chart, load_geojson
+from mission_tools.planning import plan
+
+POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
+ORIGIN = LatLon(50.0, -1.2)
+TRACK = [Point(-150.0, -194.0), Point(-100.0, -120.0), Point(0.0, 20.0), Point(232.0, 222.0)]
+
+
+@pytest.fixture(scope="module")
+def pond() -> Chart:
+    return load_geojson(POND, ORIGIN)
+
+
+def pixels(path: Path) -> "np.ndarray[tuple[int, ...], np.dtype[np.float32]]":
+    return np.asarray(matplotlib.image.imread(path), dtype=np.float32)
+
+
+def test_a_picture_has_1600_by_1200_pixels_and_what_is_added_shows(pond: Chart, tmp_path: Path) -> None:
+    found = plan(pond, TRACK[0], TRACK[-1])
+    variants = {
+        "bare": {},
+        "band": {"clearance_m": 4.0},
+        "plan": {"plan": found},
+        "track": {"track": TRACK},
+        "both": {"plan": found, "track": TRACK, "title": "Mill Pond", "subtitle": "581 m"},
+        "speed": {"track": TRACK, "speeds_m_s": [1.0, 2.0, 1.5, 0.0]},
+    }
+    seen: list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]] = []
+    for name, shown in variants.items():
+        file = tmp_path / f"{name}.png"
+        save_picture(file, pond, **shown)  # type: ignore[arg-type]
+        image = pixels(file)
+        assert image.shape[:2] == (1200, 1600)
+        assert all(np.abs(image - other).max() > 0.1 for other in seen), name
+        seen.append(image)
+
+
+def test_open_water_and_a_pool_of_a_metre_can_be_drawn_too(tmp_path: Path) -> None:
+    frame = LocalFrame(ORIGIN)
+    sea = build_chart("Sea", frame, None, ())
+    save_picture(tmp_path / "sea.png", sea)
+    save_picture(tmp_path / "leg.png", sea, plan(sea, Point(0.0, 0.0), Point(200.0, 0.0)), clearance_m=2.0)
+    box = Feature("Box", "obstacle", shapely.box(0.4, 1.0, 0.6, 1.3))
+    pool = build_chart("Pool", frame, shapely.box(-0.05, -0.05, 1.175, 2.45), [box])
+    save_picture(tmp_path / "pool.png", pool, clearance_m=0.06)
+    assert all((tmp_path / name).stat().st_size > 10_000 for name in ("sea.png", "leg.png", "pool.png"))
+
+
+def test_the_view_closes_in_on_a_route_far_smaller_than_the_water(pond: Chart, tmp_path: Path) -> None:
+    near = [Point(-120.0, -40.0), Point(-120.0, -10.0)]
+    save_picture(tmp_path / "near.png", pond, track=near)
+    save_picture(tmp_path / "far.png", pond, track=TRACK)
+    land = np.array([0xEF, 0xE6, 0xCF], dtype=np.float32) / 255.0
+
+    def land_share(file: str) -> float:
+        return float((np.abs(pixels(tmp_path / file)[..., :3] - land).max(axis=2) < 0.02).mean())
+
+    assert land_share("far.png") > 0.2
+    assert land_share("near.png") < 0.1
+
+
+def test_drawing_touches_only_the_axes_handed_in(pond: Chart) -> None:
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    draw_chart(left, pond, 4.0)
+    assert "Alder Island" in {text.get_text() for text in left.texts}
+    assert not right.patches
+    assert draw_track(right, TRACK) is None
+    coloured = draw_track(right, TRACK, [1.0, 2.0, 3.0, 4.0])
+    assert coloured is not None
+    assert len(coloured.get_segments()) == 3

@@ -1,0 +1,199 @@
+"""GeoJSON maps: what they become, and the one line said about each thing that can be wrong."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.errors import MapError
+from mission_tools.maps import load_geojson
+from mission_tools.maps.geojson import parse_geojson
+from mission_tools.maps.projection import to_local
+
+SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
+POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
+SHORE_FILES = sorted(SHORE.glob("*.geojson"))
+ORIGIN = LatLon(50.0, -1.2)
+FRAME = LocalFrame(ORIGIN)
+
+Json = dict[str, Any]
+
+
+def ring(west: float, south: float, east: float, north: float) -> list[list[float]]:
+    """A rectangle of local metres as GeoJSON positions."""
+    corners = [(south, west), (south, east), (north, east), (north, west), (south, west)]
+    places = [FRAME.to_global(Point(*corner)) for corner in corners]
+    return [[place.lon_deg, place.lat_deg] for place in places]
+
+
+def feature(coordinates: object, geometry: str = "Polygon", **properties: str) -> Json:
+    return {"type": "Feature", "properties": properties,
+            "geometry": {"type": geometry, "coordinates": coordinates}}  # fmt: skip
+
+
+def collection(*features: Json) -> Json:
+    return {"type": "FeatureCollection", "features": list(features)}
+
+
+LAKE = feature([ring(-100, -50, 100, 50)], name="Lake", kind="water")
+
+
+def test_water_loses_its_islands_and_obstacles_but_keeps_the_areas_to_keep_out_of() -> None:
+    chart = parse_geojson(
+        collection(
+            LAKE,
+            feature([ring(-10, -10, 10, 10)], name="Isle", kind="island"),
+            feature([ring(40, 0, 44, 10)], name="Raft", kind="raft"),
+            feature([ring(-60, 20, -40, 50)], name="Beach", kind="swimming"),
+            feature(ring(0, 60, 1, 61)[0], "Point", name="Church", kind="landmark"),
+        ),
+        "f", "f", ORIGIN,
+    )  # fmt: skip
+    assert chart.water.area == pytest.approx(200 * 100 - 20 * 20 - 4 * 10, rel=1e-6)
+    assert chart.navigable.area == pytest.approx(chart.water.area - 20 * 30, rel=1e-6)
+    assert chart.name == "Lake"
+    assert [f.name for f in chart.features] == ["Lake", "Isle", "Raft", "Beach", "Church"]
+    assert chart.obstruction(Point(0.0, 0.0)) == "on Isle"
+    assert chart.obstruction(Point(30.0, -50.0)) == "in Beach"
+    assert chart.obstruction(Point(400.0, 0.0)) == "outside the map"
+    assert chart.obstruction(Point(0.0, 50.0)) is None
+    assert chart.clearance_m(Point(5.0, 35.0)) == pytest.approx(5.0, abs=1e-3)
+    assert chart.nearest_feature(Point(5.0, 35.0)) == "Raft"
+    assert chart.nearest_feature(Point(-45.0, 35.0)) == "the shore"
+
+
+def test_a_feature_and_a_bare_polygon_are_water() -> None:
+    for tree in (LAKE, LAKE["geometry"], collection({**LAKE, "properties": None})):
+        assert parse_geojson(tree, "f", "f", ORIGIN).navigable.area == pytest.approx(20_000, rel=1e-6)
+
+
+def test_without_an_origin_the_middle_of_the_water_becomes_one() -> None:
+    chart = parse_geojson(LAKE, "f", "f")
+    assert chart.frame.origin.lat_deg == pytest.approx(50.0, abs=1e-6)
+    assert chart.navigable.centroid.distance(shapely.Point(0, 0)) < 0.01
+
+
+BOW_TIE = [[[-1.2, 50.0], [-1.199, 50.001], [-1.199, 50.0], [-1.2, 50.001], [-1.2, 50.0]]]
+
+
+@pytest.mark.parametrize(
+    ("tree", "said"),
+    [
+        ([], "not GeoJSON"),
+        ({"type": "Topology"}, "not GeoJSON"),
+        ({"type": "GeometryCollection", "geometries": []}, "GeometryCollection"),
+        (collection(), "no water in it"),
+        (collection(feature([ring(0, 0, 1, 1)], name="Isle", kind="island")), "no water in it"),
+        (collection({"type": "Feature", "geometry": None}), "feature 1: no geometry"),
+        (collection(LAKE, feature([ring(0, 0, 1, 1)], name="X", kind="reef")), 'feature 2 "X": kind '),
+        (feature([[0, 0], [1, 1]], "LineString"), "geometry is 'LineString': expected Polygon"),
+        (feature([], name="Void"), 'feature 1 "Void": empty geometry'),
+        (feature([[]]), "ring 1: empty ring"),
+        (feature([[[0, 0], [1, 0], [0, 0]]]), "3 positions: a closed ring has at least 4"),
+        (feature([ring(0, 0, 9, 9)[:4]]), "ring 1: not closed: ends at lat 50.0"),
+        (feature(BOW_TIE, name="Bow"), '"Bow": not a valid polygon: a ring crosses or touches itself '
+                                       "at lat 50.0005000, lon -1.1995000"),
+        (feature([ring(0, 0, 9, 9), ring(20, 20, 30, 30)]), "hole lies outside shell"),
+        (feature([[[50.0, -101.2], [50.1, -101.2], [50.1, -101.3], [50.0, -101.2]]]), "look swapped"),
+        (feature([[[200.0, 95.0], [1, 1], [2, 2], [200.0, 95.0]]]), "position 1: [200, 95] is out of range"),
+        (feature([[[0, "x"], [1, 1], [2, 2], [0, "x"]]]), "expected [longitude, latitude], got [0, 'x']"),
+        (feature([[[0, math.nan], [1, 1], [2, 2], [0, 0]]]), "expected [longitude, latitude]"),
+        (collection(LAKE, feature([0, 0], kind="landmark")), "a landmark is a Point"),
+        (collection(LAKE, feature([ring(-200, -200, 200, 200)], kind="keep_out")), "no water is left"),
+    ],
+)  # fmt: skip
+def test_each_thing_that_is_wrong_gets_one_line_that_names_it(tree: object, said: str) -> None:
+    with pytest.raises(MapError) as caught:
+        parse_geojson(tree, "lake.geojson", "lake")
+    message = str(caught.value)
+    assert said in message
+    assert message.startswith("lake")
+    assert "\n" not in message
+    assert caught.value.exit_code == 2
+
+
+def test_a_map_far_from_the_origin_is_taken_for_swapped_coordinates() -> None:
+    with pytest.raises(MapError, match=r"more than 100 km from the origin 10\.0000, 10\.0000"):
+        parse_geojson(LAKE, "f", "f", LatLon(10.0, 10.0))
+
+
+def test_a_missing_or_broken_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(MapError, match=r"nowhere\.geojson: cannot be read: No such file"):
+        load_geojson(tmp_path / "nowhere.geojson")
+    broken = tmp_path / "broken.geojson"
+    broken.write_text('{"type":\n "Polygon",,}', encoding="utf-8")
+    with pytest.raises(MapError, match=r"broken\.geojson: line 2: not JSON"):
+        load_geojson(broken)
+    broken.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(MapError, match="not a JSON text file"):
+        load_geojson(broken)
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.floats(allow_nan=True) | st.integers() | st.text(max_size=5)
+    | st.sampled_from(["Polygon", "MultiPolygon", "Feature", "FeatureCollection", "water", "Point"]),
+    lambda inner: st.lists(inner, max_size=5)
+    | st.dictionaries(
+        st.sampled_from(["type", "coordinates", "geometry", "properties", "features", "kind", "name"]), inner
+    ),
+    max_leaves=25,
+)  # fmt: skip
+
+
+@given(tree=json_values)
+def test_no_json_at_all_raises_anything_but_a_map_error(tree: object) -> None:
+    try:
+        chart = parse_geojson(tree, "f", "f")
+    except MapError:
+        return
+    assert not chart.navigable.is_empty
+
+
+@given(
+    north_m=st.floats(-10_000, 10_000),
+    east_m=st.floats(-10_000, 10_000),
+    lat_deg=st.floats(-70, 70),
+    lon_deg=st.floats(-179, 179),
+)
+def test_the_projection_agrees_with_the_boats_own_frame_to_a_millimetre(
+    north_m: float, east_m: float, lat_deg: float, lon_deg: float
+) -> None:
+    frame = LocalFrame(LatLon(lat_deg, lon_deg))
+    place = frame.to_global(Point(north_m, east_m))
+    projected = to_local(shapely.Point(place.lon_deg, place.lat_deg), frame.origin)
+    own = frame.to_local(place)
+    assert math.hypot(projected.x - own.east_m, projected.y - own.north_m) < 1e-3
+
+
+def test_the_mill_pond_is_what_its_script_draws() -> None:
+    script: Json = {"__name__": "drawing", "__file__": str(POND.with_name("draw_mill_pond.py"))}
+    exec(compile(POND.with_name("draw_mill_pond.py").read_text(encoding="utf-8"), "draw", "exec"), script)  # noqa: S102
+    assert script["mill_pond"]() == json.loads(POND.read_text(encoding="utf-8"))
+
+
+def test_the_mill_pond_has_what_a_picture_needs() -> None:
+    chart = load_geojson(POND, ORIGIN)
+    kinds = [f.kind for f in chart.features]
+    assert {kind: kinds.count(kind) for kind in ("island", "raft", "pier", "swimming")} == {
+        "island": 3, "raft": 3, "pier": 1, "swimming": 1,
+    }  # fmt: skip
+    west, south, east, north = chart.water.bounds
+    assert 550 < east - west < 650
+    assert 500 < north - south < 650
+    assert shapely.get_num_coordinates(chart.water) >= 300
+    fiction = json.loads(POND.read_text(encoding="utf-8"))["features"][0]["properties"]["note"]
+    assert "Fictional" in fiction
+
+
+@pytest.mark.skipif(not SHORE_FILES, reason="the real shorelines do not lie beside this checkout")
+@pytest.mark.parametrize("path", SHORE_FILES, ids=lambda path: path.stem)
+def test_real_shorelines_load_as_they_are(path: Path) -> None:
+    chart = load_geojson(path)
+    assert chart.navigable.is_valid
+    assert chart.navigable.area > 10_000
