@@ -160,6 +160,13 @@ def test_a_new_count_from_the_same_station_begins_again() -> None:
     assert machine.take_events() == [Completed(ITEMS[:1], STATION)]
 
 
+def test_the_same_count_after_the_first_item_begins_again() -> None:
+    machine = receiving(3, have=2)
+    tell(machine, count(3), item(0))
+    assert said(machine) == [("REQUEST_INT", 0), ("REQUEST_INT", 1)]
+    assert machine.take_events() == [Started(3, STATION)]
+
+
 def test_a_doubled_count_only_repeats_the_first_request() -> None:
     machine = receiving(3)
     tell(machine, count(3))
@@ -296,6 +303,14 @@ def test_a_lost_last_acknowledgement_is_given_again_for_a_while() -> None:
     assert said(machine) == [("ACK", MissionResult.ERROR)]
 
 
+def test_an_item_out_of_the_blue_is_answered_at_once_whoever_was_the_last_partner() -> None:
+    machine = receiving(3, have=1)
+    tell(machine, ack(MissionResult.OPERATION_CANCELLED))
+    machine.tick(60.0)
+    tell(machine, item(1), sender=SECOND, now_s=60.0)
+    assert said(machine) == [("ACK", MissionResult.ERROR)]
+
+
 # --- sender
 
 
@@ -380,6 +395,14 @@ def test_an_acknowledgement_before_all_was_asked_for_is_not_believed() -> None:
     assert machine.take_events() == []
     tell(machine, request(2), ack())
     assert machine.take_events() == [Completed(ITEMS, STATION)]
+
+
+@pytest.mark.parametrize("result", [MissionResult.ACCEPTED, MissionResult.OPERATION_CANCELLED])
+def test_another_station_s_acknowledgement_means_nothing(result: MissionResult) -> None:
+    machine = sending()
+    tell(machine, request(0), request(1), request(2))
+    machine.handle(ack(result), SECOND, 0.0)
+    assert (machine.state, machine.take_events()) == (State.SENDING, [])
 
 
 def test_a_refusal_ends_it_with_the_partner_s_reason() -> None:
