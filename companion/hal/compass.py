@@ -69,9 +69,9 @@ class Bno055Part(Protocol):
 class Bno055Compass:
     """Satisfies `companion.hal.interfaces.Compass`.
 
-    The part lies flat with x to the bow and z up: its heading grows clockwise, its z rate counter-clockwise
-    (data sheet BST-BNO055-DS000, tables 3-13 and 3-14), so the rate changes sign. Its north is magnetic;
-    correction_rad carries variation and mounting angle. Headings count only once the magnetometer has been
+    The part lies flat with z up: its heading grows clockwise, its z rate is positive counter-clockwise (Bosch
+    data sheet BST-BNO055-DS000), so the rate changes sign. Its north is magnetic; correction_rad carries
+    variation and mounting angle. Headings count only once the magnetometer has been
     calibrated since power-up: before that they start at zero wherever the bow points.
     """
 

@@ -5,7 +5,7 @@ enable low the bridge is open whatever the legs say, so one pin alone can cut a 
 between pulses, and a step of speed never touches the direction pins. GPIO 12 and 13 are the defaults because
 the Pi pulls them down at reset: the motors are free until the program has the pins.
 
-Truth table of the L298 data sheet (ST, table "Function"): EN low = free; EN high with IN1 ≠ IN2 = drive;
+Truth table of the L298 data sheet (ST, figure 6): EN low = free; EN high with IN1 ≠ IN2 = drive;
 EN high with IN1 = IN2 = short-circuit brake.
 """
 

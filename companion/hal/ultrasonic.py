@@ -1,8 +1,8 @@
 """HC-SR04 ultrasonic ranger, fixed or swept by a servo over up to 180°.
 
 A 10 µs pulse on the trigger makes the part send eight cycles of 40 kHz; it then holds the echo pin high for
-the sound's way there and back. Range = c t / 2 with c = 331.3 + 0.606 T m/s (T in °C; L. E. Kinsler et al.,
-*Fundamentals of Acoustics*, 4th ed., section 5.6, linearised about 0 °C).
+the sound's way there and back. Range = c t / 2, with the speed of sound in dry air
+c = 331.3 sqrt(1 + T / 273.15) ≈ 331.3 + 0.606 T m/s, T in °C.
 """
 
 import math

@@ -1,5 +1,6 @@
 """The bridge over mock pins that record, in one list, every change of every pin."""
 
+import contextlib
 import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -285,6 +286,21 @@ def test_a_failed_write_stops_the_motor_that_was_well(clock: HandClock) -> None:
     with pytest.raises(HardwareError):
         bridge.write(0.6, 0.6)
     assert level["left forward"] == level["left enable"] == level["right forward"] == 0.0
+
+
+@pytest.mark.parametrize("stuck", [None, *PIN_NAMES])
+def test_every_pin_is_switched_off_before_the_first_is_given_back(
+    clock: HandClock, monkeypatch: pytest.MonkeyPatch, stuck: str | None
+) -> None:
+    bridge, level, broken = fake_bridge(clock)
+    bridge.write(1.0, -1.0)
+    broken.update({stuck} if stuck else ())
+    still_on: list[set[str]] = []
+    monkeypatch.setattr(FakeLeg, "close", lambda _: still_on.append({name for name in level if level[name]}))
+    with contextlib.suppress(HardwareError):
+        bridge.close()
+    assert len(still_on) == len(PIN_NAMES)
+    assert all(names <= {stuck} for names in still_on)
 
 
 shares = st.one_of(st.floats(-1.5, 1.5), st.sampled_from([0.0, -0.0, 1.0, -1.0, math.nan, math.inf, 1e-300]))

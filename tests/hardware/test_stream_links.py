@@ -1,6 +1,7 @@
 """TCP ports over loopback, and serial ports over pseudo-terminals."""
 
 import contextlib
+import os
 import socket
 import struct
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from companion.errors import LinkError
 from companion.hal.interfaces import Link, Port
 from companion.hal.serial_port import SerialPort
+from companion.hal.stream import StreamLink
 from companion.hal.tcp import TcpInPort, TcpOutPort
 
 HERE = "127.0.0.1"
@@ -115,6 +117,25 @@ def test_a_reset_closes_the_link_without_an_error(server: TcpInPort) -> None:
     reset(client)
     eventually(lambda: link.receive() or link.is_closed)
     assert not link.send(b"x")
+
+
+def test_frames_are_sent_at_once_and_dead_peers_are_looked_for(server: TcpInPort) -> None:
+    link, client = connect(server)
+    with socket.socket(fileno=os.dup(link.fileno())) as same:
+        assert same.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        assert same.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+    client.close()
+
+
+def test_a_descriptor_that_takes_nothing_and_says_nothing_is_given_up() -> None:
+    reading, writing = os.pipe()
+    os.set_blocking(reading, False)
+    link = StreamLink("broken", reading, lambda: os.close(reading), 100)
+    os.write(writing, b"last words")
+    assert not link.send(b"x")  # a pipe's reading end refuses to be written to
+    assert link.receive() == [b"last words"]
+    assert link.is_closed
+    os.close(writing)
 
 
 def test_a_client_that_stops_reading_loses_whole_frames_and_never_half_of_one() -> None:

@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -46,12 +47,14 @@ class SonarTwin(MockPWMPin):  # type: ignore[misc]
     hangs = False
     pulses = 0
     clock_s = 0.0
+    on_pulse: Callable[[], None] = staticmethod(lambda: None)
 
     def _change_state(self, value: float) -> bool:
         has_fallen = bool(self._state) and not value
         has_changed: bool = super()._change_state(value)
         if has_fallen:
             self.pulses += 1
+            self.on_pulse()
             if self.echo_s is not None:
                 self.clock_s += 1.0
                 self.echo.edge(self.clock_s, True)
@@ -123,6 +126,19 @@ def test_an_echo_pin_that_hangs_is_no_echo_and_then_a_fault_until_it_lets_go(ben
     bench.echo.edge(50.0, False)
     bench.twin.echo_s = 2.0 * 0.05 / SOUND_M_S
     assert ranger.ping_m() == pytest.approx(0.05)
+
+
+@pytest.mark.realtime
+def test_the_late_end_of_a_ping_that_was_given_up_does_not_end_the_next_one(bench: Bench) -> None:
+    ranger = bench.ranger()
+    bench.twin.echo_s = None
+
+    def late_then_whole() -> None:
+        bench.echo.edge(10.0, False)
+        threading.Timer(0.005, lambda: (bench.echo.edge(11.0, True), bench.echo.edge(11.01, False))).start()
+
+    bench.twin.on_pulse = late_then_whole
+    assert ranger.ping_m() == pytest.approx(0.5 * SOUND_M_S * 0.01)
 
 
 class FakeRanger:
