@@ -14,6 +14,7 @@ from rich.progress import Progress as Bar
 from mission_tools.errors import VehicleError
 from mission_tools.vehicle import Vehicle
 from mission_tools.voyage import Progress, Voyage
+from mission_tools.wording import distance, duration
 
 LOOK_EVERY_S = 0.1
 
@@ -91,22 +92,3 @@ def describe(progress: Progress) -> str:
         f"waypoint {progress.waypoint} of {progress.waypoints}: {distance(progress.left_m)} left"
         f" at {progress.speed_m_s:.2f} m/s{eta}"
     )
-
-
-def duration(seconds: float) -> str:
-    """Seconds as people say them: 41 s, 3 min 20 s, 2 h 05 min."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60:02d} s"
-    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
-
-
-def distance(metres: float) -> str:
-    """Metres as people say them: 0.85 m, 12.3 m, 640 m, 3.21 km."""
-    if metres < 10.0:
-        return f"{metres:.2f} m"
-    if metres < 100.0:
-        return f"{metres:.1f} m"
-    return f"{metres:.0f} m" if metres < 10_000.0 else f"{metres / 1000.0:.2f} km"

@@ -19,8 +19,8 @@ def mission_along(path: Sequence[LatLon], speed_m_s: float | None = None) -> Mis
     """
     if len(path) < 2:
         raise UsageError(f"a route needs a start and a goal, got {len(path)} point(s)")
-    mission = Mission(tuple(MissionItem.at(place) for place in path[1:]), home=path[0])
-    return with_speed(mission, speed_m_s)
+    home, *items = (MissionItem.at(place) for place in path)
+    return with_speed(Mission(tuple(items), home=home.place), speed_m_s)
 
 
 def with_speed(mission: Mission, speed_m_s: float | None) -> Mission:

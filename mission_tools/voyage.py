@@ -37,6 +37,7 @@ class TrackPoint:
 
     time_s: float
     place: LatLon
+    speed_m_s: float
 
 
 class Voyage:
@@ -84,7 +85,7 @@ class Voyage:
 
     def _record(self, state: VehicleState, now_s: float) -> None:
         if state.position is not None and (not self.track or self.track[-1].place != state.position):
-            self.track.append(TrackPoint(now_s - self._began_s, state.position))
+            self.track.append(TrackPoint(now_s - self._began_s, state.position, state.speed_m_s))
 
     def _is_finished(self, state: VehicleState) -> bool:
         reached_last = bool(self._sequences) and state.reached_item >= self._sequences[-1]

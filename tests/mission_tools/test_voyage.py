@@ -6,11 +6,12 @@ import pytest
 
 from companion.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import VehicleError
-from mission_tools.follow import describe, distance, duration
+from mission_tools.follow import describe
 from mission_tools.mission import Command, Mission, MissionItem
 from mission_tools.route import mission_along
 from mission_tools.vehicle_state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
 from mission_tools.voyage import STALL_S, Voyage
+from mission_tools.wording import distance, duration
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 PATH = [FRAME.to_global(Point(north, 0.0)) for north in (0.0, 100.0, 200.0, 300.0)]

@@ -1,0 +1,65 @@
+"""A finished upload as plain values for JSON. Lengths in metres, times in seconds, null where not known."""
+
+import math
+from typing import Any
+
+from mission_tools.job import Report
+from mission_tools.planning import Plan
+from mission_tools.voyage import Voyage
+
+
+def as_json(report: Report) -> dict[str, Any]:
+    """The report as a tree of plain values."""
+    proposal = report.proposal
+    mission = proposal.mission if proposal else None
+    return {
+        "ok": True,
+        "exit_code": 0,
+        "source": proposal.name if proposal else None,
+        "waypoints": [[place.lat_deg, place.lon_deg] for place in mission.places] if mission else [],
+        "home": [mission.home.lat_deg, mission.home.lon_deg] if mission and mission.home else None,
+        "plan": _plan(proposal.plan) if proposal and proposal.plan else None,
+        "upload": None if report.vehicle_id is None else _upload(report),
+        "started": report.started,
+        "voyage": _voyage(report.voyage) if report.voyage else None,
+        "saved": str(report.saved) if report.saved else None,
+        "preview": str(report.preview) if report.preview else None,
+    }
+
+
+def _plan(plan: Plan) -> dict[str, Any]:
+    return {
+        "length_m": plan.length_m,
+        "straight_m": plan.straight_m,
+        "min_clearance_m": _finite(plan.min_clearance_m),
+        "clearance_m": plan.settings.clearance_m,
+        "cell_m": plan.cell_m,
+        "heuristic": plan.settings.heuristic,
+        "smooth": plan.settings.smooth,
+        "expanded": plan.search.expanded,
+        "notes": list(plan.notes),
+    }
+
+
+def _upload(report: Report) -> dict[str, Any]:
+    return {
+        "link": report.link,
+        "system_id": report.vehicle_id,
+        "mode": report.mode,
+        "items": report.items,
+        "upload_s": _finite(report.upload_s),
+        "read_back_s": _finite(report.read_back_s),
+        "read_back_equal": report.read_back_equal,
+    }
+
+
+def _voyage(voyage: Voyage) -> dict[str, Any]:
+    return {
+        "time_s": voyage.track[-1].time_s if voyage.track else 0.0,
+        "track_length_m": voyage.track_length_m,
+        "track": [[point.time_s, point.place.lat_deg, point.place.lon_deg] for point in voyage.track],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,65 @@
+"""The picture of a mission: its map, its plan and, after a voyage, the track."""
+
+import math
+from pathlib import Path
+
+from mission_tools.astar import SearchMetrics
+from mission_tools.errors import UsageError
+from mission_tools.planning import Plan, PlanSettings
+from mission_tools.proposal import Proposal
+from mission_tools.smooth import path_length_m
+from mission_tools.voyage import Voyage
+from mission_tools.wording import distance, duration
+
+PICTURE_SUFFIXES = frozenset({".png", ".svg", ".pdf"})
+
+
+def check_picture_name(path: Path) -> None:
+    """Refuse early what could not be written after an hour's voyage.
+
+    Raises:
+        UsageError: no kind of picture, or no such folder.
+    """
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise UsageError(
+            f"--preview {path}: expected a name that ends in {', '.join(sorted(PICTURE_SUFFIXES))}"
+        )
+    if not path.absolute().parent.is_dir():
+        raise UsageError(f"--preview {path}: there is no folder {path.parent}")
+
+
+def save_preview(path: Path, proposal: Proposal, voyage: Voyage | None) -> None:
+    """Draw the proposal and the voyage, if there was one.
+
+    Raises:
+        UsageError: the file cannot be written.
+    """
+    from mission_tools.draw import save_picture  # noqa: PLC0415 - matplotlib takes a second to import
+
+    track = voyage.track if voyage is not None else []
+    plan = proposal.plan or _as_drawn(proposal)
+    subtitle = f"{distance(plan.length_m)} planned"
+    if proposal.plan is not None:
+        subtitle += f", clearance {plan.settings.clearance_m:g} m"
+    if voyage is not None and track:
+        subtitle += f"; {distance(voyage.track_length_m)} sailed in {duration(track[-1].time_s)}"
+    try:
+        save_picture(
+            path,
+            proposal.chart,
+            plan=plan,
+            track=[proposal.chart.frame.to_local(point.place) for point in track] or None,
+            speeds_m_s=[point.speed_m_s for point in track] or None,
+            title=proposal.name,
+            subtitle=subtitle,
+        )
+    except OSError as error:
+        raise UsageError(f"--preview {path}: cannot be written: {error.strerror}") from None
+
+
+def _as_drawn(proposal: Proposal) -> Plan:
+    """The line through a mission that nobody planned here."""
+    points = proposal.points
+    length_m = path_length_m(points)
+    nothing = SearchMetrics(0, 0, 0, 0)
+    return Plan(points, (), length_m, length_m, math.inf, math.nan, nothing, PlanSettings(clearance_m=0.0))

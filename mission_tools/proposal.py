@@ -1,0 +1,129 @@
+"""From what a person named as SOURCE to a mission: a mission file as it is, or a map planned on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.errors import UsageError
+from mission_tools.maps import Chart, Source, build_chart, load_source
+from mission_tools.mission import Mission
+from mission_tools.plan_file import MISSION_SUFFIXES, load_mission
+from mission_tools.planning import Plan, PlanSettings, plan
+from mission_tools.route import mission_along, with_speed
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What the command line says about the route; None where it says nothing."""
+
+    start_at: LatLon | None = None
+    goal: LatLon | None = None
+    case: str | None = None
+    clearance_m: float | None = None
+    cell_m: float | None = None
+    heuristic: str | None = None
+    smooth: bool | None = None
+    speed_m_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """A mission, and how it was come by: the plan is None for a mission that was read from a file."""
+
+    name: str
+    mission: Mission
+    chart: Chart
+    plan: Plan | None = None
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Home and the mission's places in the chart's frame."""
+        places = [*([self.mission.home] if self.mission.home else []), *self.mission.places]
+        return tuple(self.chart.frame.to_local(place) for place in places)
+
+
+def open_source(text: str, wishes: Wishes) -> "MissionFile | Water":
+    """Find out what SOURCE is.
+
+    Raises:
+        UsageError: wishes that do not go with it.
+        PlanFileError, MapError: it cannot be used.
+    """
+    path = Path(text)
+    if path.suffix in MISSION_SUFFIXES:
+        return MissionFile(path, load_mission(path), wishes)
+    source = load_source(text)
+    if wishes.case is not None:
+        source = source.with_case(wishes.case)
+    return Water(text, source, wishes)
+
+
+class MissionFile:
+    """A mission that is ready; nothing is left to plan."""
+
+    needs_position = False
+
+    def __init__(self, path: Path, mission: Mission, wishes: Wishes) -> None:
+        given = replace(wishes, speed_m_s=None)
+        if given != Wishes():
+            names = [name for name in given.__slots__ if getattr(given, name) is not None]
+            options = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
+            raise UsageError(f"{path} is a mission already: {options} would plan one; leave that out")
+        self._name = path.name
+        self._mission = with_speed(mission, wishes.speed_m_s)
+
+    def propose(self, here: LatLon | None = None) -> Proposal:
+        """The mission as it was read, on a chart without shores."""
+        mission = self._mission
+        origin = next(iter(mission.places), mission.home or here or LatLon(0.0, 0.0))
+        return Proposal(self._name, mission, build_chart(self._name, LocalFrame(origin), None, ()))
+
+
+class Water:
+    """A map, to plan on from a start to a goal."""
+
+    def __init__(self, text: str, source: Source, wishes: Wishes) -> None:
+        self._chart = source.chart
+        self._wishes = wishes
+        self._settings = PlanSettings.from_route(
+            source.route,
+            clearance_m=wishes.clearance_m,
+            cell_m=wishes.cell_m,
+            heuristic=wishes.heuristic,
+            smooth=wishes.smooth,
+        )
+        local = source.chart.frame.to_local
+        self._start = local(wishes.start_at) if wishes.start_at else source.route.start
+        goal = local(wishes.goal) if wishes.goal else source.route.goal
+        if goal is None:
+            raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
+        self._goal = goal
+        # The points in between belong to the scenario's own goal.
+        self._via: Sequence[Point] = () if wishes.goal else source.route.via
+
+    @property
+    def needs_position(self) -> bool:
+        """Whether nobody has said where to start: the boat's own position is wanted."""
+        return self._start is None
+
+    def propose(self, here: LatLon | None = None) -> Proposal:
+        """Plan a route; `here` is where the boat is, used where no start was named.
+
+        Raises:
+            NoRouteError: there is none; says what is in the way.
+            UsageError: no start.
+        """
+        start = self._start
+        if start is None and here is not None:
+            start = self._chart.frame.to_local(here)
+        if start is None:
+            raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
+        found = plan(self._chart, start, self._goal, self._settings, self._via)
+        places = [self._chart.frame.to_global(point) for point in found.points]
+        mission = mission_along(places, self._wishes.speed_m_s)
+        return Proposal(self._chart.name, mission, self._chart, found)
+
+
+def _cases(source: Source) -> str:
+    return f", or --case with one of {', '.join(source.cases)}" if source.cases else ""

@@ -1,0 +1,207 @@
+"""`mission-upload` against a vehicle that misbehaves on request: what a person is told, and the exit code.
+
+The vehicle is pymavlink over TCP, in this process; the program talks to it through MAVSDK.
+"""
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from fake_vehicle import Behaviour, FakeVehicle, fake_vehicle
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.cli.upload import run_program
+from mission_tools.mission import Fence, FenceCircle, FencePolygon, Mission, MissionItem, Rally
+from mission_tools.plan_file import save_mission
+
+pytestmark = pytest.mark.realtime
+
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+
+
+def zigzag(count: int) -> Mission:
+    points = [Point(30.0 * number, 10.0 * (number % 2)) for number in range(count + 1)]
+    home, *items = (MissionItem.at(FRAME.to_global(point)) for point in points)
+    return Mission(tuple(items), home.place)
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> str:
+    """A mission file of six waypoints."""
+    save_mission(zigzag(6), tmp_path / "zigzag.plan")
+    return str(tmp_path / "zigzag.plan")
+
+
+def link(vehicle: FakeVehicle) -> list[str]:
+    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "3"]
+
+
+def test_the_vehicle_holds_what_was_uploaded_and_the_planner_is_no_ground_station(
+    plan: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle() as vehicle:
+        assert run_program([plan, *link(vehicle), "--system-id", "77", "--start", "--follow"]) == 0
+    assert "uploaded 7 items to vehicle 1" in capsys.readouterr().out
+    assert len(vehicle.mission) == 7
+    assert [item.frame for item in vehicle.mission] == [0, 3, 3, 3, 3, 3, 3]
+    heartbeats = [message for _, _, message in vehicle.heard if message.get_type() == "HEARTBEAT"]
+    assert {message.type for message in heartbeats} == {dialect.MAV_TYPE_ONBOARD_CONTROLLER}
+    assert {message.autopilot for message in heartbeats} == {dialect.MAV_AUTOPILOT_INVALID}
+    assert {(system, component) for system, component, _ in vehicle.heard} == {(77, 191)}
+
+
+def test_a_started_mission_is_followed_to_its_end(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with fake_vehicle() as vehicle:
+        assert run_program([plan, *link(vehicle), "--start", "--follow", "--json"]) == 0
+    told = capsys.readouterr()
+    tree = json.loads(told.out)
+    assert tree["started"] is True
+    assert tree["upload"]["read_back_equal"] is True
+    assert tree["voyage"]["track_length_m"] == pytest.approx(190.0, rel=0.05)
+    assert "mission complete: 6 of 6 waypoints" in told.err
+
+
+def test_a_followed_mission_is_drawn_with_its_track(plan: str, tmp_path: Path) -> None:
+    picture = tmp_path / "voyage.png"
+    with fake_vehicle() as vehicle:
+        assert run_program([plan, *link(vehicle), "--start", "--follow", "--preview", str(picture)]) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_end_is_seen_even_when_every_reached_message_is_lost(plan: str) -> None:
+    with fake_vehicle(Behaviour(lose_reached=True)) as vehicle:
+        assert run_program([plan, *link(vehicle), "--start", "--follow"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "code", "said"),
+    [
+        (
+            Behaviour(refuse_item=3, refuse_text="Mission: bad latitude"),
+            1,
+            "the vehicle refused item 3: x or latitude is invalid (Mission: bad latitude)",
+        ),
+        (
+            Behaviour(die_at_item=3),
+            3,
+            "the vehicle stopped answering while uploading the mission, after item 2",
+        ),
+        (
+            Behaviour(hush_at_item=3),
+            3,
+            "the vehicle stopped answering while uploading the mission, after item 2",
+        ),
+        (Behaviour(alter_item=4), 1, "does not hold what was sent: item 4: x sent"),
+        (Behaviour(silent=True), 3, "no vehicle within 3 s"),
+        (Behaviour(refuse_arming="Arm: no GNSS fix"), 1, "refused to arm: Arm: no GNSS fix"),
+        (
+            Behaviour(leave_auto_after=2),
+            1,
+            "left AUTO for HOLD on the way to waypoint 3 of 6 (GCS lost: HOLD)",
+        ),
+        (Behaviour(disarm_after=2), 1, "disarmed on the way to waypoint 3 of 6"),
+        (Behaviour(die_after=2), 3, "lost the vehicle while following the mission"),
+    ],
+)
+def test_what_goes_wrong_is_told_in_one_line_with_its_exit_code(
+    behaviour: Behaviour, code: int, said: str, plan: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle(behaviour) as vehicle:
+        found = run_program([plan, *link(vehicle), "--start", "--follow"])
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 1, told
+    assert said in told[0]
+    assert found == code
+
+
+def test_a_boat_that_gets_ready_to_arm_in_time_is_waited_for(plan: str) -> None:
+    behaviour = Behaviour(refuse_arming="Arm: no GNSS fix", arming_refusals=1)
+    with fake_vehicle(behaviour) as vehicle:
+        assert run_program([plan, *link(vehicle), "--start"]) == 0
+
+
+def test_following_for_too_long_is_given_up_and_the_boat_sails_on(
+    plan: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle(Behaviour(stick_after=2)) as vehicle:
+        assert run_program([plan, *link(vehicle), "--start", "--follow", "--timeout", "2"]) == 1
+    assert "has not ended within 2 s" in capsys.readouterr().err
+
+
+def test_fence_and_rally_points_go_along_and_are_read_back(tmp_path: Path) -> None:
+    corners = tuple(FRAME.to_global(point) for point in (Point(0, 0), Point(0, 90), Point(90, 90)))
+    fence = Fence((FencePolygon(corners),), (FenceCircle(corners[0], 12.5, inclusion=False),))
+    mission = zigzag(3)
+    save_mission(
+        Mission(mission.items, mission.home, 0.0, fence, (Rally(corners[1]),)), tmp_path / "fenced.plan"
+    )
+    with fake_vehicle() as vehicle:
+        assert run_program([str(tmp_path / "fenced.plan"), *link(vehicle)]) == 0
+    assert Counter(item.command for item in vehicle.fence) == {5001: 3, 5004: 1}
+    assert [item.command for item in vehicle.rally] == [5100]
+    assert vehicle.fence[-1].param1 == 12.5
+
+
+def test_a_vehicle_that_is_no_ardupilot_gets_no_home_item(plan: str) -> None:
+    with fake_vehicle(Behaviour(autopilot=dialect.MAV_AUTOPILOT_PX4)) as vehicle:
+        assert run_program([plan, *link(vehicle)]) == 0
+    assert [item.frame for item in vehicle.mission] == [3] * 6
+
+
+def test_the_route_starts_where_the_boat_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pond = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
+    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [pond]}))
+    with fake_vehicle(Behaviour(at_e7=(500005000, -11990000))) as vehicle:
+        arguments = [str(tmp_path / "pond.geojson"), "--goal", "50.0015,-1.199", *link(vehicle), "--json"]
+        assert run_program(arguments) == 0
+    tree = json.loads(capsys.readouterr().out)
+    assert tree["home"] == [50.0005, -1.199]
+    assert [item.x for item in vehicle.mission] == [500005000, 500015000]
+
+
+def test_a_boat_without_a_fix_is_asked_for_a_start(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pond = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
+    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [pond]}))
+    with fake_vehicle(Behaviour(at_e7=(0, 0))) as vehicle:
+        arguments = [str(tmp_path / "pond.geojson"), "--goal", "50.0015,-1.199"]
+        assert run_program([*arguments, *link(vehicle), "--patience", "1"]) == 3
+    assert "no position from the boat within 1 s" in capsys.readouterr().err
+
+
+def test_the_installed_program_leaves_stdout_to_the_json(plan: str) -> None:
+    program = str(Path(sys.executable).with_name("mission-upload"))
+    with fake_vehicle() as vehicle:
+        done = subprocess.run(
+            [program, plan, *link(vehicle), "--json"], capture_output=True, text=True, timeout=60, check=False
+        )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["upload"]["items"] == 7
+    assert "\x1b" not in done.stdout + done.stderr
+
+
+def test_ctrl_c_ends_a_followed_voyage_with_130(plan: str) -> None:
+    program = str(Path(sys.executable).with_name("mission-upload"))
+    with fake_vehicle(Behaviour(stick_after=1)) as vehicle:
+        running = subprocess.Popen(
+            [program, plan, *link(vehicle), "--start", "--follow"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            assert running.stdout is not None
+            for line in running.stdout:
+                if line.startswith("waypoint 2 of 6"):
+                    running.send_signal(2)
+                    break
+            _, told = running.communicate(timeout=20)
+        finally:
+            running.kill()
+    assert running.returncode == 130
+    assert told == "mission-upload: interrupted\n"

@@ -1,0 +1,197 @@
+"""The programs as a person meets them: wrong input gives one clear line and the right exit code."""
+
+import json
+import re
+import socket
+from pathlib import Path
+
+import pytest
+
+from companion.geo import LatLon
+from mission_tools.cli import check as check_cli
+from mission_tools.cli import upload as upload_cli
+from mission_tools.cli.arguments import position, with_start_told_apart
+from mission_tools.errors import UsageError
+from mission_tools.mission import Command
+from mission_tools.plan_file import load_mission
+
+POND = """{"type": "FeatureCollection", "features": [
+  {"type": "Feature", "properties": {"kind": "water", "name": "Pond"}, "geometry": {"type": "Polygon",
+   "coordinates": [[[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]]}},
+  {"type": "Feature", "properties": {"kind": "island", "name": "Goose Island"}, "geometry": {
+   "type": "Polygon",
+   "coordinates": [[[-1.1993, 50.0008], [-1.1987, 50.0008], [-1.1987, 50.0012], [-1.1993, 50.0012],
+                    [-1.1993, 50.0008]]]}}]}"""
+SCENARIO = """
+[map]
+file = "pond.geojson"
+[route]
+start = { lat_deg = 50.0004, lon_deg = -1.199 }
+goal = { lat_deg = 50.0016, lon_deg = -1.199 }
+clearance_m = 4.0
+"""
+START, GOAL = "50.0004,-1.199", "50.0016,-1.199"
+
+
+@pytest.fixture
+def pond(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a map, a scenario and things that cannot be used; also the working folder."""
+    (tmp_path / "pond.geojson").write_text(POND)
+    (tmp_path / "pond.toml").write_text(SCENARIO)
+    (tmp_path / "bad_key.toml").write_text(SCENARIO.replace("clearance_m", "clearence_m"))
+    (tmp_path / "not.toml").write_text("[route\n")
+    (tmp_path / "crossed.geojson").write_text(
+        '{"type": "Polygon", "coordinates": [[[-1.2, 50.0], [-1.19, 50.01], [-1.19, 50.0], [-1.2, 50.01], '
+        "[-1.2, 50.0]]]}"
+    )
+    (tmp_path / "broken.plan").write_text('{"fileType": "Plan", "mission": {"version": 2, "items": [{}]}}')
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def nobody() -> str:
+    """A port on which nobody listens."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return f"tcp:127.0.0.1:{server.getsockname()[1]}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ("nowhere.geojson --goal " + GOAL, 2, "nowhere.geojson: "),
+        ("nowhere.plan", 2, "nowhere.plan: cannot be read: No such file"),
+        ("no_such_scenario", 2, "no_such_scenario: no such scenario"),
+        ("bad_key.toml --dry-run", 2, "bad_key.toml: .*clearence_m"),
+        ("not.toml --dry-run", 2, "not.toml: not a TOML file: Expected ']'.*line 1"),
+        (f"crossed.geojson --start-at {START} --goal {GOAL} --dry-run", 2, "crossed.geojson.*self"),
+        ("broken.plan --dry-run", 2, "broken.plan: item 1: "),
+        ("pond.toml --goal 50.001,-1.199 --dry-run", 2, "goal 50.001000,-1.199000 lies on Goose Island"),
+        ("pond.toml --goal 50.01,-1.199 --dry-run", 2, "goal .* outside the map"),
+        ("pond.toml --start 50.001,-1.199 --dry-run", 2, "start .* on Goose Island"),
+        ("pond.toml --clearance 60 --dry-run", 2, "clearance of 60 m"),
+        ("pond.toml --clearance -1 --dry-run", 2, "clearance"),
+        ("pond.toml --clearance wide", 2, "Invalid value for '--clearance'"),
+        ("pond.toml --heuristic luck --dry-run", 2, "heuristic 'luck'"),
+        ("pond.toml --case 7 --dry-run", 2, "no case '7'"),
+        ("pond.toml --speed 0 --dry-run", 2, "--speed 0: expected metres per second"),
+        ("pond.toml --goal here", 2, "--goal 'here': expected LAT,LON"),
+        ("pond.toml --goal 91,0", 2, "--goal '91,0': latitude 91.0 is outside"),
+        ("pond.geojson", 2, "pond.geojson names no goal: add --goal LAT,LON"),
+        (f"pond.geojson --goal {GOAL} --dry-run", 2, "no start: add --start-at LAT,LON"),
+        ("pond.toml --connect carrier-pigeon", 2, "--connect 'carrier-pigeon': it names no port"),
+        ("pond.toml --preview map.txt --dry-run", 2, "--preview map.txt: expected a name"),
+        ("pond.toml --preview no/map.png --dry-run", 2, "--preview no/map.png: there is no folder"),
+        ("pond.toml --frobnicate", 2, "No such option"),
+        ("pond.toml --connect NOBODY --patience 0.3", 3, "NOBODY: no vehicle within 0.3 s: is the boat"),
+        (
+            "pond.toml --connect /dev/ttyMISSING --patience 0.3",
+            3,
+            "/dev/ttyMISSING: .*is the radio plugged in",
+        ),
+    ],
+)
+def test_wrong_input_gives_one_line_and_its_exit_code(
+    arguments: str, code: int, said: str, pond: Path, nobody: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = upload_cli.run_program(arguments.replace("NOBODY", nobody).split())
+    told = capsys.readouterr().err.splitlines()
+    assert found == code, told
+    assert len(told) == 1
+    assert re.search(rf"^mission-upload: .*{said.replace('NOBODY', nobody)}", told[0]), told[0]
+
+
+def test_a_dry_run_plans_reports_and_saves_without_a_vehicle(
+    pond: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["pond.toml", "--dry-run", "--speed", "1.5", "--save", "route.plan"]
+    assert upload_cli.run_program(arguments) == 0
+    assert re.match(r"Pond: \d waypoints, 1[45]\d m \(straight 133 m\)", capsys.readouterr().out)
+    mission = load_mission(pond / "route.plan")
+    assert mission.home == LatLon(50.0004, -1.199)
+    assert mission.items[0].command == Command.DO_CHANGE_SPEED
+    assert mission.places[-1] == LatLon(50.0016, -1.199)
+    assert check_cli.run_program(["route.plan", "--map", "pond.toml"]) == 0
+
+
+def test_json_is_alone_on_stdout(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert upload_cli.run_program(["pond.toml", "--dry-run", "--json"]) == 0
+    tree = json.loads(capsys.readouterr().out)
+    assert tree["ok"] is True
+    assert tree["waypoints"][-1] == [50.0016, -1.199]
+    assert tree["plan"]["length_m"] > tree["plan"]["straight_m"] > 130.0
+    assert tree["plan"]["min_clearance_m"] >= 3.99
+    assert tree["upload"] is None
+
+
+def test_json_tells_failures_too(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert upload_cli.run_program(["pond.toml", "--goal", "50.001,-1.199", "--dry-run", "--json"]) == 2
+    tree = json.loads(capsys.readouterr().out)
+    assert (tree["ok"], tree["exit_code"]) == (False, 2)
+    assert "Goose Island" in tree["error"]
+
+
+def test_a_goal_of_ones_own_needs_no_scenario(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["pond.geojson", "--start", START, "--goal", GOAL, "--clearance", "2", "--dry-run", "--json"]
+    assert upload_cli.run_program(arguments) == 0
+    assert json.loads(capsys.readouterr().out)["plan"]["clearance_m"] == 2.0
+
+
+def test_planning_options_do_not_go_with_a_mission_file(
+    pond: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert upload_cli.run_program(["pond.toml", "--dry-run", "--save", "r.plan"]) == 0
+    capsys.readouterr()
+    assert upload_cli.run_program(["r.plan", "--dry-run", "--clearance", "3", "--goal", GOAL]) == 2
+    assert "--goal, --clearance would plan one" in capsys.readouterr().err
+
+
+def test_debug_keeps_the_traceback(pond: Path) -> None:
+    with pytest.raises(UsageError):
+        upload_cli.run_program(["pond.toml", "--connect", "x", "--debug"])
+
+
+@pytest.mark.parametrize("program", [upload_cli, check_cli])
+def test_help_teaches_by_example(program: object, capsys: pytest.CaptureFixture[str]) -> None:
+    assert program.run_program(["--help"]) == 0  # type: ignore[attr-defined]
+    text = capsys.readouterr().out
+    assert "Examples:" in text
+    assert "Exit codes: 0" in text
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        (["--start", "50.1,-1.2"], ["--start-at", "50.1,-1.2"]),
+        (["--start=50.1,-1.2"], ["--start-at=50.1,-1.2"]),
+        (["lake", "--start"], ["lake", "--start"]),
+        (["--start", "--follow"], ["--start", "--follow"]),
+        (["--start", "lake"], ["--start", "lake"]),
+        (["--start", "-33.8,151.2", "--start"], ["--start-at", "-33.8,151.2", "--start"]),
+    ],
+)
+def test_start_with_a_position_names_a_place(typed: list[str], meant: list[str]) -> None:
+    assert with_start_told_apart(typed) == meant
+
+
+def test_southern_and_western_positions_are_read() -> None:
+    assert position("--goal", " -33.8 , -.5 ") == LatLon(-33.8, -0.5)
+    assert position("--goal", None) is None
+
+
+def test_check_lists_findings_and_fails(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row = "\t".join(["{}", "0", "{}", "16", "0", "0", "0", "0", "{}", "-1.199", "0", "1"])
+    rows = [row.format(0, 0, 50.0004), row.format(1, 3, 50.0016)]
+    (pond / "over.waypoints").write_text("\n".join(["QGC WPL 110", *rows]))
+    assert check_cli.run_program(["over.waypoints"]) == 0
+    assert check_cli.run_program(["over.waypoints", "--map", "pond.geojson", "--json"]) == 1
+    out = capsys.readouterr().out
+    assert "1 items, 0 findings" in out
+    findings = json.loads(out[out.index("{") :])["findings"]
+    assert [finding["item"] for finding in findings] == [1]
+    assert "Goose Island is in the way" in findings[0]["text"]
+
+
+def test_check_of_a_broken_file_is_wrong_input(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert check_cli.run_program(["broken.plan"]) == 2
+    assert capsys.readouterr().err.startswith("mission-check: broken.plan: item 1: ")
