@@ -16,13 +16,33 @@ PLANNED, SAILED, INK, PAPER = "#cf3a2e", "#12395b", "#2b2b2b", "#fbf9f4"
 PLAN_STYLE: dict[str, Any] = {"color": PLANNED, "linewidth": 4.6, "alpha": 0.6, "dashes": (2.2, 1.1)}
 HALO = [withStroke(linewidth=2.6, foreground="white", alpha=0.85)]
 SCALE_STEPS_M = tuple(step * 10.0**power for power in range(-2, 6) for step in (1.0, 2.0, 5.0))
+SMALL_VIEW_M = 20.0
 
 View = tuple[float, float, float, float]
 """West, south, east, north of what is shown, metres."""
 
 
 def draw_frame(axes: Axes, chart: Chart, view: View) -> None:
-    """A neat line with ticks of latitude and longitude."""
+    """A neat line with ticks of latitude and longitude, or of metres where the view is small."""
+    if view[2] - view[0] < SMALL_VIEW_M:
+        _metre_ticks(axes, view)
+    else:
+        _degree_ticks(axes, chart, view)
+    axes.tick_params(labelsize=7.5, color="#777777", labelcolor="#666666", length=4)
+    axes.grid(color="white", linewidth=0.6, alpha=0.45, zorder=2.5)
+    for side in axes.spines.values():
+        side.set(linewidth=1.4, color="#555555")
+
+
+def _metre_ticks(axes: Axes, view: View) -> None:
+    """East and north of the origin: a pool is too small for degrees."""
+    west, south, east, north = view
+    (eastings, decimals), (northings, north_decimals) = _round_values(west, east), _round_values(south, north)
+    axes.set_xticks(eastings, [f"{at:.{decimals}f} m" for at in eastings])
+    axes.set_yticks(northings, [f"{at:.{north_decimals}f} m" for at in northings], rotation=90, va="center")
+
+
+def _degree_ticks(axes: Axes, chart: Chart, view: View) -> None:
     west, south, east, north = view
     low = chart.frame.to_global(Point(south, west))
     high = chart.frame.to_global(Point(north, east))
@@ -40,10 +60,6 @@ def draw_frame(axes: Axes, chart: Chart, view: View) -> None:
         rotation=90,
         va="center",
     )
-    axes.tick_params(labelsize=7.5, color="#777777", labelcolor="#666666", length=4)
-    axes.grid(color="white", linewidth=0.6, alpha=0.45, zorder=2.5)
-    for side in axes.spines.values():
-        side.set(linewidth=1.4, color="#555555")
 
 
 def _round_values(low: float, high: float) -> tuple[list[float], int]:

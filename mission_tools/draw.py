@@ -44,7 +44,7 @@ LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
 WATER = "#b7daeb"
 TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
 MARGIN_SHARE = 0.16
-WHOLE_CHART_RATIO = 3.0
+WHOLE_CHART_RATIO = 4.0
 
 
 def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequence[Point] = ()) -> None:

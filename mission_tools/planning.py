@@ -29,7 +29,7 @@ REFINEMENTS = 2
 """How often the default cell is halved when it shows no route, so that a narrow passage is not overlooked."""
 MAX_REFINED_GRID_CELLS = 16_000_000
 MAX_PULL_POINTS = 600
-MIN_LEG_CLEARANCES = 2.0
+MIN_LEG_CLEARANCES = 3.0
 MIN_LEG_CELLS = 3.0
 
 
