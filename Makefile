@@ -19,6 +19,9 @@ $(STAMP): pyproject.toml constraints.txt requirements-peers.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements-peers.txt
 	@touch $@
 
+demo: setup  ## plan, upload, sail, report; also MAP=… START=LAT,LON GOAL=LAT,LON
+	$(BIN)/python examples/demo.py --map '$(or $(MAP),lake)' $(if $(START),--start='$(START)') $(if $(GOAL),--goal='$(GOAL)') $(if $(CLEARANCE),--clearance='$(CLEARANCE)')
+
 test: setup  ## all tests
 	$(BIN)/python -m pytest -n 2
 
@@ -33,6 +36,10 @@ contracts: setup
 	$(BIN)/lint-imports --no-cache
 
 check: lint types contracts test  ## lint, types, import contracts, tests
+
+bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	$(BIN)/python -m benchmarks
 
 clean:  ## remove everything that make made
 	rm -rf $(VENV) out build .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -146,7 +146,7 @@ class L298N(Section, frozen=True):
     right_forward: int = 20
     right_backward: int = 21
     right_enable: int = 13
-    pwm_hz: Annotated[int, Meta(ge=50, le=20000)] = 1000
+    pwm_hz: Annotated[int, Meta(ge=50, le=10000)] = 1000  # lgpio goes no higher
     dead_time_s: NonNegative = 0.02
     left_reversed: bool = False
     right_reversed: bool = False

@@ -6,6 +6,7 @@ reader thread of its own and hands over the latest reading, stamped with the boa
 """
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -139,8 +140,8 @@ class Hardware:
     battery: Battery | None = None
 
     def close(self) -> None:
-        """Stop the motors, then let every part go."""
-        self.motors.close()
-        for part in (self.gnss, self.compass, self.sonar, self.battery):
-            if part is not None:
-                part.close()
+        """Stop the motors first, then let every part go, also when one of them raises."""
+        with ExitStack() as rest:
+            for part in (self.battery, self.sonar, self.compass, self.gnss, self.motors):
+                if part is not None:
+                    rest.callback(part.close)  # called last in, first out

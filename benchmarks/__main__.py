@@ -1,0 +1,79 @@
+"""Run every benchmark: prints a table, writes docs/benchmarks.md and out/benchmarks.json."""
+
+import json
+import os
+import platform
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks import codec, emulator, planner, transfer
+from benchmarks.measure import Row
+
+PAGE = Path("docs/benchmarks.md")
+JSON = Path("out/benchmarks.json")
+BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
+    "codec": codec.rows,
+    "planner": planner.rows,
+    "emulator": emulator.rows,
+    "transfer": transfer.rows,
+}
+
+_INTRODUCTION = """# Benchmarks
+
+Made by `make bench`; one file a question in `benchmarks/`. Ours and the peer run in turn in one process;
+figures are medians ± half the distance between the quartiles, the ratio is the median of the pairs. CPU time,
+but for transfers, which are wall clock. Shared machines are noisy: trust the ratios.
+
+Machine: {machine}.
+"""
+
+
+def main(names: list[str]) -> int:
+    """Run the named benchmarks, all without a name. Only a full run rewrites the page."""
+    unknown = [name for name in names if name not in BENCHMARKS]
+    if unknown:
+        sys.stderr.write(f"benchmarks: no {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}\n")
+        return 2
+    found: dict[str, list[Row]] = {}
+    for name in names or BENCHMARKS:
+        found[name] = BENCHMARKS[name]()
+        _print(name, found[name])
+    JSON.parent.mkdir(exist_ok=True)
+    JSON.write_text(
+        json.dumps({name: [row.as_dict() for row in rows] for name, rows in found.items()}, indent=2)
+    )
+    if not names:
+        PAGE.write_text(_page(found), encoding="utf-8")
+    return 0
+
+
+def _cells(row: Row) -> tuple[str, str, str, str]:
+    peer = row.note or "–" if row.peer is None else f"{row.peer_name}: {row.peer:.3g} {row.unit}"
+    ratio = "–" if row.ratio is None else f"{row.ratio:.2f}"
+    return row.question, f"{row.ours:.3g} ± {row.spread:.2g} {row.unit}", peer, ratio
+
+
+def _print(name: str, rows: list[Row]) -> None:
+    table = Table("question", "ours", "peer", "ours ÷ peer", title=name)
+    for row in rows:
+        table.add_row(*_cells(row))
+    Console().print(table)
+
+
+def _page(found: dict[str, list[Row]]) -> str:
+    cores = len(os.sched_getaffinity(0))
+    machine = f"{platform.machine()}, {cores} cores, {platform.system()}, Python {platform.python_version()}"
+    lines = [_INTRODUCTION.format(machine=machine)]
+    for name, rows in found.items():
+        lines += [f"## {name}", "", "| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
+        lines += [f"| {' | '.join(_cells(row))} |" for row in rows]
+        lines.append("")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

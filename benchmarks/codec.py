@@ -1,0 +1,69 @@
+"""What does a MAVLink message cost on its way in and out, against pymavlink's own parser and packer?"""
+
+from benchmarks.measure import Row, paired
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import Message, dialect
+
+_COUNT = 2000
+_MICRO = 1e6 / _COUNT
+
+
+def _messages() -> list[Message]:
+    """What a boat sends most."""
+    kinds: list[Message] = [
+        dialect.MAVLink_attitude_message(1, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1),
+        dialect.MAVLink_global_position_int_message(1, 500000000, -12000000, 0, 0, 100, 20, 0, 9000),
+        dialect.MAVLink_vfr_hud_message(2.0, 2.0, 90, 40, 0.0, 0.0),
+        dialect.MAVLink_heartbeat_message(11, 3, 1, 10, 4, 3),
+    ]
+    return [kinds[number % len(kinds)] for number in range(_COUNT)]
+
+
+def rows() -> list[Row]:
+    """Encode and decode, CPU time a message."""
+    messages = _messages()
+    encoder = Encoder(Address(1, 1))
+    frames = [encoder.encode(message) for message in messages]
+    stream = b"".join(frames)
+
+    def encode() -> None:
+        for message in messages:
+            encoder.encode(message)
+
+    def pack() -> None:
+        packer = dialect.MAVLink(None, 1, 1)
+        for message in messages:
+            message.pack(packer)
+
+    def decode() -> None:
+        assert len(Decoder(datagram=False).feed(stream)) == _COUNT
+
+    def parse() -> None:
+        parser = dialect.MAVLink(None)
+        parser.robust_parsing = True
+        assert len(parser.parse_buffer(stream)) == _COUNT
+
+    def decode_datagrams() -> None:
+        decoder = Decoder(datagram=True)
+        for frame in frames:
+            decoder.feed(frame)
+
+    def parse_datagrams() -> None:
+        for frame in frames:
+            parser = dialect.MAVLink(None)
+            parser.robust_parsing = True
+            parser.parse_buffer(frame)
+
+    return [
+        paired("encode a message", "µs", _MICRO, encode, "pymavlink", pack),
+        paired("decode a message from a stream", "µs", _MICRO, decode, "pymavlink", parse),
+        paired(
+            "decode a datagram, fresh parser each",
+            "µs",
+            _MICRO,
+            decode_datagrams,
+            "pymavlink",
+            parse_datagrams,
+        ),
+    ]

@@ -1,0 +1,76 @@
+"""How fast does a mission go up and down over TCP loopback, with a plain pymavlink client?"""
+
+import contextlib
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pymavlink import mavutil
+
+from benchmarks.measure import Row, alone
+
+_ROUNDS = 5
+
+
+def rows() -> list[Row]:
+    """Wall-clock seconds for 100 and 500 items each way."""
+    note = "ArduPilot Rover's simulator is not installed from the registry; nothing to pair with"
+    found: list[Row] = []
+    with _boat() as url:
+        vehicle = mavutil.mavlink_connection(url, source_system=245)
+        vehicle.wait_heartbeat(timeout=10)
+        for count in (100, 500):
+            up = [_upload(vehicle, count) for _ in range(_ROUNDS)]
+            down = [_download(vehicle, count) for _ in range(_ROUNDS)]
+            found.append(alone(f"upload {count} items, TCP loopback", "s", "less", up, note))
+            found.append(alone(f"download {count} items, TCP loopback", "s", "less", down, note))
+        vehicle.close()
+    return found
+
+
+@contextlib.contextmanager
+def _boat() -> Iterator[str]:
+    program = str(Path(sys.executable).with_name("boat-sitl"))
+    process = subprocess.Popen(
+        [program, "serve", "open", "--tcp", "0", "--no-udp"], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert process.stdout is not None
+        yield "tcp:" + process.stdout.readline().rsplit("tcpin:", 1)[1].strip()
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=10)
+
+
+def _upload(vehicle: Any, count: int) -> float:  # noqa: ANN401  pymavlink is untyped
+    send, target = vehicle.mav, (1, 1)
+    began = time.perf_counter()
+    send.mission_count_send(*target, count, 0)
+    while True:
+        message = vehicle.recv_match(
+            type=["MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"], blocking=True, timeout=5
+        )
+        assert message is not None, "the boat fell silent"
+        if message.get_type() == "MISSION_ACK":
+            assert message.type == 0, f"refused with {message.type}"
+            return time.perf_counter() - began
+        lat = 500000000 + 100 * message.seq
+        send.mission_item_int_send(*target, message.seq, 3, 16, 0, 1, 0, 0, 0, 0, lat, -12000000, 0, 0)
+
+
+def _download(vehicle: Any, count: int) -> float:  # noqa: ANN401  pymavlink is untyped
+    send, target = vehicle.mav, (1, 1)
+    began = time.perf_counter()
+    send.mission_request_list_send(*target, 0)
+    assert vehicle.recv_match(type="MISSION_COUNT", blocking=True, timeout=5).count == count
+    for seq in range(count):
+        send.mission_request_int_send(*target, seq, 0)
+        item = vehicle.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=5)
+        assert item is not None
+        assert item.seq == seq
+    send.mission_ack_send(*target, 0, 0)
+    return time.perf_counter() - began
