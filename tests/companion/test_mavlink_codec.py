@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from companion.mavlink.address import Address, concerns, is_named
 from companion.mavlink.codec import Counters, Decoder, Encoder
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, crc16, dialect
 from companion.mavlink.framing import LONGEST_FRAME
 from companion.mavlink.layout import LAYOUTS
 
@@ -162,6 +162,46 @@ def test_a_text_that_is_no_text_raises_nothing_and_goes_out_as_it_came() -> None
     message = layout.unpack(payload)
     assert "caf" in message.text
     assert layout.pack(message).rstrip(b"\0") == payload.rstrip(b"\0")
+
+
+def test_noise_is_counted_once_however_it_is_cut_and_again_after_a_frame() -> None:
+    encoder, decoder = Encoder(STATION), Decoder(datagram=False)
+    for _ in range(10):
+        decoder.feed(b"noise")
+    assert decoder.counters.bad_frames == 1
+    decoder.feed(encoder.encode(heartbeat()) + b"noise")
+    assert decoder.counters.bad_frames == 2
+    decoder.feed(encoder.encode(heartbeat()))
+    assert decoder.counters.frames_in == 2
+
+
+def test_a_bad_frame_full_of_magic_bytes_is_counted_once_and_the_next_one_again() -> None:
+    payload = b"\xfd\x01\x00\xfe\xff" * 10
+    frame = bytearray(Encoder(STATION).encode(dialect.MAVLink_statustext_message(4, payload)))
+    frame[-1] ^= 1
+    decoder = Decoder(datagram=False)
+    for n in (1, 2, 3):
+        decoder.feed(bytes(frame))
+        decoder.feed(Encoder(STATION).encode(heartbeat()))
+        assert (decoder.counters.bad_frames, decoder.counters.bad_crc) == (n, n)
+        assert decoder.counters.frames_in == n
+    assert decoder.counters.unknown == 0
+
+
+def test_unknown_messages_are_counted_one_by_one() -> None:
+    decoder = Decoder(datagram=False)
+    decoder.feed(bytes.fromhex("fd02000000ffbeffffff0102aabb") * 3)
+    assert (decoder.counters.unknown, decoder.counters.bad_frames) == (3, 0)
+
+
+def test_a_frame_with_an_unknown_incompatibility_is_dropped_even_if_its_checksum_fits() -> None:
+    layout = LAYOUTS[dialect.MAVLINK_MSG_ID_HEARTBEAT]
+    body = bytearray(Encoder(STATION).encode(heartbeat()))[1:-2]
+    body[1] = 0x02
+    frame = b"\xfd" + bytes(body) + crc16(bytes(body) + layout.crc_extra).to_bytes(2, "little")
+    decoder = Decoder(datagram=True)
+    assert decoder.feed(frame) == []
+    assert decoder.counters.bad_frames == 1
 
 
 def test_the_sequence_runs_round_and_gaps_are_counted_as_lost_per_sender() -> None:

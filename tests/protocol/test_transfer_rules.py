@@ -430,6 +430,16 @@ def test_asking_for_the_same_item_for_ever_is_no_progress() -> None:
         assert now_s < 2.5
 
 
+def test_requests_after_the_end_are_answered_but_do_not_keep_it_alive() -> None:
+    machine = sending()
+    tell(machine, request(0), ack(MissionResult.OPERATION_CANCELLED))
+    machine.take_outbox()
+    tell(machine, request(1), request(2), now_s=1.9)
+    assert said(machine) == [("ITEM_INT", 1), ("ITEM_INT", 2)]
+    machine.tick(2.0)
+    assert machine.is_idle
+
+
 def test_a_request_out_of_the_blue_is_answered_at_once() -> None:
     machine = Sender(BOAT, MISSION, source=lambda: ITEMS)
     tell(machine, request(0))
