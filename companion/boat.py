@@ -44,7 +44,7 @@ class Boat:
         self.vehicle = Vehicle(self.parameters.config)
         self.channels = Channels(ports, own)
         self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage)
-        self.estimator = Estimator()
+        self.estimator = Estimator(config.guidance.accel_m_s2)
         self.pilot = Pilot()
         self.helm = Helm()
         self.gate = Gate()

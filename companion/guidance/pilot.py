@@ -2,6 +2,8 @@
 
 import math
 
+import msgspec
+
 from companion.config import BoatConfig
 from companion.geo import Point
 from companion.guidance.drift import Drift
@@ -53,6 +55,8 @@ class Pilot:
 
     def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Demand:
         setting = config.guidance
+        if leg.radius_m > 0.0:
+            setting = msgspec.structs.replace(setting, waypoint_radius_m=leg.radius_m)
         end, here = leg.end, nav.point
         course = aim = leg_course_rad(leg.start, end, here)
         to_go, cross_track = _to_go_and_cross_track_m(course, end, nav)

@@ -23,13 +23,14 @@ class FollowLeg:
     """Sail the straight line start → end at speed_m_s over ground.
 
     next_end is where the leg after this one leads: guidance slows for the corner between them. None means
-    that the boat is to stop at `end`.
+    that the boat is to stop at `end`. radius_m is how near `end` must be passed, 0 the boat's own radius.
     """
 
     start: Point
     end: Point
     speed_m_s: float
     next_end: Point | None = None
+    radius_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,7 +95,8 @@ class MissionProgress:
                 if math.isnan(self._hold_until_s):
                     if not self._has_arrived(nav, end, waypoint.radius_m or setting.waypoint_radius_m):
                         start = self._leg_start or nav.point
-                        return FollowLeg(start, end, self.speed_m_s or cruise_m_s, next_end)
+                        speed_m_s = self.speed_m_s or cruise_m_s
+                        return FollowLeg(start, end, speed_m_s, next_end, waypoint.radius_m)
                     self.reached.append(self.current_seq)
                     self._station = end
                     self._hold_until_s = now_s + waypoint.hold_s

@@ -1,0 +1,35 @@
+"""A straight line under way, and when its end counts as reached."""
+
+from companion.geo import Point, along_and_cross_track_m, distance_m
+from companion.state import NavState
+from companion.vehicle.intent import FollowLeg
+
+
+class Leg:
+    """From where it began to `end`. next_end: where the leg after it leads, None when the boat is to stop."""
+
+    __slots__ = ("end", "next_end", "start")
+
+    def __init__(self, start: Point, end: Point, next_end: Point | None = None) -> None:
+        self.start = start
+        self.end = end
+        self.next_end = next_end
+
+    def has_ended(self, nav: NavState, radius_m: float) -> bool:
+        """Whether the boat is within radius_m of the end, or has passed it within twice that.
+
+        A boat that was swept past further off aims at the end again, on a new line from where it is.
+        """
+        if distance_m(nav.point, self.end) <= radius_m:
+            return True
+        along_m, cross_m = along_and_cross_track_m(self.start, self.end, nav.point)
+        if along_m < distance_m(self.start, self.end):
+            return False
+        if abs(cross_m) <= 2.0 * radius_m:
+            return True
+        self.start = nav.point
+        return False
+
+    def intent(self, speed_m_s: float) -> FollowLeg:
+        """Sail it at this speed over ground."""
+        return FollowLeg(self.start, self.end, speed_m_s, self.next_end)
