@@ -38,7 +38,6 @@ from mission_tools.cartouche import (
     draw_scale_bar,
 )
 from mission_tools.maps.chart import KEPT_OUT, Chart, Feature
-from mission_tools.planning import Plan
 
 LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
 WATER = "#b7daeb"
@@ -64,9 +63,9 @@ def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequen
         _draw_feature(axes, chart, feature, route)
 
 
-def draw_plan(axes: Axes, plan: Plan) -> None:
+def draw_route(axes: Axes, route: Sequence[Point]) -> None:
     """The planned line, dashed."""
-    east, north = _columns(plan.points)
+    east, north = _columns(route)
     axes.plot(east, north, zorder=8, **PLAN_STYLE)
 
 
@@ -109,18 +108,18 @@ def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
 def save_picture(
     path: Path,
     chart: Chart,
-    plan: Plan | None = None,
+    route: Sequence[Point] | None = None,
     track: Sequence[Point] | None = None,
     *,
     title: str = "",
     subtitle: str = "",
-    clearance_m: float | None = None,
+    clearance_m: float = 0.0,
     speeds_m_s: Sequence[float] | None = None,
 ) -> None:
     """Write one picture of 1600 × 1200 pixels; the suffix of path chooses the format.
 
-    The clearance band is drawn for clearance_m, or for the plan's clearance where it is None. The view is the
-    whole chart, or the surroundings of plan and track where those are far smaller.
+    route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
+    view is the whole chart, or the surroundings of route and track where those are far smaller.
 
     Raises:
         OSError: the file cannot be written.
@@ -128,25 +127,23 @@ def save_picture(
     figure = Figure(figsize=(12.8, 9.6), dpi=125, facecolor=PAPER)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.045, 0.045, 0.925, 0.855))
-    view = _view(chart, plan, track, aspect=(12.8 * 0.925) / (9.6 * 0.855))
+    view = _view(chart, route, track, aspect=(12.8 * 0.925) / (9.6 * 0.855))
     west, south, east, north = view
     axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
-    band_m = clearance_m if clearance_m is not None else plan.settings.clearance_m if plan else 0.0
-    route = plan.points if plan else tuple(track or ())
     _draw_tints(axes, chart, east - west)
-    draw_chart(axes, chart, band_m, route)
-    _draw_water_name(axes, chart, plan, track, view)
-    if plan is not None:
-        draw_plan(axes, plan)
+    draw_chart(axes, chart, clearance_m, route or track or ())
+    _draw_water_name(axes, chart, route, track, view)
+    if route is not None:
+        draw_route(axes, route)
     line = draw_track(axes, track, speeds_m_s) if track else None
-    if plan is not None:
-        draw_waypoints(axes, plan.points)
+    if route is not None:
+        draw_waypoints(axes, route)
     elif track:
         draw_waypoints(axes, (track[0], track[-1]))
     draw_frame(axes, chart, view)
     draw_scale_bar(axes, view)
     draw_north_arrow(axes)
-    draw_legend(axes, chart, band_m, plan is not None, bool(track) and line is None)
+    draw_legend(axes, chart, clearance_m, route is not None, bool(track) and line is None)
     if line is not None:
         bar = figure.colorbar(line, cax=axes.inset_axes((0.025, 0.945, 0.2, 0.018)), orientation="horizontal")
         bar.set_label("speed over ground, m/s", fontsize=9)
@@ -156,8 +153,8 @@ def save_picture(
     figure.savefig(path)
 
 
-def _view(chart: Chart, plan: Plan | None, track: Sequence[Point] | None, aspect: float) -> View:
-    points = [*(plan.points if plan else ()), *(track or ())]
+def _view(chart: Chart, route: Sequence[Point] | None, track: Sequence[Point] | None, aspect: float) -> View:
+    points = [*(route or ()), *(track or ())]
     shown: list[BaseGeometry] = [shapely.Point(point.east_m, point.north_m) for point in points]
     if chart.is_open:
         shown += [feature.shape for feature in chart.features]
@@ -276,13 +273,17 @@ def _draw_landmark(axes: Axes, chart: Chart, feature: Feature) -> None:
 
 
 def _draw_water_name(
-    axes: Axes, chart: Chart, plan: Plan | None, track: Sequence[Point] | None, view: View
+    axes: Axes,
+    chart: Chart,
+    route: Sequence[Point] | None,
+    track: Sequence[Point] | None,
+    view: View,
 ) -> None:
     """The water's name where there is most room for it."""
     if chart.is_open or not any(feature.kind == "water" for feature in chart.features):
         return
     room = chart.navigable.intersection(shapely.box(*view))
-    for points in (plan.points if plan else (), track or ()):
+    for points in (route or (), track or ()):
         if len(points) > 1:
             line = shapely.LineString([(point.east_m, point.north_m) for point in points])
             room = room.difference(line.buffer(0.03 * (view[2] - view[0])))

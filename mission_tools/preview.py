@@ -1,11 +1,8 @@
 """The picture of a mission: its map, its plan and, after a voyage, the track."""
 
-import math
 from pathlib import Path
 
-from mission_tools.astar import SearchMetrics
 from mission_tools.errors import UsageError
-from mission_tools.planning import Plan, PlanSettings
 from mission_tools.proposal import Proposal
 from mission_tools.smooth import path_length_m
 from mission_tools.voyage import Voyage
@@ -37,29 +34,23 @@ def save_preview(path: Path, proposal: Proposal, voyage: Voyage | None) -> None:
     from mission_tools.draw import save_picture  # noqa: PLC0415 - matplotlib takes a second to import
 
     track = voyage.track if voyage is not None else []
-    plan = proposal.plan or _as_drawn(proposal)
-    subtitle = f"{distance(plan.length_m)} planned"
-    if proposal.plan is not None:
-        subtitle += f", clearance {plan.settings.clearance_m:g} m"
+    points, plan = proposal.points, proposal.plan
+    clearance_m = plan.settings.clearance_m if plan is not None else 0.0
+    subtitle = f"{distance(path_length_m(points))} planned"
+    if clearance_m > 0.0:
+        subtitle += f", clearance {clearance_m:g} m"
     if voyage is not None and track:
-        subtitle += f"; {distance(voyage.track_length_m)} sailed in {duration(track[-1].time_s)}"
+        subtitle += f"; {distance(voyage.track_length_m)} sailed in {duration(voyage.duration_s)}"
     try:
         save_picture(
             path,
             proposal.chart,
-            plan=plan,
+            points,
             track=[proposal.chart.frame.to_local(point.place) for point in track] or None,
             speeds_m_s=[point.speed_m_s for point in track] or None,
             title=proposal.name,
             subtitle=subtitle,
+            clearance_m=clearance_m,
         )
     except OSError as error:
         raise UsageError(f"--preview {path}: cannot be written: {error.strerror}") from None
-
-
-def _as_drawn(proposal: Proposal) -> Plan:
-    """The line through a mission that nobody planned here."""
-    points = proposal.points
-    length_m = path_length_m(points)
-    nothing = SearchMetrics(0, 0, 0, 0)
-    return Plan(points, (), length_m, length_m, math.inf, math.nan, nothing, PlanSettings(clearance_m=0.0))

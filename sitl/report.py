@@ -8,7 +8,6 @@ from rich.console import Console
 from rich.table import Table
 
 from mission_tools.draw import save_picture
-from mission_tools.planning import Plan
 from sitl.sail import Result, Sailing
 
 _MAX_DRAWN = 4000  # points of a track: more than a picture has pixels across
@@ -39,7 +38,7 @@ def print_table(result: Result, console: Console) -> None:
     console.print(table)
 
 
-def draw(sailing: Sailing, plan: Plan | None, result: Result, path: Path) -> None:
+def draw(sailing: Sailing, result: Result, path: Path, clearance_m: float = 0.0) -> None:
     """Chart, plan and true track.
 
     Raises:
@@ -51,11 +50,12 @@ def draw(sailing: Sailing, plan: Plan | None, result: Result, path: Path) -> Non
     save_picture(
         path,
         scenario.chart,
-        plan,
+        sailing.planned,
         track,
         title=scenario.title,
         subtitle=f"{result.path_length_m:.4g} m sailed in {result.time_s:.0f} s, "
         f"cross-track RMS {_metres(result.cross_track_rms_m)}",
+        clearance_m=clearance_m,
     )
 
 

@@ -54,7 +54,7 @@ def sail(
     if json_file is not None:
         _made_room_for(json_file).write_text(as_json(result) + "\n", encoding="utf-8")
     if png is not None:
-        draw(sailing, plan, result, _made_room_for(png))
+        draw(sailing, result, _made_room_for(png), plan.settings.clearance_m if plan else 0.0)
     if as_json_text:
         typer.echo(as_json(result))
     else:

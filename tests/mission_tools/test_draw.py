@@ -28,13 +28,13 @@ def pixels(path: Path) -> "np.ndarray[tuple[int, ...], np.dtype[np.float32]]":
 
 
 def test_a_picture_has_1600_by_1200_pixels_and_what_is_added_shows(pond: Chart, tmp_path: Path) -> None:
-    found = plan(pond, TRACK[0], TRACK[-1])
+    found = plan(pond, TRACK[0], TRACK[-1]).points
     variants = {
         "bare": {},
         "band": {"clearance_m": 4.0},
-        "plan": {"plan": found},
+        "route": {"route": found},
         "track": {"track": TRACK},
-        "both": {"plan": found, "track": TRACK, "title": "Mill Pond", "subtitle": "581 m"},
+        "both": {"route": found, "track": TRACK, "title": "Mill Pond", "subtitle": "581 m"},
         "speed": {"track": TRACK, "speeds_m_s": [1.0, 2.0, 1.5, 0.0]},
     }
     seen: list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]] = []
@@ -51,7 +51,7 @@ def test_open_water_and_a_pool_of_a_metre_can_be_drawn_too(tmp_path: Path) -> No
     frame = LocalFrame(ORIGIN)
     sea = build_chart("Sea", frame, None, ())
     save_picture(tmp_path / "sea.png", sea)
-    save_picture(tmp_path / "leg.png", sea, plan(sea, Point(0.0, 0.0), Point(200.0, 0.0)), clearance_m=2.0)
+    save_picture(tmp_path / "leg.png", sea, [Point(0.0, 0.0), Point(200.0, 0.0)], clearance_m=2.0)
     box = Feature("Box", "obstacle", shapely.box(0.4, 1.0, 0.6, 1.3))
     pool = build_chart("Pool", frame, shapely.box(-0.05, -0.05, 1.175, 2.45), [box])
     save_picture(tmp_path / "pool.png", pool, clearance_m=0.06)
