@@ -155,9 +155,8 @@ async def _sail(vehicle: Vehicle, request: Request, report: Report, console: Con
         report.started, report.mode = True, vehicle.state.mode
         console.print("started")
     if request.follow and report.proposal is not None:
-        began_s = time.monotonic()
-        report.voyage = Voyage.of(vehicle.state, report.proposal.mission, began_s)
+        report.voyage = Voyage.of(vehicle.state, report.proposal.mission, time.monotonic())
         await follow(vehicle, report.voyage, console, request.timeout_s)
         report.mode = vehicle.state.mode
-        sailed = f"sailed {distance(report.voyage.track_length_m)} in {duration(time.monotonic() - began_s)}"
+        sailed = f"sailed {distance(report.voyage.track_length_m)} in {duration(report.voyage.duration_s)}"
         console.print(f"{sailed}, now in {report.mode}")

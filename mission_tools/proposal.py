@@ -12,6 +12,8 @@ from mission_tools.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.planning import Plan, PlanSettings, plan
 from mission_tools.route import mission_along, with_speed
 
+REACH_DEG = 2.0  # farther from a chart's middle than this nothing can be on it
+
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
@@ -93,9 +95,8 @@ class Water:
             heuristic=wishes.heuristic,
             smooth=wishes.smooth,
         )
-        local = source.chart.frame.to_local
-        self._start = local(wishes.start_at) if wishes.start_at else source.route.start
-        goal = local(wishes.goal) if wishes.goal else source.route.goal
+        self._start = self._local("--start-at", wishes.start_at) if wishes.start_at else source.route.start
+        goal = self._local("--goal", wishes.goal) if wishes.goal else source.route.goal
         if goal is None:
             raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
         self._goal = goal
@@ -116,13 +117,28 @@ class Water:
         """
         start = self._start
         if start is None and here is not None:
-            start = self._chart.frame.to_local(here)
+            start = self._local("the boat", here)
         if start is None:
             raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
         found = plan(self._chart, start, self._goal, self._settings, self._via)
         places = [self._chart.frame.to_global(point) for point in found.points]
         mission = mission_along(places, self._wishes.speed_m_s)
         return Proposal(self._chart.name, mission, self._chart, found)
+
+    def _local(self, what: str, place: LatLon) -> Point:
+        """A place in the chart's frame.
+
+        Raises:
+            UsageError: so far away that the frame does not reach it.
+        """
+        origin = self._chart.frame.origin
+        away_deg = max(abs(place.lat_deg - origin.lat_deg), abs(place.lon_deg - origin.lon_deg))
+        if away_deg > REACH_DEG:
+            raise UsageError(
+                f"{what}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {self._chart.name} "
+                f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
+            )
+        return self._chart.frame.to_local(place)
 
 
 def _cases(source: Source) -> str:

@@ -71,7 +71,7 @@ class VehicleState:
     armed: bool = False
     heard_s: float = -math.inf
     position: LatLon | None = None
-    position_s: float = -math.inf
+    boat_time_s: float = 0.0  # of that position, by the boat's own clock since it started
     speed_m_s: float = 0.0
     current_item: int = 0
     mission_state: int = 0
@@ -116,7 +116,7 @@ class VehicleState:
             case "GLOBAL_POSITION_INT":
                 if (fields["lat"], fields["lon"]) != (0, 0):  # what autopilots say before the first fix
                     self.position = LatLon(e7_to_deg(fields["lat"]), e7_to_deg(fields["lon"]))
-                    self.position_s = now_s
+                    self.boat_time_s = fields["time_boot_ms"] / 1000.0
                 self.speed_m_s = math.hypot(fields["vx"], fields["vy"]) / 100.0
             case "MISSION_CURRENT":
                 self.current_item = fields["seq"]

@@ -33,7 +33,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class TrackPoint:
-    """Where the boat was; time counts from the start of the voyage."""
+    """Where the boat was, and when by its own clock; an emulator's may run faster than ours."""
 
     time_s: float
     place: LatLon
@@ -63,6 +63,11 @@ class Voyage:
         return cls(mission, now_s, first_seq=1 if state.is_ardupilot else 0)
 
     @property
+    def duration_s(self) -> float:
+        """How long the boat has been under way, by its own clock."""
+        return self.track[-1].time_s - self.track[0].time_s if self.track else 0.0
+
+    @property
     def track_length_m(self) -> float:
         """How far the boat has come."""
         points = [self._frame.to_local(point.place) for point in self.track]
@@ -85,7 +90,8 @@ class Voyage:
 
     def _record(self, state: VehicleState, now_s: float) -> None:
         if state.position is not None and (not self.track or self.track[-1].place != state.position):
-            self.track.append(TrackPoint(now_s - self._began_s, state.position, state.speed_m_s))
+            time_s = state.boat_time_s or now_s
+            self.track.append(TrackPoint(time_s, state.position, state.speed_m_s))
 
     def _is_finished(self, state: VehicleState) -> bool:
         reached_last = bool(self._sequences) and state.reached_item >= self._sequences[-1]

@@ -55,9 +55,12 @@ def _upload(report: Report) -> dict[str, Any]:
 
 def _voyage(voyage: Voyage) -> dict[str, Any]:
     return {
-        "time_s": voyage.track[-1].time_s if voyage.track else 0.0,
+        "time_s": voyage.duration_s,
         "track_length_m": voyage.track_length_m,
-        "track": [[point.time_s, point.place.lat_deg, point.place.lon_deg] for point in voyage.track],
+        "track": [
+            [point.time_s - voyage.track[0].time_s, point.place.lat_deg, point.place.lon_deg]
+            for point in voyage.track
+        ],
     }
 
 

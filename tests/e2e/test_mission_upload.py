@@ -36,6 +36,14 @@ def plan(tmp_path: Path) -> str:
     return str(tmp_path / "zigzag.plan")
 
 
+@pytest.fixture
+def pond(tmp_path: Path) -> str:
+    """A map file without islands."""
+    ring = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
+    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    return str(tmp_path / "pond.geojson")
+
+
 def link(vehicle: FakeVehicle) -> list[str]:
     return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "3"]
 
@@ -152,24 +160,24 @@ def test_a_vehicle_that_is_no_ardupilot_gets_no_home_item(plan: str) -> None:
     assert [item.frame for item in vehicle.mission] == [3] * 6
 
 
-def test_the_route_starts_where_the_boat_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pond = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
-    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [pond]}))
+def test_the_route_starts_where_the_boat_is(pond: str, capsys: pytest.CaptureFixture[str]) -> None:
     with fake_vehicle(Behaviour(at_e7=(500005000, -11990000))) as vehicle:
-        arguments = [str(tmp_path / "pond.geojson"), "--goal", "50.0015,-1.199", *link(vehicle), "--json"]
+        arguments = [pond, "--goal", "50.0015,-1.199", *link(vehicle), "--json"]
         assert run_program(arguments) == 0
     tree = json.loads(capsys.readouterr().out)
     assert tree["home"] == [50.0005, -1.199]
     assert [item.x for item in vehicle.mission] == [500005000, 500015000]
 
 
-def test_a_boat_without_a_fix_is_asked_for_a_start(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    pond = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
-    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [pond]}))
+def test_a_boat_on_another_water_is_told_so(pond: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with fake_vehicle(Behaviour(at_e7=(294000000, -821000000))) as vehicle:
+        assert run_program([pond, "--goal", "50.0015,-1.199", *link(vehicle)]) == 2
+    assert "the boat: 29.400000,-82.100000 is nowhere near" in capsys.readouterr().err
+
+
+def test_a_boat_without_a_fix_is_asked_for_a_start(pond: str, capsys: pytest.CaptureFixture[str]) -> None:
     with fake_vehicle(Behaviour(at_e7=(0, 0))) as vehicle:
-        arguments = [str(tmp_path / "pond.geojson"), "--goal", "50.0015,-1.199"]
+        arguments = [pond, "--goal", "50.0015,-1.199"]
         assert run_program([*arguments, *link(vehicle), "--patience", "1"]) == 3
     assert "no position from the boat within 1 s" in capsys.readouterr().err
 

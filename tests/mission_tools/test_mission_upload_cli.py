@@ -77,6 +77,8 @@ def nobody() -> str:
         ("pond.toml --speed 0 --dry-run", 2, "--speed 0: expected metres per second"),
         ("pond.toml --goal here", 2, "--goal 'here': expected LAT,LON"),
         ("pond.toml --goal 91,0", 2, "--goal '91,0': latitude 91.0 is outside"),
+        ("pond.toml --goal -33.8,151.2", 2, "--goal: -33.800000,151.200000 is nowhere near Pond at 50."),
+        ("pond.toml --start 0,0", 2, "--start-at: 0.000000,0.000000 is nowhere near"),
         ("pond.geojson", 2, "pond.geojson names no goal: add --goal LAT,LON"),
         (f"pond.geojson --goal {GOAL} --dry-run", 2, "no start: add --start-at LAT,LON"),
         ("pond.toml --connect carrier-pigeon", 2, "--connect 'carrier-pigeon': it names no port"),

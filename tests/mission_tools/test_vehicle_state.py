@@ -29,14 +29,15 @@ def test_modes_have_rovers_names_on_ardupilot_only(autopilot: int, mode: int, na
 
 def test_a_position_of_zero_zero_is_no_position() -> None:
     state = VehicleState()
-    state.handle("GLOBAL_POSITION_INT", 1, {"lat": 0, "lon": 0, "vx": 0, "vy": 0}, 1.0)
+    state.handle("GLOBAL_POSITION_INT", 1, {"time_boot_ms": 0, "lat": 0, "lon": 0, "vx": 0, "vy": 0}, 1.0)
     assert state.position is None
 
 
-def test_a_position_tells_place_and_speed() -> None:
+def test_a_position_tells_place_speed_and_the_boats_time() -> None:
     state = VehicleState()
-    state.handle("GLOBAL_POSITION_INT", 1, {"lat": 500000000, "lon": -12000000, "vx": 30, "vy": 40}, 2.0)
-    assert (state.position, state.speed_m_s) == (LatLon(50.0, -1.2), 0.5)
+    fields = {"time_boot_ms": 1500, "lat": 500000000, "lon": -12000000, "vx": 30, "vy": 40}
+    state.handle("GLOBAL_POSITION_INT", 1, fields, 2.0)
+    assert (state.position, state.speed_m_s, state.boat_time_s) == (LatLon(50.0, -1.2), 0.5, 1.5)
 
 
 def test_reached_items_only_count_up() -> None:

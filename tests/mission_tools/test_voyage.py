@@ -108,10 +108,19 @@ def test_waiting_at_a_waypoint_is_not_being_stuck() -> None:
 
 def test_the_track_keeps_every_new_place_once_and_measures_it() -> None:
     voyage = Voyage(MISSION, now_s=5.0)
+    assert voyage.duration_s == 0.0
     for time_s, north_m in ((5.0, 0.0), (5.1, 0.0), (6.0, 30.0), (7.0, 40.0)):
-        voyage.update(sailing(north_m), time_s)
-    assert [point.time_s for point in voyage.track] == [0.0, 1.0, 2.0]
+        voyage.update(sailing(north_m, boat_time_s=100.0 + 10.0 * time_s), time_s)
+    assert [point.time_s for point in voyage.track] == [150.0, 160.0, 170.0]
+    assert voyage.duration_s == 20.0
     assert voyage.track_length_m == pytest.approx(40.0, abs=0.01)
+
+
+def test_a_boat_without_a_clock_is_timed_by_ours() -> None:
+    voyage = Voyage(MISSION, now_s=5.0)
+    for time_s, north_m in ((5.0, 0.0), (6.0, 30.0)):
+        voyage.update(sailing(north_m), time_s)
+    assert voyage.duration_s == 1.0
 
 
 def test_progress_is_said_in_one_line() -> None:
