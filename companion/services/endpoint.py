@@ -12,6 +12,7 @@ from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
 from companion.params import Parameters
 from companion.services.commands import CommandService, from_int, from_long
+from companion.services.ftp import FtpService
 from companion.services.heartbeat import HeartbeatService
 from companion.services.manual_control import ManualControlService
 from companion.services.mission import MissionService
@@ -47,6 +48,7 @@ class Endpoint:
         self.outbox = Outbox()
         self.ignored = 0  # messages that no service wanted
         self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log
+        self._logged: set[str] = set()
         self._own = own
         self._vehicle = vehicle
         self._parameters = parameters
@@ -57,6 +59,7 @@ class Endpoint:
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle)
+        self._files = FtpService(self.outbox)
         self._handlers = self._dispatch_table()
 
     def _dispatch_table(self) -> dict[int, Handler]:
@@ -72,6 +75,7 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: (
                 lambda m, o, t: telemetry.on_request_data_stream(m, o.channel, t)
             ),
+            dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: lambda m, o, t: self._files.handle(m, o),
             dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_manual_control,
             dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
         }
@@ -83,10 +87,11 @@ class Endpoint:
         self._telemetry.open(channel, self._parameters.config.mavlink.stream_hz)
         self.outbox.send(channel, self._heartbeat.message())
 
-    def forget(self, channel: int) -> None:
+    def forget(self, channel: int, now_s: float) -> None:
         """A channel has gone."""
-        for service in (self._telemetry, self._listings, self._missions):
-            service.forget(channel)
+        self._telemetry.forget(channel)
+        self._listings.forget(channel)
+        self._missions.forget(channel, now_s)
 
     def handle(self, channel: int, received: Received, now_s: float) -> None:
         """Hand one message to its service. Never raises."""
@@ -98,11 +103,22 @@ class Endpoint:
         try:
             handler(message, Origin(channel, sender), now_s)
         except Exception:
-            self.faults += 1
-            logger.exception("fault %d while handling %s", self.faults, message.get_type())
+            self._count_fault(message.get_type())
 
     def tick(self, now: Snapshot) -> None:
-        """Everything that happens by the clock."""
+        """Everything that happens by the clock. Never raises."""
+        try:
+            self._tick(now)
+        except Exception:
+            self._count_fault("tick")
+
+    def _count_fault(self, where: str) -> None:
+        self.faults += 1
+        if where not in self._logged:
+            self._logged.add(where)
+            logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
+
+    def _tick(self, now: Snapshot) -> None:
         self._heartbeat.tick(now.now_s)
         self._missions.tick(now.now_s)
         self._texts.tell(self._vehicle.take_notices())
@@ -131,6 +147,6 @@ class Endpoint:
         if self._is_operator(origin):
             self._manual.on_manual_control(message)
 
-    def _on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+    def _on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
         if self._is_operator(origin):
-            self._manual.on_rc_override(message)
+            self._manual.on_rc_override(message, now_s)
