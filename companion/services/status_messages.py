@@ -8,6 +8,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.services.snapshot import Snapshot
 from companion.units import clamp, deg_to_e7, wrap_two_pi
 from companion.vehicle.modes import Mode
+from companion.vehicle.vehicle import Vehicle
 
 # A real Rover version (major, minor, patch, stage): stations pick their parameter descriptions by it
 _ROVER_VERSION = (4, 6, 0, 0)
@@ -40,7 +41,8 @@ def sys_status(now: Snapshot) -> Message:
     """Health bits. Stations take the boat for armable by the PREARM_CHECK bit."""
     vehicle, estimate_timeout_s = now.vehicle, now.config.motors.estimate_timeout_s
     nav = now.nav
-    health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    # A fence that is not there cannot be breached; MAVProxy warns of a breach where this bit is missing
+    health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS | dialect.MAV_SYS_STATUS_GEOFENCE
     if nav is None or nav.heading_age_s > estimate_timeout_s:
         health &= ~(dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_YAW_POSITION)
     if nav is None or nav.position_age_s > estimate_timeout_s:
@@ -135,9 +137,9 @@ def home_position(now: Snapshot) -> Message | None:
     )
 
 
-def mission_current(now: Snapshot) -> Message:
+def mission_current(vehicle: Vehicle) -> Message:
     """The current item and how the mission stands. The total leaves home out, as the protocol asks."""
-    vehicle, progress = now.vehicle, now.vehicle.progress
+    progress = vehicle.progress
     if progress.is_empty:
         state = dialect.MISSION_STATE_NO_MISSION
     elif progress.finished:
