@@ -39,8 +39,8 @@ class Boat:
         storage: Storage,
         unix_offset_s: float = 0.0,
     ) -> None:
-        own = Address(config.identity.system_id, COMPONENT_ID)
         self.parameters = Parameters(config, ROWS, storage)
+        own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.channels = Channels(ports, own)
         self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage)
@@ -67,10 +67,13 @@ class Boat:
         for number, received in self.channels.receive():
             self.endpoint.handle(number, received, now_s)
         self.vehicle.config = self.parameters.config
+        if not self.vehicle.armed and (self.command.left or self.command.right):
+            self._hardware.motors.stop()  # a disarmed boat does not wait for its next tick
+            self.command = STOPPED
         self.endpoint.tell_changes()
         self._flush()
         for number in self.channels.drop_closed():
-            self.endpoint.forget(number)
+            self.endpoint.forget(number, now_s)
 
     def step(self, now_s: float) -> None:
         """One tick: sense, listen, decide, steer, drive, tell."""

@@ -23,8 +23,21 @@ SystemId = Annotated[int, Meta(ge=1, le=255)]
 Count = Annotated[int, Meta(ge=0)]
 
 
+_FLOAT32_MAX = 3.4028234663852886e38  # all that a MAVLink parameter can carry
+
+
 class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A table of the TOML file."""
+    """A table of the TOML file.
+
+    Raises:
+        ValueError: a number that is not finite; names the field.
+    """
+
+    def __post_init__(self) -> None:
+        for name in self.__struct_fields__:
+            value = getattr(self, name)
+            if isinstance(value, float) and not abs(value) <= _FLOAT32_MAX:
+                raise ValueError(f"{name} = {value}: expected a finite number")
 
 
 class Identity(Section, frozen=True):

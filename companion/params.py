@@ -17,7 +17,7 @@ from enum import IntEnum
 
 from companion.config import BoatConfig, with_value
 from companion.errors import ConfigError
-from companion.storage import Storage
+from companion.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
 
@@ -65,6 +65,7 @@ class Parameters:
         self._storage = storage
         self._index = {row.name: index for index, row in enumerate(rows)}
         self._kept = {row.name: row.default for row in rows if not row.path}
+        self._savings: list[Saving] = []
         self._defaults = [self.value(row) for row in rows]
         self._load()
 
@@ -85,6 +86,12 @@ class Parameters:
         if not reason:
             self._save()
         return reason
+
+    def take_fault(self) -> str:
+        """Why a change of late could not be kept; empty when none has failed. To be asked now and then."""
+        if not self._savings or not self._savings[0].is_done():
+            return ""
+        return self._savings.pop(0).error()
 
     def _change(self, name: str, value: float) -> str:
         index = self._index.get(name)
@@ -116,7 +123,7 @@ class Parameters:
         if isinstance(current, int):
             return round(value / row.scale)
         # 0.1 arrives as 0.10000000149: the shortest decimal with the same 32 bits is what was meant
-        return float(f"{_shortest(value)}") / row.scale
+        return float(_shortest(value)) / row.scale
 
     def _save(self) -> None:
         lines = [
@@ -124,7 +131,7 @@ class Parameters:
             for row, default in zip(self.rows, self._defaults, strict=True)
             if self.value(row) != default
         ]
-        self._storage.save(_FILE, ("\n".join(lines) + "\n").encode())
+        self._savings.append(self._storage.save(_FILE, ("\n".join(lines) + "\n").encode()))
 
     def _load(self) -> None:
         for number, line in enumerate(self._storage.load(_FILE).decode(errors="replace").splitlines(), 1):

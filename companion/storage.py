@@ -75,7 +75,7 @@ class _FutureSaving:
 
     def error(self) -> str:
         fault = self._future.exception(timeout=0)
-        return "" if fault is None else str(fault)
+        return "" if fault is None else str(fault) or type(fault).__name__
 
 
 class FolderStorage:

@@ -11,6 +11,7 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
 from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
+from companion.vehicle.vehicle import Vehicle
 from sitl.lockstep import Lockstep
 from sitl.recorder import NO_LEG, Recorder
 from sitl.scenario import Scenario
@@ -135,19 +136,19 @@ class Sailing:
             self.lockstep.step()
 
     def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None) -> bool:
-        """Whether the mission was sailed to its end. It ends when the boat leaves AUTO of its own accord."""
+        """Whether the mission was sailed to its end, the way home included where an item asks for that."""
         lockstep = self.lockstep
         vehicle, progress, world = lockstep.boat.vehicle, lockstep.boat.vehicle.progress, lockstep.world
         record, legs = self.recorder.record, self._leg_of_seq
         ticks_per_second = round(1.0 / TICK_S)
-        while vehicle.armed and vehicle.mode is Mode.AUTO and lockstep.time_s < deadline_s:
+        while _is_under_way(vehicle) and lockstep.time_s < deadline_s:
             lockstep.step()
             record(world.truth, legs.get(progress.current_seq, NO_LEG))
             if tell is not None and world.tick % ticks_per_second == 0:
                 tell(lockstep.time_s, progress.current_seq)
         for _ in range(ticks_per_second):  # let the last telegrams arrive
             lockstep.step()
-        return progress.finished
+        return progress.finished and not _is_under_way(vehicle)
 
     def ending(self) -> str:
         """How the run ended, for a person: the boat's last words."""
@@ -157,3 +158,9 @@ class Sailing:
             f"at item {vehicle.progress.current_seq} of {vehicle.progress.last_seq} in {vehicle.mode.name}"
         )
         return f"{where}; the boat said: {said}"
+
+
+def _is_under_way(vehicle: Vehicle) -> bool:
+    """Whether the boat sails its mission, or home because the mission's last item says so."""
+    goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home and vehicle.target is not None
+    return vehicle.armed and (vehicle.mode is Mode.AUTO or goes_home)

@@ -45,6 +45,8 @@ class Server:
             storage = open_storage(state_folder)
             undo.callback(storage.close)
             ports = open_ports(tuple(urls), clock.now_s)
+            for port in ports:
+                undo.callback(port.close)
             self.port_names = [port.name for port in ports]
             self.world = World(scenario)
             config = stretched(scenario.vehicle, speedup)

@@ -1,6 +1,8 @@
 """Shared test set-up: Hypothesis prints what it takes to replay a failure, and is reproducible in CI."""
 
 import os
+import sys
+from pathlib import Path
 
 from hypothesis import HealthCheck, settings
 
@@ -9,3 +11,6 @@ settings.register_profile(
 )
 settings.register_profile("ci", parent=settings.get_profile("default"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "default")
+
+# pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
+sys.path.insert(0, str(Path(__file__).parents[1]))

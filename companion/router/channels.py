@@ -1,6 +1,7 @@
 """The boat's channels: every link to a station, with a codec and counters of its own."""
 
 import logging
+import struct
 from collections.abc import Iterator, Sequence
 
 from companion.hal.interfaces import Link, Port
@@ -14,7 +15,7 @@ logger = logging.getLogger(__name__)
 class Channel:
     """One link, its decoder for what comes and its encoder for what goes."""
 
-    __slots__ = ("counters", "decoder", "dropped", "encoder", "link", "number")
+    __slots__ = ("counters", "decoder", "dropped", "encoder", "faults", "link", "number")
 
     def __init__(self, number: int, link: Link, own: Address) -> None:
         self.number = number
@@ -23,10 +24,18 @@ class Channel:
         self.decoder = Decoder(datagram=link.is_datagram, counters=self.counters)
         self.encoder = Encoder(own, self.counters)
         self.dropped = 0  # frames that the link would not take
+        self.faults = 0  # messages that could not be packed: a defect of ours, see the log
 
     def send(self, message: Message) -> None:
-        """Send one message, or drop it whole."""
-        if not self.link.send(self.encoder.encode(message)):
+        """Send one message, or drop it whole. Never raises."""
+        try:
+            frame = self.encoder.encode(message)
+        except (struct.error, OverflowError, TypeError, ValueError):
+            self.faults += 1
+            if self.faults == 1:
+                logger.exception("%s: %s cannot be packed", self.link.name, message.get_type())
+            return
+        if not self.link.send(frame):
             self.dropped += 1
 
 

@@ -5,10 +5,11 @@ that has come whole is written to disk, then swapped in, then acknowledged.
 """
 
 import logging
+from typing import NamedTuple
 
 from companion.config import BoatConfig
 from companion.geo import LatLon
-from companion.mavlink.address import Address
+from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
@@ -18,15 +19,18 @@ from companion.requests import GoTo, SetCurrentItem
 from companion.services.mission_items import check_jumps, to_step
 from companion.services.mission_store import load_items, save_items
 from companion.services.outbox import Origin, Outbox
+from companion.services.status_messages import mission_current
 from companion.services.statustext import StatusTextService
 from companion.storage import Saving, Storage
 from companion.vehicle.mission_steps import Mission, Step
-from companion.vehicle.vehicle import Notice, Severity, Vehicle
+from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
 
 _ALL_TYPES = dialect.MAV_MISSION_TYPE_ALL
-_UPLOAD = frozenset({"MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_CLEAR_ALL"})
+_ITEM = frozenset({"MISSION_ITEM_INT", "MISSION_ITEM"})
+_UPLOAD = frozenset({"MISSION_COUNT", "MISSION_CLEAR_ALL"}) | _ITEM
 _DOWNLOAD = frozenset({"MISSION_REQUEST_LIST", "MISSION_REQUEST_INT", "MISSION_REQUEST"})
 _GUIDED_ITEM, _ALTITUDE_ITEM = 2, 3  # MISSION_ITEM.current of ArduPilot's old go-to and change of altitude
 
@@ -51,6 +55,13 @@ class _List:
         self.arrived: tuple[MissionItem, ...] = ()
 
 
+class _Clearing(NamedTuple):
+    """All lists are being emptied on the medium, for one station."""
+
+    origin: Origin
+    savings: list[Saving]
+
+
 class MissionService:
     """Owns the three lists and keeps the vehicle's mission in step with the first."""
 
@@ -69,6 +80,8 @@ class MissionService:
         self._storage = storage
         self._outbox = outbox
         self._texts = texts
+        self._clearing: _Clearing | None = None
+        self._current_said = 0
         self._lists = {kind: _List(own, kind, config, storage) for kind in MissionType}
         mission = _to_mission(self._lists[MissionType.MISSION].items)
         if isinstance(mission, Fault):
@@ -82,11 +95,14 @@ class MissionService:
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """Take one message of the protocol."""
+        if not is_named(self._own, message.target_system, message.target_component):
+            return  # a list offered to every boat within reach is offered to none
         name = message.get_type()
         if name == "MISSION_SET_CURRENT":
             self._vehicle.request(SetCurrentItem(message.seq))
+            self._tell_current()
             return
-        if name == "MISSION_ITEM" and message.current in (_GUIDED_ITEM, _ALTITUDE_ITEM):
+        if name in _ITEM and message.current in (_GUIDED_ITEM, _ALTITUDE_ITEM):
             self._on_guided_item(message, origin)
             return
         if name == "MISSION_CLEAR_ALL" and message.mission_type == _ALL_TYPES:
@@ -105,6 +121,8 @@ class MissionService:
 
     def tick(self, now_s: float) -> None:
         """Retries, time-outs, and lists whose writing has ended."""
+        if self._clearing is not None:
+            self._finish_clearing(self._clearing)
         for one in self._lists.values():
             if one.saving is not None:
                 self._finish_saving(one, now_s)
@@ -117,15 +135,25 @@ class MissionService:
                     self._post(sender, channel)
         for seq in self._vehicle.progress.take_reached():
             self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
+        if self._vehicle.progress.current_seq != self._current_said:
+            self._tell_current()
 
-    def forget(self, channel: int) -> None:
-        """A channel has gone; an upload on it runs into its time-out."""
+    def forget(self, channel: int, now_s: float) -> None:
+        """A channel has gone: an upload on it has broken off, and others need not wait for its time-out."""
         for one in self._lists.values():
             one.senders.pop(channel, None)
+            if one.upload_channel == channel:
+                one.receiver.cancel(now_s)
+                self._after_receiver(one, now_s)
+
+    def _tell_current(self) -> None:
+        self._current_said = self._vehicle.progress.current_seq
+        self._outbox.broadcast(mission_current(self._vehicle))
 
     def _receive(self, one: _List, message: Message, origin: Origin, now_s: float) -> None:
         # Two stations may well have the same ids: the channel tells them apart
-        if one.receiver.partner is not None and one.upload_channel != origin.channel:
+        busy = one.receiver.partner is not None and one.upload_channel != origin.channel
+        if busy or self._clearing is not None:
             if message.get_type() in ("MISSION_COUNT", "MISSION_CLEAR_ALL"):
                 self._acknowledge(origin, MissionResult.DENIED, one.type)
             return
@@ -159,7 +187,7 @@ class MissionService:
         one.saving = None
         if error := saving.error():
             one.receiver.confirm(now_s, MissionResult.ERROR)
-            self._texts.tell([Notice(Severity.ERROR, f"{one.type.name.capitalize()} not stored: {error}")])
+            self._tell_not_stored(one, error)
         else:
             self._swap_in(one, one.arrived)
             one.receiver.confirm(now_s)
@@ -176,13 +204,28 @@ class MissionService:
             self._texts.tell([Notice(Severity.WARNING, text)])
 
     def _clear_all(self, origin: Origin) -> None:
-        if any(one.receiver.partner is not None for one in self._lists.values()):
+        if self._clearing is not None or any(one.receiver.partner for one in self._lists.values()):
             self._acknowledge(origin, MissionResult.DENIED, _ALL_TYPES)
             return
-        for one in self._lists.values():
-            save_items(self._storage, one.type, ())
-            self._swap_in(one, ())
-        self._acknowledge(origin, MissionResult.ACCEPTED, _ALL_TYPES)
+        savings = [save_items(self._storage, kind, ()) for kind in self._lists]
+        self._clearing = _Clearing(origin, savings)
+        self._finish_clearing(self._clearing)
+
+    def _finish_clearing(self, clearing: _Clearing) -> None:
+        if not all(saving.is_done() for saving in clearing.savings):
+            return
+        self._clearing = None
+        result = MissionResult.ACCEPTED
+        for one, saving in zip(self._lists.values(), clearing.savings, strict=True):
+            if error := saving.error():
+                result = MissionResult.ERROR
+                self._tell_not_stored(one, error)
+            else:
+                self._swap_in(one, ())
+        self._acknowledge(clearing.origin, result, _ALL_TYPES)
+
+    def _tell_not_stored(self, one: _List, error: str) -> None:
+        self._texts.tell([Notice(Severity.ERROR, f"{one.type.name.capitalize()} not stored: {error}")])
 
     def _sender(self, one: _List, channel: int) -> Sender:
         if channel not in one.senders:
@@ -198,7 +241,7 @@ class MissionService:
             machine.take_events()  # a download that fails is the station's affair
 
     def _on_guided_item(self, message: Message, origin: Origin) -> None:
-        """QGroundControl's first go-to still comes as an old item with current = 2."""
+        """QGroundControl's first go-to still comes as an item of no list, with current = 2."""
         result = MissionResult.ACCEPTED
         if message.current == _GUIDED_ITEM:
             item = MissionItem.from_message(message)

@@ -6,7 +6,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.params import Parameters
 from companion.services.outbox import Origin, Outbox
 from companion.services.statustext import StatusTextService
-from companion.vehicle.vehicle import Notice, Severity
+from companion.vehicle.notice import Notice, Severity
 
 _LIST_PER_TICK = 10  # 500 a second at 50 Hz: a second's worth of a slow radio is never queued at once
 
@@ -48,7 +48,9 @@ class ParameterService:
         self._listing.pop(channel, None)
 
     def tick(self) -> None:
-        """Go on with the lists under way."""
+        """Go on with the lists under way, and say so when a change could not be kept."""
+        if fault := self._parameters.take_fault():
+            self._texts.tell([Notice(Severity.ERROR, f"Parameters not stored: {fault}")])
         for channel in list(self._listing):
             queue = self._listing[channel]
             for _ in range(min(_LIST_PER_TICK, len(queue))):

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
-from companion.vehicle.vehicle import Notice
+from companion.vehicle.notice import Notice
 
 _CHUNK_BYTES = 50
 

@@ -47,6 +47,8 @@ _UNASKED: dict[int, float] = {
 }
 
 _MIN_INTERVAL_S = 0.02  # the tick
+_SLACK_S = 1e-6  # sums of intervals are not exact: without it a message of every tick would miss some
+_ONCE_A_SECOND_S = 1.0
 
 
 class Streams:
@@ -56,9 +58,15 @@ class Streams:
         self._interval_s: dict[int, float] = {}
         self._due_s: dict[int, float] = {}
         self._next_s = math.inf
+        self._stream_hz = stream_hz
         if stream_hz > 0.0:
-            for message_id, share in _UNASKED.items():
-                self.set_interval(message_id, 1.0 / (stream_hz * share), 0.0)
+            for message_id in _UNASKED:
+                self.set_interval(message_id, self.default_s(message_id), 0.0)
+
+    def default_s(self, message_id: int) -> float:
+        """The interval before anyone has asked; once a second for what is not sent unasked."""
+        rate_hz = self._stream_hz * _UNASKED.get(message_id, 0.0)
+        return 1.0 / rate_hz if rate_hz > 0.0 else _ONCE_A_SECOND_S
 
     def set_interval(self, message_id: int, interval_s: float, now_s: float) -> None:
         """Send a message every interval_s seconds from now on; infinite stops it."""
@@ -83,6 +91,7 @@ class Streams:
 
     def due(self, now_s: float) -> list[int]:
         """The messages to send now."""
+        now_s += _SLACK_S
         if now_s < self._next_s:
             return []
         due = [message_id for message_id, at_s in self._due_s.items() if at_s <= now_s]

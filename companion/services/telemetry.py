@@ -24,10 +24,12 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
     _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
-    _ID.MAVLINK_MSG_ID_MISSION_CURRENT: status.mission_current,
+    _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
     _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
     _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
 }
+
+_LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour
 
 
 class TelemetryService:
@@ -60,9 +62,9 @@ class TelemetryService:
         """SET_MESSAGE_INTERVAL: −1 stops, 0 asks for the default rate. False for a message we never send."""
         if message_id not in BUILDERS or not math.isfinite(interval_us):
             return False
-        interval_s = math.inf if interval_us < 0.0 else interval_us * 1e-6 if interval_us > 0.0 else 1.0
         if (streams := self._streams.get(channel)) is not None:
-            streams.set_interval(message_id, interval_s, now_s)
+            interval_s = math.inf if interval_us < 0.0 else min(interval_us, _LONGEST_US) * 1e-6
+            streams.set_interval(message_id, interval_s or streams.default_s(message_id), now_s)
         return True
 
     def interval_us(self, channel: int, message_id: int) -> int:

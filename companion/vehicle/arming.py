@@ -1,5 +1,7 @@
 """What must be well before the motors may turn."""
 
+from collections.abc import Callable
+
 from companion.config import Arming, Motors
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
@@ -33,3 +35,22 @@ def arming_faults(
     if battery is not None and battery.voltage_v < setting.battery_min_v:
         faults.append(f"Battery: {battery.voltage_v:.1f} V is below {setting.battery_min_v:.1f} V")
     return faults
+
+
+class PreArmReport:
+    """What keeps a disarmed boat from arming: told when it is found, and again every REPEAT_S."""
+
+    FIRST_S = 5.0  # since boot: receiver and compass need a moment
+    REPEAT_S = 30.0
+    LOOK_S = 1.0
+
+    def __init__(self) -> None:
+        self._look_s = self.FIRST_S
+
+    def update(self, faults: Callable[[], list[str]], now_s: float) -> list[str]:
+        """What to say now. `faults` is asked no more often than once in LOOK_S."""
+        if now_s < self._look_s:
+            return []
+        found = faults()
+        self._look_s = now_s + (self.REPEAT_S if found else self.LOOK_S)
+        return found

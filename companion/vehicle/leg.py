@@ -6,20 +6,28 @@ from companion.vehicle.intent import FollowLeg
 
 
 class Leg:
-    """From where it began to `end`. next_end: where the leg after it leads, None when the boat is to stop."""
+    """From where it began to `end`.
 
-    __slots__ = ("end", "next_end", "start")
+    next_end: where the leg after it leads, None when the boat is to stop. radius_m: how near is near enough,
+    0 the boat's own waypoint radius.
+    """
 
-    def __init__(self, start: Point, end: Point, next_end: Point | None = None) -> None:
+    __slots__ = ("end", "next_end", "radius_m", "start")
+
+    def __init__(
+        self, start: Point, end: Point, next_end: Point | None = None, radius_m: float = 0.0
+    ) -> None:
         self.start = start
         self.end = end
         self.next_end = next_end
+        self.radius_m = radius_m
 
-    def has_ended(self, nav: NavState, radius_m: float) -> bool:
-        """Whether the boat is within radius_m of the end, or has passed it within twice that.
+    def has_ended(self, nav: NavState, own_radius_m: float) -> bool:
+        """Whether the boat is within the radius of the end, or has passed it within twice that.
 
         A boat that was swept past further off aims at the end again, on a new line from where it is.
         """
+        radius_m = self.radius_m or own_radius_m
         if distance_m(nav.point, self.end) <= radius_m:
             return True
         along_m, cross_m = along_and_cross_track_m(self.start, self.end, nav.point)
@@ -32,4 +40,4 @@ class Leg:
 
     def intent(self, speed_m_s: float) -> FollowLeg:
         """Sail it at this speed over ground."""
-        return FollowLeg(self.start, self.end, speed_m_s, self.next_end)
+        return FollowLeg(self.start, self.end, speed_m_s, self.next_end, self.radius_m)

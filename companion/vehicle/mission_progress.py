@@ -3,12 +3,11 @@
 import math
 
 from companion.config import Guidance
-from companion.geo import LocalFrame, Point, along_and_cross_track_m, distance_m
+from companion.geo import LocalFrame, Point
 from companion.state import NavState
-from companion.vehicle.intent import FollowLeg, Intent, KeepStation
+from companion.vehicle.intent import Intent, KeepStation
+from companion.vehicle.leg import Leg
 from companion.vehicle.mission_steps import Home, Jump, Mission, ReturnHome, SetSpeed, Wait, Waypoint
-
-_MAX_STEPS_WITHOUT_SAILING = 1000  # a loop of jumps with nothing to sail between must not hang the boat
 
 
 class MissionProgress:
@@ -25,7 +24,7 @@ class MissionProgress:
         self._leg_start: Point | None = None
         self._hold_until_s = math.nan
         self._station: Point | None = None
-        self._ends: tuple[Point, Point | None] | None = None
+        self._leg: Leg | None = None
         self._jumps: dict[int, int] = {}
 
     @property
@@ -76,14 +75,15 @@ class MissionProgress:
         self.has_started = True
         if self._leg_start is None:
             self._leg_start = nav.point
-        for _ in range(_MAX_STEPS_WITHOUT_SAILING):
+        # More steps than there are items is a loop with nothing to sail: the rest of it waits for other ticks
+        for _ in range(len(self.mission) + 1):
             if self.finished:
-                return KeepStation(self._station or nav.point)
+                break
             intent = self._sail_current(nav, frame, setting, cruise_m_s, now_s)
             if intent is not None:
                 return intent
-        self._finish()
-        return KeepStation(self._station or nav.point)
+        self._station = self._station or nav.point
+        return KeepStation(self._station)
 
     def _sail_current(
         self, nav: NavState, frame: LocalFrame, setting: Guidance, cruise_m_s: float, now_s: float
@@ -91,24 +91,22 @@ class MissionProgress:
         """The intent of the current item, or None when it is done and another is current."""
         match self.mission[self.current_seq] if self.mission else Home():
             case Waypoint() as waypoint:
-                end, next_end = self._leg_ends(waypoint, frame)
+                leg = self._leg or self._begin_leg(waypoint, nav, frame)
                 if math.isnan(self._hold_until_s):
-                    if not self._has_arrived(nav, end, waypoint.radius_m or setting.waypoint_radius_m):
-                        start = self._leg_start or nav.point
-                        speed_m_s = self.speed_m_s or cruise_m_s
-                        return FollowLeg(start, end, speed_m_s, next_end, waypoint.radius_m)
+                    if not leg.has_ended(nav, setting.waypoint_radius_m):
+                        return leg.intent(self.speed_m_s or cruise_m_s)
                     self.reached.append(self.current_seq)
-                    self._station = end
+                    self._station = leg.end
                     self._hold_until_s = now_s + waypoint.hold_s
                 if now_s < self._hold_until_s:
-                    return KeepStation(end)
-                self._advance(end)
+                    return KeepStation(leg.end)
+                self._advance(leg.end)
             case Wait(hold_s):
                 if math.isnan(self._hold_until_s):
                     self._hold_until_s = now_s + hold_s
-                    self._station = self._station or nav.point
+                self._station = self._station or nav.point
                 if now_s < self._hold_until_s:
-                    return KeepStation(self._station or nav.point)
+                    return KeepStation(self._station)
                 self.reached.append(self.current_seq)
                 self._advance(self._leg_start)
             case SetSpeed(speed_m_s):
@@ -118,30 +116,17 @@ class MissionProgress:
                 self._jump(target, times)
             case ReturnHome():
                 self.go_home = True
-                self._finish()
+                self.finished = True
             case Home():
                 self._advance(self._leg_start)
         return None
 
-    def _has_arrived(self, nav: NavState, end: Point, radius_m: float) -> bool:
-        if distance_m(nav.point, end) <= radius_m:
-            return True
-        start = self._leg_start or nav.point
-        along_m, cross_m = along_and_cross_track_m(start, end, nav.point)
-        if along_m < distance_m(start, end):
-            return False
-        if abs(cross_m) <= 2.0 * radius_m:
-            return True
-        self._leg_start = nav.point  # swept past too far off: aim at it again from here
-        return False
-
-    def _leg_ends(self, waypoint: Waypoint, frame: LocalFrame) -> tuple[Point, Point | None]:
-        """Where this leg ends and where the next one does, projected once a leg."""
-        if self._ends is None:
-            onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
-            next_end = frame.to_local(onward.position) if onward is not None else None
-            self._ends = frame.to_local(waypoint.position), next_end
-        return self._ends
+    def _begin_leg(self, waypoint: Waypoint, nav: NavState, frame: LocalFrame) -> Leg:
+        onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
+        next_end = frame.to_local(onward.position) if onward is not None else None
+        start, end = self._leg_start or nav.point, frame.to_local(waypoint.position)
+        self._leg = Leg(start, end, next_end, waypoint.radius_m)
+        return self._leg
 
     def _next_waypoint(self) -> Waypoint | None:
         """The waypoint that follows without a stop between, None when the boat stops at this one."""
@@ -167,17 +152,14 @@ class MissionProgress:
 
     def _advance(self, leg_start: Point | None) -> None:
         if self.current_seq >= self.last_seq:
-            self._finish()
+            self.finished = True
             return
         self.current_seq += 1
         self._begin_item(leg_start)
 
-    def _finish(self) -> None:
-        self.finished = True
-
     def _begin_item(self, leg_start: Point | None = None) -> None:
         self._leg_start = leg_start
-        self._ends = None
+        self._leg = None
         self._hold_until_s = math.nan
         if leg_start is None:
             self._station = None

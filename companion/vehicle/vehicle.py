@@ -1,7 +1,5 @@
 """The vehicle: mode, arming, home, mission and failsafes. Requests go in, an intent comes out each tick."""
 
-from typing import NamedTuple
-
 from companion.config import BoatConfig
 from companion.geo import LatLon, LocalFrame, Point
 from companion.requests import (
@@ -20,29 +18,14 @@ from companion.requests import (
 )
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
-from companion.vehicle.arming import arming_faults
+from companion.vehicle.arming import PreArmReport, arming_faults
 from companion.vehicle.failsafe import Action, Alarm, BatteryWatch, OperatorWatch
-from companion.vehicle.intent import Drive, FollowLeg, Intent, KeepStation, Stop
+from companion.vehicle.intent import Drive, Intent, KeepStation, Stop
+from companion.vehicle.leg import Leg
 from companion.vehicle.mission_progress import MissionProgress
 from companion.vehicle.mission_steps import Mission, Waypoint
 from companion.vehicle.modes import Mode, mode_from_number
-
-
-class Severity:
-    """MAVLink's MAV_SEVERITY, as far as the vehicle uses it."""
-
-    CRITICAL = 2
-    ERROR = 3
-    WARNING = 4
-    NOTICE = 5
-    INFO = 6
-
-
-class Notice(NamedTuple):
-    """A line for the operator."""
-
-    severity: int
-    text: str
+from companion.vehicle.notice import Notice, Severity
 
 
 class Vehicle:
@@ -66,7 +49,8 @@ class Vehicle:
         self._manual = ManualInput(0.0, 0.0)
         self._manual_s = -1e9
         self._station: LatLon | None = None
-        self._leg_start: Point | None = None
+        self._leg: Leg | None = None  # towards the target
+        self._pre_arm = PreArmReport()
         self._notices: list[Notice] = []
         self._now_s = 0.0
 
@@ -94,6 +78,8 @@ class Vehicle:
             if alarm is not None:
                 self._act_on(alarm)
         if not self.armed:
+            for fault in self._pre_arm.update(self.arming_faults, self._now_s):
+                self._notices.append(Notice(Severity.CRITICAL, f"PreArm: {fault}"))
             return Stop()
         nav, frame = self.nav, self.frame
         if self.mode is Mode.MANUAL:
@@ -135,8 +121,10 @@ class Vehicle:
             case GoTo():
                 return self._go_to(request)
             case ChangeSpeed(speed_m_s):
-                self.speed_m_s = speed_m_s
-                self.progress.speed_m_s = speed_m_s
+                if self.mode is Mode.AUTO:
+                    self.progress.speed_m_s = speed_m_s
+                else:
+                    self.speed_m_s = speed_m_s
                 return ACCEPTED
             case SetHome(position):
                 return self._set_home(position)
@@ -151,9 +139,9 @@ class Vehicle:
             self.enter(Mode.LOITER, "mission cleared")
 
     def enter(self, mode: Mode, why: str = "") -> Outcome:
-        """Change mode if the boat can, and say why not if it cannot."""
-        if mode.needs_position and (self.nav is None or self.frame is None):
-            return self._refuse(f"{mode.name}: no position yet")
+        """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""
+        if mode.needs_position and (fault := self._position_fault()):
+            return self._refuse(f"{mode.name}: {fault}")
         if mode is Mode.AUTO and self.progress.is_empty:
             return self._refuse("AUTO: no mission")
         if mode is Mode.RTL and self.home is None:
@@ -162,7 +150,7 @@ class Vehicle:
             self.mode = mode
             self.speed_m_s = None
             self._notices.append(Notice(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}"))
-        self._begin_mode(mode)
+            self._begin_mode(mode)
         return ACCEPTED
 
     def arming_faults(self) -> list[str]:
@@ -181,8 +169,15 @@ class Vehicle:
 
     # How
 
+    def _position_fault(self) -> str:
+        """Why the boat cannot steer by its position; empty when it can."""
+        if self.nav is None or self.frame is None:
+            return "no position yet"
+        stale = self.nav.position_age_s > self.config.motors.estimate_timeout_s
+        return "position is stale" if stale else ""
+
     def _begin_mode(self, mode: Mode) -> None:
-        self._leg_start = None
+        self._leg = None
         here = self.frame.to_global(self.nav.point) if self.nav and self.frame else None
         if mode is Mode.AUTO:
             if self.progress.finished:
@@ -213,22 +208,16 @@ class Vehicle:
         """GUIDED and RTL: sail to the target, then keep station there."""
         if self.target is None:
             return KeepStation(self._station_point(nav, frame))
-        end = frame.to_local(self.target)
-        if self._leg_start is None:
-            self._leg_start = nav.point
-        radius_m = self.config.guidance.waypoint_radius_m
-        if self._arrived_at(nav, end, radius_m):
+        if self._leg is None:
+            self._leg = Leg(nav.point, frame.to_local(self.target))
+        if self._leg.has_ended(nav, self.config.guidance.waypoint_radius_m):
             self._station, self.target = self.target, None
             self._notices.append(Notice(Severity.INFO, f"{self.mode.name}: arrived"))
-            return KeepStation(end)
+            return KeepStation(self._leg.end)
         speed_m_s = self.speed_m_s or self.config.speed.cruise_m_s
         if self.mode is Mode.RTL:
             speed_m_s = self.config.mission.rtl_speed_m_s or speed_m_s
-        return FollowLeg(self._leg_start, end, speed_m_s)
-
-    @staticmethod
-    def _arrived_at(nav: NavState, end: Point, radius_m: float) -> bool:
-        return (nav.north_m - end.north_m) ** 2 + (nav.east_m - end.east_m) ** 2 <= radius_m * radius_m
+        return self._leg.intent(speed_m_s)
 
     def _station_point(self, nav: NavState, frame: LocalFrame) -> Point:
         if self._station is None:
@@ -271,7 +260,7 @@ class Vehicle:
                 return outcome
         if request.speed_m_s is not None:
             self.speed_m_s = request.speed_m_s
-        self.target, self._leg_start = request.position, None
+        self.target, self._leg = request.position, None
         return ACCEPTED
 
     def _set_home(self, position: LatLon | None) -> Outcome:
@@ -288,16 +277,17 @@ class Vehicle:
 
     def _act_on(self, alarm: Alarm) -> None:
         self._notices.append(Notice(Severity.CRITICAL, f"Failsafe: {alarm.text}"))
-        if not self.armed or self.mode is Mode.HOLD:
+        if alarm.action is Action.DISARM:
+            self._disarm("by failsafe")
+        elif not self.armed or self.mode is Mode.HOLD:
             return
-        match alarm.action:
-            case Action.NONE:
-                return
-            case Action.DISARM:
-                self._disarm("by failsafe")
-            case Action.RTL | Action.SMART_RTL_OR_RTL:
-                _ = self.enter(Mode.RTL, "failsafe").accepted or self.enter(Mode.HOLD, "failsafe")
-            case Action.LOITER_OR_HOLD:
-                _ = self.enter(Mode.LOITER, "failsafe").accepted or self.enter(Mode.HOLD, "failsafe")
-            case Action.HOLD | Action.SMART_RTL_OR_HOLD:
-                self.enter(Mode.HOLD, "failsafe")
+        elif alarm.action in (Action.RTL, Action.SMART_RTL_OR_RTL):
+            self._retreat(Mode.RTL)
+        elif alarm.action in (Action.HOLD, Action.SMART_RTL_OR_HOLD):
+            self._retreat(Mode.HOLD)
+        elif alarm.action is Action.LOITER_OR_HOLD and self.mode is not Mode.RTL:
+            self._retreat(Mode.LOITER)  # a boat on its way home goes on
+
+    def _retreat(self, mode: Mode) -> None:
+        if not self.enter(mode, "failsafe").accepted:
+            self.enter(Mode.HOLD, "failsafe")
