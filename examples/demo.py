@@ -197,7 +197,8 @@ def _figures(
         "off_max_m": float(off_m.max()),
         "clearance_m": clearance_m,
         "nearest_m": nearest_m,
-        "passed": passed or [f"{sum(ring.distance(path) <= PASSING_M for ring in islands)} islands"],
+        "passed": passed
+        or [f"{sum(ring.distance(path) <= PASSING_M for ring in islands)} unnamed island(s)"],
         "upload_s": report["upload"]["upload_s"],
         "read_back_s": report["upload"]["read_back_s"],
         "items": report["upload"]["items"],
@@ -233,7 +234,7 @@ def _draw(chart: Chart, route: list[Point], voyage: Voyage, figures: dict[str, A
         chart,
         route,
         voyage.track[::every],
-        title=chart.name,
+        title=chart.name.split(" (")[0],
         subtitle=subtitle.format(**figures),
         clearance_m=figures["clearance_m"],
     )

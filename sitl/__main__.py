@@ -1,10 +1,13 @@
 """boat-sitl: the emulator's program."""
 
 import sys
+from typing import Annotated
 
 import typer
 
+from companion.errors import BoatError
 from mission_tools.cli.exit import run_app
+from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
 from sitl.cli.sail import sail
 from sitl.cli.serve import serve
@@ -18,13 +21,22 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The emulator: the boat's own program over simulated hardware and water.",
 )
+
+
+@app.callback()
+def options(
+    debug: Annotated[bool, typer.Option("--debug", help="a traceback with every error")] = False,
+) -> None:
+    """What goes before the command; --debug is looked for where errors end."""
+
+
 app.command()(serve)
 app.command()(sail)
 
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_app(app, PROGRAM, with_json_told_apart(arguments))
+    return run_app(app, PROGRAM, with_json_told_apart(arguments), expected=(MissionToolsError, BoatError))
 
 
 def main() -> None:

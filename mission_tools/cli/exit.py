@@ -14,17 +14,25 @@ from mission_tools.errors import MissionToolsError
 INTERRUPTED = 130
 
 
-def run_app(app: typer.Typer, name: str, arguments: Sequence[str]) -> int:
-    """Run a typer app; returns the exit code. With --debug every error keeps its traceback."""
+def run_app(
+    app: typer.Typer,
+    name: str,
+    arguments: Sequence[str],
+    expected: tuple[type[Exception], ...] = (MissionToolsError,),
+) -> int:
+    """Run a typer app; returns the exit code. With --debug every error keeps its traceback.
+
+    expected: roots of errors that a person can mend; each carries its own `exit_code`.
+    """
     is_debug, is_json = "--debug" in arguments, "--json" in arguments
     try:
         code = app(args=list(arguments), prog_name=name, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         return _end(name, "interrupted", INTERRUPTED, is_json)
-    except MissionToolsError as error:
+    except expected as error:
         if is_debug:
             raise
-        return _end(name, str(error), error.exit_code, is_json)
+        return _end(name, str(error), getattr(error, "exit_code", 1), is_json)
     except Exception as error:
         message: Callable[[], str] | None = getattr(error, "format_message", None)
         if message is not None:  # typer's own: the arguments could not be understood
