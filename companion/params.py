@@ -74,11 +74,12 @@ class Parameters:
         return self._index.get(name)
 
     def value(self, row: Row) -> float:
-        """The value as stations see it: rounded to a 32-bit float, which is all the wire carries."""
+        """The value as stations see it: a whole number or a 32-bit float, which is all the wire carries."""
         if not row.path:
             return _as_float32(self._kept[row.name])
         section, _, field = row.path.rpartition(".")
-        return _as_float32(float(getattr(getattr(self.config, section), field)) * row.scale)
+        value = float(getattr(getattr(self.config, section), field)) * row.scale
+        return _as_float32(value if row.kind is Kind.REAL32 else round(value))
 
     def set(self, name: str, value: float) -> str:
         """Change a parameter and keep it. Returns why not, in words for the operator; empty when done."""
@@ -154,7 +155,7 @@ def _as_float32(value: float) -> float:
 def _shortest(value: float) -> str:
     """The shortest decimal that reads back as the same 32-bit float."""
     for digits in range(1, 10):
-        text = f"{value:.{digits}g}"
-        if _as_float32(float(text)) == _as_float32(value):
-            return text
+        short = float(f"{value:.{digits}g}")
+        if _as_float32(short) == _as_float32(value):
+            return repr(short).removesuffix(".0")
     return repr(value)

@@ -1,0 +1,169 @@
+import math
+import struct
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pymavlink import mavparm
+
+from companion.config import BoatConfig
+from companion.errors import ConfigError
+from companion.params import Kind, Parameters, Row
+from companion.params_table import ROWS
+from companion.storage import FolderStorage, MemoryStorage
+
+FILE = "params.parm"
+LIVE = [row for row in ROWS if row.path]
+BY_NAME = {row.name: row for row in ROWS}
+
+
+def fresh(storage: MemoryStorage | None = None) -> Parameters:
+    return Parameters(BoatConfig(), ROWS, storage or MemoryStorage())
+
+
+def float32(value: float) -> float:
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_the_default_of_a_row_lies_in_its_range_and_can_be_written_back(row: Row) -> None:
+    parameters = fresh()
+    default = parameters.value(row)
+    assert row.low <= default <= row.high
+    assert row.kind is Kind.REAL32 or default == int(default)
+    assert parameters.set(row.name, default) == ""
+    assert parameters.value(row) == default
+    assert row.text
+
+
+@pytest.mark.parametrize("row", LIVE, ids=lambda row: row.name)
+def test_both_ends_of_a_range_fit_the_field_behind_it(row: Row) -> None:
+    for value in (row.low, row.high):
+        parameters = fresh()
+        assert parameters.set(row.name, value) == ""
+        assert parameters.value(row) == pytest.approx(value, rel=1e-6)
+
+
+@pytest.mark.parametrize("row", LIVE, ids=lambda row: row.name)
+def test_what_lies_outside_the_range_is_refused_by_name_and_changes_nothing(row: Row) -> None:
+    parameters = fresh()
+    before = parameters.config
+    beyond = [row.low - 1.0, row.high * 1.01 + 1.0, math.nan, math.inf, -math.inf, 3e38]
+    for value in beyond:
+        assert row.name in parameters.set(row.name, value)
+    assert parameters.config is before
+
+
+def test_names_are_unique_sorted_and_fit_the_wire() -> None:
+    names = [row.name for row in ROWS]
+    assert names == sorted(set(names))
+    assert all(len(name.encode("ascii")) <= 16 for name in names)
+    with pytest.raises(ConfigError, match="A_NAME_MUCH_TOO_LONG"):
+        Row("A_NAME_MUCH_TOO_LONG", Kind.REAL32, "")
+
+
+def test_a_tenth_set_over_the_wire_is_a_tenth_in_the_configuration() -> None:
+    parameters = fresh()
+    assert parameters.set("HDG_KI", float32(0.1)) == ""
+    assert parameters.config.heading.ki == 0.1
+
+
+@given(st.floats(0.0, 50.0, width=32))
+def test_a_value_reads_back_as_the_float_that_was_sent(value: float) -> None:
+    parameters = fresh()
+    assert parameters.set("HDG_KP", value) == ""
+    assert parameters.value(BY_NAME["HDG_KP"]) == value
+
+
+def test_a_scaled_parameter_reaches_its_field_in_si() -> None:
+    parameters = fresh()
+    assert parameters.set("WP_PIVOT_ANGLE", 90.0) == ""
+    assert parameters.config.guidance.pivot_angle_rad == pytest.approx(math.pi / 2)
+    assert parameters.set("CRUISE_THROTTLE", 45.0) == ""
+    assert parameters.config.speed.cruise_throttle == pytest.approx(0.45)
+    assert parameters.set("FS_GCS_ENABLE", 0.0) == ""
+    assert parameters.config.failsafe.gcs_enabled is False
+
+
+def test_two_names_of_one_field_move_together() -> None:
+    parameters = fresh()
+    assert parameters.set("WP_SPEED", 1.25) == ""
+    assert parameters.value(BY_NAME["CRUISE_SPEED"]) == 1.25
+
+
+def test_a_whole_number_is_rounded_before_it_is_kept() -> None:
+    parameters = fresh()
+    assert parameters.set("MIS_DONE_BEHAVE", 0.4) == ""
+    assert parameters.value(BY_NAME["MIS_DONE_BEHAVE"]) == 0.0
+
+
+def test_a_constant_takes_only_its_own_value() -> None:
+    parameters = fresh()
+    assert parameters.set("FRAME_CLASS", 2.0) == ""
+    assert "fixed at 2" in parameters.set("FRAME_CLASS", 1.0)
+    assert "fixed" in parameters.set("FRAME_CLASS", math.nan)
+    assert "no such" in parameters.set("NOT_THERE", 1.0)
+
+
+def test_changes_survive_a_restart_and_only_they_are_written() -> None:
+    storage = MemoryStorage()
+    parameters = fresh(storage)
+    parameters.set("HDG_KP", float32(3.3))
+    parameters.set("SYSID_MYGCS", 250.0)
+    assert storage.content[FILE].decode().splitlines() == ["HDG_KP 3.3", "SYSID_MYGCS 250"]
+    again = fresh(storage)
+    assert again.config == parameters.config
+    assert again.config.heading.kp == 3.3
+
+
+def test_a_value_set_back_to_its_default_leaves_the_file() -> None:
+    storage = MemoryStorage()
+    parameters = fresh(storage)
+    parameters.set("HDG_KP", 3.0)
+    parameters.set("HDG_KP", 2.5)
+    assert storage.content[FILE].split() == []
+
+
+def test_lines_that_cannot_be_used_are_skipped_and_the_others_count(caplog: pytest.LogCaptureFixture) -> None:
+    storage = MemoryStorage()
+    storage.content[FILE] = (
+        b"# mine\nHDG_KP,4\nHDG_KI\nNOPE 1\nHDG_KD x\n\xff\xfe\nRTL_SPEED 1e9\nLOIT_RADIUS\t3\n"
+    )
+    parameters = fresh(storage)
+    assert parameters.config.heading.kp == 4.0
+    assert parameters.config.guidance.station_radius_m == 3.0
+    assert parameters.config.mission.rtl_speed_m_s == 0.0
+    assert [record.args[1] for record in caplog.records if isinstance(record.args, tuple)] == [3, 4, 5, 6, 7]
+
+
+@given(st.binary(max_size=200))
+def test_any_file_at_all_leaves_a_boat_that_can_be_configured(content: bytes) -> None:
+    storage = MemoryStorage()
+    storage.content[FILE] = content
+    assert fresh(storage).set("HDG_KP", 1.0) == ""
+
+
+def test_a_ground_stations_own_reader_reads_the_file(tmp_path: Path) -> None:
+    storage = FolderStorage(tmp_path)
+    parameters = Parameters(BoatConfig(), ROWS, storage)
+    parameters.set("HDG_KP", float32(3.3))
+    parameters.set("LOIT_RADIUS", 2.0)
+    storage.close()
+    read = mavparm.MAVParmDict()
+    assert read.load(str(tmp_path / FILE))
+    assert dict(read) == {"HDG_KP": 3.3, "LOIT_RADIUS": 2.0}
+
+
+def test_a_change_that_cannot_be_kept_is_told_once(tmp_path: Path) -> None:
+    def refuse(path: Path, content: bytes) -> None:
+        raise OSError(28, "No space left on device")
+
+    storage = FolderStorage(tmp_path, refuse)
+    parameters = Parameters(BoatConfig(), ROWS, storage)
+    assert parameters.take_fault() == ""
+    parameters.set("HDG_KP", 3.0)
+    storage.close()
+    assert "No space left" in parameters.take_fault()
+    assert parameters.take_fault() == ""
+    assert parameters.config.heading.kp == 3.0
