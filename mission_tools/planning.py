@@ -13,6 +13,7 @@ import shapely
 from companion.geo import Point, bearing_rad, distance_m
 from companion.units import wrap_pi
 from mission_tools.astar import SearchMetrics, astar
+from mission_tools.corners import widen_corners
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.expansion import EightNeighbours
 from mission_tools.grid import Grid
@@ -31,6 +32,8 @@ MAX_REFINED_GRID_CELLS = 16_000_000
 MAX_PULL_POINTS = 600
 MIN_LEG_CLEARANCES = 3.0
 MIN_LEG_CELLS = 3.0
+CORNER_CLEARANCES = 0.5
+"""How near to a waypoint a vehicle is taken to begin its turn: whoever keeps 4 m off turns within 2 m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +219,8 @@ class _Planner:
         spacing_m = max(self._grid.cell_m, length_m / MAX_PULL_POINTS)
         taut = pull_taut(path, is_clear, spacing_m)
         min_leg_m = max(MIN_LEG_CLEARANCES * clearance_m, MIN_LEG_CELLS * self._grid.cell_m)
-        return merge_short_legs(taut, is_clear, min_leg_m, length_m)
+        merged = merge_short_legs(taut, is_clear, min_leg_m, length_m)
+        return widen_corners(merged, is_clear, CORNER_CLEARANCES * clearance_m, length_m)
 
 
 @dataclass(frozen=True, slots=True)
