@@ -79,6 +79,11 @@ class MavutilStation:
                 heard.append(message)
         return heard
 
+    def drain(self) -> None:
+        """Forget what has come already."""
+        while self.link.recv_match(blocking=False) is not None:
+            pass
+
     def command(self, number: int, *params: float) -> int:
         """Send a command; returns the MAV_RESULT of its answer."""
         self.mav.command_long_send(*BOAT, number, 0, *params, *[0.0] * (7 - len(params)))
