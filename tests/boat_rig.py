@@ -8,6 +8,7 @@ import msgspec
 
 from companion.boat import TICK_S, Boat
 from companion.config import BoatConfig, with_value
+from companion.geo import LatLon, LocalFrame, Point
 from companion.hal.interfaces import Hardware, Link
 from companion.hal.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
@@ -16,7 +17,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
-from companion.sensors.readings import BatteryReading
+from companion.sensors.readings import BatteryReading, GnssFix
+from companion.state import NavState
 from companion.storage import MemoryStorage, Storage
 from companion.units import deg_to_e7
 from sitl.scenario import Scenario, load_scenario
@@ -273,3 +275,18 @@ class FakeBattery:
 def replaced(config: BoatConfig, **sections: object) -> BoatConfig:
     """A copy of a configuration with whole sections replaced."""
     return msgspec.structs.replace(config, **sections)
+
+
+def nav_at(north_m: float = 0.0, east_m: float = 0.0, time_s: float = 0.0, age_s: float = 0.0) -> NavState:
+    """A boat at rest at a place, bow north."""
+    return NavState(time_s, north_m, east_m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, age_s, age_s)
+
+
+ORIGIN = LatLon(50.0, -1.2)
+FRAME = LocalFrame(ORIGIN)
+GOOD_FIX = GnssFix(0.0, ORIGIN, 3, 12, 0.8)
+
+
+def place(north_m: float, east_m: float) -> LatLon:
+    """A position in FRAME as the globe has it."""
+    return FRAME.to_global(Point(north_m, east_m))

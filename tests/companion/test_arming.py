@@ -1,0 +1,75 @@
+import dataclasses
+
+import pytest
+from boat_rig import GOOD_FIX, nav_at
+
+from companion.config import Arming, Motors
+from companion.sensors.readings import BatteryReading, GnssFix
+from companion.state import NavState
+from companion.vehicle.arming import PreArmReport, arming_faults
+from companion.vehicle.modes import Mode
+
+FULL = BatteryReading(0.0, 12.4)
+
+
+def faults(
+    mode: Mode = Mode.GUIDED,
+    nav: NavState | None = nav_at(),  # noqa: B008  a frozen value
+    fix: GnssFix | None = GOOD_FIX,
+    battery: BatteryReading | None = FULL,
+    setting: Arming = Arming(),  # noqa: B008
+) -> list[str]:
+    return arming_faults(setting, Motors(), mode, nav, fix, battery)
+
+
+def test_a_boat_that_is_well_arms() -> None:
+    assert faults() == []
+
+
+@pytest.mark.parametrize(
+    ("fix", "text"),
+    [
+        (None, "GPS: no 3-D fix"),
+        (dataclasses.replace(GOOD_FIX, fix_type=2), "GPS: no 3-D fix"),
+        (dataclasses.replace(GOOD_FIX, hdop=2.6), "GPS: HDOP 2.6 is above 2.5"),
+    ],
+)
+def test_a_mode_that_steers_by_position_needs_a_good_fix(fix: GnssFix | None, text: str) -> None:
+    assert faults(fix=fix) == [text]
+
+
+@pytest.mark.parametrize("mode", [Mode.MANUAL, Mode.HOLD])
+def test_a_mode_without_position_arms_without_a_receiver(mode: Mode) -> None:
+    assert faults(mode, nav=dataclasses.replace(nav_at(), position_age_s=float("inf")), fix=None) == []
+
+
+def test_a_stale_position_and_a_silent_compass_are_told_apart() -> None:
+    nav = nav_at(age_s=3.1)
+    assert faults(nav=nav) == ["GPS: position is stale", "Compass: no heading"]
+    assert faults(Mode.MANUAL, nav=None) == ["Compass: no heading"]
+    assert faults(nav=nav_at(age_s=2.9)) == []
+
+
+def test_an_empty_pack_does_not_arm_and_a_missing_monitor_does() -> None:
+    assert faults(battery=BatteryReading(0.0, 10.4)) == ["Battery: 10.4 V is below 10.5 V"]
+    assert faults(battery=None) == []
+
+
+def test_checks_that_are_switched_off_find_nothing() -> None:
+    assert faults(nav=None, fix=None, battery=BatteryReading(0.0, 1.0), setting=Arming(check=False)) == []
+
+
+def test_reasons_are_told_five_seconds_after_boot_and_then_every_thirty() -> None:
+    report = PreArmReport()
+    told = [tick * 0.02 for tick in range(5000) if report.update(lambda: ["GPS: no 3-D fix"], tick * 0.02)]
+    assert told == pytest.approx([5.0, 35.0, 65.0, 95.0], abs=0.03)
+
+
+def test_a_reason_that_comes_up_later_is_told_within_a_second() -> None:
+    report = PreArmReport()
+    told = [
+        tick * 0.02
+        for tick in range(1000)
+        if report.update(lambda tick=tick: ["Compass: no heading"] if tick * 0.02 > 12.3 else [], tick * 0.02)  # type: ignore[misc]
+    ]
+    assert told == pytest.approx([12.8], abs=0.6)

@@ -1,0 +1,211 @@
+import math
+
+import pytest
+from boat_rig import FRAME, nav_at, place
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.config import Guidance
+from companion.vehicle.intent import FollowLeg, Intent, KeepStation
+from companion.vehicle.mission_progress import MissionProgress
+from companion.vehicle.mission_steps import Home, Jump, Mission, ReturnHome, SetSpeed, Step, Wait, Waypoint
+
+A, B, C = Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)), Waypoint(place(0.0, 50.0))
+PLACES = {"A": (50.0, 0.0), "B": (50.0, 50.0), "C": (0.0, 50.0)}
+CRUISE_M_S = 2.0
+
+
+def begun(*steps: Step) -> MissionProgress:
+    progress = MissionProgress()
+    progress.replace((Home(), *steps))
+    return progress
+
+
+def at(progress: MissionProgress, north_m: float, east_m: float, now_s: float = 0.0) -> Intent:
+    return progress.update(nav_at(north_m, east_m), FRAME, Guidance(), CRUISE_M_S, now_s)
+
+
+def leg_at(progress: MissionProgress, north_m: float, east_m: float, now_s: float = 0.0) -> FollowLeg:
+    intent = at(progress, north_m, east_m, now_s)
+    assert isinstance(intent, FollowLeg)
+    return intent
+
+
+def test_home_is_never_sailed_and_the_first_leg_begins_at_the_boat() -> None:
+    progress = begun(A, B)
+    leg = leg_at(progress, 3.0, 4.0)
+    assert leg.start == (3.0, 4.0)
+    assert leg.end == pytest.approx(PLACES["A"], abs=1e-3)
+    assert leg.next_end == pytest.approx(PLACES["B"], abs=1e-3)
+    assert leg.speed_m_s == CRUISE_M_S
+
+
+def test_the_next_leg_begins_at_the_waypoint_not_at_the_boat() -> None:
+    progress = begun(A, B)
+    leg_at(progress, 0.0, 0.0)
+    leg = leg_at(progress, 48.5, 0.5)
+    assert leg.start == pytest.approx(PLACES["A"], abs=1e-3)
+    assert leg.end == pytest.approx(PLACES["B"], abs=1e-3)
+    assert leg.next_end is None
+    assert progress.take_reached() == [1]
+    assert progress.take_reached() == []
+
+
+def test_a_waypoints_own_radius_counts_before_the_boats() -> None:
+    progress = begun(Waypoint(A.position, radius_m=5.0), B)
+    assert leg_at(progress, 0.0, 0.0).radius_m == 5.0
+    leg_at(progress, 45.5, 0.0)
+    assert progress.current_seq == 2
+
+
+def test_a_waypoint_passed_close_by_counts_and_one_missed_by_far_is_aimed_at_again() -> None:
+    near = begun(A, B)
+    leg_at(near, 0.0, 0.0)
+    leg_at(near, 50.5, 3.5)
+    assert near.take_reached() == [1]
+    far = begun(A, B)
+    leg_at(far, 0.0, 0.0)
+    again = leg_at(far, 50.5, 8.0)
+    assert far.take_reached() == []
+    assert again.start == (50.5, 8.0)
+
+
+def test_a_waypoint_with_a_time_is_stayed_at_and_reported_once() -> None:
+    progress = begun(Waypoint(A.position, hold_s=10.0), B)
+    assert leg_at(progress, 0.0, 0.0).next_end is None
+    for now_s in range(100, 110):
+        stay = at(progress, 49.5, 0.0, float(now_s))
+        assert isinstance(stay, KeepStation)
+        assert stay.point == pytest.approx(PLACES["A"], abs=1e-3)
+    leg_at(progress, 49.5, 0.0, 110.0)
+    assert progress.take_reached() == [1]
+
+
+def test_a_delay_keeps_the_boat_where_the_last_leg_ended() -> None:
+    progress = begun(A, Wait(5.0), B)
+    leg_at(progress, 0.0, 0.0)
+    stay = at(progress, 48.5, 0.0, 20.0)
+    assert isinstance(stay, KeepStation)
+    leg = leg_at(progress, 48.5, 0.0, 25.0)
+    assert leg.start == pytest.approx(PLACES["A"], abs=1e-3)
+    assert progress.take_reached() == [1, 2]
+
+
+def test_a_speed_holds_for_the_legs_that_follow_until_zero_takes_it_back() -> None:
+    progress = begun(SetSpeed(1.2), A, SetSpeed(0.0), B)
+    leg = leg_at(progress, 0.0, 0.0)
+    assert leg.speed_m_s == 1.2
+    assert leg.next_end == pytest.approx(PLACES["B"], abs=1e-3)
+    assert leg_at(progress, 50.0, 0.0).speed_m_s == CRUISE_M_S
+
+
+def visit(progress: MissionProgress, limit: int = 100) -> list[int]:
+    """Put the boat on the end of each leg until the mission is over; the sequences that it reports."""
+    here = (0.0, 0.0)
+    for now_s in range(limit):
+        intent = at(progress, *here, float(now_s))
+        if progress.finished:
+            break
+        if isinstance(intent, FollowLeg):
+            here = (intent.end.north_m, intent.end.east_m)
+    return progress.take_reached()
+
+
+@pytest.mark.parametrize(("times", "reached"), [(0, [1, 2]), (1, [1, 2, 1, 2]), (2, [1, 2, 1, 2, 1, 2])])
+def test_a_jump_is_taken_as_often_as_it_says(times: int, reached: list[int]) -> None:
+    assert visit(begun(A, B, Jump(1, times))) == reached
+
+
+def test_a_jump_for_ever_goes_on_for_ever() -> None:
+    progress = begun(A, B, Jump(1, -1))
+    assert len(visit(progress, 500)) > 400
+    assert not progress.finished
+
+
+def test_a_mission_sailed_again_has_all_its_jumps_again() -> None:
+    progress = begun(A, B, Jump(1, 1))
+    assert visit(progress) == [1, 2, 1, 2]
+    progress.restart()
+    assert visit(progress) == [1, 2, 1, 2]
+
+
+@pytest.mark.parametrize("steps", [(Jump(1, -1),), (SetSpeed(1.0), Jump(1, -1)), (A, Jump(1, -1))])
+def test_a_loop_with_nothing_to_sail_neither_hangs_the_boat_nor_floods_the_stations(
+    steps: tuple[Step, ...],
+) -> None:
+    progress = begun(*steps)
+    for tick in range(50):
+        assert isinstance(at(progress, 50.0, 0.0, tick * 0.02), KeepStation)
+    assert len(progress.take_reached()) <= 100
+
+
+def test_the_way_home_ends_the_mission() -> None:
+    progress = begun(A, ReturnHome(), B)
+    leg_at(progress, 0.0, 0.0)
+    at(progress, 50.0, 0.0)
+    assert progress.finished
+    assert progress.go_home
+
+
+def test_a_waypoint_for_ever_is_never_left() -> None:
+    progress = begun(Waypoint(A.position, hold_s=math.inf), B)
+    assert isinstance(at(progress, 50.0, 0.0, 0.0), KeepStation)
+    assert isinstance(at(progress, 50.0, 0.0, 1e9), KeepStation)
+    assert not progress.finished
+
+
+def test_an_item_made_current_is_sailed_to_from_here() -> None:
+    progress = begun(A, B, C)
+    leg_at(progress, 0.0, 0.0)
+    assert progress.set_current(3)
+    leg = leg_at(progress, 10.0, 5.0)
+    assert leg.start == (10.0, 5.0)
+    assert leg.end == pytest.approx(PLACES["C"], abs=1e-3)
+    assert not progress.set_current(4)
+    assert not progress.set_current(-1)
+    assert progress.current_seq == 3
+
+
+def test_an_item_made_current_after_the_end_takes_the_mission_up_again() -> None:
+    progress = begun(A)
+    visit(progress)
+    assert progress.finished
+    assert progress.set_current(1)
+    assert not progress.finished
+
+
+def test_an_interrupted_leg_goes_on_from_where_the_boat_is() -> None:
+    progress = begun(A, B)
+    leg_at(progress, 0.0, 0.0)
+    progress.resume()
+    leg = leg_at(progress, 20.0, 7.0)
+    assert leg.start == (20.0, 7.0)
+    assert progress.current_seq == 1
+
+
+@pytest.mark.parametrize("mission", [(), (Home(),)])
+def test_a_mission_without_anything_to_sail_is_over_at_once(mission: Mission) -> None:
+    progress = MissionProgress()
+    progress.replace(mission)
+    assert progress.is_empty
+    assert progress.last_seq == 0
+    assert isinstance(at(progress, 1.0, 2.0), KeepStation)
+    assert progress.finished
+
+
+steps = st.one_of(
+    st.sampled_from([A, B, C, ReturnHome(), Home()]),
+    st.builds(Wait, st.floats(0.0, 3.0)),
+    st.builds(SetSpeed, st.floats(0.0, 3.0)),
+    st.builds(Jump, st.integers(1, 8), st.integers(-1, 3)),
+)
+
+
+@given(st.lists(steps, min_size=8, max_size=8))
+def test_any_mission_stays_within_itself_and_reports_only_its_own_items(mission: list[Step]) -> None:
+    progress = begun(*mission)
+    reached = visit(progress, 60)
+    assert 0 <= progress.current_seq <= progress.last_seq == 8
+    assert all(isinstance(progress.mission[seq], Waypoint | Wait) for seq in reached)
+    if not any(isinstance(step, Jump) for step in mission):
+        assert reached == sorted(set(reached))

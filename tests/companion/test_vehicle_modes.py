@@ -1,0 +1,279 @@
+import pytest
+from boat_rig import FRAME, GOOD_FIX, nav_at, place
+
+from companion.config import BoatConfig
+from companion.geo import Point
+from companion.requests import (
+    Arm,
+    ChangeMode,
+    ChangeSpeed,
+    Disarm,
+    GoTo,
+    ManualInput,
+    SetCurrentItem,
+    SetHome,
+    StartMission,
+)
+from companion.state import NavState
+from companion.vehicle.intent import Drive, FollowLeg, KeepStation, Stop
+from companion.vehicle.mission_steps import Home, Mission, ReturnHome, Waypoint
+from companion.vehicle.modes import Mode, mode_from_number
+from companion.vehicle.vehicle import Vehicle
+
+MISSION: Mission = (Home(), Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)))
+
+
+def vehicle_at(north_m: float = 0.0, east_m: float = 0.0, mode: Mode | None = None) -> Vehicle:
+    """A vehicle that knows where it is; armed when a mode is given."""
+    vehicle = Vehicle(BoatConfig())
+    tick(vehicle, nav_at(north_m, east_m), 0.0)
+    if mode is not None:
+        assert vehicle.request(ChangeMode(mode)).accepted
+        assert vehicle.request(Arm()).accepted
+    vehicle.take_notices()
+    return vehicle
+
+
+def tick(vehicle: Vehicle, nav: NavState, now_s: float) -> object:
+    vehicle.sense(nav, FRAME, GOOD_FIX, None, now_s)
+    return vehicle.decide()
+
+
+def texts(vehicle: Vehicle) -> list[str]:
+    return [notice.text for notice in vehicle.take_notices()]
+
+
+def test_the_boats_modes_have_rovers_numbers() -> None:
+    assert {mode.name: mode.value for mode in Mode} == {
+        "MANUAL": 0,
+        "HOLD": 4,
+        "LOITER": 5,
+        "AUTO": 10,
+        "RTL": 11,
+        "GUIDED": 15,
+    }
+
+
+@pytest.mark.parametrize("number", [1, 3, 6, 7, 8, 9, 12, 16, -1, 2**31])
+def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number: int) -> None:
+    assert mode_from_number(number) is None
+    vehicle = vehicle_at()
+    outcome = vehicle.request(ChangeMode(number))
+    assert not outcome.accepted
+    assert texts(vehicle) == [f"Mode {number} is not available on this boat"]
+    assert vehicle.mode is Mode.HOLD
+
+
+@pytest.mark.parametrize("mode", list(Mode))
+def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
+    vehicle = vehicle_at()
+    vehicle.take_mission(MISSION)
+    assert vehicle.request(ChangeMode(mode)).accepted
+    vehicle.request(ManualInput(1.0, 0.0))
+    assert tick(vehicle, nav_at(), 0.02) == Stop()
+
+
+@pytest.mark.parametrize("mode", [Mode.LOITER, Mode.AUTO, Mode.RTL, Mode.GUIDED])
+def test_a_mode_that_steers_by_position_is_refused_without_one(mode: Mode) -> None:
+    vehicle = Vehicle(BoatConfig())
+    vehicle.take_mission(MISSION)
+    assert vehicle.request(ChangeMode(mode)).reason == f"{mode.name}: no position yet"
+    tick(vehicle, nav_at(age_s=10.0), 0.0)
+    assert vehicle.request(ChangeMode(mode)).reason == f"{mode.name}: position is stale"
+    assert vehicle.mode is Mode.HOLD
+
+
+def test_auto_needs_a_mission() -> None:
+    vehicle = vehicle_at()
+    assert vehicle.request(ChangeMode(Mode.AUTO)).reason == "AUTO: no mission"
+    vehicle.take_mission((Home(),))
+    assert vehicle.request(ChangeMode(Mode.AUTO)).reason == "AUTO: no mission"
+
+
+def test_sticks_are_thrust_until_they_are_stale() -> None:
+    vehicle = vehicle_at(mode=Mode.MANUAL)
+    assert tick(vehicle, nav_at(), 0.02) == Stop()
+    vehicle.request(ManualInput(0.5, -0.25))
+    assert tick(vehicle, nav_at(), 1.0) == Drive(0.5, -0.25)
+    assert tick(vehicle, nav_at(), 1.1) == Stop()
+
+
+def test_sticks_from_before_arming_do_not_move_the_boat() -> None:
+    vehicle = vehicle_at()
+    vehicle.request(ChangeMode(Mode.MANUAL))
+    vehicle.request(ManualInput(1.0, 0.0))
+    vehicle.request(Arm())
+    assert tick(vehicle, nav_at(), 0.02) == Stop()
+
+
+def test_loiter_keeps_the_place_where_it_began() -> None:
+    vehicle = vehicle_at(3.0, 4.0, Mode.LOITER)
+    intent = tick(vehicle, nav_at(30.0, 4.0), 1.0)
+    assert isinstance(intent, KeepStation)
+    assert intent.point == pytest.approx((3.0, 4.0), abs=1e-3)
+    vehicle.request(ChangeMode(Mode.LOITER))  # asked for again, it does not move the anchor
+    assert vehicle.decide() == intent
+
+
+def test_guided_sails_to_its_target_and_stays_there() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    assert isinstance(tick(vehicle, nav_at(), 0.02), KeepStation)
+    assert vehicle.request(GoTo(place(20.0, 0.0), 1.5)).accepted
+    leg = tick(vehicle, nav_at(), 0.04)
+    assert isinstance(leg, FollowLeg)
+    assert (leg.start, leg.speed_m_s, leg.next_end) == (Point(0.0, 0.0), 1.5, None)
+    assert leg.end == pytest.approx((20.0, 0.0), abs=1e-3)
+    stay = tick(vehicle, nav_at(19.0, 0.0), 10.0)
+    assert isinstance(stay, KeepStation)
+    assert stay.point == pytest.approx((20.0, 0.0), abs=1e-3)
+    assert texts(vehicle) == ["GUIDED: arrived"]
+
+
+def test_a_target_that_was_missed_is_aimed_at_again() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    vehicle.request(GoTo(place(20.0, 0.0)))
+    tick(vehicle, nav_at(), 0.02)
+    swept = nav_at(21.0, 9.0)
+    again = tick(vehicle, swept, 10.0)
+    assert isinstance(again, FollowLeg)
+    assert again.start == swept.point
+
+
+def test_a_mode_asked_for_again_keeps_the_target() -> None:
+    vehicle = vehicle_at()
+    assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
+    assert vehicle.mode is Mode.GUIDED
+    vehicle.request(ChangeMode(Mode.GUIDED))
+    assert vehicle.target == place(20.0, 0.0)
+
+
+def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:
+    vehicle = vehicle_at(mode=Mode.LOITER)
+    assert vehicle.request(GoTo(place(20.0, 0.0))).reason == "Go to: not in GUIDED"
+    assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
+
+
+def test_a_target_from_before_arming_is_forgotten() -> None:
+    vehicle = vehicle_at()
+    vehicle.request(GoTo(place(20.0, 0.0), change_mode=True))
+    vehicle.request(Arm())
+    assert isinstance(tick(vehicle, nav_at(), 1.0), KeepStation)
+
+
+def test_rtl_sails_to_where_the_boat_was_armed_at_its_own_speed() -> None:
+    vehicle = vehicle_at(5.0, 0.0, Mode.MANUAL)
+    tick(vehicle, nav_at(80.0, 0.0), 30.0)
+    vehicle.request(ChangeMode(Mode.RTL))
+    leg = vehicle.decide()
+    assert isinstance(leg, FollowLeg)
+    assert leg.end == pytest.approx((5.0, 0.0), abs=1e-3)
+    assert leg.speed_m_s == vehicle.config.speed.cruise_m_s
+
+
+def test_home_that_was_chosen_is_not_moved_by_arming() -> None:
+    vehicle = vehicle_at(5.0, 5.0)
+    assert vehicle.request(SetHome(place(-10.0, 0.0))).accepted
+    vehicle.request(Arm())
+    assert vehicle.home == place(-10.0, 0.0)
+    vehicle.request(SetHome())
+    assert vehicle.home is not None
+    assert FRAME.to_local(vehicle.home) == pytest.approx((5.0, 5.0), abs=1e-3)
+
+
+def test_home_cannot_be_here_before_here_is_known() -> None:
+    assert Vehicle(BoatConfig()).request(SetHome()).reason == "Home: no position yet"
+
+
+def test_a_refused_arming_says_every_reason() -> None:
+    vehicle = Vehicle(BoatConfig())
+    outcome = vehicle.request(Arm())
+    assert outcome.reason == "Compass: no heading"
+    assert texts(vehicle) == ["Arm: Compass: no heading"]
+    assert vehicle.request(Arm(force=True)).accepted
+    assert vehicle.armed
+
+
+def test_disarming_says_by_whom_and_only_once() -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    vehicle.request(Disarm("by emergency stop"))
+    vehicle.request(Disarm())
+    assert texts(vehicle) == ["Disarmed by emergency stop"]
+
+
+def test_starting_the_mission_enters_auto_at_the_item_asked_for() -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    assert vehicle.request(StartMission()).reason == "AUTO: no mission"
+    vehicle.take_mission(MISSION)
+    assert vehicle.request(StartMission(2)).accepted
+    assert (vehicle.mode, vehicle.progress.current_seq) == (Mode.AUTO, 2)
+    assert vehicle.request(StartMission(3)).reason == "Mission has no item 3 (last is 2)"
+    assert vehicle.request(SetCurrentItem(7)).reason == "Mission has no item 7 (last is 2)"
+    assert vehicle.progress.current_seq == 2
+
+
+@pytest.mark.parametrize(("behave", "mode"), [(0, Mode.HOLD), (1, Mode.LOITER)])
+def test_after_the_mission_the_boat_does_as_it_was_told(behave: int, mode: Mode) -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    vehicle.config = BoatConfig(mission=type(vehicle.config.mission)(done_behave=behave))
+    vehicle.take_mission(MISSION)
+    vehicle.request(StartMission())
+    tick(vehicle, nav_at(50.0, 0.0), 1.0)
+    intent = tick(vehicle, nav_at(50.0, 49.0), 2.0)
+    assert vehicle.mode is mode
+    assert isinstance(intent, Stop if mode is Mode.HOLD else KeepStation)
+    if isinstance(intent, KeepStation):
+        assert intent.point == pytest.approx((50.0, 50.0), abs=1e-3)
+    assert "Mission complete" in texts(vehicle)
+
+
+def test_a_mission_may_end_with_the_way_home() -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    vehicle.take_mission((*MISSION, ReturnHome()))
+    vehicle.request(StartMission(2))
+    leg = tick(vehicle, nav_at(50.0, 50.0), 2.0)
+    assert vehicle.mode is Mode.RTL
+    assert isinstance(leg, FollowLeg)
+    assert leg.end == pytest.approx((0.0, 0.0), abs=1e-3)
+
+
+def test_a_speed_lasts_until_the_mode_changes() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    vehicle.request(ChangeSpeed(0.7))
+    vehicle.request(GoTo(place(20.0, 0.0)))
+    leg = tick(vehicle, nav_at(), 0.1)
+    assert isinstance(leg, FollowLeg)
+    assert leg.speed_m_s == 0.7
+    vehicle.take_mission(MISSION)
+    vehicle.request(StartMission())
+    leg = tick(vehicle, nav_at(), 0.2)
+    assert isinstance(leg, FollowLeg)
+    assert leg.speed_m_s == vehicle.config.speed.cruise_m_s
+    vehicle.request(ChangeSpeed(0.9))
+    leg = tick(vehicle, nav_at(), 0.3)
+    assert isinstance(leg, FollowLeg)
+    assert leg.speed_m_s == 0.9
+
+
+def test_clearing_the_mission_under_way_leaves_auto() -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    vehicle.take_mission(MISSION)
+    vehicle.request(StartMission())
+    vehicle.take_mission(())
+    assert vehicle.mode is Mode.LOITER
+    assert texts(vehicle)[-1] == "Mode LOITER: mission cleared"
+
+
+def test_the_place_that_telemetry_shows_is_the_one_being_sailed_to() -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    assert vehicle.active_position() is None
+    vehicle.take_mission(MISSION)
+    vehicle.request(StartMission(2))
+    assert vehicle.active_position() == place(50.0, 50.0)
+    vehicle.request(ChangeMode(Mode.RTL))
+    assert vehicle.active_position() == vehicle.home
+
+
+def test_an_estimate_that_goes_missing_stops_the_boat() -> None:
+    vehicle = vehicle_at(mode=Mode.LOITER)
+    vehicle.sense(None, None, None, None, 1.0)
+    assert vehicle.decide() == Stop()
