@@ -113,12 +113,32 @@ def bearing_rad(a: Point, b: Point) -> float:
     return math.atan2(b.east_m - a.east_m, b.north_m - a.north_m)
 
 
-def along_and_cross_track_m(start: Point, end: Point, at: Point) -> tuple[float, float]:
-    """How far `at` lies along the line start → end, and how far to its right (starboard positive).
+class Line:
+    """The straight line from start on through end, with what is asked of it every tick worked out once.
 
-    A line without length is taken to point north.
+    A line without length is taken to point north. course_rad is in [−π, π].
     """
-    course = bearing_rad(start, end)
-    north, east = at.north_m - start.north_m, at.east_m - start.east_m
-    c, s = math.cos(course), math.sin(course)
-    return north * c + east * s, east * c - north * s
+
+    __slots__ = ("_cos", "_sin", "course_rad", "end", "length_m", "start")
+
+    def __init__(self, start: Point, end: Point) -> None:
+        self.start = start
+        self.end = end
+        self.length_m = distance_m(start, end)
+        self.course_rad = bearing_rad(start, end)
+        self._cos = math.cos(self.course_rad)
+        self._sin = math.sin(self.course_rad)
+
+    def along_and_cross_track_m(self, at: Point) -> tuple[float, float]:
+        """How far `at` lies along the line from its start, and how far to its right (starboard positive)."""
+        north, east = at.north_m - self.start.north_m, at.east_m - self.start.east_m
+        return north * self._cos + east * self._sin, east * self._cos - north * self._sin
+
+    def cross_speed_m_s(self, north_m_s: float, east_m_s: float) -> float:
+        """The part of a velocity that leads to the right of the line."""
+        return east_m_s * self._cos - north_m_s * self._sin
+
+
+def along_and_cross_track_m(start: Point, end: Point, at: Point) -> tuple[float, float]:
+    """As `Line.along_and_cross_track_m`, for a line that is asked only once."""
+    return Line(start, end).along_and_cross_track_m(at)

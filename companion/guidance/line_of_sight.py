@@ -13,7 +13,6 @@ boat, so it leaves no steady cross-track error either.
 import math
 
 from companion.config import Guidance
-from companion.geo import Point
 from companion.units import clamp
 
 RESPONSE_S = 0.7  # hull and heading loop answer about this late
@@ -38,11 +37,3 @@ def desired_course_rad(leg_rad: float, cross_track_m: float, cross_speed_m_s: fl
     on the leg.
     """
     return leg_rad - math.atan((cross_track_m + RESPONSE_S * cross_speed_m_s) / ahead_m)
-
-
-def leg_course_rad(start: Point, end: Point, at: Point) -> float:
-    """Direction of the leg; of what is left of it where it has no length."""
-    north, east = end.north_m - start.north_m, end.east_m - start.east_m
-    if north * north + east * east < 1e-12:
-        north, east = end.north_m - at.north_m, end.east_m - at.east_m
-    return math.atan2(east, north)

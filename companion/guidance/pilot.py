@@ -5,9 +5,9 @@ import math
 import msgspec
 
 from companion.config import BoatConfig
-from companion.geo import Point
+from companion.geo import Line, Point
 from companion.guidance.drift import Drift
-from companion.guidance.line_of_sight import desired_course_rad, leg_course_rad, lookahead_m
+from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.speed_profile import leg_speed_m_s, steered_speed_m_s, turn_lead_m
 from companion.guidance.station_keeping import StationKeeping
 from companion.state import Demand, NavState
@@ -57,26 +57,25 @@ class Pilot:
         setting = config.guidance
         if leg.radius_m > 0.0:
             setting = msgspec.structs.replace(setting, waypoint_radius_m=leg.radius_m)
-        end, here = leg.end, nav.point
-        course = aim = leg_course_rad(leg.start, end, here)
-        to_go, cross_track = _to_go_and_cross_track_m(course, end, nav)
-        aim_cross = cross_track
+        here, end = nav.point, leg.end
+        line = aim = leg.line if leg.line.length_m > 1e-6 else Line(here, end)
+        along, cross_track = line.along_and_cross_track_m(here)
+        to_go, aim_cross = line.length_m - along, cross_track
         ground_speed = math.hypot(nav.north_m_s, nav.east_m_s)
         turn: float | None = None
-        if leg.next_end is not None:
-            turn = wrap_pi(leg_course_rad(end, leg.next_end, here) - course)
+        if leg.next_line is not None:
+            turn = wrap_pi(leg.next_line.course_rad - line.course_rad)
             if to_go < turn_lead_m(turn, ground_speed, setting) and self._is_closing(end, nav):
-                aim = course + turn
-                _, aim_cross = _to_go_and_cross_track_m(aim, end, nav)
-        cross_speed = nav.east_m_s * math.cos(aim) - nav.north_m_s * math.sin(aim)
+                aim = leg.next_line
+                _, aim_cross = aim.along_and_cross_track_m(here)
+        cross_speed = aim.cross_speed_m_s(nav.north_m_s, nav.east_m_s)
         ahead = lookahead_m(ground_speed, config.speed.cruise_m_s, setting)
-        wanted = desired_course_rad(aim, aim_cross, cross_speed, ahead)
+        wanted = desired_course_rad(aim.course_rad, aim_cross, cross_speed, ahead)
         water_speed = max(self.drift.water_speed_m_s(nav), setting.min_speed_m_s)
         heading = wrap_pi(self.drift.heading_for_course_rad(wanted, water_speed))
         speed = leg_speed_m_s(leg.speed_m_s, to_go, turn, setting)
         speed = steered_speed_m_s(speed, wrap_pi(heading - nav.heading_rad), setting)
-        distance = math.hypot(end.north_m - nav.north_m, end.east_m - nav.east_m)
-        return Demand(heading, speed, cross_track, distance)
+        return Demand(heading, speed, cross_track, math.hypot(to_go, cross_track))
 
     def _is_closing(self, end: Point, nav: NavState) -> bool:
         """Whether a turn begun early may go on.
@@ -89,10 +88,3 @@ class Pilot:
         closing = (end.north_m - nav.north_m) * nav.north_m_s + (end.east_m - nav.east_m) * nav.east_m_s
         self._missed = end if closing < 0.0 else None
         return closing >= 0.0
-
-
-def _to_go_and_cross_track_m(course_rad: float, end: Point, nav: NavState) -> tuple[float, float]:
-    """How far it is along the course to the end, and how far the boat is to starboard of that line."""
-    c, s = math.cos(course_rad), math.sin(course_rad)
-    north, east = nav.north_m - end.north_m, nav.east_m - end.east_m
-    return -(north * c + east * s), east * c - north * s

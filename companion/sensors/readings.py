@@ -1,12 +1,11 @@
 """What the boat's sensors say: values, stamped with the boat's clock. All frozen, all SI."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from companion.geo import LatLon
 
 
-@dataclass(frozen=True, slots=True)
-class GnssFix:
+class GnssFix(Struct, frozen=True, gc=False):
     """One solution of a satellite receiver, or of whatever stands in for one.
 
     fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float,
@@ -25,8 +24,7 @@ class GnssFix:
     unix_time_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class HeadingReading:
+class HeadingReading(Struct, frozen=True, gc=False):
     """Where the bow points: radians from true north, clockwise; the rate too where the part has a gyro."""
 
     time_s: float
@@ -34,8 +32,7 @@ class HeadingReading:
     yaw_rate_rad_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SonarReading:
+class SonarReading(Struct, frozen=True, gc=False):
     """One ping. bearing_rad is relative to the bow, clockwise; range_m is None when no echo came back."""
 
     time_s: float
@@ -45,8 +42,7 @@ class SonarReading:
     max_range_m: float = 4.0
 
 
-@dataclass(frozen=True, slots=True)
-class BatteryReading:
+class BatteryReading(Struct, frozen=True, gc=False):
     """The pack as the monitor sees it. current_a is positive while discharging, None when not measured."""
 
     time_s: float

@@ -1,6 +1,6 @@
 """The boat at one instant, as telemetry reports it."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from companion.config import BoatConfig
 from companion.geo import LocalFrame
@@ -9,8 +9,7 @@ from companion.state import Demand, MotorCommand, NavState, PidOutput
 from companion.vehicle.vehicle import Vehicle
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot:
+class Snapshot(Struct, frozen=True):
     """One tick's knowledge. unix_s is 0 while the date is not known; load is the share of the tick used."""
 
     now_s: float

@@ -1,17 +1,17 @@
 """What the vehicle wants next: the modes' answer, guidance's input."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from companion.geo import Point
+from msgspec import Struct
+
+from companion.geo import Line, Point
 
 
-@dataclass(frozen=True, slots=True)
-class Stop:
+class Stop(Struct, frozen=True):
     """No thrust: the boat drifts."""
 
 
-@dataclass(frozen=True, slots=True)
-class Drive:
+class Drive(Struct, frozen=True):
     """Thrust by hand, no loop closed. throttle and steering are −1..1; steering is positive to starboard."""
 
     throttle: float
@@ -31,10 +31,16 @@ class FollowLeg:
     speed_m_s: float
     next_end: Point | None = None
     radius_m: float = 0.0
+    line: Line = field(init=False, repr=False, compare=False)
+    next_line: Line | None = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "line", Line(self.start, self.end))
+        onward = None if self.next_end is None else Line(self.end, self.next_end)
+        object.__setattr__(self, "next_line", onward)
 
 
-@dataclass(frozen=True, slots=True)
-class KeepStation:
+class KeepStation(Struct, frozen=True):
     """Stay near a point against current and wind."""
 
     point: Point

@@ -1,6 +1,6 @@
 """A straight line under way, and when its end counts as reached."""
 
-from companion.geo import Point, along_and_cross_track_m, distance_m
+from companion.geo import Line, Point, distance_m
 from companion.state import NavState
 from companion.vehicle.intent import FollowLeg
 
@@ -12,12 +12,13 @@ class Leg:
     0 the boat's own waypoint radius.
     """
 
-    __slots__ = ("end", "next_end", "radius_m", "start")
+    __slots__ = ("_intent", "_line", "end", "next_end", "radius_m")
 
     def __init__(
         self, start: Point, end: Point, next_end: Point | None = None, radius_m: float = 0.0
     ) -> None:
-        self.start = start
+        self._line = Line(start, end)
+        self._intent: FollowLeg | None = None
         self.end = end
         self.next_end = next_end
         self.radius_m = radius_m
@@ -30,14 +31,18 @@ class Leg:
         radius_m = self.radius_m or own_radius_m
         if distance_m(nav.point, self.end) <= radius_m:
             return True
-        along_m, cross_m = along_and_cross_track_m(self.start, self.end, nav.point)
-        if along_m < distance_m(self.start, self.end):
+        along_m, cross_m = self._line.along_and_cross_track_m(nav.point)
+        if along_m < self._line.length_m:
             return False
         if abs(cross_m) <= 2.0 * radius_m:
             return True
-        self.start = nav.point
+        self._line, self._intent = Line(nav.point, self.end), None
         return False
 
     def intent(self, speed_m_s: float) -> FollowLeg:
         """Sail it at this speed over ground."""
-        return FollowLeg(self.start, self.end, speed_m_s, self.next_end, self.radius_m)
+        intent = self._intent
+        if intent is None or intent.speed_m_s != speed_m_s:
+            start = self._line.start
+            self._intent = intent = FollowLeg(start, self.end, speed_m_s, self.next_end, self.radius_m)
+        return intent

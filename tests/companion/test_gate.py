@@ -1,11 +1,11 @@
 """The gate at and around each of its limits."""
 
 import math
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from companion.config import Motors
 from companion.control.gate import Gate

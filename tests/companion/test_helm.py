@@ -1,8 +1,7 @@
 """The helm closes the loops it is asked to close, and forgets the others."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from companion.config import BoatConfig, with_value
 from companion.control.helm import Helm

@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config import Guidance
-from companion.geo import Point
-from companion.guidance.line_of_sight import RESPONSE_S, desired_course_rad, leg_course_rad, lookahead_m
+from companion.guidance.line_of_sight import RESPONSE_S, desired_course_rad, lookahead_m
 
 SETTING = Guidance(lookahead_m=4.0)
 
@@ -39,11 +38,6 @@ def test_never_steers_further_than_square_to_the_leg(leg: float, cross: float, a
 def test_lookahead_grows_with_speed_between_its_bounds(speed: float, expected: float) -> None:
     assert lookahead_m(speed, 2.0, SETTING) == pytest.approx(expected)
 
-
-def test_a_leg_without_length_points_at_its_end() -> None:
-    end = Point(3.0, 3.0)
-    assert leg_course_rad(end, end, Point(0.0, 0.0)) == pytest.approx(math.pi / 4)
-    assert leg_course_rad(Point(0.0, 0.0), Point(0.0, 5.0), Point(9.0, 9.0)) == pytest.approx(math.pi / 2)
 
 
 def test_a_proportional_course_closes_exponentially() -> None:

@@ -1,9 +1,9 @@
 """The pilot: which demand each intent leads to."""
 
 import math
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from companion.config import BoatConfig
 from companion.geo import Point
@@ -15,7 +15,7 @@ CONFIG = BoatConfig()
 DT = 0.02
 NORTHBOUND = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.1, 0.02)
 LEG = FollowLeg(Point(0.0, 0.0), Point(100.0, 0.0), 2.0)
-CORNER = replace(LEG, next_end=Point(100.0, 50.0))
+CORNER = FollowLeg(LEG.start, LEG.end, LEG.speed_m_s, Point(100.0, 50.0))
 
 
 def _demand(pilot: Pilot, intent: FollowLeg | KeepStation, nav: NavState) -> Demand:
@@ -49,7 +49,7 @@ def test_beside_the_leg_it_steers_back_and_says_how_far_off_it_is() -> None:
 def test_it_slows_for_the_end_and_not_for_a_straight_junction() -> None:
     near = replace(NORTHBOUND, north_m=98.0)
     assert _demand(Pilot(), LEG, near).speed_m_s < 1.0
-    assert _demand(Pilot(), replace(LEG, next_end=Point(200.0, 0.0)), near).speed_m_s == 2.0
+    assert _demand(Pilot(), FollowLeg(LEG.start, LEG.end, 2.0, Point(200.0, 0.0)), near).speed_m_s == 2.0
 
 
 def test_it_turns_onto_the_next_leg_before_the_corner() -> None:
@@ -95,3 +95,11 @@ def test_a_new_station_forgets_the_old_ones_line() -> None:
     assert _demand(pilot, KeepStation(Point(0.1, 0.0)), turned).heading_rad == pytest.approx(-1.0)
     pilot.update(Stop(), turned, CONFIG, DT)
     assert _demand(pilot, KeepStation(here), turned).heading_rad == pytest.approx(-1.0)
+
+
+def test_a_leg_without_length_is_sailed_straight_to_its_end() -> None:
+    end = Point(10.0, 10.0)
+    resting = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0)
+    demand = _demand(Pilot(), FollowLeg(end, end, 2.0), resting)
+    assert demand.heading_rad == pytest.approx(math.pi / 4)
+    assert demand.distance_m == pytest.approx(math.hypot(10.0, 10.0))

@@ -1,9 +1,9 @@
 """Station keeping: what is asked for in each place round the point."""
 
 import math
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from companion.config import Guidance
 from companion.geo import Point
