@@ -11,6 +11,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.transfer import Completed, Failed
+from companion.services.mission_store import save_items
 from companion.storage import MemoryStorage, Saving
 
 MISSION = [HOME_ITEM, waypoint(40.0, 0.0), waypoint(40.0, 40.0), waypoint(0.0, 40.0)]
@@ -24,7 +25,7 @@ def download(
     rig: Rig, peer: Peer, mission_type: MissionType = MissionType.MISSION
 ) -> tuple[MissionItem, ...]:
     """Read a list back as a station does."""
-    receiver = Receiver(peer.address, mission_type)
+    receiver = Receiver(peer.address, MissionType(mission_type))
     receiver.request_list(BOAT, rig.now_s)
     for _ in range(2000):
         for message in receiver.take_outbox():
@@ -89,7 +90,7 @@ def test_a_hundred_items_are_uploaded_between_two_ticks() -> None:
     items = [HOME_ITEM, *[waypoint(5.0 * n, 0.0) for n in range(1, 100)]]
     before_s = rig.now_s
     assert isinstance(rig.upload(items), Completed)
-    assert rig.now_s - before_s <= 2.1  # an answer comes at once: only the loop of the test counts ticks
+    assert rig.now_s == before_s
     assert rig.items() == tuple(items)
 
 
@@ -318,7 +319,8 @@ class SlowSaving:
 
 def uploading(storage: SlowStorage) -> Rig:
     """A boat that holds MISSION and is writing OTHER."""
-    storage.content.update(loaded().storage.content)  # type: ignore[attr-defined]
+    save_items(storage, MissionType.MISSION, MISSION)
+    storage.finish()
     rig = Rig(storage=storage)
     rig.step()
     assert rig.items() == tuple(MISSION)
@@ -364,7 +366,8 @@ def test_a_medium_that_refuses_is_reported_and_the_old_list_stays() -> None:
 @pytest.mark.parametrize("fault", ["", "read-only"])
 def test_clearing_everything_waits_for_the_medium_too(fault: str) -> None:
     storage = SlowStorage()
-    storage.content.update(loaded().storage.content)  # type: ignore[attr-defined]
+    save_items(storage, MissionType.MISSION, MISSION)
+    storage.finish()
     rig = Rig(storage=storage)
     rig.step()
     rig.peer.forget()
