@@ -1,0 +1,117 @@
+"""`boat-companion run` as on the boat: serial parts on pseudo-terminals, pins that are gpiozero's mocks."""
+
+import re
+import signal
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import nmea_boat
+import pytest
+from mavutil_station import OpenStation
+from programs import Program, RunProgram, until
+from pymavlink.dialects.v20 import all as dialect
+
+pytestmark = pytest.mark.realtime
+pytest_plugins = ("program_fixtures",)
+
+MANUAL, AUTO = 0, 10
+LAT_DEG, LON_DEG, HEADING_RAD = 50.7001, -1.3002, 1.5
+MOCK_PINS = {"GPIOZERO_PIN_FACTORY": "mock", "GPIOZERO_MOCK_PIN_CLASS": "mockpwmpin"}
+BOAT = """
+links = ["tcpin:127.0.0.1:0"]
+
+[parts.motors]
+driver = "l298n"
+
+[parts.gnss]
+driver = "nmea"
+port = "{gnss}"
+
+[parts.compass]
+driver = "nmea"
+port = "{compass}"
+"""
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Iterator[Path]:
+    """A boat's file, with both of its serial parts switched on."""
+    gnss, compass, path = tmp_path / "gnss", tmp_path / "compass", tmp_path / "boat.toml"
+    path.write_text(BOAT.format(gnss=gnss, compass=compass), encoding="utf-8")
+    with ExitStack() as parts:
+        parts.enter_context(nmea_boat.receiver(gnss, LAT_DEG, LON_DEG))
+        parts.enter_context(nmea_boat.compass(compass, HEADING_RAD))
+        yield path
+
+
+@pytest.fixture
+def boat(run_program: RunProgram, config: Path) -> Program:
+    """The program, started and listening."""
+    program = run_program("boat-companion", "run", "--config", str(config), environment=MOCK_PINS)
+    program.wait_for(r"listening on tcpin:", stream="err")
+    assert program.out == ""
+    return program
+
+
+def port_of(boat: Program) -> int:
+    return int(boat.wait_for(r"listening on tcpin:127\.0\.0\.1:(\d+)", stream="err")[1])
+
+
+def test_it_finds_itself_arms_and_obeys_the_operators_hand(boat: Program, open_station: OpenStation) -> None:
+    station = open_station(port_of(boat))
+    raw = station.wait_for("GPS_RAW_INT", lambda raw: raw.fix_type == 3)
+    assert (raw.lat, raw.lon) == (pytest.approx(LAT_DEG * 1e7, abs=20), pytest.approx(LON_DEG * 1e7, abs=20))
+    assert raw.satellites_visible == 12
+    at = station.wait_for("GLOBAL_POSITION_INT", lambda at: abs(at.lat - LAT_DEG * 1e7) < 20)
+    assert at.hdg == pytest.approx(8594, abs=10)  # centidegrees
+    assert station.wait_for("SERVO_OUTPUT_RAW").servo1_raw == 1500
+
+    assert station.enter(AUTO) == dialect.MAV_RESULT_FAILED  # there is no mission
+    assert station.enter(MANUAL) == dialect.MAV_RESULT_ACCEPTED
+    assert station.arm() == dialect.MAV_RESULT_ACCEPTED
+    station.mav.rc_channels_override_send(1, 1, 1500, 0, 1900, 0, 0, 0, 0, 0)
+    ahead = station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1800)
+    assert ahead.servo3_raw > 1800
+    # The hand falls silent: the motors stop by themselves
+    station.wait_for("SERVO_OUTPUT_RAW", lambda servo: (servo.servo1_raw, servo.servo3_raw) == (1500, 1500))
+    station.mav.rc_channels_override_send(1, 1, 2000, 0, 1500, 0, 0, 0, 0, 0)
+    turning = station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1600)
+    assert turning.servo3_raw < 1400
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_with_0_in_the_middle_of_a_drive(
+    boat: Program, open_station: OpenStation, number: signal.Signals
+) -> None:
+    station = open_station(port_of(boat))
+    assert station.enter(MANUAL) == dialect.MAV_RESULT_ACCEPTED
+    until(lambda: station.arm() == dialect.MAV_RESULT_ACCEPTED)  # as soon as the compass has spoken
+    station.mav.rc_channels_override_send(1, 1, 1500, 0, 1900, 0, 0, 0, 0, 0)
+    station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1600)
+    boat.send(number)
+    ended = boat.wait()
+    assert ended.code == 0, ended
+    assert re.search(r"stopped after \d+ ticks, \d+ late, \d+ skipped", ended.err)
+    assert "Traceback" not in ended.err
+
+
+@pytest.mark.parametrize(
+    ("lines", "code", "told"),
+    [
+        ("[heading]\nkp = -1.0\n", 2, r"boat\.toml: .*heading\.kp"),
+        ("[headding]\nkp = 1.0\n", 2, r"boat\.toml: .*headding"),
+        ("links = []\nheading == 1\n", 2, r"boat\.toml: not a TOML file: .*line 2"),
+        ('links = ["tcpin:127.0.0.1:0"]\n', 2, r"parts\.motors\.driver"),
+        (BOAT.format(gnss="/dev/no-such-receiver", compass="/dev/none"), 3, "/dev/no-such-receiver"),
+    ],
+    ids=["out of range", "unknown key", "not TOML", "no motors", "no receiver"],
+)
+def test_a_boat_that_cannot_run_says_why_in_one_line(
+    run_program: RunProgram, tmp_path: Path, lines: str, code: int, told: str
+) -> None:
+    path = tmp_path / "boat.toml"
+    path.write_text(lines, encoding="utf-8")
+    ended = run_program("boat-companion", "run", "--config", str(path), environment=MOCK_PINS).wait()
+    assert (ended.code, ended.out) == (code, ""), ended
+    assert re.fullmatch(rf"boat-companion: .*{told}.*\n", ended.err), ended
