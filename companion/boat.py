@@ -62,18 +62,26 @@ class Boat:
 
     def receive(self, now_s: float) -> None:
         """Take in new links and everything that stations have said, and answer at once."""
+        is_news = False
         for number in self.channels.accept():
             self.endpoint.open(number)
+            is_news = True
         for number, received in self.channels.receive():
             self.endpoint.handle(number, received, now_s)
+            is_news = True
+        if is_news:
+            self._act_on_news()
+        for number in self.channels.drop_closed():
+            self.endpoint.forget(number, now_s)
+
+    def _act_on_news(self) -> None:
+        """What stations have just changed takes effect, and is told, at once."""
         self.vehicle.config = self.parameters.config
         if not self.vehicle.armed and (self.command.left or self.command.right):
             self._hardware.motors.stop()  # a disarmed boat does not wait for its next tick
             self.command = STOPPED
         self.endpoint.tell_changes()
         self._flush()
-        for number in self.channels.drop_closed():
-            self.endpoint.forget(number, now_s)
 
     def step(self, now_s: float) -> None:
         """One tick: sense, listen, decide, steer, drive, tell."""
