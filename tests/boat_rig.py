@@ -1,10 +1,9 @@
 """A whole boat in simulated water with stations on memory links, for tests: no clock, no socket, no sleep."""
 
+import dataclasses
 from collections.abc import Callable
 from functools import cache
 from typing import Any
-
-import msgspec
 
 from companion.boat import TICK_S, Boat
 from companion.config import BoatConfig, with_value
@@ -112,7 +111,9 @@ class Rig:
         storage: Storage | None = None,
         config: dict[str, object] | None = None,
         case: str | None = None,
+        **parts: object,
     ) -> None:
+        """config: values of the boat's own configuration by path. parts: hardware of the test's own."""
         self.scenario = scenario(source, *settings, case=case)
         self.world = World(self.scenario)
         self.storage = storage or MemoryStorage()
@@ -121,17 +122,17 @@ class Rig:
         for path, value in (config or {}).items():
             vehicle = with_value(vehicle, path, value)
         self.config = vehicle
-        self.battery: FakeBattery | None = None
-        self.boat = self._build(self.world.hardware)
+        self.hardware: Hardware = dataclasses.replace(self.world.hardware, **parts)  # type: ignore[arg-type]
+        self.boat = self._build()
         self.peer = self.connect()
 
-    def _build(self, hardware: Hardware) -> Boat:
-        return Boat(self.config, hardware, [self.port], self.storage)
+    def _build(self) -> Boat:
+        return Boat(self.config, self.hardware, [self.port], self.storage)
 
     def reboot(self) -> None:
         """The boat's computer starts anew: memory is gone, storage is not."""
         self.port = MemoryPort()
-        self.boat = self._build(self.world.hardware)
+        self.boat = self._build()
         self.peer = self.connect()
 
     @property
@@ -258,6 +259,16 @@ class Rig:
         return lists, mode, vehicle.progress.mission, vehicle.progress.current_seq, values, parameters.config
 
 
+class Silent:
+    """A receiver or compass that never says anything."""
+
+    def read(self) -> None:
+        """Nothing."""
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
 class FakeBattery:
     """A battery monitor whose reading the test sets."""
 
@@ -272,11 +283,6 @@ class FakeBattery:
 
     def close(self) -> None:
         """Nothing to let go."""
-
-
-def replaced(config: BoatConfig, **sections: object) -> BoatConfig:
-    """A copy of a configuration with whole sections replaced."""
-    return msgspec.structs.replace(config, **sections)
 
 
 def nav_at(north_m: float = 0.0, east_m: float = 0.0, time_s: float = 0.0, age_s: float = 0.0) -> NavState:

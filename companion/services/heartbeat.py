@@ -28,7 +28,7 @@ class HeartbeatService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._due_s = 0.0
-        self._said: tuple[Mode, bool] | None = None
+        self._said = (vehicle.mode, vehicle.armed)
 
     def message(self) -> Message:
         """The heartbeat of now."""

@@ -1,0 +1,260 @@
+"""COMMAND_LONG and COMMAND_INT as stations send them; every answer must come before the next tick."""
+
+import math
+from typing import Any
+
+import pytest
+from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, UNSUPPORTED, Rig, waypoint
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.mavlink.dialect import dialect
+from companion.services.commands import CommandService
+
+CMD = dialect
+NAN = math.nan
+E7 = 10_000_000
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat that could be armed and has a mission of three items."""
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(40.0, 0.0), waypoint(40.0, 40.0), waypoint(0.0, 40.0)])
+    return rig
+
+
+ROWS = [
+    (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (1,), OK),
+    (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (0,), OK),
+    (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (2,), DENIED),
+    (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (NAN,), DENIED),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 0), OK),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 4), OK),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 5), OK),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 10), OK),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 11), OK),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 15), OK),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 12), FAILED),
+    (CMD.MAV_CMD_DO_SET_MODE, (0, 4), DENIED),
+    (CMD.MAV_CMD_DO_SET_MODE, (1, 4.5), DENIED),
+    (CMD.MAV_CMD_DO_SET_MODE, (NAN, 4), DENIED),
+    (CMD.MAV_CMD_MISSION_START, (), OK),
+    (CMD.MAV_CMD_MISSION_START, (2,), OK),
+    (CMD.MAV_CMD_MISSION_START, (4,), FAILED),
+    (CMD.MAV_CMD_MISSION_START, (-1,), DENIED),
+    (CMD.MAV_CMD_MISSION_START, (NAN,), DENIED),
+    (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (2,), OK),
+    (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (4,), FAILED),
+    (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (NAN,), DENIED),
+    (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, 1.5), OK),
+    (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, 0), DENIED),
+    (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, -1), DENIED),
+    (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, NAN), DENIED),
+    (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, math.inf), DENIED),
+    (CMD.MAV_CMD_DO_SET_HOME, (1,), OK),
+    (CMD.MAV_CMD_DO_SET_HOME, (0, 0, 0, 0, 50.001, -1.2), OK),
+    (CMD.MAV_CMD_DO_SET_HOME, (0,), DENIED),
+    (CMD.MAV_CMD_DO_SET_HOME, (0, 0, 0, 0, NAN, -1.2), DENIED),
+    (CMD.MAV_CMD_DO_SET_HOME, (0, 0, 0, 0, 91.0, -1.2), DENIED),
+    (CMD.MAV_CMD_DO_REPOSITION, (-1, 1, 0, NAN, 50.001, -1.2), OK),
+    (CMD.MAV_CMD_DO_REPOSITION, (-1, 0, 0, NAN, 50.001, -1.2), FAILED),
+    (CMD.MAV_CMD_DO_REPOSITION, (-1, 1, 0, NAN, 0.0, 0.0), DENIED),
+    (CMD.MAV_CMD_DO_REPOSITION, (-1, 1, 0, NAN, NAN, NAN), DENIED),
+    (CMD.MAV_CMD_NAV_RETURN_TO_LAUNCH, (), OK),
+    (CMD.MAV_CMD_NAV_LOITER_UNLIM, (), OK),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (148,), OK),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (435,), UNSUPPORTED),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (397,), UNSUPPORTED),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (280,), UNSUPPORTED),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (NAN,), UNSUPPORTED),
+    (CMD.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, (1,), OK),
+    (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, 100_000), OK),
+    (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, -1), OK),
+    (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (245, 1_000_000), UNSUPPORTED),
+    (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, NAN), UNSUPPORTED),
+    (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (NAN, 0), DENIED),
+    (CMD.MAV_CMD_GET_MESSAGE_INTERVAL, (30,), OK),
+    (CMD.MAV_CMD_GET_MESSAGE_INTERVAL, (70000,), DENIED),
+    (CMD.MAV_CMD_GET_MESSAGE_INTERVAL, (-1,), DENIED),
+    (CMD.MAV_CMD_REQUEST_CAMERA_INFORMATION, (), UNSUPPORTED),
+    (CMD.MAV_CMD_PREFLIGHT_CALIBRATION, (), UNSUPPORTED),
+    (65535, (), UNSUPPORTED),
+    (0, (), UNSUPPORTED),
+]
+
+
+def label(value: Any) -> str:  # noqa: ANN401
+    return str(value)
+
+
+@pytest.mark.parametrize(("number", "params", "result"), ROWS, ids=label)
+def test_a_command_is_answered_at_once_as_its_row_says(
+    rig: Rig, number: int, params: tuple[float, ...], result: int
+) -> None:
+    assert rig.ask(number, *params) == result
+    assert rig.boat.endpoint.faults == 0
+
+
+def test_every_command_of_the_table_has_a_row_here_that_is_accepted(rig: Rig) -> None:
+    table = rig.boat.endpoint._commands._table
+    assert isinstance(rig.boat.endpoint._commands, CommandService)
+    assert set(table) == {number for number, _, result in ROWS if result == OK}
+
+
+@given(st.integers(0, 65535), st.lists(st.floats(width=32), min_size=7, max_size=7))
+@settings(max_examples=150)
+def test_any_command_with_any_parameters_is_answered_once(number: int, params: list[float]) -> None:
+    rig = Rig()
+    rig.step()
+    assert rig.ask(number, *params) in (OK, DENIED, UNSUPPORTED, FAILED)
+    rig.step(3)
+    assert rig.boat.endpoint.faults == 0
+
+
+KNOWN = sorted({number for number, _, _ in ROWS[:-4]})
+
+
+@given(st.sampled_from(KNOWN), st.lists(st.floats(width=32), min_size=4, max_size=4), st.data())
+@settings(max_examples=150)
+def test_any_parameters_of_a_known_command_do_no_harm(
+    number: int, params: list[float], data: st.DataObject
+) -> None:
+    rig = Rig()
+    rig.run(0.2)
+    x, y = (data.draw(st.integers(-(2**31), 2**31 - 1)) for _ in "xy")
+    rig.peer.command_int(number, *params, x=x, y=y, frame=data.draw(st.integers(0, 21)))
+    rig.run(1.5)
+    assert len(rig.peer.said("COMMAND_ACK")) == 1
+    assert rig.boat.endpoint.faults == 0
+    assert all(channel.faults == 0 for channel in rig.boat.channels.open.values())
+
+
+def test_a_command_for_another_vehicle_is_left_to_it(rig: Rig) -> None:
+    for system, component in ((2, 1), (1, 100)):
+        rig.peer.forget()
+        rig.peer.send(dialect.MAVLink_command_long_message(system, component, 400, 0, 1, 2989, 0, 0, 0, 0, 0))
+        rig.receive()
+        assert not rig.peer.said("COMMAND_ACK")
+    assert not rig.boat.vehicle.armed
+
+
+def test_command_int_carries_its_place_in_integers(rig: Rig) -> None:
+    rig.peer.forget()
+    rig.peer.command_int(192, 1.5, 1, 0, NAN, x=50 * E7 + 9000, y=-12_000_000, frame=6)
+    rig.receive()
+    assert [ack.result for ack in rig.peer.said("COMMAND_ACK")] == [OK]
+    vehicle = rig.boat.vehicle
+    assert vehicle.target is not None
+    assert vehicle.target.lat_deg == 50.0009
+    assert (vehicle.mode.name, vehicle.speed_m_s) == ("GUIDED", 1.5)
+
+
+@pytest.mark.parametrize(("x", "frame"), [(50 * E7, 1), (50 * E7, 8), (2**31 - 1, 6), (91 * E7, 6)])
+def test_a_place_that_is_none_on_the_globe_is_denied(rig: Rig, x: int, frame: int) -> None:
+    rig.peer.forget()
+    rig.peer.command_int(192, -1, 1, 0, NAN, x=x, y=-12_000_000, frame=frame)
+    rig.receive()
+    assert [ack.result for ack in rig.peer.said("COMMAND_ACK")] == [DENIED]
+
+
+def test_a_refused_arming_fails_and_says_why() -> None:
+    rig = Rig(config={"arming.battery_min_v": 50.0})
+    rig.run(1.0)
+    assert rig.arm() == FAILED
+    (text,) = [one for one in rig.peer.said("STATUSTEXT") if str(one.text).startswith("Arm: ")]
+    assert "is below 50.0 V" in str(text.text)
+    assert text.severity == dialect.MAV_SEVERITY_CRITICAL
+    assert not rig.boat.vehicle.armed
+    assert rig.arm(force=True) == OK
+    assert rig.boat.vehicle.armed
+
+
+def test_guided_is_accepted_while_disarmed_and_the_mission_starts_as_qgroundcontrol_starts_it(
+    rig: Rig,
+) -> None:
+    assert rig.set_mode(15) == OK
+    assert rig.arm() == OK
+    assert rig.ask(CMD.MAV_CMD_MISSION_START, 0, 0) == OK
+    rig.run(10.0)
+    assert rig.mode == "AUTO"
+    assert rig.world.truth.north_m > 5.0
+
+
+@pytest.mark.parametrize("magic", [0.0, 21196.0])
+def test_disarming_cuts_the_motors_before_the_next_tick(rig: Rig, magic: float) -> None:
+    rig.arm()
+    rig.ask(CMD.MAV_CMD_MISSION_START)
+    rig.run(5.0)
+    motors = rig.world._motors
+    assert motors.left > 0.2
+    assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, magic) == OK
+    assert (motors.left, motors.right) == (0.0, 0.0)
+    text = "Disarmed by emergency stop" if magic else "Disarmed by command"
+    assert text in rig.peer.texts
+    rig.run(2.0)
+    assert (motors.left, motors.right) == (0.0, 0.0)
+
+
+def test_a_requested_message_comes_with_its_ack(rig: Rig) -> None:
+    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, 148) == OK
+    (version,) = rig.peer.said("AUTOPILOT_VERSION")
+    needed = (4, 8, 8192, 16384, 32768)  # MISSION_INT, COMMAND_INT, MAVLINK2, fence and rally
+    assert all(version.capabilities & bit for bit in needed)
+    assert version.flight_sw_version == 0x04060000
+
+
+def test_a_message_with_nothing_to_say_yet_fails() -> None:
+    assert Rig().ask(CMD.MAV_CMD_REQUEST_MESSAGE, 33) == FAILED
+
+
+def test_intervals_are_set_read_and_given_back(rig: Rig) -> None:
+    def interval_us(message_id: int) -> int:
+        assert rig.ask(CMD.MAV_CMD_GET_MESSAGE_INTERVAL, message_id) == OK
+        (answer,) = rig.peer.said("MESSAGE_INTERVAL")
+        assert answer.message_id == message_id
+        return int(answer.interval_us)
+
+    assert interval_us(30) == 250_000
+    rig.ask(CMD.MAV_CMD_SET_MESSAGE_INTERVAL, 30, 100_000)
+    assert interval_us(30) == 100_000
+    rig.ask(CMD.MAV_CMD_SET_MESSAGE_INTERVAL, 30, -1)
+    assert interval_us(30) == -1
+    rig.ask(CMD.MAV_CMD_SET_MESSAGE_INTERVAL, 30, 0)
+    assert interval_us(30) == 250_000
+    rig.ask(CMD.MAV_CMD_SET_MESSAGE_INTERVAL, 30, 1e30)
+    assert interval_us(30) == 2**31 - 128
+    assert interval_us(245) == 0
+
+
+def test_the_old_set_mode_is_acknowledged_like_the_command(rig: Rig) -> None:
+    ack = rig.answer_to(dialect.MAVLink_set_mode_message(1, 1, 5), "COMMAND_ACK")
+    assert (ack.command, ack.result) == (CMD.MAV_CMD_DO_SET_MODE, OK)
+    assert rig.mode == "LOITER"
+    ack = rig.answer_to(dialect.MAVLink_set_mode_message(1, 0, 4), "COMMAND_ACK")
+    assert ack.result == DENIED
+
+
+def test_an_answer_goes_to_the_asker_alone(rig: Rig) -> None:
+    other = rig.connect()
+    rig.receive()
+    other.forget()
+    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, 148) == OK
+    assert not other.said("COMMAND_ACK")
+    assert not other.said("AUTOPILOT_VERSION")
+
+
+def test_the_first_go_to_of_qgroundcontrol_is_three_messages_and_keeps_its_target(rig: Rig) -> None:
+    rig.arm()
+    rig.peer.forget()
+    rig.peer.command_int(192, -1, 1, 0, NAN, x=500_002_000, y=-12_000_000)
+    rig.peer.command(CMD.MAV_CMD_DO_SET_MODE, 1, 15)
+    rig.receive()
+    target = rig.boat.vehicle.target
+    assert target is not None
+    item = dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, 0, 0, 0, NAN, 50.0002, -1.2, 0.0, 0)
+    rig.peer.send(item)
+    rig.receive()
+    assert [ack.result for ack in rig.peer.said("COMMAND_ACK")] == [OK, OK]
+    assert [ack.type for ack in rig.peer.said("MISSION_ACK")] == [0]
+    assert rig.boat.vehicle.target is not None

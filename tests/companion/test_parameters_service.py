@@ -1,0 +1,142 @@
+import math
+import struct
+
+import pytest
+from boat_rig import BOAT, Rig
+
+from companion.mavlink.dialect import Message, dialect
+from companion.params_table import ROWS
+
+# What QGroundControl's Rover pages insist on for a clean connect
+INSISTED = {
+    "FRAME_CLASS",
+    *(f"RCMAP_{axis}" for axis in ("ROLL", "PITCH", "THROTTLE", "YAW")),
+    *(f"RC{channel}_{end}" for channel in range(1, 5) for end in ("MIN", "MAX", "TRIM")),
+    *(f"MODE{position}" for position in range(1, 7)),
+    "MODE_CH",
+    *(f"COMPASS_{name}{n}" for name in ("DEV_ID", "USE") for n in ("", "2", "3")),
+    *(f"COMPASS_OFS{n}_{axis}" for n in ("", "2", "3") for axis in "XYZ"),
+    "COMPASS_DEC",
+    *(f"INS_ACCOFFS_{axis}" for axis in "XYZ"),
+    "BATT_MONITOR",
+    "BATT_CAPACITY",
+    "ARMING_REQUIRE",
+    "ARMING_CHECK",
+    "WP_SPEED",
+}
+
+
+def read(rig: Rig, name: str = "", index: int = -1) -> list[Message]:
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_request_read_message(*BOAT, name.encode(), index))
+    rig.receive()
+    return rig.peer.said("PARAM_VALUE")
+
+
+def write(rig: Rig, name: str, value: float) -> Message:
+    message = dialect.MAVLink_param_set_message(*BOAT, name.encode(), value, dialect.MAV_PARAM_TYPE_REAL32)
+    return rig.answer_to(message, "PARAM_VALUE")
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat that has just been switched on."""
+    rig = Rig()
+    rig.step()
+    return rig
+
+
+@pytest.mark.parametrize("component", [0, 1])
+def test_the_list_is_complete_with_its_true_count_and_comes_within_a_second(rig: Rig, component: int) -> None:
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_request_list_message(1, component))
+    rig.run(1.0)
+    values = rig.peer.said("PARAM_VALUE")
+    assert [value.param_index for value in values] == list(range(len(ROWS)))
+    assert {value.param_count for value in values} == {len(ROWS)}
+    assert [value.param_id for value in values] == [row.name for row in ROWS]
+    assert [value.param_type for value in values] == [row.kind for row in ROWS]
+
+
+def test_everything_that_qgroundcontrol_insists_on_is_there(rig: Rig) -> None:
+    assert len(INSISTED) > 40
+    values = {name: read(rig, name)[0].param_value for name in INSISTED}
+    assert values["ARMING_REQUIRE"] == 1.0
+    assert values["COMPASS_OFS_X"] != 0.0
+    assert values["INS_ACCOFFS_X"] != 0.0
+
+
+def test_a_list_asked_for_twice_begins_again_and_other_stations_hear_nothing(rig: Rig) -> None:
+    other = rig.connect()
+    rig.step()
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_request_list_message(1, 1))
+    rig.step()
+    rig.peer.send(dialect.MAVLink_param_request_list_message(1, 1))
+    rig.run(1.0)
+    indexes = [value.param_index for value in rig.peer.said("PARAM_VALUE")]
+    assert indexes == [*range(10), *range(len(ROWS))]
+    assert not other.said("PARAM_VALUE")
+
+
+def test_one_is_read_by_name_or_by_index(rig: Rig) -> None:
+    (by_name,) = read(rig, "HDG_KP")
+    assert by_name.param_value == 2.5
+    (by_index,) = read(rig, index=by_name.param_index)
+    assert by_index.param_id == "HDG_KP"
+
+
+@pytest.mark.parametrize(("name", "index"), [("NOT_THERE", -1), ("", len(ROWS)), ("", 32767), ("\x00", -1)])
+def test_what_does_not_exist_is_not_answered(rig: Rig, name: str, index: int) -> None:
+    assert read(rig, name, index) == []
+    assert rig.boat.endpoint.faults == 0
+
+
+def test_a_name_of_all_sixteen_characters_is_told_from_a_shorter_one(rig: Rig) -> None:
+    assert max(len(row.name) for row in ROWS) <= 16
+    (value,) = read(rig, "RC_OVERRIDE_TIME")
+    assert value.param_id == "RC_OVERRIDE_TIME"
+
+
+def test_a_change_is_told_to_every_station_and_takes_hold_at_once(rig: Rig) -> None:
+    other = rig.connect()
+    rig.step()
+    assert write(rig, "HDG_KP", 3.5).param_value == 3.5
+    assert [value.param_value for value in other.said("PARAM_VALUE")] == [3.5]
+    assert rig.boat.vehicle.config.heading.kp == 3.5
+
+
+@pytest.mark.parametrize("value", [99.0, -1.0, math.nan, math.inf])
+def test_a_refused_change_is_answered_with_the_value_that_stays_and_the_reason(
+    rig: Rig, value: float
+) -> None:
+    assert write(rig, "HDG_KP", value).param_value == 2.5
+    assert any("HDG_KP" in text for text in rig.peer.texts)
+
+
+def test_a_name_that_does_not_exist_is_told_to_the_operator(rig: Rig) -> None:
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"NOT_THERE", 1.0, 9))
+    rig.receive()
+    assert not rig.peer.said("PARAM_VALUE")
+    assert rig.peer.texts == ["NOT_THERE: no such parameter"]
+
+
+def test_a_tenth_survives_the_wire_and_a_restart(rig: Rig) -> None:
+    tenth = struct.unpack("<f", struct.pack("<f", 0.1))[0]
+    assert write(rig, "HDG_KI", 0.1).param_value == tenth
+    rig.reboot()
+    rig.step()
+    assert rig.boat.parameters.config.heading.ki == 0.1
+    assert read(rig, "HDG_KI")[0].param_value == tenth
+
+
+def test_a_new_system_id_counts_after_a_restart(rig: Rig) -> None:
+    write(rig, "SYSID_THISMAV", 7.0)
+    rig.reboot()
+    rig.step()
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_request_read_message(7, 1, b"HDG_KP", -1))
+    rig.receive()
+    assert len(rig.peer.said("PARAM_VALUE")) == 1
+    assert read(rig, "HDG_KP") == []

@@ -1,0 +1,43 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.mavlink.dialect import Message
+from companion.services.outbox import Outbox
+from companion.services.statustext import StatusTextService
+from companion.vehicle.notice import Notice, Severity
+
+
+def told(*texts: str) -> list[Message]:
+    outbox = Outbox()
+    StatusTextService(outbox).tell([Notice(Severity.WARNING, text) for text in texts])
+    taken = outbox.take()
+    assert all(one.channel is None for one in taken)
+    return [one.message for one in taken]
+
+
+@pytest.mark.parametrize("length", [0, 1, 49, 50])
+def test_a_short_line_is_one_message_without_an_id(length: int) -> None:
+    (message,) = told("x" * length)
+    assert message.id == 0
+    assert message.text == "x" * length
+    assert message.severity == Severity.WARNING
+
+
+@given(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126), min_size=51, max_size=400))
+def test_a_long_line_is_whole_again_when_its_chunks_are_joined(text: str) -> None:
+    chunks = told(text)
+    assert "".join(chunk.text for chunk in chunks) == text
+    assert [chunk.chunk_seq for chunk in chunks] == list(range(len(chunks)))
+    assert len({chunk.id for chunk in chunks}) == 1
+    assert chunks[0].id != 0
+    assert len(chunks[-1].text) < 50  # only a zero byte tells a station that the line is over
+
+
+def test_two_long_lines_have_two_ids() -> None:
+    assert len({message.id for message in told("a" * 60, "b" * 60)}) == 2
+
+
+def test_what_is_not_ascii_is_replaced_not_raised() -> None:
+    (message,) = told("Kurs 90° → Süd")
+    assert message.text == "Kurs 90? ? S?d"

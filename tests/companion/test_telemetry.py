@@ -1,0 +1,163 @@
+import math
+
+import pytest
+from boat_rig import BOAT, HOME_ITEM, OK, Rig, Silent, waypoint
+
+from companion.geo import LatLon
+from companion.mavlink.dialect import Message, dialect
+from companion.services.telemetry import BUILDERS
+
+ALL = 0
+
+
+def ask_stream(rig: Rig, group: int, rate_hz: int, start: int = 1) -> None:
+    rig.peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, start))
+
+
+def latest(rig: Rig, name: str) -> Message:
+    return rig.peer.said(name)[-1]
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat under way due east, 20 s into its mission."""
+    rig = Rig().sail(waypoint(0.0, 100.0))
+    rig.run(20.0)
+    return rig
+
+
+def test_the_rates_are_those_that_a_station_asked_for_and_each_channel_has_its_own() -> None:
+    rig = Rig().ready()
+    other = rig.connect()
+    for group in range(1, 13):
+        ask_stream(rig, group, 0, 0)
+    for group, rate_hz in ((2, 2), (6, 3), (10, 10), (11, 10), (12, 3)):
+        ask_stream(rig, group, rate_hz)
+    rig.run(0.5)
+    rig.peer.forget()
+    other.forget()
+    rig.run(30.0)
+    counts = {
+        name: len(rig.peer.said(name))
+        for name in ("SYS_STATUS", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "ATTITUDE", "VFR_HUD", "SYSTEM_TIME")
+    }
+    asked = {"SYS_STATUS": 60, "GPS_RAW_INT": 60, "GLOBAL_POSITION_INT": 90, "ATTITUDE": 300}
+    assert counts == pytest.approx({**asked, "VFR_HUD": 300, "SYSTEM_TIME": 90}, abs=1)
+    assert len(other.said("ATTITUDE")) == pytest.approx(120, abs=1)
+    assert len(rig.peer.said("HEARTBEAT")) == pytest.approx(30, abs=1)
+
+
+def test_battery_and_home_come_often_enough_unasked() -> None:
+    rig = Rig().ready()
+    rig.peer.forget()
+    rig.run(20.0)
+    assert len(rig.peer.said("BATTERY_STATUS")) >= 4
+    assert len(rig.peer.said("HOME_POSITION")) >= 4
+
+
+def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
+    for message_id, builder in BUILDERS.items():
+        if message_id == dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR:
+            continue  # open water has nothing to echo and the lake boat's sonar may not be fitted
+        assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) == OK, builder
+        assert [one for one in rig.peer.heard if one.get_msgId() == message_id]
+
+
+def test_position_and_motion_are_those_of_the_boat(rig: Rig) -> None:
+    truth, frame = rig.world.truth, rig.scenario.frame
+    message = latest(rig, "GLOBAL_POSITION_INT")
+    north_m, east_m = frame.to_local(LatLon(message.lat / 1e7, message.lon / 1e7))
+    assert math.hypot(north_m - truth.north_m, east_m - truth.east_m) < 1.5
+    assert message.vy / 100.0 == pytest.approx(2.0, abs=0.25)
+    assert message.hdg / 100.0 == pytest.approx(90.0, abs=6.0)
+    hud = latest(rig, "VFR_HUD")
+    assert hud.groundspeed == pytest.approx(2.0, abs=0.25)
+    assert hud.heading == pytest.approx(90, abs=6)
+    assert 30 < hud.throttle <= 100
+    attitude = latest(rig, "ATTITUDE")
+    assert attitude.yaw == pytest.approx(math.pi / 2, abs=0.1)
+    assert (attitude.roll, attitude.pitch) == (0.0, 0.0)
+
+
+def test_guidance_and_motors_are_shown(rig: Rig) -> None:
+    output = latest(rig, "NAV_CONTROLLER_OUTPUT")
+    assert output.target_bearing == pytest.approx(90, abs=5)
+    assert output.wp_dist == pytest.approx(rig.offset_m(0.0, 100.0), abs=3.0)
+    assert abs(output.xtrack_error) < 1.0
+    servos = latest(rig, "SERVO_OUTPUT_RAW")
+    assert servos.servo1_raw > 1600
+    assert servos.servo3_raw > 1600
+    pid = latest(rig, "PID_TUNING")
+    assert pid.axis == dialect.PID_TUNING_YAW
+    assert pid.desired == pytest.approx(90.0, abs=10.0)
+
+
+def test_a_boat_that_knows_nothing_says_so_instead_of_inventing() -> None:
+    rig = Rig(gnss=Silent())
+    rig.run(10.0)
+    assert latest(rig, "GPS_RAW_INT").fix_type == dialect.GPS_FIX_TYPE_NO_GPS
+    assert not rig.peer.said("GLOBAL_POSITION_INT")
+    assert not rig.peer.said("HOME_POSITION")
+    status = latest(rig, "SYS_STATUS")
+    assert not status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_GPS
+
+
+def test_the_prearm_bit_says_whether_the_boat_would_arm() -> None:
+    bit = dialect.MAV_SYS_STATUS_PREARM_CHECK
+    for limit_v, well in ((10.0, True), (50.0, False)):
+        rig = Rig(config={"arming.battery_min_v": limit_v})
+        rig.run(10.0)
+        status = latest(rig, "SYS_STATUS")
+        assert status.onboard_control_sensors_enabled & bit
+        assert bool(status.onboard_control_sensors_health & bit) is well
+        assert (rig.arm() == OK) is well
+
+
+def test_why_the_boat_would_not_arm_is_repeated_every_thirty_seconds_until_it_is_mended() -> None:
+    rig = Rig(config={"arming.battery_min_v": 50.0})
+    rig.run(70.0)
+    lines = [text for text in rig.peer.texts if text.startswith("PreArm: ")]
+    assert len(lines) == 3
+    assert "Battery" in lines[0]
+    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"BATT_ARM_VOLT", 10.0, 9))
+    rig.step()
+    rig.peer.forget()
+    rig.run(70.0)
+    assert not [text for text in rig.peer.texts if text.startswith("PreArm")]
+
+
+def test_the_mission_is_reported_through_all_its_states() -> None:
+    rig = Rig().ready()
+
+    def state() -> int:
+        assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_MISSION_CURRENT) == OK
+        return int(latest(rig, "MISSION_CURRENT").mission_state)
+
+    assert state() == dialect.MISSION_STATE_NO_MISSION
+    rig.upload([HOME_ITEM, waypoint(15.0, 0.0), waypoint(15.0, 15.0)])
+    assert state() == dialect.MISSION_STATE_NOT_STARTED
+    rig.arm()
+    rig.ask(dialect.MAV_CMD_MISSION_START)
+    rig.run(2.0)
+    assert state() == dialect.MISSION_STATE_ACTIVE
+    rig.set_mode(4)
+    assert state() == dialect.MISSION_STATE_PAUSED
+    rig.set_mode(10)
+    rig.until(lambda: rig.mode != "AUTO", 60.0)
+    assert state() == dialect.MISSION_STATE_COMPLETE
+    current = latest(rig, "MISSION_CURRENT")
+    assert (current.seq, current.total) == (2, 2)
+
+
+def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
+    battery = latest(rig, "BATTERY_STATUS")
+    assert 11.0 < battery.voltages[0] / 1000.0 < 12.7
+    assert battery.current_battery > 50
+    assert battery.current_consumed > 5
+    assert 50 <= battery.battery_remaining <= 100
+    assert battery.battery_remaining == latest(rig, "SYS_STATUS").battery_remaining
+
+
+def test_the_date_is_told_once_the_receiver_knows_it(rig: Rig) -> None:
+    message = latest(rig, "SYSTEM_TIME")
+    assert message.time_boot_ms / 1000.0 == pytest.approx(rig.now_s, abs=1.1)
