@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check lint types contracts bench clean
+.PHONY: help setup demo pictures test check lint types contracts bench clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -21,6 +21,11 @@ $(STAMP): pyproject.toml constraints.txt requirements-peers.txt
 
 demo: setup  ## plan, upload, sail, report; also MAP=… START=LAT,LON GOAL=LAT,LON
 	$(BIN)/python examples/demo.py --map '$(or $(MAP),lake)' $(if $(START),--start='$(START)') $(if $(GOAL),--goal='$(GOAL)') $(if $(CLEARANCE),--clearance='$(CLEARANCE)')
+
+pictures: demo  ## make the pictures of the documents anew
+	mkdir -p docs/pictures
+	cp out/demo.png docs/pictures/demo.png
+	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 
 test: setup  ## all tests
 	$(BIN)/python -m pytest -n 2

@@ -23,6 +23,7 @@ from companion.vehicle.vehicle import Vehicle
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
+_AGILITY = 3.0  # turns and gusts accelerate the hull about this many times as hard as planned braking does
 
 
 class Boat:
@@ -44,7 +45,7 @@ class Boat:
         self.vehicle = Vehicle(self.parameters.config)
         self.channels = Channels(ports, own)
         self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage)
-        self.estimator = Estimator(config.guidance.accel_m_s2)
+        self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
         self.pilot = Pilot()
         self.helm = Helm()
         self.gate = Gate()
