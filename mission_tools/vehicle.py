@@ -126,7 +126,8 @@ class Vehicle:
     async def start(self, patience_s: float) -> None:
         """Begin the mission from its first item: arm, then MISSION_START.
 
-        A vehicle that is not ready to arm is asked again until patience_s has passed.
+        A vehicle that is not ready to arm is asked again until patience_s has passed. One that was armed for
+        this and then refuses to start is disarmed again.
 
         Raises:
             CommandRefused: with the vehicle's reason.
@@ -134,6 +135,19 @@ class Vehicle:
         """
         with contextlib.suppress(MissionRawError):  # a vehicle without this starts from its first item anyway
             await self._missions.set_current_mission_item(1 if self.state.is_ardupilot else 0)
+        was_armed = self.state.armed
+        if not was_armed:
+            await self._arm(patience_s)
+        self.state.reached_item = -1
+        try:
+            await self._begin(patience_s)
+        except CommandRefused:
+            if not was_armed:  # nobody is at the helm of a boat that we armed and that will not sail
+                with contextlib.suppress(CommandRefused, LinkLost):
+                    await self.command(Command.COMPONENT_ARM_DISARM, "disarm", 0.0)
+            raise
+
+    async def _arm(self, patience_s: float) -> None:
         give_up_s = self._clock() + patience_s
         while not self.state.armed:
             try:
@@ -143,7 +157,8 @@ class Vehicle:
                 if self._clock() + RETRY_S > give_up_s:
                     raise
                 await asyncio.sleep(RETRY_S)
-        self.state.reached_item = -1
+
+    async def _begin(self, patience_s: float) -> None:
         await self.command(Command.MISSION_START, "start the mission")
         if not await self.wait_for(self._is_sailing, patience_s):
             self.raise_if_lost("starting the mission")

@@ -82,11 +82,13 @@ def test_a_boat_with_a_low_pack_is_not_armed_and_says_why(
     assert not heartbeat.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED
 
 
-def test_a_boat_without_a_fix_does_not_sail_and_says_why(
-    running_boat: RunBoat, run_program: RunProgram
+def test_a_boat_without_a_fix_does_not_sail_says_why_and_is_not_left_armed(
+    running_boat: RunBoat, run_program: RunProgram, open_station: OpenStation
 ) -> None:
-    _, told = refused_by_a_boat(running_boat, run_program, "sensors.gnss.fix_type=1")
+    boat, told = refused_by_a_boat(running_boat, run_program, "sensors.gnss.fix_type=1")
     assert re.search(r"refused to .*(position|GPS)", told)
+    heartbeat = open_station(boat.port).wait_for("HEARTBEAT")
+    assert not heartbeat.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED
 
 
 def test_nobody_at_the_other_end_is_told_with_the_url(run_program: RunProgram) -> None:
