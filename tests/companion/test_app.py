@@ -1,0 +1,149 @@
+"""The composition root over fake parts: whatever happens, the motors are off at the end."""
+
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from boat_rig import Rig
+
+from companion.app import check_config, open_hardware, open_ports, open_storage, run_boat
+from companion.boat import Boat
+from companion.config import BoatConfig, decode_config
+from companion.errors import ConfigError, HardwareError, LinkError, StorageError
+from companion.hal.interfaces import Hardware
+from companion.storage import MemoryStorage
+
+PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}
+
+
+def config(*links: str, **sections: object) -> BoatConfig:
+    tree: dict[str, object] = {"links": list(links), "parts": PARTS, **sections}
+    return decode_config(tree, "test")
+
+
+class Parts:
+    """Simulated hardware that counts its openings and remembers whether its motors were let go."""
+
+    def __init__(self) -> None:
+        self.hardware: Hardware | None = None
+        self.events: list[str] = []
+
+    def open(self, config: BoatConfig, now: Callable[[], float]) -> Hardware:
+        """What `run_boat` calls."""
+        rig = Rig()
+        parts = self
+
+        class Motors:
+            def write(self, left: float, right: float) -> None:
+                parts.events.append("write")
+
+            def stop(self) -> None:
+                parts.events.append("stop")
+
+            def close(self) -> None:
+                parts.events.append("close")
+
+        self.hardware = Hardware(Motors(), rig.hardware.gnss, rig.hardware.compass)
+        return self.hardware
+
+
+def after(ticks: int) -> Callable[[], bool]:
+    """A stop question that says yes after so many times of asking."""
+    asked = iter(range(ticks))
+    return lambda: next(asked, None) is None
+
+
+@pytest.mark.parametrize(
+    ("tree", "words"),
+    [
+        ({"parts": PARTS}, "links: .*at least one"),
+        ({"links": ["carrier pigeon"], "parts": PARTS}, "carrier pigeon"),
+        ({"links": ["udpin::99999"], "parts": PARTS}, "99999"),
+        ({"links": ["udpin::14550"]}, r"parts\.motors\.driver"),
+        ({"links": ["udpin::14550"], "parts": {**PARTS, "gnss": {}}}, r"parts\.gnss\.driver"),
+        ({"links": ["udpin::14550"], "parts": {**PARTS, "compass": {}}}, r"parts\.compass\.driver"),
+    ],
+)
+def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: dict[str, object], words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        check_config(decode_config(tree, "test"))
+    parts = Parts()
+    with pytest.raises(ConfigError, match=words):
+        run_boat(decode_config(tree, "test"), lambda: False, open_parts=parts.open)
+    assert parts.hardware is None  # no hardware is touched for a configuration that is wrong
+
+
+def test_the_motors_are_let_go_when_it_is_told_to_stop() -> None:
+    parts = Parts()
+    boat = run_boat(config("udpin:127.0.0.1:0"), after(3), open_parts=parts.open)
+    assert boat.channels.open == {}
+    assert "write" in parts.events
+    assert parts.events[parts.events.index("close") :].count("write") == 0
+
+
+def test_the_motors_are_let_go_when_a_tick_raises(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(boat: Boat, now_s: float) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(Boat, "step", fail)
+    parts = Parts()
+    with pytest.raises(ZeroDivisionError):
+        run_boat(config("udpin:127.0.0.1:0"), lambda: False, open_parts=parts.open)
+    assert parts.events[0] == "close"
+
+
+def test_the_motors_are_let_go_when_a_port_cannot_be_opened() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        url = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
+        parts = Parts()
+        with pytest.raises(LinkError, match=url) as caught:
+            run_boat(config("udpin:127.0.0.1:0", url), lambda: False, open_parts=parts.open)
+    assert caught.value.exit_code == 3
+    assert parts.events == ["close"]
+
+
+def test_the_motors_are_let_go_when_the_memory_cannot_be_used(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    storage = {"folder": str(tmp_path / "file")}
+    parts = Parts()
+    with pytest.raises(StorageError, match="file"):
+        run_boat(config("udpin:127.0.0.1:0", storage=storage), lambda: False, open_parts=parts.open)
+    assert parts.events == ["close"]
+
+
+def test_ports_are_opened_all_or_none() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        number = taken.getsockname()[1]
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            spare = free.getsockname()[1]
+        with pytest.raises(LinkError):
+            open_ports((f"tcpin:127.0.0.1:{spare}", f"tcpin:127.0.0.1:{number}"), lambda: 0.0)
+        with socket.socket() as again:
+            again.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            again.bind(("127.0.0.1", spare))  # the first port is free again
+
+
+def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    parts = Parts()
+    monkeypatch.setattr("companion.app.open_l298n", lambda *_: parts.open(BoatConfig(), float).motors)
+    missing = str(tmp_path / "no-such-port")
+    tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": missing}})
+    with pytest.raises(HardwareError, match="no-such-port"):
+        open_hardware(tree, lambda: 0.0)
+    assert parts.events == ["close"]
+
+
+def test_without_a_folder_the_memory_lasts_as_long_as_the_process(tmp_path: Path) -> None:
+    assert isinstance(open_storage(""), MemoryStorage)
+    storage = open_storage(str(tmp_path / "state"))
+    storage.save("a", b"1")
+    storage.close()
+    assert (tmp_path / "state" / "a").read_bytes() == b"1"

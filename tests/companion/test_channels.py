@@ -1,0 +1,106 @@
+import pytest
+from boat_rig import BOAT, QGC
+
+from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import Message, dialect
+from companion.router.channels import Channels
+
+
+def beat(number: int = 0) -> Message:
+    message: Message = dialect.MAVLink_heartbeat_message(11, 3, 0, number, 4, 3)
+    return message
+
+
+def opened(links: int) -> tuple[Channels, MemoryPort, list[MemoryLink]]:
+    port = MemoryPort()
+    far: list[MemoryLink] = []
+    for number in range(links):
+        near, end = memory_pair(f"link {number}")
+        port.offer(near)
+        far.append(end)
+    channels = Channels([port], BOAT)
+    assert channels.accept() == list(range(1, links + 1))
+    return channels, port, far
+
+
+def heard(link: MemoryLink) -> list[int]:
+    decoder = Decoder(datagram=True)
+    return [r.message.custom_mode for chunk in link.receive() for r in decoder.feed(chunk)]
+
+
+def test_a_message_leaves_by_one_channel_or_by_all() -> None:
+    channels, _, far = opened(3)
+    channels.send(beat(7), 2)
+    channels.send(beat(8), None)
+    assert [heard(link) for link in far] == [[8], [7, 8], [8]]
+
+
+def test_a_message_for_a_channel_that_has_gone_goes_with_it() -> None:
+    channels, _, far = opened(1)
+    channels.send(beat(), 99)
+    assert heard(far[0]) == []
+
+
+def test_what_arrives_is_told_by_channel() -> None:
+    channels, _, far = opened(2)
+    encoder = Encoder(QGC)
+    for link, number in ((far[0], 1), (far[1], 2), (far[0], 3)):
+        link.send(encoder.encode(beat(number)))
+    received = [(number, r.sender, r.message.custom_mode) for number, r in channels.receive()]
+    assert received == [(1, QGC, 1), (1, QGC, 3), (2, QGC, 2)]
+
+
+def test_each_channel_numbers_its_own_frames() -> None:
+    channels, _, far = opened(2)
+    for _ in range(3):
+        channels.send(beat(), 1)
+    channels.send(beat(), None)
+    assert [chunk[4] for chunk in far[0].receive()] == [0, 1, 2, 3]
+    assert [chunk[4] for chunk in far[1].receive()] == [0]
+
+
+def test_a_closed_link_is_forgotten_and_its_number_never_used_again() -> None:
+    channels, port, far = opened(2)
+    far[0].close()
+    assert channels.drop_closed() == [1]
+    assert channels.drop_closed() == []
+    near, _ = memory_pair()
+    port.offer(near)
+    assert channels.accept() == [3]
+    assert sorted(channels.open) == [2, 3]
+
+
+def test_a_full_link_drops_whole_frames_and_counts_them() -> None:
+    near, far = memory_pair(queue_frames=5)
+    port = MemoryPort(near)
+    channels = Channels([port], BOAT)
+    channels.accept()
+    for number in range(8):
+        channels.send(beat(number), 1)
+    assert channels.open[1].dropped == 3
+    assert heard(far) == [0, 1, 2, 3, 4]
+
+
+def test_there_is_nothing_to_wait_on_in_memory() -> None:
+    channels, _, _ = opened(2)
+    assert channels.filenos() == []
+
+
+def test_closing_closes_every_link_and_may_be_done_twice() -> None:
+    channels, _, far = opened(2)
+    channels.close()
+    channels.close()
+    assert [link.is_closed for link in far] == [True, True]
+    assert channels.open == {}
+
+
+@pytest.mark.parametrize("is_datagram", [True, False])
+def test_a_channel_decodes_as_its_link_delivers(is_datagram: bool) -> None:
+    near, far = memory_pair(is_datagram=is_datagram)
+    channels = Channels([MemoryPort(near)], BOAT)
+    channels.accept()
+    frame = Encoder(QGC).encode(beat(5))
+    far.send(frame[:9])
+    far.send(frame[9:])
+    assert len(list(channels.receive())) == (0 if is_datagram else 1)

@@ -1,0 +1,205 @@
+"""The whole endpoint: a ground station's connection in order, and frames that mean harm."""
+
+import json
+import logging
+import random
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from boat_rig import BOAT, HOME_ITEM, OK, PLANNER, QGC, UNSUPPORTED, Peer, Rig, waypoint
+
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionType
+from companion.params_table import ROWS
+
+TABLE = json.loads((Path(__file__).parents[1] / "vectors" / "frames.json").read_text(encoding="utf-8"))
+FRAMES = 100_000
+
+
+def test_qgroundcontrols_whole_connection_gets_an_answer_to_every_request() -> None:
+    rig = Rig().ready()
+    peer = rig.peer
+    peer.heartbeat()
+    for group, rate_hz in ((1, 2), (2, 2), (3, 2), (6, 3), (10, 10), (11, 10), (12, 3)):
+        peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, 1))
+    assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, dialect.MAVLINK_MSG_ID_HOME_POSITION, 1e6) == OK
+    assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, 245, 1e6) == UNSUPPORTED
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION) == OK
+    assert len(peer.said("AUTOPILOT_VERSION")) == 1
+    for message_id in (435, 397, 395, 280):
+        assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) in (OK, UNSUPPORTED)
+
+    payload = bytes([7, 0, 0, 4, 16, 0, 0, 0, 0, 0, 0, 0]) + b"@PARAM/param.pck"
+    request = dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, payload.ljust(251, b"\0"))
+    answer = rig.answer_to(request, "FILE_TRANSFER_PROTOCOL")
+    assert (answer.target_system, answer.target_component) == tuple(QGC)
+    assert bytes(answer.payload[:2]) == b"\x08\x00"
+
+    peer.forget()
+    peer.send(dialect.MAVLink_param_request_list_message(1, 0))
+    rig.run(1.0)
+    assert len(peer.said("PARAM_VALUE")) == len(ROWS)
+    peer.send(dialect.MAVLink_system_time_message(1, 1))
+    for kind in MissionType:
+        count = rig.answer_to(dialect.MAVLink_mission_request_list_message(*BOAT, kind), "MISSION_COUNT")
+        assert (count.count, count.mission_type) == (0, kind)
+        peer.send(dialect.MAVLink_mission_ack_message(*BOAT, 0, kind))
+    rig.run(5.0)
+    for name in (
+        "SYS_STATUS",
+        "BATTERY_STATUS",
+        "HOME_POSITION",
+        "ATTITUDE",
+        "VFR_HUD",
+        "GLOBAL_POSITION_INT",
+    ):
+        assert peer.said(name), name
+    assert rig.boat.endpoint.faults == 0
+
+
+def test_a_message_that_nobody_wants_is_only_counted() -> None:
+    rig = Rig()
+    rig.step()
+    before = rig.boat.endpoint.ignored
+    rig.peer.send(dialect.MAVLink_ping_message(0, 0, 0, 0))
+    rig.peer.send(dialect.MAVLink_param_request_list_message(9, 1))
+    rig.receive()
+    assert rig.boat.endpoint.ignored == before + 2
+
+
+def test_a_planners_heartbeat_is_not_the_operators() -> None:
+    rig = Rig()
+    planner = rig.connect(PLANNER)
+    rig.step()
+    planner.heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER)
+    rig.peer.heartbeat(dialect.MAV_TYPE_QUADROTOR)
+    rig.step()
+    assert rig.boat.vehicle.operator.last_heard_s != rig.boat.vehicle.operator.last_heard_s
+    rig.peer.heartbeat()
+    rig.step()
+    assert rig.boat.vehicle.operator.last_heard_s == pytest.approx(rig.now_s, abs=0.03)
+
+
+def test_only_the_chosen_operator_counts_where_one_was_chosen() -> None:
+    rig = Rig(config={"identity.operator_system_id": 250})
+    rig.step()
+    rig.peer.heartbeat()
+    rig.step()
+    assert rig.boat.vehicle.operator.last_heard_s != rig.boat.vehicle.operator.last_heard_s
+
+
+def test_a_fault_of_ours_is_counted_logged_once_and_stops_nothing(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig()
+    rig.step()
+    handlers = rig.boat.endpoint._handlers
+    monkeypatch.setitem(handlers, dialect.MAVLINK_MSG_ID_PARAM_SET, lambda m, o, t: 1 / 0)
+    with caplog.at_level(logging.ERROR):
+        for _ in range(3):
+            rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"HDG_KP", 3.0, 9))
+            rig.step()
+    assert rig.boat.endpoint.faults == 3
+    assert len(caplog.records) == 1
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148) == OK
+
+
+def test_a_fault_in_telemetry_stops_neither_boat_nor_heartbeat(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig().ready()
+    monkeypatch.setattr(rig.boat.endpoint._telemetry, "tick", lambda now: 1 / 0)
+    rig.peer.forget()
+    with caplog.at_level(logging.ERROR):
+        rig.run(3.0)
+    assert len(rig.peer.said("HEARTBEAT")) == 3
+    assert rig.boat.endpoint.faults == 150
+    assert len(caplog.records) == 1
+
+
+def test_a_message_that_cannot_be_packed_is_counted_and_costs_nobody_else_anything(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    rig = Rig()
+    rig.step()
+    with caplog.at_level(logging.ERROR):
+        for _ in range(2):
+            rig.boat.endpoint.outbox.broadcast(dialect.MAVLink_message_interval_message(30, 2**40))
+        rig.step()
+    (channel,) = rig.boat.channels.open.values()
+    assert channel.faults == 2
+    assert len(caplog.records) == 1
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148) == OK
+
+
+def directed_elsewhere(rng: random.Random) -> Iterator[bytes]:
+    """Perfectly good frames that would change much, for another system."""
+    encoder = Encoder(Address(255, 190))
+    other = (42, 1)
+    while True:
+        for message in (
+            dialect.MAVLink_command_long_message(*other, 400, 0, 1, 2989, 0, 0, 0, 0, 0),
+            dialect.MAVLink_command_int_message(*other, 3, 192, 0, 0, -1, 1, 0, 0, 500000000, -12000000, 0),
+            dialect.MAVLink_param_set_message(*other, b"HDG_KP", rng.random(), 9),
+            dialect.MAVLink_mission_count_message(*other, rng.randint(0, 9), rng.randint(0, 2)),
+            dialect.MAVLink_mission_clear_all_message(*other, 255),
+            dialect.MAVLink_mission_set_current_message(*other, 2),
+            dialect.MAVLink_set_mode_message(other[0], 1, 0),
+            dialect.MAVLink_manual_control_message(other[0], 0, 0, 1000, 0, 0),
+        ):
+            yield encoder.encode(message)
+
+
+def hostile(rng: random.Random) -> Iterator[bytes]:
+    """Noise, frames whose bits were flipped without mending the CRC, pieces, and frames for others."""
+    seeds = [bytes.fromhex(row["hex"]) for row in TABLE if "message" in row]
+    elsewhere = directed_elsewhere(rng)
+    while True:
+        frame = bytearray(rng.choice(seeds))
+        match rng.randrange(5):
+            case 0:
+                yield rng.randbytes(rng.randint(1, 300))
+            case 1:
+                yield next(elsewhere)
+            case 2:
+                yield bytes(frame[: rng.randrange(1, len(frame))])
+            case _:
+                head = 10 if frame[0] == 0xFD else 6
+                at = rng.randrange(head, head + frame[1] + 2)  # payload or CRC: never a valid frame again
+                frame[at] ^= 1 << rng.randrange(8)
+                yield bytes(frame)
+
+
+def sailing_rig() -> Rig:
+    rig = Rig(config={"failsafe.gcs_enabled": False})
+    return rig.sail(waypoint(400.0, 0.0), waypoint(400.0, 400.0))
+
+
+@pytest.mark.parametrize("is_datagram", [True, False], ids=["datagrams", "stream"])
+def test_a_hundred_thousand_hostile_frames_change_nothing_but_counters(is_datagram: bool) -> None:
+    rng = random.Random(7)
+    rig = sailing_rig()
+    peer: Peer = rig.connect(QGC, is_datagram)
+    rig.receive()
+    before = rig.fingerprint()
+    frames = hostile(rng)
+    counters = rig.boat.channels.open[2].counters
+    for n in range(FRAMES):
+        assert peer.link.send(next(frames))
+        if n % 100 == 99:
+            rig.step()
+            peer.link.receive()
+            rig.peer.link.receive()
+    assert rig.fingerprint() == before
+    assert rig.boat.endpoint.faults == 0
+    assert rig.boat.vehicle.armed
+    assert counters.bad_crc > 10_000
+    assert counters.bad_frames > counters.bad_crc
+    assert rig.world.truth.north_m > 10.0  # all the while it has sailed on
+    for _ in range(2):  # ends whatever seemed to have begun on a stream
+        peer.link.send(bytes(300))
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148, peer=peer) == OK
+    assert rig.items()[0] == HOME_ITEM

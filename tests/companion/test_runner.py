@@ -1,0 +1,121 @@
+import os
+from collections.abc import Callable
+
+import pytest
+
+from companion.runner import Runner
+
+PERIOD_S = 0.02
+
+
+class FakeClock:
+    """Time that passes only when somebody waits or works."""
+
+    def __init__(self) -> None:
+        self.time_s = 100.0
+
+    def now_s(self) -> float:
+        """The time."""
+        return self.time_s
+
+    def sleep(self, seconds: float) -> None:
+        """Let it pass."""
+        self.time_s += max(seconds, 0.0)
+
+
+class Loop:
+    """A runner over a fake clock; `work_s` says how long each tick takes."""
+
+    def __init__(self, work_s: Callable[[int], float], *, skip_missed: bool = True) -> None:
+        self.clock = FakeClock()
+        self.began_s: list[float] = []
+        self.numbers: list[int] = []
+        self._work_s = work_s
+        self.runner = Runner(self.clock, PERIOD_S, self.step, lambda: None, list, skip_missed=skip_missed)
+
+    def step(self, number: int) -> None:
+        """One tick that takes its time."""
+        self.began_s.append(self.clock.time_s - 100.0)
+        self.numbers.append(number)
+        self.clock.time_s += self._work_s(len(self.numbers) - 1)
+
+    def run(self, ticks: int) -> "Loop":
+        """Run until so many ticks are done."""
+        self.runner.run(lambda: len(self.numbers) >= ticks)
+        return self
+
+
+def test_ticks_come_at_their_times_however_long_the_work_takes_within_them() -> None:
+    loop = Loop(lambda n: 0.001 + 0.01 * (n % 2)).run(500)
+    assert loop.began_s == pytest.approx([n * PERIOD_S for n in range(500)], abs=1e-6)
+    ticks = loop.runner.ticks
+    assert (ticks.run, ticks.late, ticks.skipped) == (500, 0, 0)
+
+
+def test_a_late_tick_is_counted_and_the_next_is_on_time_again() -> None:
+    loop = Loop(lambda n: 0.027 if n == 3 else 0.0).run(10)
+    assert (loop.runner.ticks.late, loop.runner.ticks.skipped) == (1, 0)
+    assert loop.runner.ticks.worst_s == pytest.approx(0.007)
+    assert loop.began_s[5] == pytest.approx(0.1)
+
+
+def test_missed_ticks_are_skipped_and_counted_never_caught_up() -> None:
+    loop = Loop(lambda n: 0.109 if n == 2 else 0.0).run(10)
+    assert loop.runner.ticks.skipped == 4
+    assert loop.numbers[:5] == [0, 1, 2, 7, 8]
+    gaps = [after - before for before, after in zip(loop.began_s[3:], loop.began_s[4:], strict=False)]
+    assert min(gaps) > PERIOD_S - 0.01
+
+
+def test_the_emulators_ticks_are_its_time_and_none_is_skipped() -> None:
+    loop = Loop(lambda n: 0.109 if n == 2 else 0.0, skip_missed=False).run(10)
+    assert loop.numbers == list(range(10))
+    assert loop.runner.ticks.skipped == 4
+
+
+def test_the_load_is_the_share_of_the_tick_that_work_takes() -> None:
+    assert Loop(lambda n: 0.005).run(1000).runner.load == pytest.approx(0.25, abs=0.01)
+
+
+def test_nothing_is_run_once_it_is_told_to_stop() -> None:
+    assert Loop(lambda n: 0.0).run(0).numbers == []
+
+
+def test_what_a_tick_raises_comes_out() -> None:
+    def fail(number: int) -> float:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        Loop(fail).run(1)
+
+
+class Pipe:
+    """A link that has something to say for as long as bytes are left in a pipe."""
+
+    def __init__(self, chunks: int) -> None:
+        self.reader, self.writer = os.pipe()
+        os.write(self.writer, bytes(chunks))
+
+    def close(self) -> None:
+        """Let it go."""
+        os.close(self.reader)
+        os.close(self.writer)
+
+
+@pytest.mark.parametrize(("chunks", "heard"), [(3, 3), (1000, 200)])
+def test_links_are_heard_between_ticks_but_a_flood_does_not_eat_the_loop(chunks: int, heard: int) -> None:
+    pipe, clock = Pipe(chunks), FakeClock()
+    order: list[str] = []
+
+    def receive() -> None:
+        os.read(pipe.reader, 1)
+        order.append("receive")
+        if len(order) == chunks + 1:
+            clock.time_s += PERIOD_S  # silence for the rest of the tick
+
+    runner = Runner(clock, PERIOD_S, lambda n: order.append("step"), receive, lambda: [pipe.reader])
+    runner.run(lambda: order.count("step") == 2)
+    pipe.close()
+    assert order == ["step", *["receive"] * heard, "step"]
+    assert clock.time_s == pytest.approx(100.0 + PERIOD_S)
+    assert runner.ticks.late == 0

@@ -1,0 +1,78 @@
+import dataclasses
+
+import pytest
+from boat_rig import HOME_ITEM, scenario, waypoint
+
+from companion.mavlink.items import MissionItem
+from sitl.sail import SailError, Sailing
+
+ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
+
+
+def test_a_run_is_measured_against_the_truth() -> None:
+    told: list[tuple[float, int]] = []
+    sailing = Sailing(scenario("open"), ITEMS)
+    result = sailing.run(tell=lambda time_s, seq: told.append((time_s, seq)))
+    assert result.completed
+    assert (result.waypoints, result.waypoints_reached) == (2, 2)
+    assert result.planned_length_m == pytest.approx(40.0, abs=1.0)
+    assert result.path_length_m == pytest.approx(40.0, abs=4.0)
+    assert 15.0 < result.time_s < 60.0
+    assert result.min_clearance_m is None  # open water has no shore
+    assert result.groundings == 0
+    assert result.real_time_factor == pytest.approx(result.sim_seconds / result.cpu_seconds)
+    assert len(result.state_hash) == 64
+    assert len(told) == pytest.approx(result.time_s, abs=2)
+    assert {seq for _, seq in told} == {1, 2}
+
+
+def test_a_mission_that_takes_too_long_is_not_completed_and_says_where_it_was() -> None:
+    sailing = Sailing(scenario("open"), [HOME_ITEM, waypoint(200.0, 0.0)])
+    result = sailing.run(timeout_s=5.0)
+    assert not result.completed
+    assert result.waypoints_reached == 0
+    assert result.final_mode == "AUTO"
+    assert sailing.ending().startswith("at item 1 of 1 in AUTO; the boat said: ")
+
+
+def test_the_way_home_belongs_to_the_mission_that_asks_for_it() -> None:
+    sailing = Sailing(scenario("open"), [*ITEMS, MissionItem(frame=2, command=20)])
+    result = sailing.run()
+    truth = sailing.lockstep.world.truth
+    assert result.completed
+    assert result.final_mode == "RTL"
+    assert (truth.north_m**2 + truth.east_m**2) ** 0.5 < 4.0
+
+
+def test_a_mission_that_the_boat_refuses_is_told_in_its_words() -> None:
+    with pytest.raises(SailError, match="command 84"):
+        Sailing(scenario("open"), [HOME_ITEM, waypoint(20.0, 0.0, command=84)]).run()
+
+
+def test_a_boat_that_cannot_be_armed_is_not_waited_for_for_ever() -> None:
+    settings = ("vehicle.arming.battery_min_v=50.0",)
+    with pytest.raises(SailError, match="armable within 60 simulated seconds"):
+        Sailing(scenario("open", *settings), ITEMS).run()
+
+
+def test_a_start_that_is_refused_is_told_with_its_reason() -> None:
+    with pytest.raises(SailError, match="refused the start of the mission: AUTO: no mission"):
+        Sailing(scenario("open"), [HOME_ITEM]).run()
+
+
+def test_a_result_names_every_figure_that_was_asked_for() -> None:
+    names = {field.name for field in dataclasses.fields(Sailing(scenario("open"), ITEMS).run())}
+    assert names >= {
+        "sim_seconds",
+        "cpu_seconds",
+        "real_time_factor",
+        "planned_length_m",
+        "path_length_m",
+        "time_s",
+        "cross_track_rms_m",
+        "cross_track_max_m",
+        "min_clearance_m",
+        "waypoints_reached",
+        "final_mode",
+        "state_hash",
+    }

@@ -1,0 +1,87 @@
+import socket
+
+import pytest
+from boat_rig import scenario
+
+from companion.config import BoatConfig
+from companion.errors import LinkError
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import dialect
+from sitl.serve import Server, stretched
+
+
+@pytest.mark.parametrize("speedup", [0.5, 1.0, 10.0])
+def test_the_timers_that_wait_for_stations_are_stretched_and_nothing_else_is(speedup: float) -> None:
+    before = BoatConfig()
+    after = stretched(before, speedup)
+    assert after.failsafe.gcs_timeout_s == before.failsafe.gcs_timeout_s * speedup
+    assert after.failsafe.manual_timeout_s == before.failsafe.manual_timeout_s * speedup
+    assert after.mavlink.retry_s == before.mavlink.retry_s * speedup
+    assert after.failsafe.battery_low_s == before.failsafe.battery_low_s
+    assert after.motors == before.motors
+    assert after.guidance == before.guidance
+    if speedup == 1.0:
+        assert after == before
+
+
+class FakeClock:
+    """Time that passes only by waiting."""
+
+    def __init__(self) -> None:
+        self.time_s = 0.0
+
+    def now_s(self) -> float:
+        """The time."""
+        return self.time_s
+
+    def sleep(self, seconds: float) -> None:
+        """Let it pass."""
+        self.time_s += max(seconds, 0.0)
+
+
+@pytest.mark.parametrize("speedup", [1.0, 20.0])
+def test_the_water_moves_speedup_times_as_fast_as_the_clock(speedup: float) -> None:
+    clock = FakeClock()
+    server = Server(scenario("open"), [], clock, speedup=speedup, record=True)
+    server.run(lambda: clock.time_s >= 2.0)
+    assert server.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
+    assert len(server.recorder) == server.world.tick
+
+
+def test_without_a_file_to_write_no_trajectory_grows() -> None:
+    clock = FakeClock()
+    server = Server(scenario("open"), [], clock)
+    server.run(lambda: clock.time_s >= 1.0)
+    assert len(server.recorder) == 0
+
+
+def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterwards() -> None:
+    clock = FakeClock()
+    server = Server(scenario("open"), ["udpin:127.0.0.1:0"], clock)
+    number = int(server.port_names[0].rsplit(":", 1)[1])
+    assert number > 0
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
+        station.settimeout(10.0)
+        encoder = Encoder(Address(255, 190))
+        station.sendto(
+            encoder.encode(dialect.MAVLink_param_request_read_message(1, 1, b"HDG_KP", -1)),
+            ("127.0.0.1", number),
+        )
+        server.boat.step(0.0)
+        server.boat.step(0.02)
+        names = set()
+        while "PARAM_VALUE" not in names:
+            names |= {r.message.get_type() for r in Decoder(datagram=True).feed(station.recv(2048))}
+    server.run(lambda: True)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
+        again.bind(("127.0.0.1", number))
+
+
+def test_a_port_that_is_taken_is_named() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        url = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
+        with pytest.raises(LinkError, match=url):
+            Server(scenario("open"), [url], FakeClock())

@@ -1,0 +1,144 @@
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from sitl.__main__ import run_program
+from sitl.cli.arguments import with_json_told_apart
+from sitl.world import Truth
+
+ASKED = {
+    "sim_seconds",
+    "cpu_seconds",
+    "real_time_factor",
+    "planned_length_m",
+    "path_length_m",
+    "time_s",
+    "cross_track_rms_m",
+    "cross_track_max_m",
+    "min_clearance_m",
+    "waypoints_reached",
+    "final_mode",
+    "state_hash",
+}
+EXTRA = {"scenario", "seed", "completed", "groundings", "waypoints"}
+
+WPL = """QGC WPL 110
+0\t1\t0\t16\t0\t0\t0\t0\t50.0\t-1.2\t0\t1
+1\t0\t3\t16\t0\t0\t0\t0\t50.0001\t-1.2\t50\t1
+2\t0\t3\t{command}\t0\t0\t0\t0\t50.0001\t-1.1998\t50\t1
+"""
+
+
+@pytest.fixture
+def mission(tmp_path: Path) -> Path:
+    """Two waypoints near the open scenario's start."""
+    path = tmp_path / "short.waypoints"
+    path.write_text(WPL.format(command=16), encoding="utf-8")
+    return path
+
+
+def test_the_json_has_the_figures_that_were_asked_for_and_a_few_more(
+    mission: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program(["sail", "open", "--mission", str(mission), "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert set(figures) == ASKED | EXTRA
+    assert figures["completed"] is True
+    assert figures["waypoints_reached"] == 2
+    assert figures["min_clearance_m"] is None
+
+
+def test_json_goes_to_a_file_that_is_named_and_a_table_to_the_person(
+    mission: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out" / "run.json"
+    assert run_program(["sail", "open", "--json", str(out), "--mission", str(mission)]) == 0
+    assert json.loads(out.read_text(encoding="utf-8"))["final_mode"] == "LOITER"
+    printed = capsys.readouterr().out
+    assert "waypoints reached" in printed
+    assert "2 of 2" in printed
+
+
+def test_csv_and_png_are_written_where_they_were_asked_for(mission: Path, tmp_path: Path) -> None:
+    table, picture = tmp_path / "a" / "track.csv", tmp_path / "b" / "track.png"
+    arguments = ["sail", "open", "--mission", str(mission), "--csv", str(table), "--png", str(picture)]
+    assert run_program(arguments) == 0
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == [*Truth._fields, "leg"]
+    assert len(rows) > 100
+    assert picture.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_settings_and_seed_of_the_command_line_change_the_voyage(
+    mission: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def state_hash(*arguments: str) -> str:
+        assert run_program(["sail", "open", "--mission", str(mission), "--json", *arguments]) == 0
+        return str(json.loads(capsys.readouterr().out)["state_hash"])
+
+    first = state_hash("--seed", "5")
+    assert state_hash("--seed", "5") == first
+    assert state_hash("--seed", "6") != first
+    assert state_hash("--seed", "5", "--set", "environment.current_m_s=0.2") != first
+
+
+def test_a_mission_that_is_not_completed_is_exit_code_one_in_one_line(
+    mission: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program(["sail", "open", "--mission", str(mission), "--timeout", "2"]) == 1
+    error = capsys.readouterr().err
+    assert "the mission was not completed: at item 1 of 2 in AUTO" in error
+
+
+def test_a_mission_that_the_boat_refuses_is_exit_code_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.waypoints"
+    path.write_text(WPL.format(command=84), encoding="utf-8")
+    assert run_program(["sail", "open", "--mission", str(path)]) == 1
+    assert "item 2: command 84" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["sail", "nowhere"], "nowhere: no such scenario"),
+        (["sail", "open"], "no goal"),
+        (["sail", "open", "--set", "environment.curent_m_s=1"], "curent_m_s"),
+        (["sail", "open", "--set", "environment"], "environment"),
+        (["sail", "pool", "--case", "9"], "9"),
+        (["sail", "open", "--mission", "missing.plan"], "missing.plan"),
+        (["sail", "open", "--warp"], "--warp"),
+        (["serve", "nowhere"], "nowhere: no such scenario"),
+        (["serve", "open", "--speedup", "0"], "speedup"),
+        (["serve", "open", "--tcp", "99999"], "tcp"),
+    ],
+)
+def test_wrong_input_is_exit_code_two_in_one_line(
+    arguments: list[str],
+    words: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run_program(arguments) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["--json"], ["--json"]),
+        (["--json", "a.json"], ["--json-file", "a.json"]),
+        (["--json", "--seed", "1"], ["--json", "--seed", "1"]),
+        (["sail", "pool", "--json"], ["sail", "pool", "--json"]),
+    ],
+)
+def test_json_with_a_file_is_told_from_json_without(given: list[str], told: list[str]) -> None:
+    assert with_json_told_apart(given) == told
