@@ -1,5 +1,4 @@
-import dataclasses
-
+import msgspec
 import pytest
 from boat_rig import GOOD_FIX, nav_at
 
@@ -30,8 +29,8 @@ def test_a_boat_that_is_well_arms() -> None:
     ("fix", "text"),
     [
         (None, "GPS: no 3-D fix"),
-        (dataclasses.replace(GOOD_FIX, fix_type=2), "GPS: no 3-D fix"),
-        (dataclasses.replace(GOOD_FIX, hdop=2.6), "GPS: HDOP 2.6 is above 2.5"),
+        (msgspec.structs.replace(GOOD_FIX, fix_type=2), "GPS: no 3-D fix"),
+        (msgspec.structs.replace(GOOD_FIX, hdop=2.6), "GPS: HDOP 2.6 is above 2.5"),
     ],
 )
 def test_a_mode_that_steers_by_position_needs_a_good_fix(fix: GnssFix | None, text: str) -> None:
@@ -40,7 +39,7 @@ def test_a_mode_that_steers_by_position_needs_a_good_fix(fix: GnssFix | None, te
 
 @pytest.mark.parametrize("mode", [Mode.MANUAL, Mode.HOLD])
 def test_a_mode_without_position_arms_without_a_receiver(mode: Mode) -> None:
-    assert faults(mode, nav=dataclasses.replace(nav_at(), position_age_s=float("inf")), fix=None) == []
+    assert faults(mode, nav=msgspec.structs.replace(nav_at(), position_age_s=float("inf")), fix=None) == []
 
 
 def test_a_stale_position_and_a_silent_compass_are_told_apart() -> None:
