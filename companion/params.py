@@ -12,6 +12,7 @@ MAVProxy and Mission Planner read as a parameter file.
 import logging
 import math
 import struct
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -81,12 +82,23 @@ class Parameters:
         value = float(getattr(getattr(self.config, section), field)) * row.scale
         return _as_float32(value if row.kind is Kind.REAL32 else round(value))
 
+    def default(self, row: Row) -> float:
+        """The value before any station has changed it: the configuration file's."""
+        return self._defaults[self._index[row.name]]
+
     def set(self, name: str, value: float) -> str:
         """Change a parameter and keep it. Returns why not, in words for the operator; empty when done."""
         reason = self._change(name, value)
         if not reason:
             self._save()
         return reason
+
+    def set_many(self, values: Iterable[tuple[str, float]]) -> list[str]:
+        """Change several and keep them with one save; those that do not exist are passed over. Returns why
+        not for each that was refused."""
+        reasons = [self._change(name, value) for name, value in values if name in self._index]
+        self._save()
+        return [reason for reason in reasons if reason]
 
     def take_fault(self) -> str:
         """Why a change of late could not be kept; empty when none has failed. To be asked now and then."""

@@ -167,3 +167,13 @@ def test_a_change_that_cannot_be_kept_is_told_once(tmp_path: Path) -> None:
     assert "No space left" in parameters.take_fault()
     assert parameters.take_fault() == ""
     assert parameters.config.heading.kp == 3.0
+
+
+def test_many_are_set_with_one_save_and_the_refused_are_told() -> None:
+    storage = MemoryStorage()
+    parameters = Parameters(BoatConfig(), ROWS, storage)
+    reasons = parameters.set_many([("HDG_KP", 3.5), ("NOT_THERE", 1.0), ("HDG_KI", 99.0), ("WP_RADIUS", 4.0)])
+    assert reasons == ["HDG_KI: 99 is outside 0..50"]
+    assert storage.load("params.parm") == b"HDG_KP 3.5\nWP_RADIUS 4\n"
+    row = next(row for row in ROWS if row.name == "HDG_KP")
+    assert (parameters.value(row), parameters.default(row)) == (3.5, 2.5)
