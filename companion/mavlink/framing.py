@@ -28,13 +28,17 @@ _read_header_v2 = _HEADER_V2.unpack_from
 
 
 class Frame(NamedTuple):
-    """A frame whose CRC fits. data is all of it, as it came; payload may be cut or longer than the layout."""
+    """A frame whose CRC fits, or one of a message that the dialect does not have: then layout is None.
 
-    layout: Layout
+    data is all of it, as it came; payload may be cut or longer than the layout.
+    """
+
+    message_id: int
     sender: Address
     sequence: int
     payload: bytes
     data: bytes
+    layout: Layout | None
 
 
 class Flaw(Enum):
@@ -67,7 +71,8 @@ def _read_v2(data: bytes, at: int) -> Frame | Flaw:
     if available < _OVERHEAD_V2:
         return Flaw.INCOMPLETE
     length, incompat, _, sequence, system, component, id_low, id_high = _read_header_v2(data, at + 1)
-    layout = LAYOUTS.get(id_low | id_high << 16)
+    message_id = id_low | id_high << 16
+    layout = LAYOUTS.get(message_id)
     if layout is None:
         return Flaw.UNKNOWN
     crc_at = at + 10 + length
@@ -76,7 +81,8 @@ def _read_v2(data: bytes, at: int) -> Frame | Flaw:
         return Flaw.INCOMPLETE
     if crc16(data[at + 1 : crc_at] + layout.crc_extra) != data[crc_at] | data[crc_at + 1] << 8:
         return Flaw.CRC
-    return Frame(layout, Address(system, component), sequence, data[at + 10 : crc_at], data[at:end])
+    sender = Address(system, component)
+    return Frame(message_id, sender, sequence, data[at + 10 : crc_at], data[at:end], layout)
 
 
 def _read_v1(data: bytes, at: int) -> Frame | Flaw:
@@ -94,7 +100,28 @@ def _read_v1(data: bytes, at: int) -> Frame | Flaw:
         return Flaw.INCOMPLETE
     if crc16(data[at + 1 : crc_at] + layout.crc_extra) != data[crc_at] | data[crc_at + 1] << 8:
         return Flaw.CRC
-    return Frame(layout, Address(system, component), sequence, data[at + 6 : crc_at], data[at : crc_at + 2])
+    sender = Address(system, component)
+    return Frame(message_id, sender, sequence, data[at + 6 : crc_at], data[at : crc_at + 2], layout)
+
+
+def read_unknown(data: bytes, at: int) -> Frame | Flaw:
+    """The frame of an unknown message whose complete header is at `at`: nothing but its length is checked.
+
+    System 0 sends nothing; a header that says so is none.
+    """
+    begin = at + (10 if data[at] == MAGIC_V2 else 6)
+    end = at + claimed_length(data, at)
+    if data[at] == MAGIC_V2:
+        _, _, _, sequence, system, component, id_low, id_high = _read_header_v2(data, at + 1)
+        message_id = id_low | id_high << 16
+    else:
+        sequence, system, component, message_id = data[at + 2 : at + 6]
+    if system == 0:
+        return Flaw.UNKNOWN
+    if end > len(data):
+        return Flaw.INCOMPLETE
+    payload = data[begin : begin + data[at + 1]]
+    return Frame(message_id, Address(system, component), sequence, payload, data[at:end], None)
 
 
 def build_frame(address: Address, sequence: int, layout: Layout, payload: bytes) -> bytes:

@@ -92,5 +92,5 @@ def test_a_stream_of_begun_frames_never_fills_the_memory() -> None:
     header = bytes.fromhex("fdff0000000101000000")  # a HEARTBEAT that claims 255 bytes
     for _ in range(2000):
         decoder.feed(header)
-        assert len(decoder._rest) < LONGEST_FRAME
+        assert len(decoder._finder._rest) < LONGEST_FRAME
     assert decoder.counters.bad_crc > 0
