@@ -89,6 +89,7 @@ def test_a_compass_that_falls_silent_stops_a_boat_that_steers_by_it() -> None:
     rig.boat._hardware = dataclasses.replace(rig.hardware, compass=stuck)
     rig.run(rig.config.motors.estimate_timeout_s + 0.1)
     assert rig.boat.command.reason == "heading is stale"
+    assert rig.boat.helm.heading_pid is None  # nothing is learned, and nothing told, of a loop that is open
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 

@@ -69,6 +69,10 @@ def test_a_closed_link_is_forgotten_and_its_number_never_used_again() -> None:
     port.offer(near)
     assert channels.accept() == [3]
     assert sorted(channels.open) == [2, 3]
+    near.close()
+    assert channels.drop_closed() == [3]
+    port.offer(memory_pair()[0])
+    assert channels.accept() == [4]
 
 
 def test_a_full_link_drops_whole_frames_and_counts_them() -> None:

@@ -70,6 +70,14 @@ def test_a_message_that_nobody_wants_is_only_counted() -> None:
     assert rig.boat.endpoint.ignored == before + 2
 
 
+def test_an_echo_of_the_boats_own_words_is_not_obeyed() -> None:
+    rig = Rig().ready()
+    echo = rig.connect(BOAT)
+    echo.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0)
+    rig.receive()
+    assert not rig.boat.vehicle.armed
+
+
 def test_a_planners_heartbeat_is_not_the_operators() -> None:
     rig = Rig()
     planner = rig.connect(PLANNER)

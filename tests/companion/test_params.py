@@ -94,6 +94,8 @@ def test_two_names_of_one_field_move_together() -> None:
 
 def test_a_whole_number_is_rounded_before_it_is_kept() -> None:
     parameters = fresh()
+    assert parameters.set("WP_PIVOT_ANGLE", 90.4) == ""
+    assert parameters.config.guidance.pivot_angle_rad == pytest.approx(math.pi / 2)
     assert parameters.set("MIS_DONE_BEHAVE", 0.4) == ""
     assert parameters.value(BY_NAME["MIS_DONE_BEHAVE"]) == 0.0
 
