@@ -1,0 +1,114 @@
+"""The secret that two ends of a signed link share, and the file that holds it.
+
+A key file belongs to its owner alone (mode 0600) and holds one of
+
+    32 bytes            the key itself
+    64 hex digits       the key in writing
+    a line of text      a passphrase; the key is its SHA-256, as MAVProxy and QGroundControl make it
+
+A line of text is never taken for 32 raw bytes, however long it is.
+"""
+
+import hashlib
+import hmac
+import os
+from pathlib import Path
+
+from companion.errors import ConfigError
+
+KEY_BYTES = 32
+SIGNATURE_BYTES = 6
+_LONGEST_FILE = 4096
+_FORMS = "expected 32 bytes, 64 hexadecimal digits, or one line with a passphrase"
+
+
+class SigningKey:
+    """A 32-byte secret. It shows itself to nobody: neither repr nor str, nor a format, holds it.
+
+    Raises:
+        ValueError: not 32 bytes, or all of them zero, which on the wire means "no key".
+    """
+
+    __slots__ = ("_secret",)
+
+    def __init__(self, secret: bytes) -> None:
+        if len(secret) != KEY_BYTES or not any(secret):
+            raise ValueError(f"a signing key has {KEY_BYTES} bytes, not all of them zero")
+        self._secret = bytes(secret)
+
+    @classmethod
+    def from_passphrase(cls, passphrase: str) -> "SigningKey":
+        """The key that stands for a passphrase."""
+        return cls(hashlib.sha256(passphrase.encode()).digest())
+
+    def signature(self, signed: bytes) -> bytes:
+        """The 48 bits that prove who wrote these bytes."""
+        return hashlib.sha256(self._secret + signed).digest()[:SIGNATURE_BYTES]
+
+    def reveal(self) -> bytes:
+        """The secret itself, for the one file that keeps it."""
+        return self._secret
+
+    def __repr__(self) -> str:
+        return "SigningKey(hidden)"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SigningKey) and hmac.compare_digest(self._secret, other._secret)
+
+    def __hash__(self) -> int:
+        return hash(self._secret)
+
+    def __reduce__(self) -> str:
+        raise TypeError("a signing key is not pickled")
+
+
+def read_key_file(path: Path) -> SigningKey:
+    """The key in a file.
+
+    Raises:
+        ConfigError: no such file, one that others may read or write, or no key in it; says what to do.
+    """
+    try:
+        with path.open("rb") as file:
+            mode = os.fstat(file.fileno()).st_mode & 0o777
+            content = file.read(_LONGEST_FILE + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: the signing key cannot be read: {error.strerror}") from None
+    if mode & 0o077:
+        raise ConfigError(f"{path}: mode {mode:04o} lets others at the signing key: chmod 600 {path}")
+    try:
+        return parse_key(content)
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}") from None
+
+
+def parse_key(content: bytes) -> SigningKey:
+    """The key that a file's content stands for.
+
+    Raises:
+        ValueError: it stands for none; what was found is told by its length only.
+    """
+    text = _as_line(content)
+    if text is None:
+        if len(content) != KEY_BYTES:
+            size = "more than 4096" if len(content) > _LONGEST_FILE else str(len(content))
+            raise ValueError(f"no signing key in these {size} bytes; {_FORMS}")
+        return SigningKey(content)
+    if not text:
+        raise ValueError(f"no signing key: the file is empty; {_FORMS}")
+    if len(text) > KEY_BYTES and all(digit in "0123456789abcdefABCDEF" for digit in text):
+        if len(text) != 2 * KEY_BYTES:
+            raise ValueError(f"no signing key: {len(text)} hexadecimal digits; {_FORMS}")
+        return SigningKey(bytes.fromhex(text))
+    return SigningKey.from_passphrase(text)
+
+
+def _as_line(content: bytes) -> str | None:
+    """The content as one line of text without its end, None if it is something else."""
+    if len(content) > _LONGEST_FILE:
+        return None
+    try:
+        text = content.decode().removesuffix("\n").removesuffix("\r")
+    except UnicodeDecodeError:
+        return None
+    return text if text.isprintable() else None
