@@ -1,6 +1,7 @@
 """A link that loses, delays, reorders and doubles what it carries, the same way for the same seed."""
 
 import heapq
+import math
 import random
 from dataclasses import dataclass
 
@@ -69,6 +70,11 @@ class Channel:
         while self._in_flight and self._in_flight[0][0] <= now_s:
             arrived.append(heapq.heappop(self._in_flight)[2])
         return arrived
+
+    @property
+    def next_s(self) -> float:
+        """When the next datagram arrives, infinite when nothing is on its way."""
+        return self._in_flight[0][0] if self._in_flight else math.inf
 
     @property
     def is_empty(self) -> bool:
