@@ -149,6 +149,19 @@ class Storage(Section, frozen=True):
     folder: str = ""
 
 
+class Log(Section, frozen=True):
+    """The boat's own log and the links' telemetry logs, in `logs` of the storage folder."""
+
+    onboard: bool = True
+    disarmed: bool = False  # from boot on; else from arming until after_disarm_s after disarming
+    after_disarm_s: NonNegative = 10.0
+    motion_hz: Annotated[float, Meta(gt=0.0, le=50.0)] = 10.0
+    status_hz: Annotated[float, Meta(gt=0.0, le=50.0)] = 1.0
+    quota_mb: Annotated[float, Meta(ge=1.0)] = 1000.0  # of all logs together; the oldest are removed first
+    min_free_mb: NonNegative = 200.0  # no log is begun with less room on the medium
+    tlog: bool = False  # every frame of every link
+
+
 class L298N(Section, frozen=True):
     """Pins in BCM numbers."""
 
@@ -226,6 +239,7 @@ class BoatConfig(Section, frozen=True):
     battery: Battery = Battery()
     mavlink: Mavlink = Mavlink()
     storage: Storage = Storage()
+    log: Log = Log()
     parts: Parts = Parts()
 
 

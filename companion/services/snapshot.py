@@ -26,6 +26,7 @@ class Snapshot(Struct, frozen=True):
     command: MotorCommand
     consumed_mah: float
     load: float
+    speed_pid: PidOutput | None = None
 
     @property
     def boot_ms(self) -> int:
