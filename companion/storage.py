@@ -113,8 +113,11 @@ class FolderStorage:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file so that a power cut leaves the old content or the new."""
+    """Replace a file so that a power cut leaves the old content or the new. A *.key is its owner's alone."""
     aside = path.with_name(path.name + ".new")
+    if path.suffix == ".key":
+        aside.unlink(missing_ok=True)
+        aside.touch(mode=0o600, exist_ok=False)
     with aside.open("wb") as file:
         file.write(content)
         file.flush()

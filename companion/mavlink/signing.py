@@ -25,14 +25,14 @@ NEVER = (1 << 48) - 1  # the last timestamp there is, in 2104
 STREAM_LAG = 60 * TICKS_PER_S  # a new stream may be this far behind
 MAX_STREAMS = 256
 
-Policy = Literal["off", "accept", "required"]
+SigningPolicy = Literal["off", "accept", "required"]
 """What a link asks of its frames: nothing; signed ones must be right; all must be signed."""
 
 _MAGIC_V2, _SIGNED = 0xFD, 0x01
 _BLOCK_BYTES = 13
-_HEADER_BYTES, _CRC_BYTES = 10, 2
 _FARTHEST = NEVER - 365 * 86_400 * TICKS_PER_S  # nobody's word takes our count nearer to its end than a year
 _RADIO_STATUS = (109).to_bytes(3, "little")
+_SETUP_SIGNING = (256).to_bytes(3, "little")  # beyond what version 1 can number
 
 
 def timestamp_at(unix_s: float) -> int:
@@ -68,8 +68,14 @@ def sign(frame: bytes, key: SigningKey, link_id: int, timestamp: int) -> bytes:
 
 
 def without_signature(frame: bytes) -> bytes:
-    """The frame as it was before it was signed: what a log may hold."""
+    """The frame as it was before it was signed."""
     return _with_flag(frame[:-_BLOCK_BYTES], 0) if is_signed(frame) else frame
+
+
+def loggable(frame: bytes) -> bytes:
+    """What a log may hold of a frame: no signature, and nothing at all of one that carries a key."""
+    carries_key = frame[0] == _MAGIC_V2 and frame[7:10] == _SETUP_SIGNING
+    return b"" if carries_key else without_signature(frame)
 
 
 def _with_flag(frame: bytes, flag: int) -> bytes:
@@ -104,9 +110,12 @@ class Stamps:
 
     def take(self) -> int | None:
         """The next one, None where the limit is reached."""
-        stamp = max(self._last + 1, self.clock, self.seen)
+        following = self._last + 1
+        stamp = max(following, self.clock, self.seen)
         if stamp >= self.limit:
-            return None
+            if following >= self.limit:
+                return None
+            stamp = following  # the clock has run ahead of the limit; it can wait
         self._last = stamp
         return stamp
 
@@ -211,12 +220,19 @@ class Guard:
 
     __slots__ = ("_signatory", "counters", "is_radio", "link_id", "policy")
 
-    def __init__(self, signatory: Signatory, policy: Policy, link_id: int, *, is_radio: bool = False) -> None:
+    def __init__(
+        self, signatory: Signatory, policy: SigningPolicy, link_id: int, *, is_radio: bool = False
+    ) -> None:
         self._signatory = signatory
-        self.policy: Policy = policy
+        self.policy: SigningPolicy = policy
         self.link_id = link_id & 0xFF
         self.is_radio = is_radio
         self.counters = SigningCounters()
+
+    @property
+    def has_key(self) -> bool:
+        """Whether there is a key to sign with."""
+        return self._signatory.key is not None
 
     def admits(self, frame: bytes) -> bool:
         """Whether a whole, unflawed frame of either version may come in."""
@@ -254,17 +270,3 @@ def _is_radio_status(frame: bytes) -> bool:
     if frame[0] == _MAGIC_V2:
         return frame[7:10] == _RADIO_STATUS
     return frame[5] == _RADIO_STATUS[0]
-
-
-def next_signed(data: bytes, at: int) -> tuple[int, int]:
-    """Where the next MAVLink 2 frame may lie in some bytes, and where it ends by its own account.
-
-    The end is beyond the data where the frame is not there yet; the beginning is where there is none.
-    """
-    begin = data.find(_MAGIC_V2, at)
-    if begin < 0:
-        return len(data), len(data)
-    if begin + 3 > len(data):
-        return begin, len(data) + 1
-    block = _BLOCK_BYTES if data[begin + 2] & _SIGNED else 0
-    return begin, begin + _HEADER_BYTES + data[begin + 1] + _CRC_BYTES + block

@@ -16,11 +16,12 @@ from companion.mavlink.signing import (
     STREAM_LAG,
     TICKS_PER_S,
     Guard,
-    Policy,
     Signatory,
+    SigningPolicy,
     Stamps,
     Verdict,
     is_signed,
+    loggable,
     sign,
     timestamp_at,
     without_signature,
@@ -41,7 +42,7 @@ def frame(sequence: int = 0, sender: Address = STATION) -> bytes:
     return build_frame(sender, sequence, LAYOUTS[0], LAYOUTS[0].pack(HEARTBEAT))
 
 
-def guard(policy: Policy = "required", key: SigningKey | None = KEY, **options: bool) -> Guard:
+def guard(policy: SigningPolicy = "required", key: SigningKey | None = KEY, **options: bool) -> Guard:
     return Guard(Signatory(key, Stamps()), policy, 0, **options)
 
 
@@ -214,7 +215,7 @@ def test_a_date_before_2015_is_none() -> None:
     ],
 )
 def test_what_each_policy_admits(
-    policy: Policy, unsigned: bool, signed: bool, forged: bool, leaves_signed: bool
+    policy: SigningPolicy, unsigned: bool, signed: bool, forged: bool, leaves_signed: bool
 ) -> None:
     mine = guard(policy)
     assert mine.admits(frame()) is unsigned
@@ -270,3 +271,21 @@ def test_a_signed_frame_is_decoded_like_any_other() -> None:
     (received,) = decoder.feed(sealed)
     assert received.frame == sealed
     assert received.message.type == HEARTBEAT.type
+
+
+def test_a_log_holds_neither_signatures_nor_keys() -> None:
+    assert loggable(signed_at(NOW)) == loggable(frame()) == frame()
+    assert loggable(V1_HEARTBEAT) == V1_HEARTBEAT
+    layout = LAYOUTS[dialect.MAVLINK_MSG_ID_SETUP_SIGNING]
+    setup = build_frame(
+        STATION, 0, layout, layout.pack(dialect.MAVLink_setup_signing_message(1, 1, KEY.reveal(), 9))
+    )
+    assert loggable(setup) == loggable(sign(setup, KEY, 0, NOW)) == b""
+
+
+def test_a_clock_that_runs_ahead_of_the_limit_waits_for_it() -> None:
+    stamps = Stamps(first=5, limit=8)
+    stamps.clock = NOW
+    assert [stamps.take() for _ in range(4)] == [5, 6, 7, None]
+    stamps.limit = NOW + 1
+    assert stamps.take() == NOW

@@ -1,0 +1,141 @@
+"""SETUP_SIGNING, and what the operator is told about signing.
+
+A key that comes over the air could be read by anybody, so it is taken only on a link that the configuration
+trusts (loopback, USB), addressed to us, and never while armed. It is never passed on, logged or told.
+"""
+
+import logging
+from collections.abc import Mapping
+from typing import Protocol
+
+from companion.mavlink.address import Address, is_named
+from companion.mavlink.dialect import Message
+from companion.mavlink.signing import Guard
+from companion.mavlink.signing_key import SigningKey
+from companion.services.outbox import Origin
+from companion.services.signing_store import SigningStore
+from companion.services.statustext import StatusTextService
+from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.vehicle import Vehicle
+
+logger = logging.getLogger(__name__)
+
+_LOOK_S = 1.0
+_PAUSE_S = 10.0  # between two complaints, however many there are to make
+_MAX_WARNINGS = 64
+
+
+class Secured(Protocol):
+    """A channel, as far as signing goes. is_trusted: a key may come over it."""
+
+    @property
+    def name(self) -> str:
+        """For people."""
+
+    @property
+    def guard(self) -> Guard:
+        """What it asks of its frames."""
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether nobody else can listen or speak there."""
+
+
+class SigningService:
+    """Takes keys, and complains of links that have none and of frames that are not signed."""
+
+    def __init__(
+        self,
+        own: Address,
+        vehicle: Vehicle,
+        store: SigningStore,
+        channels: Mapping[int, Secured],
+        texts: StatusTextService,
+    ) -> None:
+        self.refused = 0  # keys that were not taken
+        self._own = own
+        self._vehicle = vehicle
+        self._store = store
+        self._channels = channels
+        self._texts = texts
+        self._warned: set[str] = set()
+        self._complained: set[int] = set()
+        self._look_s = 0.0
+        self._complain_s = 0.0
+
+    def open(self, channel: int) -> None:
+        """A channel has come into being. What is wrong with its signing is told once."""
+        guard, name = self._channels[channel].guard, self._channels[channel].name
+        if guard.policy == "required" and not guard.has_key:
+            self._warn_once(f"{name} asks for signatures, but there is no key: it is deaf")
+        elif guard.is_radio and guard.policy == "off":
+            self._warn_once(f"Radio {name} is not signed: anybody in reach may steer")
+        elif guard.is_radio and guard.policy == "accept":
+            self._warn_once(f"Radio {name} takes unsigned messages: anybody in reach may steer")
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone."""
+        self._complained.discard(channel)
+
+    def on_setup(self, message: Message, origin: Origin, now_s: float) -> None:
+        """Take a key, or say why not. A key of zeros takes the one that we have away."""
+        if not is_named(self._own, message.target_system, message.target_component):
+            return
+        secured = self._channels.get(origin.channel)
+        if secured is None or not secured.is_trusted:
+            self._refuse("this link is not trusted with keys", now_s)
+        elif self._vehicle.armed:
+            self._refuse("disarm first", now_s)
+        else:
+            secret = bytes(message.secret_key)
+            key = SigningKey(secret) if any(secret) else None
+            self._store.change_key(key, message.initial_timestamp)
+            logger.warning(
+                "signing key %s by %d/%d on %s", "set" if key else "removed", *origin.address, secured.name
+            )
+
+    def tick(self, now_s: float, unix_s: float) -> None:
+        """Keep the timestamps going; tell what is new."""
+        self._store.tick(unix_s)
+        if now_s < self._look_s:
+            return
+        self._look_s = now_s + _LOOK_S
+        self._tell_saved()
+        if now_s >= self._complain_s:
+            self._complain(now_s)
+
+    def _tell_saved(self) -> None:
+        error = self._store.key_saved()
+        if error is None:
+            return
+        what = "Signing key stored" if self._store.boat.key else "Signing key removed"
+        if error:
+            self._texts.tell([Notice(Severity.ERROR, f"Signing key not stored: {error}")])
+        else:
+            self._texts.tell([Notice(Severity.NOTICE, what)])
+
+    def _refuse(self, reason: str, now_s: float) -> None:
+        self.refused += 1
+        if now_s >= self._complain_s:
+            self._complain_s = now_s + _PAUSE_S
+            self._texts.tell([Notice(Severity.WARNING, f"Signing key refused: {reason}")])
+
+    def _complain(self, now_s: float) -> None:
+        """Say once for each link that messages were refused there: their sender may mean well."""
+        for number, secured in self._channels.items():
+            counters = secured.guard.counters
+            if counters.refused and number not in self._complained:
+                self._complained.add(number)
+                self._complain_s = now_s + _PAUSE_S
+                why = "not signed" if counters.unsigned else "not signed with our key, or out of date"
+                self._warn(f"{secured.name}: messages refused, {why}")
+                return
+
+    def _warn_once(self, text: str) -> None:
+        if text not in self._warned and len(self._warned) < _MAX_WARNINGS:
+            self._warned.add(text)
+            self._warn(text)
+
+    def _warn(self, text: str) -> None:
+        logger.warning(text)
+        self._texts.tell([Notice(Severity.WARNING, text)])

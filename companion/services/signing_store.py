@@ -1,0 +1,135 @@
+"""What signing must remember over a restart: the boat's key, and how far our timestamps have come.
+
+Timestamps are kept ahead of their use: what is on the medium is the first one that has certainly not been
+used, so that a crash at any moment repeats none. The date may be wrong or missing at the next start; the
+count goes on all the same.
+"""
+
+import json
+import logging
+from pathlib import Path
+
+from companion.mavlink.signing import NEVER, TICKS_PER_S, Signatory, Stamps, timestamp_at
+from companion.mavlink.signing_key import SigningKey, parse_key, read_key_file
+from companion.storage import Saving, Storage
+
+logger = logging.getLogger(__name__)
+
+KEY_FILE = "signing.key"
+STAMPS_FILE = "signing.json"
+AHEAD = 60 * TICKS_PER_S  # of the time; a restart runs on from there
+_AHEAD_OF_LAST = TICKS_PER_S  # where restarts have taken us ahead of the time, the frames of a while
+
+
+class SigningStore:
+    """The keys of all links, and the timestamps that they share.
+
+    unix_s is the date as far as it is known, 0 where it is not.
+    """
+
+    def __init__(self, storage: Storage, unix_s: float = 0.0) -> None:
+        self._storage = storage
+        first, seen = _load_stamps(storage)
+        self.stamps = Stamps(first, seen, limit=first)
+        self.stamps.clock = timestamp_at(unix_s)
+        self.boat = Signatory(_load_key(storage), self.stamps)
+        self._of_files: dict[str, Signatory] = {}
+        self._saving: Saving | None = None
+        self._reserved = first
+        self._key_saving: Saving | None = None
+        self._keep_ahead()
+
+    def signatory(self, key_file: str) -> Signatory:
+        """Who signs with the key in a file; without a file's name, with the boat's own.
+
+        Raises:
+            ConfigError: the file holds no key, or others may read it.
+        """
+        if not key_file:
+            return self.boat
+        if key_file not in self._of_files:
+            key = read_key_file(Path(key_file).expanduser())
+            self._of_files[key_file] = Signatory(key, self.stamps)
+            self._keep_ahead()
+        return self._of_files[key_file]
+
+    def change_key(self, key: SigningKey | None, first: int) -> None:
+        """Another key for the boat, or none, and the timestamp that its holders have come to."""
+        if key != self.boat.key:
+            self.boat.change_key(key)
+            self.stamps.seen = 0
+        self.stamps.follow(first)
+        self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
+        self._keep_ahead()
+
+    def key_saved(self) -> str | None:
+        """What became of a change of key, told once: "" when the medium has it, or why not; None: no news."""
+        if self._key_saving is None or not self._key_saving.is_done():
+            return None
+        saving, self._key_saving = self._key_saving, None
+        return saving.error()
+
+    def tick(self, unix_s: float) -> None:
+        """Time goes by."""
+        self.stamps.clock = timestamp_at(unix_s)
+        self._keep_ahead()
+
+    def close(self) -> None:
+        """Put down where we are, before the storage is closed. May be called twice."""
+        if self.stamps.last or self.stamps.seen:
+            self._save()
+
+    def _keep_ahead(self) -> None:
+        if self.boat.key is None and not self._of_files:
+            return
+        stamps = self.stamps
+        if self._saving is not None:
+            self._finish()
+        elif stamps.now > stamps.limit - AHEAD // 2 or stamps.last > stamps.limit - _AHEAD_OF_LAST // 2:
+            self._reserved = min(max(stamps.now + AHEAD, stamps.last + _AHEAD_OF_LAST), NEVER)
+            self._saving = self._save()
+            self._finish()
+
+    def _save(self) -> Saving:
+        tree = {"first": self._reserved, "seen": self.stamps.seen}
+        return self._storage.save(STAMPS_FILE, json.dumps(tree).encode())
+
+    def _finish(self) -> None:
+        if self._saving is None or not self._saving.is_done():
+            return
+        if error := self._saving.error():
+            # A boat that falls silent is worse than one whose stations may have to hear it twice
+            logger.error("signing timestamps are not kept over a restart: %s", error)
+        self._saving = None
+        self.stamps.limit = self._reserved
+
+
+def _load_stamps(storage: Storage) -> tuple[int, int]:
+    content = storage.load(STAMPS_FILE)
+    if not content:
+        return 1, 0
+    try:
+        tree = json.loads(content)
+        first, seen = tree["first"], tree["seen"]
+    except (ValueError, KeyError, TypeError) as error:
+        logger.warning("%s ignored: %s", STAMPS_FILE, error)
+        return 1, 0
+    if not (_is_stamp(first) and _is_stamp(seen)):
+        logger.warning("%s ignored: no timestamps in it", STAMPS_FILE)
+        return 1, 0
+    return max(first, 1), seen
+
+
+def _is_stamp(value: object) -> bool:
+    return isinstance(value, int) and 0 <= value < NEVER
+
+
+def _load_key(storage: Storage) -> SigningKey | None:
+    content = storage.load(KEY_FILE)
+    if not content:
+        return None
+    try:
+        return parse_key(content)
+    except ValueError as error:
+        logger.warning("%s ignored: %s", KEY_FILE, error)
+        return None

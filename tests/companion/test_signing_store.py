@@ -1,0 +1,251 @@
+import logging
+import stat
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.errors import ConfigError
+from companion.mavlink.signing import (
+    EPOCH_UNIX_S,
+    STREAM_LAG,
+    TICKS_PER_S,
+    Stamps,
+    Verdict,
+    sign,
+    timestamp_at,
+)
+from companion.mavlink.signing_key import SigningKey, read_key_file
+from companion.services.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
+from companion.storage import FolderStorage, MemoryStorage, Saving
+
+KEY = SigningKey.from_passphrase("correct horse")
+UNIX_S = 1.8e9
+NOW = timestamp_at(UNIX_S)
+HEARTBEAT = bytes.fromhex("fd09000000ffbe000000000000000608000403") + b"\x00\x00"
+
+
+class HeldSaving:
+    """A save that ends when the test says so."""
+
+    def __init__(self) -> None:
+        self.told: str | None = None
+
+    def is_done(self) -> bool:
+        return self.told is not None
+
+    def error(self) -> str:
+        return self.told or ""
+
+
+class HeldStorage(MemoryStorage):
+    """A medium that takes its time: nothing is on it before `finish`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.under_way: list[tuple[str, bytes, HeldSaving]] = []
+
+    def save(self, name: str, content: bytes) -> Saving:
+        self.under_way.append((name, content, HeldSaving()))
+        return self.under_way[-1][2]
+
+    def finish(self, error: str = "") -> None:
+        for name, content, saving in self.under_way:
+            saving.told = error
+            if not error:
+                self.content[name] = content
+        self.under_way.clear()
+
+
+def keyed(storage: MemoryStorage) -> MemoryStorage:
+    storage.content[KEY_FILE] = KEY.reveal().hex().encode()
+    return storage
+
+
+def take(stamps: Stamps) -> int:
+    stamp = stamps.take()
+    assert stamp is not None
+    return stamp
+
+
+def test_nothing_is_written_while_there_is_no_key() -> None:
+    storage = MemoryStorage()
+    store = SigningStore(storage, UNIX_S)
+    for second in range(200):
+        store.tick(UNIX_S + second)
+    store.close()
+    assert storage.content == {}
+
+
+def test_a_crash_at_any_moment_repeats_no_timestamp() -> None:
+    storage = keyed(HeldStorage())
+    assert isinstance(storage, HeldStorage)
+    used = 0
+    for number in range(60):
+        store = SigningStore(storage, UNIX_S + number)
+        for tick in range(number):
+            if tick == number // 2:
+                storage.finish()
+            store.tick(UNIX_S + number + tick * 7.0)
+            stamp = store.stamps.take()
+            if stamp is not None:
+                assert stamp > used
+                used = stamp
+        storage.under_way.clear()  # the power goes
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 4e9), st.integers(0, 30)), max_size=20))
+def test_restarts_with_any_clock_repeat_no_timestamp(starts: list[tuple[float, int]]) -> None:
+    storage, used = keyed(MemoryStorage()), 0
+    for unix_s, frames in starts:
+        store = SigningStore(storage, unix_s)
+        for number in range(frames):
+            store.tick(unix_s - number)
+            stamp = take(store.stamps)
+            assert stamp > used
+            used = stamp
+
+
+def test_many_restarts_do_not_run_away_from_the_time() -> None:
+    storage = keyed(MemoryStorage())
+    for _ in range(100):
+        store = SigningStore(storage, UNIX_S)
+        last = take(store.stamps)
+    assert last < NOW + AHEAD + 100 * TICKS_PER_S
+    assert store.stamps.now == NOW, "stations with the right time are not taken for late"
+
+
+def test_the_medium_is_written_twice_a_minute_not_with_every_frame() -> None:
+    storage = keyed(HeldStorage())
+    assert isinstance(storage, HeldStorage)
+    store = SigningStore(storage, UNIX_S)
+    writes = 0
+    for tick in range(50 * 600):
+        writes += len(storage.under_way)
+        storage.finish()
+        store.tick(UNIX_S + tick * 0.02)
+        take(store.stamps) if tick else None
+    assert 15 <= writes <= 25
+
+
+def test_no_frame_is_held_back_while_a_save_is_under_way() -> None:
+    storage = keyed(HeldStorage())
+    assert isinstance(storage, HeldStorage)
+    store = SigningStore(storage, UNIX_S)
+    assert store.stamps.take() is None, "nothing is on the medium yet"
+    storage.finish()
+    store.tick(UNIX_S)
+    for tick in range(59 * 50):  # the second save takes half a minute
+        store.tick(UNIX_S + tick * 0.02)
+        take(store.stamps)
+
+
+def test_a_medium_that_takes_nothing_does_not_silence_the_boat(caplog: pytest.LogCaptureFixture) -> None:
+    storage = keyed(HeldStorage())
+    assert isinstance(storage, HeldStorage)
+    store = SigningStore(storage, UNIX_S)
+    storage.finish("No space left on device")
+    store.tick(UNIX_S)
+    assert take(store.stamps) == NOW
+    assert "No space left on device" in caplog.text
+
+
+def test_what_was_heard_before_a_clean_restart_is_refused_after_it() -> None:
+    storage = keyed(MemoryStorage())
+    store = SigningStore(storage, UNIX_S)
+    last = sign(HEARTBEAT, KEY, 0, NOW + 17)
+    assert store.boat.check(last) is Verdict.GOOD
+    store.close()
+    again = SigningStore(storage, UNIX_S)
+    assert again.boat.check(last) is Verdict.OLD
+    assert again.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 18)) is Verdict.GOOD
+
+
+def test_after_a_power_cut_at_most_half_a_minute_can_be_played_again() -> None:
+    storage = keyed(MemoryStorage())
+    store = SigningStore(storage, UNIX_S)
+    frames = []
+    for second in range(120):
+        store.tick(UNIX_S + second)
+        frames.append(sign(HEARTBEAT, KEY, 0, NOW + second * TICKS_PER_S))
+        assert store.boat.check(frames[-1]) is Verdict.GOOD
+    again = SigningStore(storage, UNIX_S + 120)
+    assert {again.boat.check(frame) for frame in frames[:-31]} == {Verdict.OLD}
+
+
+def test_a_key_is_kept_over_a_restart_in_a_file_of_its_owner_alone(tmp_path: Path) -> None:
+    storage = FolderStorage(tmp_path)
+    store = SigningStore(storage, UNIX_S)
+    store.change_key(KEY, NOW)
+    store.change_key(KEY, NOW)
+    storage.close()
+    path = tmp_path / KEY_FILE
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert read_key_file(path) == KEY
+    assert SigningStore(FolderStorage(tmp_path), UNIX_S).boat.key == KEY
+
+
+def test_a_key_of_printable_bytes_is_kept_as_it_is() -> None:
+    storage, key = MemoryStorage(), SigningKey(b"0123456789abcdefghijklmnopqrstuv")
+    SigningStore(storage).change_key(key, 0)
+    assert SigningStore(storage).boat.key == key
+
+
+def test_a_key_that_is_taken_away_stays_away() -> None:
+    storage = keyed(MemoryStorage())
+    store = SigningStore(storage, UNIX_S)
+    assert store.key_saved() is None
+    store.change_key(None, 0)
+    assert (store.boat.key, store.key_saved(), store.key_saved()) == (None, "", None)
+    assert SigningStore(storage, UNIX_S).boat.key is None
+
+
+def test_a_new_key_counts_from_where_its_holders_are() -> None:
+    store = SigningStore(keyed(MemoryStorage()))
+    store.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 100 * STREAM_LAG))  # somebody's clock was years ahead
+    other = SigningKey.from_passphrase("battery staple")
+    store.change_key(other, NOW)
+    assert store.boat.check(sign(HEARTBEAT, other, 0, NOW)) is Verdict.GOOD
+
+
+def test_links_with_the_same_key_file_share_what_they_have_heard(tmp_path: Path) -> None:
+    path = tmp_path / "radio.key"
+    path.write_bytes(b"correct horse\n")
+    path.chmod(0o600)
+    store = SigningStore(MemoryStorage(), UNIX_S)
+    assert store.signatory("") is store.boat
+    radio = store.signatory(str(path))
+    assert radio is store.signatory(str(path))
+    assert radio.key == KEY
+    assert radio.sign(HEARTBEAT, 1) is not None
+    path.chmod(0o644)
+    with pytest.raises(ConfigError, match="chmod 600"):
+        SigningStore(MemoryStorage()).signatory(str(path))
+
+
+@given(st.binary(max_size=60))
+def test_files_that_are_none_of_ours_are_told_of_and_ignored(content: bytes) -> None:
+    storage = MemoryStorage()
+    storage.content |= {STAMPS_FILE: content, KEY_FILE: KEY.reveal().hex().encode()}
+    assert take(SigningStore(storage, UNIX_S).stamps) >= NOW
+
+
+@pytest.mark.parametrize(
+    "content", [b"[]", b"{}", b'{"first": -1, "seen": 0}', b'{"first": 1e400, "seen": 0}']
+)
+def test_a_damaged_file_of_timestamps_is_named(content: bytes, caplog: pytest.LogCaptureFixture) -> None:
+    storage = keyed(MemoryStorage())
+    storage.content[STAMPS_FILE] = content
+    with caplog.at_level(logging.WARNING):
+        store = SigningStore(storage, EPOCH_UNIX_S + 1.0)
+    assert STAMPS_FILE in caplog.text
+    assert take(store.stamps) == TICKS_PER_S
+
+
+def test_a_damaged_key_is_named_and_not_shown(caplog: pytest.LogCaptureFixture) -> None:
+    storage = MemoryStorage()
+    storage.content[KEY_FILE] = KEY.reveal().hex()[:-2].encode()
+    assert SigningStore(storage).boat.key is None
+    assert KEY_FILE in caplog.text
+    assert KEY.reveal().hex()[:8] not in caplog.text
