@@ -79,7 +79,8 @@ class LocalFrame:
         t2 = math.tan(lat) ** 2
         eta2 = WGS84_E2 / (1.0 - WGS84_E2) * cos_lat * cos_lat
         a = dlon * cos_lat
-        east = normal * a * (1.0 + a * a * (1.0 - t2 + eta2) / 6.0)
+        fifth = (5.0 - 18.0 * t2 + t2 * t2 + 72.0 * eta2) / 120.0
+        east = normal * a * (1.0 + a * a * ((1.0 - t2 + eta2) / 6.0 + a * a * fifth))
         north = self._arc_m(lat) + normal * math.tan(lat) * a * a * (
             0.5 + a * a * (5.0 - t2 + 9.0 * eta2) / 24.0
         )
@@ -98,7 +99,9 @@ class LocalFrame:
         d = point.east_m / normal
         ratio = normal / _meridian_radius_m(foot)
         lat = foot - ratio * tan_foot * d * d * (0.5 - d * d * (5.0 + 3.0 * t2 + eta2) / 24.0)
-        lon = self._lon0_rad + d * (1.0 - d * d * (1.0 + 2.0 * t2 + eta2) / 6.0) / math.cos(foot)
+        fifth = (5.0 + 28.0 * t2 + 24.0 * t2 * t2) / 120.0
+        off = d * (1.0 - d * d * ((1.0 + 2.0 * t2 + eta2) / 6.0 - d * d * fifth))
+        lon = self._lon0_rad + off / math.cos(foot)
         lon_deg = (math.degrees(lon) + 180.0) % 360.0 - 180.0
         return LatLon(math.degrees(lat), lon_deg)
 
