@@ -25,7 +25,7 @@ from mission_tools.link_url import LinkUrl
 from mission_tools.mission import Command, MissionItem, MissionType
 from mission_tools.vehicle_state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
 
-DEFAULT_SYSTEM_ID = 245
+DEFAULT_SYSTEM_ID = 246  # 245 is what MAVSDK's own ground stations take
 ONBOARD_COMPUTER = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
 SILENCE_S = 5.0  # without a heartbeat the link counts as lost
 TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal

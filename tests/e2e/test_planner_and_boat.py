@@ -183,4 +183,4 @@ def test_the_planner_is_an_onboard_controller_that_does_not_stand_in_for_the_ope
     assert {message.type for message in heartbeats} == {dialect.MAV_TYPE_ONBOARD_CONTROLLER}
     assert {message.autopilot for message in heartbeats} == {dialect.MAV_AUTOPILOT_INVALID}
     senders = {(message.get_srcSystem(), message.get_srcComponent()) for message in tap.said}
-    assert senders == {(245, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)}
+    assert senders == {(246, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)}
