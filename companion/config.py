@@ -102,6 +102,31 @@ class Mission(Section, frozen=True):
     done_behave: Annotated[int, Meta(ge=0, le=1)] = 1  # after the last item: 0 HOLD, 1 LOITER, as in Rover
 
 
+class Modes(Section, frozen=True):
+    """Habits of the modes beyond missions: ACRO, STEERING, SIMPLE, CIRCLE, SMART_RTL, GUIDED."""
+
+    turn_rate_rad_s: Positive = 0.8  # full stick in ACRO
+    simple_type: Annotated[int, Meta(ge=0, le=1)] = 0  # the stick's "ahead": 0 as the bow was, 1 north
+    circle_radius_m: Positive = 10.0
+    circle_speed_m_s: NonNegative = 0.0  # 0: cruise speed
+    circle_direction: Annotated[int, Meta(ge=0, le=1)] = 0  # 0 clockwise, 1 the other way
+    trail_accuracy_m: Positive = 1.0  # how far the remembered track may be from the one sailed
+    trail_points: Annotated[int, Meta(ge=10, le=5000)] = 500
+    set_point_timeout_s: Positive = 3.0  # a velocity or attitude in GUIDED goes stale after this
+
+
+class Follow(Section, frozen=True):
+    """Whom FOLLOW follows, and from where."""
+
+    system_id: Annotated[int, Meta(ge=0, le=255)] = 0  # 0: the first vehicle heard
+    max_distance_m: NonNegative = 100.0  # 0: however far
+    offset_type: Annotated[int, Meta(ge=0, le=1)] = 1  # 0 north and east, 1 ahead and to starboard of it
+    offset_x_m: float = -10.0
+    offset_y_m: float = 0.0
+    gain_per_s: Positive = 0.3  # speed added for each metre behind
+    timeout_s: Positive = 3.0
+
+
 class Failsafe(Section, frozen=True):
     """What happens when the operator goes silent or the pack runs low. Actions are Rover's FS_ACTION numbers:
 
@@ -234,6 +259,8 @@ class BoatConfig(Section, frozen=True):
     motors: Motors = Motors()
     guidance: Guidance = Guidance()
     mission: Mission = Mission()
+    modes: Modes = Modes()
+    follow: Follow = Follow()
     failsafe: Failsafe = Failsafe()
     arming: Arming = Arming()
     battery: Battery = Battery()
