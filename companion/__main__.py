@@ -50,7 +50,7 @@ def check(config: ConfigFile) -> None:
     """Read a configuration and say what is wrong with it, without touching any hardware."""
     tree = load_config(config)
     check_config(tree)
-    typer.echo(f"{config}: fine; links {', '.join(tree.links)}")
+    typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
 
 
 @app.command()

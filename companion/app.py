@@ -1,27 +1,33 @@
 """The composition root: the only file of the companion that picks concrete drivers."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
 from companion.boat import TICK_S, Boat
 from companion.clock import SystemClock
-from companion.config import BoatConfig
+from companion.config import BoatConfig, LinkConfig
 from companion.errors import ConfigError
 from companion.hal.battery import open_ina219
 from companion.hal.compass import open_bno055, open_nmea_compass
 from companion.hal.gnss import open_nmea_gnss
-from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Motors, Port, Sonar
+from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Port, Sonar
 from companion.hal.l298n import open_l298n
 from companion.hal.port_url import open_port, parse_port_url
 from companion.hal.ultrasonic import open_ultrasonic
+from companion.hal.watched_motors import WatchedMotors
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
 from companion.runner import Runner
 from companion.storage import FolderStorage, MemoryStorage, Storage
 
 logger = logging.getLogger(__name__)
 
 Now = Callable[[], float]
+
+# where stale frames are to be dropped they wait in the channel, which knows their age, not in the driver
+_SHORT_QUEUE_BYTES = 512
 
 
 def check_config(config: BoatConfig) -> None:
@@ -30,8 +36,8 @@ def check_config(config: BoatConfig) -> None:
     Raises:
         ConfigError: names the key.
     """
-    for url in config.links:
-        parse_port_url(url)
+    for number, link in enumerate(config.link_settings):
+        policy_of(link, f"links[{number}]")
     if not config.links:
         raise ConfigError("links: a boat without a link cannot be reached; expected at least one")
     for name in ("motors", "gnss", "compass"):
@@ -39,7 +45,17 @@ def check_config(config: BoatConfig) -> None:
             raise ConfigError(f"parts.{name}.driver: the boat cannot sail without; expected a driver")
 
 
-def open_ports(urls: tuple[str, ...], now: Now) -> list[Port]:
+def policy_of(link: LinkConfig, key: str) -> Policy:
+    """The rules of one link.
+
+    Raises:
+        ConfigError: names the url, or the key with a message that does not exist.
+    """
+    url = parse_port_url(link.url)
+    return Policy(link, key, baud=url.number if url.kind == "serial" else 0)
+
+
+def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
     """Open every link of a configuration, or none.
 
     Raises:
@@ -47,8 +63,11 @@ def open_ports(urls: tuple[str, ...], now: Now) -> list[Port]:
     """
     with ExitStack() as undo:
         ports: list[Port] = []
-        for url in urls:
-            ports.append(open_port(url, now))
+        for number, link in enumerate(links):
+            setting = LinkConfig(url=link) if isinstance(link, str) else link
+            policy = policy_of(setting, f"links[{number}]")
+            queue_bytes = _SHORT_QUEUE_BYTES if policy.stale_s else None
+            ports.append(ConfiguredPort(open_port(setting.url, now, queue_bytes), policy))
             undo.callback(ports[-1].close)
         undo.pop_all()
     return ports
@@ -62,8 +81,9 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
     """
     parts = config.parts
     with ExitStack() as undo:
-        motors: Motors = open_l298n(parts.motors, now)
+        motors = WatchedMotors(open_l298n(parts.motors, now), now, config.motors.command_timeout_s)
         undo.callback(motors.close)
+        motors.start()
         gnss: Gnss = open_nmea_gnss(parts.gnss, now)
         undo.callback(gnss.close)
         compass: Compass = (
@@ -122,10 +142,17 @@ def run_boat(
             boat.load = runner.load
             boat.step(clock.now_s())
 
-        def receive() -> None:
-            boat.receive(clock.now_s())
+        def receive() -> int:
+            return boat.receive(clock.now_s())
 
-        runner = Runner(clock, TICK_S, step, receive, boat.channels.filenos)
+        runner = Runner(
+            clock,
+            TICK_S,
+            step,
+            receive,
+            boat.channels.filenos,
+            has_more=lambda: boat.channels.has_more,
+        )
         runner.run(should_stop)
         ticks = runner.ticks
         logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)

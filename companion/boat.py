@@ -44,7 +44,8 @@ class Boat:
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.channels = Channels(ports, own)
-        self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage)
+        self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage, self.channels.may_send)
+        self.channels.wanted = self.endpoint.message_ids
         self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
         self.pilot = Pilot()
         self.helm = Helm()
@@ -61,19 +62,24 @@ class Boat:
         self._ping: SonarReading | None = None
         self._unix_offset_s = unix_offset_s
 
-    def receive(self, now_s: float) -> None:
-        """Take in new links and everything that stations have said, and answer at once."""
+    def receive(self, now_s: float) -> int:
+        """Take in new links and what stations have said, pass on what is for others, and answer at once.
+
+        Returns how many frames it took. `channels.has_more` says whether there are more to take.
+        """
+        taken = self.channels.taken
         is_news = False
         for number in self.channels.accept():
-            self.endpoint.open(number)
+            self.endpoint.open(number, self.channels.open[number].policy.stream_hz)
             is_news = True
-        for number, received in self.channels.receive():
+        for number, received in self.channels.receive(now_s):
             self.endpoint.handle(number, received, now_s)
             is_news = True
         if is_news:
             self._act_on_news()
         for number in self.channels.drop_closed():
             self.endpoint.forget(number, now_s)
+        return self.channels.taken - taken
 
     def _act_on_news(self) -> None:
         """What stations have just changed takes effect, and is told, at once."""

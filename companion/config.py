@@ -40,6 +40,26 @@ class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
                 raise ValueError(f"{name} = {value}: expected a finite number")
 
 
+class LinkConfig(Section, frozen=True):
+    """One link to ground stations or other vehicles. In the list of links, a url alone does as well.
+
+    allow, deny and max_hz name messages, and hold for what leaves by the link, the boat's own and forwarded.
+    """
+
+    url: str
+    name: str = ""  # for people; the far side's address where it is empty
+    forward: bool = True  # False: talks with the boat alone, not with the other links
+    stream_hz: NonNegative | None = None  # instead of mavlink.stream_hz
+    signing: Literal["off", "accept", "required"] = "off"
+    key_file: str = ""
+    radio: bool | None = None  # a slow line that reports on itself; unless said, a serial line is one
+    max_bytes_s: NonNegative = 0.0  # 0: a radio's is worked out from its baud rate, others have no limit
+    max_hz: dict[str, Positive] = {}
+    allow: tuple[str, ...] = ()  # nothing but these
+    deny: tuple[str, ...] = ()
+    stale_s: NonNegative = 0.0  # drop what has waited longer for room; 0: 1 s on a radio, else do not wait
+
+
 class Identity(Section, frozen=True):
     """Who the boat is on the MAVLink network, and who its operator may be (0: any ground station)."""
 
@@ -169,9 +189,14 @@ class Mavlink(Section, frozen=True):
 
 
 class Storage(Section, frozen=True):
-    """Where missions and parameters live. An empty folder keeps them in memory only."""
+    """Where missions and parameters live. An empty folder keeps them in memory only.
+
+    status_file is what `boat-companion links` reads, written once a second, best on a file system in memory;
+    empty: status.json in the folder.
+    """
 
     folder: str = ""
+    status_file: str = ""
 
 
 class Log(Section, frozen=True):
@@ -252,7 +277,7 @@ class Parts(Section, frozen=True):
 class BoatConfig(Section, frozen=True):
     """The whole tree."""
 
-    links: tuple[str, ...] = ()
+    links: tuple[str | LinkConfig, ...] = ()
     identity: Identity = Identity()
     heading: Heading = Heading()
     speed: Speed = Speed()
@@ -268,6 +293,11 @@ class BoatConfig(Section, frozen=True):
     storage: Storage = Storage()
     log: Log = Log()
     parts: Parts = Parts()
+
+    @property
+    def link_settings(self) -> tuple[LinkConfig, ...]:
+        """The links, those that are a url alone with every other setting as it comes."""
+        return tuple(LinkConfig(url=link) if isinstance(link, str) else link for link in self.links)
 
 
 def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:

@@ -13,6 +13,8 @@ from companion.clock import Clock
 
 LATE_S = 0.005
 _MAX_RECEIVES = 200  # between two ticks: a flood of bytes must not eat the loop
+_BUSY_FRAMES = 60  # in one period; from there on it pays to let frames gather instead of waking for each
+_GATHER_S = 0.001
 
 
 @dataclass(slots=True)
@@ -26,19 +28,27 @@ class TickCount:
 
 
 class Runner:
-    """Calls `step(number)` once a period and `receive()` whenever a link has something in between."""
+    """Calls `step(number)` once a period and `receive()` whenever a link has something in between.
+
+    `receive` may return how many frames it took. Under a heavy stream of frames (a bridge between two fast
+    links) they are left to gather for a millisecond, which costs less than waking up for each.
+    """
 
     def __init__(
         self,
         clock: Clock,
         period_s: float,
         step: Callable[[int], None],
-        receive: Callable[[], None],
+        receive: Callable[[], int | None],
         filenos: Callable[[], list[int]],
         *,
         skip_missed: bool = True,
+        has_more: Callable[[], bool] = lambda: False,
     ) -> None:
-        """skip_missed: False for the emulator, whose ticks are its time: it runs slow rather than skip."""
+        """skip_missed: False for the emulator, whose ticks are its time: it runs slow rather than skip.
+
+        has_more: whether `receive` has left something behind, which no descriptor would tell.
+        """
         self.ticks = TickCount()
         self.load = 0.0  # share of the period spent in `step`, smoothed over about a second
         self._clock = clock
@@ -47,6 +57,8 @@ class Runner:
         self._receive = receive
         self._filenos = filenos
         self._skip_missed = skip_missed
+        self._has_more = has_more
+        self._frames = 0  # taken in this period so far, or in the one before it
 
     def run(self, should_stop: Callable[[], bool]) -> None:
         """Run until told to stop. What `step` raises comes out here."""
@@ -72,13 +84,16 @@ class Runner:
                     number += missed
 
     def _listen_until(self, due_s: float, should_stop: Callable[[], bool]) -> None:
+        is_busy, self._frames = self._frames > _BUSY_FRAMES, 0
         for _ in range(_MAX_RECEIVES):
             left_s = due_s - self._clock.now_s()
             if left_s <= 0.0 or should_stop():
                 return
-            if not self._wait(left_s):
+            if not (self._has_more() or self._wait(left_s)):
                 return
-            self._receive()
+            self._frames += self._receive() or 0
+            if (is_busy or self._frames > _BUSY_FRAMES) and not self._has_more():
+                self._clock.sleep(min(_GATHER_S, due_s - self._clock.now_s()))
         self._clock.sleep(due_s - self._clock.now_s())
 
     def _wait(self, seconds: float) -> bool:

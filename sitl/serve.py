@@ -53,7 +53,13 @@ class Server:
             self.boat = Boat(config, self.world.hardware, ports, storage)
             undo.pop_all()
         self._runner = Runner(
-            clock, TICK_S / speedup, self._step, self._receive, self.boat.channels.filenos, skip_missed=False
+            clock,
+            TICK_S / speedup,
+            self._step,
+            self._receive,
+            self.boat.channels.filenos,
+            skip_missed=False,
+            has_more=lambda: self.boat.channels.has_more,
         )
 
     def run(self, should_stop: Callable[[], bool]) -> None:
@@ -70,8 +76,8 @@ class Server:
         if self._record:
             self.recorder.record(truth, NO_LEG)
 
-    def _receive(self) -> None:
-        self.boat.receive(self.world.time_s)
+    def _receive(self) -> int:
+        return self.boat.receive(self.world.time_s)
 
 
 def stretched(config: BoatConfig, speedup: float) -> BoatConfig:

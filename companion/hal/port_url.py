@@ -61,23 +61,26 @@ def parse_port_url(url: str) -> PortUrl:
     return _internet(url, _KINDS[kind], rest)
 
 
-def open_port(url: str, now: Callable[[], float]) -> Port:
+def open_port(url: str, now: Callable[[], float], queue_bytes: int | None = None) -> Port:
     """Open the port that a url stands for. `now` is the boat's clock, in seconds.
+
+    queue_bytes: how much may wait in a stream for a far side that is slow; None: as its driver sees fit.
 
     Raises:
         ConfigError: the url cannot be read.
         LinkError: the system refuses.
     """
     parsed = parse_port_url(url)
+    queue = {} if queue_bytes is None else {"queue_bytes": queue_bytes}
     if parsed.kind == "serial":
-        return SerialPort(parsed.place, parsed.number, now)
+        return SerialPort(parsed.place, parsed.number, now, **queue)
     if parsed.kind == "udpin":
         return UdpInPort(parsed.place, parsed.number, now)
     if parsed.kind == "udpout":
         return UdpOutPort(parsed.place, parsed.number)
     if parsed.kind == "tcpin":
-        return TcpInPort(parsed.place, parsed.number)
-    return TcpOutPort(parsed.place, parsed.number, now)
+        return TcpInPort(parsed.place, parsed.number, **queue)
+    return TcpOutPort(parsed.place, parsed.number, now, **queue)
 
 
 def _internet(url: str, kind: str, rest: str) -> PortUrl:

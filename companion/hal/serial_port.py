@@ -25,10 +25,13 @@ class SerialPort:
         LinkError: the device is not there, not ours to open, or in use by another program.
     """
 
-    def __init__(self, device: str, baud: int, now: Callable[[], float]) -> None:
+    def __init__(
+        self, device: str, baud: int, now: Callable[[], float], queue_bytes: int = _QUEUE_BYTES
+    ) -> None:
         self._device = device
         self._baud = baud
         self._now = now
+        self._queue_bytes = queue_bytes
         self._name = f"serial:{device}:{baud}"
         self._backoff = Backoff(longest_s=2.0)
         self._is_closed = False
@@ -76,7 +79,7 @@ class SerialPort:
         attributes = termios.tcgetattr(descriptor)
         attributes[6][termios.VMIN], attributes[6][termios.VTIME] = _VMIN, _VTIME
         termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
-        return StreamLink(self._name, descriptor, line.close, _QUEUE_BYTES)
+        return StreamLink(self._name, descriptor, line.close, self._queue_bytes)
 
     def _reason(self, error: Exception) -> str:
         if not os.path.exists(self._device):

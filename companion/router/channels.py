@@ -1,88 +1,119 @@
-"""The boat's channels: every link to a station, with a codec and counters of its own."""
+"""The boat's channels: takes in new links, forgets dead ones, moves frames between them and the endpoint."""
 
 import logging
-import struct
 from collections.abc import Iterator, Sequence
 
-from companion.hal.interfaces import Link, Port
+from companion.hal.interfaces import Port
 from companion.mavlink.address import Address
-from companion.mavlink.codec import Counters, Decoder, Encoder, Received
+from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message
+from companion.mavlink.framing import Frame
+from companion.router.channel import Channel
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import PLAIN
+from companion.router.router import Router
 
 logger = logging.getLogger(__name__)
 
-
-class Channel:
-    """One link, its decoder for what comes and its encoder for what goes."""
-
-    __slots__ = ("counters", "decoder", "dropped", "encoder", "faults", "link", "number")
-
-    def __init__(self, number: int, link: Link, own: Address) -> None:
-        self.number = number
-        self.link = link
-        self.counters = Counters()
-        self.decoder = Decoder(datagram=link.is_datagram, counters=self.counters)
-        self.encoder = Encoder(own, self.counters)
-        self.dropped = 0  # frames that the link would not take
-        self.faults = 0  # messages that could not be packed: a defect of ours, see the log
-
-    def send(self, message: Message) -> None:
-        """Send one message, or drop it whole. Never raises."""
-        try:
-            frame = self.encoder.encode(message)
-        except (struct.error, OverflowError, TypeError, ValueError):
-            self.faults += 1
-            if self.faults == 1:
-                logger.exception("%s: %s cannot be packed", self.link.name, message.get_type())
-            return
-        if not self.link.send(frame):
-            self.dropped += 1
+# So that no flood holds the boat's tick: what goes beyond waits in the system's buffers, where it is the
+# flooding link's own frames that are dropped.
+_FRAMES_PER_CALL = 256
+_FRAMES_PER_LINK = 64
 
 
 class Channels:
-    """Takes in new links, forgets dead ones, moves messages. Channel numbers are never used twice."""
+    """Channel numbers are never used twice.
+
+    wanted: the messages that the endpoint handles; nothing else is ever unpacked. None: all of them.
+    """
 
     def __init__(self, ports: Sequence[Port], own: Address) -> None:
+        self.open: dict[int, Channel] = {}
+        self.router = Router(own)
+        self.wanted: frozenset[int] | None = None
+        self.has_more = False  # frames have arrived that the last `receive` left for the next
+        self.taken = 0  # frames that have come in, on all channels
         self._ports = list(ports)
         self._own = own
         self._next_number = 1
-        self.open: dict[int, Channel] = {}
+        self._now_s = 0.0
+        self._first = 0  # whose turn it is when not everybody gets one
 
     def accept(self) -> list[int]:
         """Numbers of the channels that have come into being since the last call."""
         new: list[int] = []
         for port in self._ports:
             for link in port.accept():
-                channel = Channel(self._next_number, link, self._own)
+                policy = port.policy if isinstance(port, ConfiguredPort) else PLAIN
+                channel = Channel(self._next_number, link, self._own, policy)
                 self._next_number += 1
                 self.open[channel.number] = channel
+                self.router.open(channel.number, policy.forwards)
                 new.append(channel.number)
                 logger.info("link %s is up", link.name)
         return new
 
     def drop_closed(self) -> list[int]:
         """Numbers of the channels whose far side has gone; they are forgotten."""
-        gone = [number for number, channel in self.open.items() if channel.link.is_closed]
+        gone = [
+            number for number, channel in self.open.items() if channel.link.is_closed and not channel.has_more
+        ]
         for number in gone:
             link = self.open.pop(number).link
             link.close()
+            self.router.forget(number)
             logger.info("link %s is down", link.name)
         return gone
 
-    def receive(self) -> Iterator[tuple[int, Received]]:
-        """Everything that has arrived, channel by channel."""
-        for channel in list(self.open.values()):
-            for chunk in channel.link.receive():
-                for received in channel.decoder.feed(chunk):
-                    yield channel.number, received
+    def receive(self, now_s: float = 0.0) -> Iterator[tuple[int, Received]]:
+        """What has arrived for the boat, channel by channel; what is for others is forwarded on the way."""
+        self._now_s = now_s
+        self.has_more = False
+        left = _FRAMES_PER_CALL
+        channels = list(self.open.values())
+        if self._first:
+            self._first %= len(channels) or 1
+            channels = channels[self._first :] + channels[: self._first]
+        for turn, channel in enumerate(channels):
+            channel.drain(now_s)
+            if left <= 0:
+                self.has_more = True
+                self._first += turn
+                return
+            frames = channel.take(min(left, _FRAMES_PER_LINK))
+            if frames:
+                left -= len(frames)
+                self.taken += len(frames)
+                self.has_more |= channel.has_more
+                yield from self._hand_on(channel, frames, now_s)
+
+    def _hand_on(self, channel: Channel, frames: list[Frame], now_s: float) -> Iterator[tuple[int, Received]]:
+        number, route, wanted, opened = channel.number, self.router.route, self.wanted, self.open
+        for frame in frames:
+            if not channel.admits(frame):
+                continue
+            is_ours, others, is_addressed = route(number, frame, now_s)
+            for other in others:
+                opened[other].forward(frame, is_addressed, now_s)
+            if (
+                is_ours
+                and (layout := frame.layout) is not None
+                and (wanted is None or frame.message_id in wanted)
+            ):
+                yield number, Received(layout.unpack(frame.payload), frame.sender, frame.data)
 
     def send(self, message: Message, number: int | None) -> None:
         """Send by one channel, or by all; a channel that has gone takes its messages with it."""
         if number is None:
             for channel in self.open.values():
-                channel.send(message)
+                channel.send(message, self._now_s)
         elif (one := self.open.get(number)) is not None:
-            one.send(message)
+            one.send(message, self._now_s)
+
+    def may_send(self, number: int, now_s: float) -> bool:
+        """Whether telemetry by this channel would go out at once; answers do not ask."""
+        channel = self.open.get(number)
+        return channel is not None and channel.may_send(now_s)
 
     def filenos(self) -> list[int]:
         """Descriptors that become readable when there is something to do."""

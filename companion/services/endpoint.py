@@ -20,7 +20,7 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.snapshot import Snapshot
 from companion.services.statustext import StatusTextService
-from companion.services.telemetry import TelemetryService
+from companion.services.telemetry import MaySend, TelemetryService, always
 from companion.storage import Storage
 from companion.vehicle.vehicle import Vehicle
 
@@ -44,7 +44,15 @@ Handler = Callable[[Message, Origin, float], None]
 class Endpoint:
     """All services of component 1, and the outbox that they share."""
 
-    def __init__(self, own: Address, vehicle: Vehicle, parameters: Parameters, storage: Storage) -> None:
+    def __init__(
+        self,
+        own: Address,
+        vehicle: Vehicle,
+        parameters: Parameters,
+        storage: Storage,
+        may_send: MaySend = always,
+    ) -> None:
+        """may_send: whether a channel has room for telemetry; answers do not ask."""
         self.outbox = Outbox()
         self.ignored = 0  # messages that no service wanted
         self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log
@@ -54,7 +62,7 @@ class Endpoint:
         self._parameters = parameters
         self._texts = StatusTextService(self.outbox)
         self._heartbeat = HeartbeatService(vehicle, self.outbox)
-        self._telemetry = TelemetryService(self.outbox)
+        self._telemetry = TelemetryService(self.outbox, may_send)
         self._commands = CommandService(vehicle, self._telemetry, self.outbox)
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._listings = ParameterService(parameters, self.outbox, self._texts)
@@ -82,9 +90,18 @@ class Endpoint:
         table.update(dict.fromkeys(_MISSION, self._missions.handle))
         return table
 
-    def open(self, channel: int) -> None:
-        """A channel has come into being: it hears a heartbeat at once, and telemetry from now on."""
-        self._telemetry.open(channel, self._parameters.config.mavlink.stream_hz)
+    @property
+    def message_ids(self) -> frozenset[int]:
+        """The messages that some service wants; others need not be unpacked."""
+        return frozenset(self._handlers)
+
+    def open(self, channel: int, stream_hz: float | None = None) -> None:
+        """A channel has come into being: it hears a heartbeat at once, and telemetry from now on.
+
+        stream_hz: of this link, where it has a rate of its own.
+        """
+        default_hz = self._parameters.config.mavlink.stream_hz
+        self._telemetry.open(channel, default_hz if stream_hz is None else stream_hz)
         self.outbox.send(channel, self._heartbeat.message())
 
     def forget(self, channel: int, now_s: float) -> None:

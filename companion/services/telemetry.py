@@ -32,11 +32,21 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
 _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour
 
 
-class TelemetryService:
-    """Sends what is due on each channel."""
+MaySend = Callable[[int, float], bool]
+"""Whether a channel has room for telemetry now."""
 
-    def __init__(self, outbox: Outbox) -> None:
+
+def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
+    """On every channel."""
+    return True
+
+
+class TelemetryService:
+    """Sends what is due on each channel; where there is no room, it all waits and becomes slower alike."""
+
+    def __init__(self, outbox: Outbox, may_send: MaySend = always) -> None:
         self._outbox = outbox
+        self._may_send = may_send
         self._streams: dict[int, Streams] = {}
         self._latest: Snapshot | None = None
 
@@ -86,6 +96,8 @@ class TelemetryService:
         self._latest = now
         built: dict[int, Message | None] = {}
         for channel, streams in self._streams.items():
+            if not self._may_send(channel, now.now_s):
+                continue
             for message_id in streams.due(now.now_s):
                 if message_id not in built:
                     built[message_id] = BUILDERS[message_id](now)

@@ -1,0 +1,166 @@
+"""One link with everything that belongs to it: finding and building frames, rules, budget, counters."""
+
+import logging
+import struct
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from companion.hal.interfaces import Link
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Encoder
+from companion.mavlink.counters import Counters
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.finder import FrameFinder
+from companion.mavlink.framing import Frame
+from companion.router.budget import Budget
+from companion.router.policy import PLAIN, Filter, Policy
+from companion.router.waiting import WaitingRoom
+
+logger = logging.getLogger(__name__)
+
+_RADIO_STATUS_IDS = (dialect.MAVLINK_MSG_ID_RADIO_STATUS, dialect.MAVLINK_MSG_ID_RADIO)
+_FREE_PERCENT_AT = 6  # txbuf, behind two counters of errors and two signal strengths
+
+
+class Guard(Protocol):
+    """Signing on one link."""
+
+    def admits(self, frame: bytes) -> bool:
+        """Whether a frame may come in."""
+
+    def seal(self, frame: bytes) -> bytes | None:
+        """A frame as it is to leave by this link; None if it must not."""
+
+
+class Channel:
+    """One link. guard and tap are put in by whoever signs and logs; tap sees every frame, in and out."""
+
+    __slots__ = (
+        "_budget",
+        "_chunks",
+        "_dropped",
+        "_filter",
+        "_finder",
+        "_frames",
+        "_room",
+        "counters",
+        "encoder",
+        "faults",
+        "forwarded",
+        "guard",
+        "kept_back",
+        "link",
+        "number",
+        "policy",
+        "refused",
+        "tap",
+    )
+
+    def __init__(self, number: int, link: Link, own: Address, policy: Policy = PLAIN) -> None:
+        self.number = number
+        self.link = link
+        self.policy = policy
+        self.counters = Counters()
+        self.encoder = Encoder(own, self.counters)
+        self.guard: Guard | None = None
+        self.tap: Callable[[bytes], object] | None = None
+        self.forwarded = 0  # of other channels' frames, sent by this one
+        self.kept_back = 0  # by allow, deny and rate caps
+        self.refused = 0  # by the guard, on their way in or out
+        self.faults = 0  # messages that could not be packed: a defect of ours, see the log
+        self._dropped = 0
+        self._finder = FrameFinder(link.is_datagram, self.counters)
+        self._chunks: deque[bytes] = deque()
+        self._frames: deque[Frame] = deque()
+        self._filter = Filter(policy) if policy.has_rules else None
+        self._budget = Budget(policy.bytes_s) if policy.bytes_s else None
+        self._room = (
+            WaitingRoom(link.send, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
+        )
+
+    @property
+    def dropped(self) -> int:
+        """Frames that the link would not take, or not in time."""
+        return self._dropped + (self._room.dropped if self._room is not None else 0)
+
+    @property
+    def waiting_bytes(self) -> int:
+        """What waits for room on the link."""
+        return self._room.waiting_bytes if self._room is not None else 0
+
+    @property
+    def has_more(self) -> bool:
+        """Whether something has arrived that `take` has not handed over."""
+        return bool(self._frames or self._chunks)
+
+    def take(self, most: int) -> list[Frame]:
+        """The next frames that have arrived, no more than `most`. What is left is kept; no more is read."""
+        frames, chunks = self._frames, self._chunks
+        if not (frames or chunks):
+            chunks.extend(self.link.receive())
+        while chunks and len(frames) < most:
+            frames.extend(self._finder.feed(chunks.popleft()))
+        if len(frames) <= most:
+            taken = list(frames)
+            frames.clear()
+        else:
+            taken = [frames.popleft() for _ in range(most)]
+        return taken
+
+    def admits(self, frame: Frame) -> bool:
+        """Whether a frame may come in; whoever logs is shown it, and a radio's report is read."""
+        if self.guard is not None and not self.guard.admits(frame.data):
+            self.refused += 1
+            return False
+        if self.tap is not None:
+            self.tap(frame.data)
+        if self._budget is not None and frame.message_id in _RADIO_STATUS_IDS:
+            payload = frame.payload
+            self._budget.on_radio_status(payload[_FREE_PERCENT_AT] if len(payload) > _FREE_PERCENT_AT else 0)
+        return True
+
+    def may_send(self, now_s: float) -> bool:
+        """Whether telemetry would go out at once; on a link without a limit, always."""
+        return self._room is None or self._room.may_send(now_s)
+
+    def send(self, message: Message, now_s: float = 0.0) -> None:
+        """Send one message of our own, or drop it whole. Never raises."""
+        try:
+            data = self.encoder.encode(message)
+        except (struct.error, OverflowError, TypeError, ValueError):
+            self.faults += 1
+            if self.faults == 1:
+                logger.exception("%s: %s cannot be packed", self.link.name, message.get_type())
+            return
+        self._emit(data, message.get_msgId(), self.encoder.address.system, True, now_s)
+
+    def forward(self, frame: Frame, is_urgent: bool, now_s: float) -> None:
+        """Send a frame of another channel as it came, or drop it whole."""
+        counters = self.counters
+        self.forwarded += 1
+        counters.frames_out += 1
+        counters.bytes_out += len(frame.data)
+        self._emit(frame.data, frame.message_id, frame.sender.system, is_urgent, now_s)
+
+    def drain(self, now_s: float) -> None:
+        """Send what has waited, as far as there is room now."""
+        if self._room is not None:
+            self._room.drain(now_s)
+
+    def _emit(self, data: bytes, message_id: int, system: int, is_urgent: bool, now_s: float) -> None:
+        if self._filter is not None and not self._filter.passes(message_id, system, now_s):
+            self.kept_back += 1
+            return
+        if self.guard is not None:
+            sealed = self.guard.seal(data)
+            if sealed is None:
+                self.refused += 1
+                return
+            data = sealed
+        if self.tap is not None:
+            self.tap(data)
+        if self._room is not None:
+            self._room.put(data, is_urgent, now_s)
+        elif not self.link.send(data):
+            self._dropped += 1

@@ -1,0 +1,90 @@
+"""What may leave by a link, and how fast: the link's part of the configuration, ready for use."""
+
+from collections.abc import Iterable, Mapping
+
+from companion.config import LinkConfig
+from companion.errors import ConfigError
+from companion.mavlink.dialect import dialect
+from companion.mavlink.layout import LAYOUTS
+
+_BITS_A_BYTE = 10  # start, eight, stop
+_LINE_SHARE = 0.9  # of a radio's line: the rest is for what the radio adds
+_STALE_S = 1.0  # on a radio, where nothing else is said
+
+_IDS: dict[str, int] = {dialect.mavlink_map[number].msgname: number for number in LAYOUTS}
+_SLACK_S = 1e-6
+
+
+class Policy:
+    """One link's rules. They hold for the boat's own messages as well as for forwarded ones.
+
+    bytes_s is what the line carries, 0 without a limit; stale_s how long a frame may wait for room, 0 not at
+    all.
+
+    Raises:
+        ConfigError: names the key and the message that does not exist.
+    """
+
+    def __init__(self, setting: LinkConfig, key: str = "links", baud: int = 0) -> None:
+        """baud: of a serial line, which counts as a radio unless the setting says that it is none."""
+        self.setting = setting
+        self.name = setting.name
+        self.forwards = setting.forward
+        self.stream_hz = setting.stream_hz
+        self.is_radio = setting.radio if setting.radio is not None else baud > 0
+        self.denied = _ids(setting.deny, f"{key}.deny")
+        self.allowed = _ids(setting.allow, f"{key}.allow")
+        self.min_interval_s = {
+            number: 1.0 / setting.max_hz[name]
+            for name, number in _named(setting.max_hz, f"{key}.max_hz").items()
+        }
+        line_bytes_s = _LINE_SHARE * baud / _BITS_A_BYTE if self.is_radio else 0.0
+        self.bytes_s = setting.max_bytes_s or line_bytes_s
+        self.stale_s = setting.stale_s or (_STALE_S if self.bytes_s else 0.0)
+
+    @property
+    def has_rules(self) -> bool:
+        """Whether any message is kept back for what it is."""
+        return bool(self.denied or self.allowed or self.min_interval_s)
+
+
+class Filter:
+    """Applies a policy's allow, deny and rate caps to what leaves by one channel.
+
+    A rate cap holds for each sender on its own, so that one vehicle's attitude does not displace another's.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+        self._due_s: dict[tuple[int, int], float] = {}  # by message and system: bounded by the caps
+
+    def passes(self, message_id: int, system: int, now_s: float) -> bool:
+        """Whether a message may go out now; if it is capped, asking counts as sending."""
+        policy = self._policy
+        if message_id in policy.denied or (policy.allowed and message_id not in policy.allowed):
+            return False
+        interval_s = policy.min_interval_s.get(message_id)
+        if interval_s is None:
+            return True
+        key = (message_id, system)
+        due_s = self._due_s.get(key, now_s)
+        if now_s + _SLACK_S < due_s:
+            return False
+        # a beat is kept where the sender is nearly on time, so that 10 Hz capped at 5 gives 5
+        self._due_s[key] = max(due_s, now_s - interval_s) + interval_s
+        return True
+
+
+def _ids(names: Iterable[str], key: str) -> frozenset[int]:
+    return frozenset(_named(names, key).values())
+
+
+def _named(names: Iterable[str] | Mapping[str, float], key: str) -> dict[str, int]:
+    for name in names:
+        if name not in _IDS:
+            raise ConfigError(f"{key}: there is no message {name!r}; expected a name such as ATTITUDE")
+    return {name: _IDS[name] for name in names}
+
+
+PLAIN = Policy(LinkConfig(url=""))
+"""A link without a word in the configuration."""

@@ -1,0 +1,105 @@
+"""Where a frame goes: to the boat's own endpoint, to other channels, or nowhere. No I/O, nothing unpacked.
+
+The rules are those of the MAVLink guide, "Routing": what is for everybody, or has no target, goes to all
+other channels; what is addressed goes only where its target was heard; nothing goes back where it came from.
+"""
+
+from typing import NamedTuple
+
+from companion.mavlink.address import ALL, Address, concerns
+from companion.mavlink.dialect import dialect
+from companion.mavlink.framing import Frame
+from companion.router.downloads import DOWNLOAD_IDS, Downloads
+from companion.router.repeats import Repeats
+from companion.router.routes import Routes
+from companion.router.targets import target_of
+
+_HOUSEKEEPING_S = 1.0
+_MAX_WAYS = 4096  # remembered; a flood of made-up targets must not fill the memory
+
+# What concerns one link alone: a radio's report on itself, and the key for a link's signatures
+LINK_LOCAL_IDS = frozenset(
+    (
+        dialect.MAVLINK_MSG_ID_RADIO_STATUS,
+        dialect.MAVLINK_MSG_ID_RADIO,
+        dialect.MAVLINK_MSG_ID_SETUP_SIGNING,
+    )
+)
+
+
+class Way(NamedTuple):
+    """is_ours: for the boat's own endpoint, too. channels: the others that it goes out on."""
+
+    is_ours: bool
+    channels: tuple[int, ...]
+    is_addressed: bool = False
+
+
+NOWHERE = Way(False, ())
+
+
+class Router:
+    """Knows the channels by number only. Each frame that comes in is shown to `route`, once and in order."""
+
+    def __init__(self, own: Address) -> None:
+        self.repeats = 0  # frames dropped because another channel had brought them
+        self.echoes = 0  # our own frames come back
+        self.unreachable = 0  # frames for somebody whom nobody has heard
+        self.routes = Routes()
+        self._own = own
+        self._downloads = Downloads()
+        self._seen = Repeats()
+        self._forwarding: dict[int, bool] = {}
+        self._ways: dict[tuple[int, Address], Way] = {}
+        self._version = -1
+        self._housekeeping_s = 0.0
+
+    def open(self, channel: int, forwards: bool = True) -> None:
+        """A channel has come into being. One that does not forward talks with the boat alone."""
+        self._forwarding[channel] = forwards
+        self.routes.open(channel)
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone."""
+        self._forwarding.pop(channel, None)
+        self.routes.forget(channel)
+        self._downloads.forget(channel)
+
+    def route(self, channel: int, frame: Frame, now_s: float) -> Way:
+        """Where a frame from a channel goes."""
+        sender = frame.sender
+        if sender == self._own:
+            self.echoes += 1
+            return NOWHERE
+        if now_s >= self._housekeeping_s:
+            self._housekeeping_s = now_s + _HOUSEKEEPING_S
+            self.routes.expire(now_s)
+        self.routes.learn(channel, frame, now_s)
+        if len(self._forwarding) > 1 and self._seen.is_repeat(frame.data, channel, now_s):
+            self.repeats += 1
+            return NOWHERE
+        target = target_of(frame)
+        if self._version != self.routes.version or len(self._ways) >= _MAX_WAYS:
+            self._version = self.routes.version
+            self._ways.clear()
+        way = self._ways.get((channel, target))
+        if way is None:
+            way = self._ways[channel, target] = self._find(channel, target)
+        if not (way.is_ours or way.channels):
+            self.unreachable += 1
+        message_id = frame.message_id
+        if message_id in DOWNLOAD_IDS:
+            self._downloads.note(frame, target.system, channel, now_s)
+            return way._replace(channels=self._downloads.limit(frame, way.channels, now_s))
+        if message_id in LINK_LOCAL_IDS:
+            return way._replace(channels=())
+        return way
+
+    def _find(self, channel: int, target: Address) -> Way:
+        is_ours = concerns(self._own, *target)
+        if not self._forwarding[channel] or target == self._own:
+            return Way(is_ours, (), True)
+        is_for_all = target.system == ALL
+        found = list(self._forwarding) if is_for_all else self.routes.where(target)
+        others = tuple(one for one in found if one != channel and self._forwarding[one])
+        return Way(is_ours, others, not is_for_all)
