@@ -17,6 +17,7 @@ from mission_tools.mission import MissionType
 from mission_tools.plan_file import save_mission
 from mission_tools.preview import check_picture_name, save_preview
 from mission_tools.proposal import MissionFile, Proposal, Water, Wishes, open_source
+from mission_tools.signed_link import read_sign_key
 from mission_tools.vehicle import DEFAULT_SYSTEM_ID, Vehicle, connect
 from mission_tools.voyage import Voyage
 from mission_tools.wording import distance, duration
@@ -39,6 +40,7 @@ class Request:
     dry_run: bool = False
     save: Path | None = None
     preview: Path | None = None
+    sign_key: Path | None = None
 
 
 @dataclass(slots=True)
@@ -66,13 +68,16 @@ async def run(request: Request, report: Report, console: Console) -> None:
         MissionToolsError: what went wrong, with the exit code it stands for.
     """
     link = parse_link(request.link)
+    key = None if request.sign_key is None else read_sign_key(request.sign_key)
     if request.preview is not None:
         check_picture_name(request.preview)
     source = open_source(request.source, request.wishes)
     async with AsyncExitStack() as stack:
         vehicle = None
         if source.needs_position and not request.dry_run:
-            vehicle = await stack.enter_async_context(connect(link, request.patience_s, request.system_id))
+            vehicle = await stack.enter_async_context(
+                connect(link, request.patience_s, request.system_id, key)
+            )
         proposal = report.proposal = await _propose(source, vehicle, request.patience_s)
         _say_proposal(proposal, console)
         if request.save is not None:
@@ -83,7 +88,7 @@ async def run(request: Request, report: Report, console: Console) -> None:
             if not request.dry_run:
                 if vehicle is None:
                     vehicle = await stack.enter_async_context(
-                        connect(link, request.patience_s, request.system_id)
+                        connect(link, request.patience_s, request.system_id, key)
                     )
                 await _upload(vehicle, link, proposal, report, console)
                 await _sail(vehicle, request, report, console)

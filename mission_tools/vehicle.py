@@ -10,7 +10,7 @@ import json
 import logging
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 
 from mavsdk.asyncio import ComponentType, Configuration, Mavsdk, MavsdkConnectionError, System
 from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
@@ -20,9 +20,11 @@ from mavsdk.plugins.mavlink_direct import MavlinkDirectError, MavlinkMessage
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
 
+from companion.mavlink.signing_key import SigningKey
 from mission_tools.errors import CommandRefused, LinkLost, NoVehicle, UploadRejected
 from mission_tools.link_url import LinkUrl
 from mission_tools.mission import Command, MissionItem, MissionType
+from mission_tools.signed_link import signed_link
 from mission_tools.vehicle_state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
 
 DEFAULT_SYSTEM_ID = 246  # 245 is what MAVSDK's own ground stations take
@@ -116,8 +118,10 @@ class Vehicle:
         item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
         if result is MissionRawResult.TIMEOUT or not self.state.refused:
             after = item and f", after{item}"
+            text = self.state.last_complaint(began_s)
             raise LinkLost(
                 f"{self.link.typed}: the vehicle stopped answering while {doing}{after}; try again"
+                + (f" (it said: {text})" if text else "")
             )
         reason = MISSION_REFUSALS.get(self.state.refused, f"MAV_MISSION_RESULT {self.state.refused}")
         text = self.state.last_complaint(began_s)
@@ -232,9 +236,10 @@ async def connect(
     link: LinkUrl,
     timeout_s: float,
     system_id: int = DEFAULT_SYSTEM_ID,
+    key: SigningKey | None = None,
     clock: Callable[[], float] = time.monotonic,
 ) -> AsyncIterator[Vehicle]:
-    """Open the link and wait for an autopilot's heartbeat.
+    """Open the link and wait for an autopilot's heartbeat. key: sign all that is sent, hear nothing unsigned.
 
     Raises:
         NoVehicle: the link cannot be opened, or nobody answers on it; says what to try.
@@ -242,14 +247,16 @@ async def connect(
     log_subscribe(_log_quietly)
     configuration = Configuration.create_with_component_type(ComponentType.COMPANION_COMPUTER)
     configuration.system_id, configuration.component_id = system_id, ONBOARD_COMPUTER
-    async with Mavsdk(configuration) as mavsdk:
-        try:
-            await mavsdk.add_any_connection(link.mavsdk)
-        except MavsdkConnectionError as error:
-            raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
+    async with Mavsdk(configuration) as mavsdk, AsyncExitStack() as stack:
+        signed = None
+        if key is not None:
+            signed = await stack.enter_async_context(signed_link(mavsdk, link, key))
+        else:
+            await _open(mavsdk, link)
         system = await mavsdk.first_autopilot(timeout_s)
         if system is None:
-            raise NoVehicle(f"{link.typed}: no vehicle within {timeout_s:g} s: {link.advice}")
+            advice = (signed.complaint() if signed is not None else "") or link.advice
+            raise NoVehicle(f"{link.typed}: no vehicle within {timeout_s:g} s: {advice}")
         vehicle = Vehicle(link, system, await system.get_system_id(), clock)
         watchers = [asyncio.create_task(vehicle.watch(name)) for name in MESSAGES]
         try:
@@ -265,6 +272,13 @@ async def connect(
                 watcher.cancel()
             await asyncio.gather(*watchers, return_exceptions=True)
             vehicle.close()
+
+
+async def _open(mavsdk: Mavsdk, link: LinkUrl) -> None:
+    try:
+        await mavsdk.add_any_connection(link.mavsdk)
+    except MavsdkConnectionError as error:
+        raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
 
 
 def _log_quietly(level: int, message: str, file: str | None, line: int) -> bool:

@@ -34,7 +34,7 @@ Examples:
 
     {PROGRAM} pond.geojson --goal 29.4105,-82.1702 --clearance 3 --connect udp:0.0.0.0:14550
 
-    {PROGRAM} survey.plan --connect /dev/ttyUSB0,57600 --start
+    {PROGRAM} survey.plan --connect /dev/ttyUSB0,57600 --sign-key radio.key --start
 
 Exit codes: 0 done, 1 no route or the vehicle refused, 2 wrong usage or input, 3 no vehicle or link lost.
 """
@@ -71,6 +71,9 @@ def upload(
     ] = None,
     preview: Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw map, plan and track")] = None,
     as_json_text: Annotated[bool, typer.Option("--json", help="result as JSON on stdout")] = False,
+    sign_key: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="sign what is sent; take only what is signed")
+    ] = None,
     system_id: Annotated[int, typer.Option(min=1, max=255, help="our own id")] = DEFAULT_SYSTEM_ID,
     debug: Annotated[bool, typer.Option("--debug", help="log everything; tracebacks")] = False,
 ) -> None:
@@ -99,6 +102,7 @@ def upload(
         dry_run=dry_run,
         save=save,
         preview=preview,
+        sign_key=sign_key,
     )
     report = Report()
     asyncio.run(
