@@ -17,6 +17,7 @@ from companion.hal.l298n import open_l298n
 from companion.hal.port_url import open_port, parse_port_url
 from companion.hal.ultrasonic import open_ultrasonic
 from companion.hal.watched_motors import WatchedMotors
+from companion.log.logbook import Logbook, open_logbook
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.runner import Runner
@@ -113,6 +114,23 @@ def open_storage(folder: str) -> Storage:
     return FolderStorage(Path(folder).expanduser()) if folder else MemoryStorage()
 
 
+def open_log(config: BoatConfig, folder: str) -> Logbook | None:
+    """The boat's logbook beside what it stores; none when no folder is named.
+
+    Raises:
+        StorageError: the folder cannot be used.
+    """
+    setting = config.log
+    if not folder:
+        return None
+    return open_logbook(
+        Path(folder).expanduser(),
+        quota_mb=setting.quota_mb,
+        min_free_mb=setting.min_free_mb,
+        keeps_telemetry=setting.tlog,
+    )
+
+
 def run_boat(
     config: BoatConfig,
     should_stop: Callable[[], bool],
@@ -135,7 +153,8 @@ def run_boat(
         for port in ports:
             undo.callback(port.close)
             logger.info("listening on %s", port.name)
-        boat = Boat(config, hardware, ports, storage, clock.unix_offset_s())
+        logbook = open_log(config, config.storage.folder)
+        boat = Boat(config, hardware, ports, storage, clock.unix_offset_s(), logbook)
         undo.callback(boat.close)
 
         def step(_: int) -> None:
@@ -153,6 +172,8 @@ def run_boat(
             boat.channels.filenos,
             has_more=lambda: boat.channels.has_more,
         )
+        if logbook is not None and logbook.onboard is not None:
+            logbook.onboard.timing = runner.ticks
         runner.run(should_stop)
         ticks = runner.ticks
         logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)

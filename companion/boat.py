@@ -8,6 +8,8 @@ from companion.control.helm import Helm
 from companion.estimation.estimator import Estimator
 from companion.guidance.pilot import Pilot
 from companion.hal.interfaces import Hardware, Port
+from companion.log.logbook import Logbook
+from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
 from companion.params import Parameters
 from companion.params_table import ROWS
@@ -39,12 +41,15 @@ class Boat:
         ports: Sequence[Port],
         storage: Storage,
         unix_offset_s: float = 0.0,
+        logbook: Logbook | None = None,
     ) -> None:
         self.parameters = Parameters(config, ROWS, storage)
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.channels = Channels(ports, own)
-        self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage, self.channels.may_send)
+        self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage, self.channels.may_send, logbook)
+        if logbook is not None:
+            logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
         self.channels.wanted = self.endpoint.message_ids
         self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
         self.pilot = Pilot()
@@ -56,6 +61,7 @@ class Boat:
         self.demand: Demand | None = None
         self._hardware = hardware
         self._storage = storage
+        self._logbook = logbook
         self._charge = ChargeCounter()
         self._fix: GnssFix | None = None
         self._battery: BatteryReading | None = None
@@ -72,6 +78,8 @@ class Boat:
         for number in self.channels.accept():
             self.endpoint.open(number, self.channels.open[number].policy.stream_hz)
             is_news = True
+        if self._logbook is not None:
+            self._logbook.follow(self.channels, now_s + self._unix_offset_s)
         for number, received in self.channels.receive(now_s):
             self.endpoint.handle(number, received, now_s)
             is_news = True
@@ -97,13 +105,18 @@ class Boat:
         intent = self.vehicle.decide()
         self.command = self._steer(intent, now_s)
         self._hardware.motors.write(self.command.left, self.command.right)
-        self.endpoint.tick(self._snapshot(now_s))
+        now = self._snapshot(now_s)
+        if self._logbook is not None:
+            self._logbook.tick(now, self.channels)
+        self.endpoint.tick(now)
         self._flush()
 
     def close(self) -> None:
         """Motors off first, then everything else. May be called twice."""
         self._hardware.close()
         self.channels.close()
+        if self._logbook is not None:
+            self._logbook.close()
         self._storage.close()
 
     def _sense(self, now_s: float) -> None:
@@ -153,6 +166,7 @@ class Boat:
             command=self.command,
             consumed_mah=self._charge.consumed_mah,
             load=self.load,
+            speed_pid=self.helm.speed_pid,
         )
 
     def _flush(self) -> None:

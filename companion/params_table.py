@@ -13,6 +13,9 @@ def _tuning() -> list[Row]:
     return [
         Row("SYSID_THISMAV", _I16, "MAVLink system id of the boat", "identity.system_id", low=1, high=255),
         Row("SYSID_MYGCS", _I16, "System id of the operator, 0 takes any ground station", "identity.operator_system_id", low=0, high=255),
+        Row("LOG_BACKEND_TYPE", _I8, "The boat's own log: 0 none, 1 file", "log.onboard", low=0, high=1),
+        Row("LOG_DISARMED", _I8, "Log from boot on: 0 only while armed, 1 always", "log.disarmed", low=0, high=1),
+        Row("LOG_FILE_RATEMAX", _REAL, "How often motion is logged", "log.motion_hz", unit="Hz", low=0.1, high=50),
         Row("HDG_KP", _REAL, "Heading PID: share of full steering per radian of error", "heading.kp", low=0, high=50),
         Row("HDG_KI", _REAL, "Heading PID: integral gain, Kp/Ti", "heading.ki", low=0, high=50),
         Row("HDG_KD", _REAL, "Heading PID: derivative gain on the measured yaw rate, Kp Td", "heading.kd", low=0, high=50),

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 
 import msgspec
 
-from companion.app import open_ports, open_storage
+from companion.app import open_log, open_ports, open_storage
 from companion.boat import TICK_S, Boat
 from companion.clock import Clock
 from companion.config import BoatConfig
@@ -50,7 +50,8 @@ class Server:
             self.port_names = [port.name for port in ports]
             self.world = World(scenario)
             config = stretched(scenario.vehicle, speedup)
-            self.boat = Boat(config, self.world.hardware, ports, storage)
+            logbook = open_log(config, state_folder)
+            self.boat = Boat(config, self.world.hardware, ports, storage, logbook=logbook)
             undo.pop_all()
         self._runner = Runner(
             clock,
@@ -61,6 +62,8 @@ class Server:
             skip_missed=False,
             has_more=lambda: self.boat.channels.has_more,
         )
+        if logbook is not None and logbook.onboard is not None:
+            logbook.onboard.timing = self._runner.ticks
 
     def run(self, should_stop: Callable[[], bool]) -> None:
         """Run until told to stop, then close everything."""

@@ -7,13 +7,16 @@ and a fault in handling one is logged once for its kind and never reaches the co
 import logging
 from collections.abc import Callable
 
+from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionItem, MissionType
 from companion.params import Parameters
 from companion.services.commands import CommandService, from_int, from_long
 from companion.services.ftp import FtpService
 from companion.services.heartbeat import HeartbeatService
+from companion.services.logs import LogService
 from companion.services.manual_control import ManualControlService
 from companion.services.mission import MissionService
 from companion.services.outbox import Origin, Outbox
@@ -38,6 +41,13 @@ _MISSION = (
     dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
 )
 
+_LOGS = (
+    dialect.MAVLINK_MSG_ID_LOG_REQUEST_LIST,
+    dialect.MAVLINK_MSG_ID_LOG_REQUEST_DATA,
+    dialect.MAVLINK_MSG_ID_LOG_REQUEST_END,
+    dialect.MAVLINK_MSG_ID_LOG_ERASE,
+)
+
 Handler = Callable[[Message, Origin, float], None]
 
 
@@ -51,6 +61,7 @@ class Endpoint:
         parameters: Parameters,
         storage: Storage,
         may_send: MaySend = always,
+        logbook: Logbook | None = None,
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers do not ask."""
         self.outbox = Outbox()
@@ -61,6 +72,8 @@ class Endpoint:
         self._vehicle = vehicle
         self._parameters = parameters
         self._texts = StatusTextService(self.outbox)
+        if logbook is not None:
+            self._texts.listener = logbook.note
         self._heartbeat = HeartbeatService(vehicle, self.outbox)
         self._telemetry = TelemetryService(self.outbox, may_send)
         self._commands = CommandService(vehicle, self._telemetry, self.outbox)
@@ -68,6 +81,7 @@ class Endpoint:
         self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle)
         self._files = FtpService(self.outbox)
+        self._logs = LogService(own, vehicle, self.outbox, self._texts, logbook)
         self._handlers = self._dispatch_table()
 
     def _dispatch_table(self) -> dict[int, Handler]:
@@ -88,6 +102,7 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
         }
         table.update(dict.fromkeys(_MISSION, self._missions.handle))
+        table.update(dict.fromkeys(_LOGS, self._logs.handle))
         return table
 
     @property
@@ -109,6 +124,11 @@ class Endpoint:
         self._telemetry.forget(channel)
         self._listings.forget(channel)
         self._missions.forget(channel, now_s)
+        self._logs.forget(channel)
+
+    def mission_items(self) -> tuple[MissionItem, ...]:
+        """The mission that the boat holds."""
+        return self._missions.items(MissionType.MISSION)
 
     def handle(self, channel: int, received: Received, now_s: float) -> None:
         """Hand one message to its service. Never raises."""
@@ -140,6 +160,7 @@ class Endpoint:
         self._missions.tick(now.now_s)
         self._texts.tell(self._vehicle.take_notices())
         self._listings.tick()
+        self._logs.tick(now.now_s, now.load)
         self._telemetry.tick(now)
 
     def tell_changes(self) -> None:

@@ -1,6 +1,6 @@
 """STATUSTEXT: lines for the operator. Long ones go out in MAVLink 2's chunks of 50 bytes."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
@@ -15,10 +15,13 @@ class StatusTextService:
     def __init__(self, outbox: Outbox) -> None:
         self._outbox = outbox
         self._next_id = 1
+        self.listener: Callable[[Notice], object] | None = None  # whoever keeps a log
 
     def tell(self, notices: Iterable[Notice]) -> None:
         """Send lines to everyone."""
         for notice in notices:
+            if self.listener is not None:
+                self.listener(notice)
             for message in self._chunks(notice):
                 self._outbox.broadcast(message)
 

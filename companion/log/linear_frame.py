@@ -1,0 +1,48 @@
+"""Local metres to 1e7 degrees, cheaply enough for every record."""
+
+from companion.geo import LocalFrame, Point
+
+_REACH_M = 50.0  # what is left out is 0.2 mm at 50 m and 50° of latitude; 1e-7 degrees are 11 mm
+_STEP_M = 50.0
+
+
+class LinearFrame:
+    """A LocalFrame made linear about a place near the boat, which is chosen anew as the boat moves on."""
+
+    __slots__ = ("_anchor", "_frame", "_lat_e7", "_lat_per_m", "_lon_e7", "_lon_per_m")
+
+    def __init__(self, frame: LocalFrame, here: Point) -> None:
+        self._frame = frame
+        self._lay(here)
+
+    def is_of(self, frame: LocalFrame) -> bool:
+        """Whether it stands for this frame."""
+        return self._frame is frame
+
+    def to_e7(self, north_m: float, east_m: float) -> tuple[int, int]:
+        """Latitude and longitude in 1e-7 degrees."""
+        anchor = self._anchor
+        north, east = north_m - anchor.north_m, east_m - anchor.east_m
+        if not (-_REACH_M < north < _REACH_M and -_REACH_M < east < _REACH_M):
+            self._lay(Point(north_m, east_m))
+            north = east = 0.0
+        lat, lon = self._lat_per_m, self._lon_per_m
+        return (
+            round(self._lat_e7 + north * lat[0] + east * lat[1]),
+            round(self._lon_e7 + north * lon[0] + east * lon[1]),
+        )
+
+    def _lay(self, here: Point) -> None:
+        """Slopes from places to both sides, so that they are those of the middle."""
+        to_global, (north_m, east_m) = self._frame.to_global, here
+        self._anchor = here
+        middle = to_global(here)
+        self._lat_e7, self._lon_e7 = middle.lat_deg * 1e7, middle.lon_deg * 1e7
+        north, south = (
+            to_global(Point(north_m + _STEP_M, east_m)),
+            to_global(Point(north_m - _STEP_M, east_m)),
+        )
+        east, west = to_global(Point(north_m, east_m + _STEP_M)), to_global(Point(north_m, east_m - _STEP_M))
+        scale = 1e7 / (2.0 * _STEP_M)
+        self._lat_per_m = (north.lat_deg - south.lat_deg) * scale, (east.lat_deg - west.lat_deg) * scale
+        self._lon_per_m = (north.lon_deg - south.lon_deg) * scale, (east.lon_deg - west.lon_deg) * scale

@@ -1,0 +1,95 @@
+"""All that the boat writes down: its own log, and telemetry logs of its links."""
+
+import re
+from pathlib import Path
+from typing import Final
+
+from companion.log.onboard import OnboardLog
+from companion.log.sink import FileSink, Sink
+from companion.log.store import LogStore
+from companion.log.telemetry import TelemetryLog
+from companion.log.worker import ThreadWorker, Worker
+from companion.router.channels import Channels
+from companion.services.snapshot import Snapshot
+from companion.vehicle.notice import Notice
+
+FOLDER: Final = "logs"
+_MOST_TELEMETRY_LOGS: Final = 16  # open at a time
+
+
+class Logbook:
+    """Where logs go, and who writes them there.
+
+    onboard is put in by the boat. Without a store there are no files to list or download.
+    """
+
+    def __init__(
+        self,
+        sink: Sink,
+        store: LogStore | None,
+        worker: Worker,
+        *,
+        keeps_telemetry: bool = False,
+    ) -> None:
+        self.store = store
+        self.worker = worker
+        self.sink = sink
+        self.onboard: OnboardLog | None = None
+        self._telemetry: dict[int, TelemetryLog] = {}
+        self._telemetry_store = store if keeps_telemetry else None
+        self._clock_us = 0
+
+    def note(self, notice: Notice) -> None:
+        """A line that stations are told."""
+        if self.onboard is not None:
+            self.onboard.note(notice)
+
+    def tick(self, now: Snapshot, channels: Channels) -> None:
+        """Log the tick."""
+        if self.onboard is not None:
+            self.onboard.tick(now, channels)
+        for log in self._telemetry.values():
+            log.tick(now.now_s)
+
+    def follow(self, channels: Channels, time_s: float) -> None:
+        """Before links are heard: the time for their frames, and a log for each new one.
+
+        time_s: seconds since 1970, or since boot while the date is not known.
+        """
+        store = self._telemetry_store
+        if store is None:
+            return
+        self._clock_us = round(time_s * 1e6)
+        if channels.open.keys() == self._telemetry.keys():
+            return
+        for number in self._telemetry.keys() - channels.open.keys():
+            self._telemetry.pop(number).close()
+        for number in list(channels.open.keys() - self._telemetry.keys()):
+            if len(self._telemetry) < _MOST_TELEMETRY_LOGS:
+                log = self._open_telemetry(store, channels.open[number].link.name)
+                self._telemetry[number] = log
+                channels.open[number].tap = log.add
+
+    def close(self) -> None:
+        """Complete every log and wait until it is written. May be called twice."""
+        if self.onboard is not None:
+            self.onboard.close()
+        for log in self._telemetry.values():
+            log.close()
+        self._telemetry.clear()
+        self.worker.close()
+
+    def _open_telemetry(self, store: LogStore, link: str) -> TelemetryLog:
+        name = re.sub(r"[^\w.]+", "_", link, flags=re.ASCII)[:50] or "link"
+        return TelemetryLog(FileSink(store, self.worker, f"-{name}.tlog"), lambda: self._clock_us)
+
+
+def open_logbook(folder: Path, *, quota_mb: float, min_free_mb: float, keeps_telemetry: bool) -> Logbook:
+    """A logbook in a folder of its own below `folder`, written by a thread of its own.
+
+    Raises:
+        StorageError: the folder cannot be used.
+    """
+    store = LogStore(folder / FOLDER, quota_mb, min_free_mb)
+    worker = ThreadWorker()
+    return Logbook(FileSink(store, worker), store, worker, keeps_telemetry=keeps_telemetry)

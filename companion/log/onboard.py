@@ -1,0 +1,250 @@
+"""The boat's own log: begins when the boat is armed, ends a while after it is disarmed.
+
+A tick encodes what is due into a block in memory. Blocks go to the sink, which never waits; what it cannot
+take is lost and counted, and the count is in the log.
+"""
+
+import logging
+import struct
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain, islice
+from typing import Final
+
+from companion.config import BoatConfig
+from companion.log import events, samples
+from companion.log import records as r
+from companion.log.events import EventWatch
+from companion.log.linear_frame import LinearFrame
+from companion.log.samples import time_us
+from companion.log.sink import Sink
+from companion.mavlink.items import MissionItem
+from companion.params import Parameters
+from companion.router.channels import Channels
+from companion.runner import TickCount
+from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.services.snapshot import Snapshot
+from companion.vehicle.notice import Notice, Severity
+
+logger = logging.getLogger(__name__)
+
+_BLOCK_BYTES: Final = 4096
+_FLUSH_S: Final = 1.0  # a power cut costs no more than this and what the sink has not yet flushed
+_BACKLOG_RECORDS: Final = 50  # parameters and mission items with one sample of the motion
+_LINES_BEFORE: Final = 20  # of what was said before the log began
+_SLACK_S: Final = 1e-6
+_MB: Final = 1e6
+
+
+class OnboardLog:
+    """Writes one log after the other. Nothing here raises or waits."""
+
+    def __init__(
+        self,
+        sink: Sink,
+        parameters: Parameters,
+        items: Callable[[], Sequence[MissionItem]],
+    ) -> None:
+        """items: the mission that the boat holds."""
+        self.is_writing = False
+        self.dropped = 0  # records that the sink could not take, in all logs
+        self.faults = 0  # ticks whose values could not be encoded: a defect of ours, see the program's log
+        self.timing: TickCount | None = None  # the real-time loop's, where there is one
+        self._sink = sink
+        self._parameters = parameters
+        self._items = items
+        self._notices: list[Notice] = []
+        self._said_before: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
+        self._has_failed = False  # no new attempt until the boat is armed anew
+        self._end_s = -1.0
+        self._block: list[bytes] = []
+        self._block_bytes = 0
+        self._log_bytes = 0
+        self._blocks = 0
+        self._now_s = 0.0
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        self._watch = EventWatch()
+        self._backlog: Iterator[bytes] = iter(())
+        self._due_s = self._motion_due_s = self._status_due_s = self._flush_due_s = -1.0
+        self._log_bytes = self._blocks = 0
+        self._config: BoatConfig | None = None
+        self._mission: Sequence[MissionItem] = ()
+        self._linear: LinearFrame | None = None
+        self._fix: GnssFix | None = None
+        self._ping: SonarReading | None = None
+        self._reading: BatteryReading | None = None
+        self._late = self._ticks = 0
+
+    def note(self, notice: Notice) -> None:
+        """A line that stations are told; it is stamped with the latest tick's time."""
+        if self.is_writing:
+            self._add(samples.text(self._now_us, notice.text))
+        else:
+            self._said_before.append((self._now_us, notice.text))
+
+    def take_notices(self) -> Sequence[Notice]:
+        """Lines for the operator since the last call."""
+        if not self._notices:
+            return ()
+        notices, self._notices = self._notices, []
+        return notices
+
+    def tick(self, now: Snapshot, channels: Channels) -> None:
+        """Log what is due."""
+        try:
+            self._tick(now, channels)
+        except (struct.error, OverflowError, ValueError):
+            self.faults += 1
+            if self.faults == 1:
+                logger.exception("a log record cannot be encoded; further ones are only counted")
+
+    @property
+    def _now_us(self) -> int:
+        return time_us(self._now_s)
+
+    def close(self) -> None:
+        """The boat's program ends."""
+        if self.is_writing:
+            self._end(0.0)
+
+    def _tick(self, now: Snapshot, channels: Channels) -> None:
+        now_s, setting, vehicle = now.now_s, now.config.log, now.vehicle
+        self._now_s = now_s
+        if vehicle.armed:
+            self._end_s = now_s + setting.after_disarm_s
+        elif now_s >= self._end_s and not setting.disarmed:
+            self._has_failed = False
+            if self.is_writing:
+                self._end(now.unix_s)
+            return
+        if not self.is_writing:
+            if self._has_failed or not setting.onboard:
+                return
+            self._begin()
+        if self._watch.has_news(vehicle):
+            self._add(self._watch.changes(now, self._items))
+        if now_s >= self._due_s:
+            self._do_due(now, channels)
+
+    def _do_due(self, now: Snapshot, channels: Channels) -> None:
+        """Sample, go on with the backlog, and hand over what has come together."""
+        if self._sink.fault:
+            self._fail(self._sink.fault)
+            return
+        now_s, setting = now.now_s + _SLACK_S, now.config.log
+        if now_s >= self._motion_due_s:
+            self._motion_due_s = _next(self._motion_due_s, now_s, setting.motion_hz)
+            self._sample(now)
+            self._add(islice(self._backlog, _BACKLOG_RECORDS))
+        if now_s >= self._status_due_s:
+            self._status_due_s = _next(self._status_due_s, now_s, setting.status_hz)
+            self._add(self._status(now, channels))
+        self._due_s = min(self._motion_due_s, self._status_due_s) - _SLACK_S
+        if self._block_bytes >= _BLOCK_BYTES or now_s >= self._flush_due_s:
+            self._hand_over(now.unix_s)
+            self._flush_due_s = now_s + _FLUSH_S
+            if self._log_bytes > 0.5 * setting.quota_mb * _MB:
+                self._end(now.unix_s)  # the next tick begins another, so that old ones can make room
+
+    def _begin(self) -> None:
+        self._begin_anew()
+        if not self._sink.begin():
+            self._fail("too much waits to be written")
+            return
+        self.is_writing = True
+        self._block, self._block_bytes = [r.HEADER], len(r.HEADER)
+        self._add(events.introduction(self._now_us))
+        for us, line in self._said_before:
+            self._add(samples.text(us, line))
+        self._said_before.clear()
+        self._backlog = events.parameters(self._now_us, self._parameters)
+
+    def _end(self, unix_s: float) -> None:
+        self._add(self._backlog)
+        self._hand_over(unix_s)
+        self._sink.end()
+        self.is_writing = False
+
+    def _fail(self, why: str) -> None:
+        self.is_writing = False
+        self._has_failed = True
+        self._block, self._block_bytes = [], 0
+        self._sink.end()
+        self._notices.append(Notice(Severity.WARNING, f"Log stopped: {why}"))
+
+    def _sample(self, now: Snapshot) -> None:
+        self._add(self._watch.slow_changes(now))
+        if now.frame is not None and now.nav is not None:
+            if self._linear is None or not self._linear.is_of(now.frame):
+                self._linear = LinearFrame(now.frame, now.nav.point)
+        else:
+            self._linear = None
+        self._add(samples.motion(now, self._linear))
+        if now.fix is not None and (self._fix is None or now.fix.time_s != self._fix.time_s):
+            self._fix = now.fix
+            self._add(samples.gnss(now.fix))
+        if now.sonar is not None and now.sonar is not self._ping:
+            self._ping = now.sonar
+            self._add(samples.sonar(now.sonar))
+
+    def _status(self, now: Snapshot, channels: Channels) -> Iterator[bytes]:
+        us = self._now_us
+        if now.battery is not None and now.battery is not self._reading:
+            self._reading = now.battery
+            yield samples.battery(now.battery, now.consumed_mah, now.config.battery.capacity_mah)
+        for number, channel in channels.open.items():
+            counted = channel.counters
+            yield r.MAV.pack(
+                us, number & 0xFF, counted.frames_out & 0xFFFF, counted.frames_in & 0xFFFF,
+                counted.lost + counted.bad_frames & 0xFFFF, 0, 0, channel.dropped & 0xFFFF,
+            )  # fmt: skip
+        if (timing := self.timing) is not None:
+            late, ticks = timing.late - self._late, timing.run - self._ticks
+            self._late, self._ticks = timing.late, timing.run
+            yield r.PM.pack(
+                us, min(round(ticks * now.config.log.status_hz), 0xFFFF), late & 0xFFFF, ticks & 0xFFFF,
+                min(round(timing.worst_s * 1e6), 0xFFFFFFFF), 0, round(min(now.load, 60.0) * 1e3),
+                0, 0, 0, 0, 0, 0, 0,
+            )  # fmt: skip
+        room = min(self._sink.room_bytes, 0xFFFFFFFF)
+        yield r.DSF.pack(
+            us, self.dropped & 0xFFFFFFFF, self._blocks & 0xFFFF, self._log_bytes, room, room, room
+        )
+        self._look_for_lists(now)
+
+    def _look_for_lists(self, now: Snapshot) -> None:
+        """Parameters or a mission that have changed go to the log over the following ticks."""
+        before, self._config = self._config, now.config
+        if before is not None and before is not now.config:
+            changed = events.changed_parameters(self._now_us, self._parameters, before, now.config)
+            self._backlog = chain(self._backlog, tuple(changed))
+        held = self._items()
+        if held is not self._mission:
+            self._mission = held
+            self._backlog = chain(self._backlog, events.mission(self._now_us, held))
+
+    def _add(self, records: Iterable[bytes]) -> None:
+        for record in records:
+            self._block.append(record)
+            self._block_bytes += len(record)
+
+    def _hand_over(self, unix_s: float) -> None:
+        block, count = b"".join(self._block), len(self._block)
+        self._block, self._block_bytes = [], 0
+        if not block:
+            return
+        if self._sink.write(block, unix_s):
+            self._blocks += 1
+            self._log_bytes += len(block)
+        elif self._blocks == 0:
+            self._fail("too much waits to be written")  # without its definitions a log cannot be read
+        else:
+            self.dropped += count
+
+
+def _next(due_s: float, now_s: float, rate_hz: float) -> float:
+    """When a sample is due again. What was missed is not made up for."""
+    due_s += 1.0 / rate_hz
+    return due_s if due_s > now_s else now_s + 1.0 / rate_hz

@@ -1,0 +1,84 @@
+"""Every kind of record in the boat's log, by ArduPilot Rover's names where the meaning is the same.
+
+docs/logs.md says what each field holds on this boat.
+"""
+
+from typing import Final
+
+from companion.log.dataflash import RecordKind, file_header
+
+_PID = ("QfffffffffB", "TimeUS,Tar,Act,Err,P,I,D,FF,Dmod,SRate,Limit")
+_COMMAND = ("QHHHffffLLfB", "TimeUS,CTot,CNum,CId,Prm1,Prm2,Prm3,Prm4,Lat,Lng,Alt,Frame")
+_OUTPUTS = "TimeUS," + ",".join(f"C{number}" for number in range(1, 15))
+
+# What the boat does
+ATT: Final = RecordKind(
+    1, "ATT", "QffffffB", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw,AEKF", "sddddhh-", "F000000-"
+)
+POS: Final = RecordKind(2, "POS", "QLLfff", "TimeUS,Lat,Lng,Alt,RelHomeAlt,RelOriginAlt", "sDUmmm", "FGG000")
+XKF1: Final = RecordKind(
+    3, "XKF1", "QBccCfffffffccce", "TimeUS,C,Roll,Pitch,Yaw,VN,VE,VD,dPD,PN,PE,PD,GX,GY,GZ,OH",
+    "s#ddhnnnnmmmkkkm", "F-BBB0000000BBBB",
+)  # fmt: skip
+BOAT: Final = RecordKind(4, "BOAT", "Qfffff", "TimeUS,Surge,Sway,YawRate,PosAge,HdgAge", "snnkss", "F00000")
+PIDS: Final = RecordKind(5, "PIDS", *_PID, "sddd-------", "F000-------")
+PIDA: Final = RecordKind(6, "PIDA", *_PID, "snnn-------", "F000-------")
+NTUN: Final = RecordKind(
+    7, "NTUN", "QfffHf", "TimeUS,WpDist,WpBrg,DesYaw,Yaw,XTrack", "smhhdm", "F000B0"
+)  # fmt: skip
+STER: Final = RecordKind(
+    8, "STER", "Qhfffff", "TimeUS,SteerIn,SteerOut,DesLatAcc,LatAcc,DesTurnRate,TurnRate", "s--ookk",
+    "F--0000",
+)  # fmt: skip
+THR: Final = RecordKind(
+    9, "THR", "Qhffff", "TimeUS,ThrIn,ThrOut,DesSpeed,Speed,AccX", "s--nno", "F--000"
+)  # fmt: skip
+RCOU: Final = RecordKind(10, "RCOU", "Q" + 14 * "H", _OUTPUTS, "s" + 14 * "Y", "F" + 14 * "-")
+
+# What the sensors say
+GPS: Final = RecordKind(
+    20, "GPS", "QBBIHBcLLeffffB", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ,Yaw,U",
+    "s#-s-S-DUmnhnh-", "F--C-0BGGB0000-",
+)  # fmt: skip
+GPA: Final = RecordKind(
+    21, "GPA", "QBCCCCfBIHfB", "TimeUS,I,VDop,HAcc,VAcc,SAcc,YAcc,VV,SMS,Delta,Und,cn0", "s#-mmnd-ss--",
+    "F-BBBB0-CC--",
+)  # fmt: skip
+RFND: Final = RecordKind(22, "RFND", "QBCBB", "TimeUS,Instance,Dist,Stat,Orient", "s#m--", "F-B--")
+SONR: Final = RecordKind(23, "SONR", "Qfff", "TimeUS,Brg,Dist,Max", "sdmm", "F000")
+BAT: Final = RecordKind(
+    24, "BAT", "QBfffffcfBBB", "TimeUS,Inst,Volt,VoltR,Curr,CurrTot,EnrgTot,Temp,Res,RemPct,H,SH",
+    "s#vvAaXOw%-%", "F-000C0B00-0",
+)  # fmt: skip
+
+# What happens
+MODE: Final = RecordKind(30, "MODE", "QMBB", "TimeUS,Mode,ModeNum,Rsn", "s---", "F---")
+MSG: Final = RecordKind(31, "MSG", "QZ", "TimeUS,Message", "s-", "F-")
+EV: Final = RecordKind(32, "EV", "QB", "TimeUS,Id", "s-", "F-")
+ERR: Final = RecordKind(33, "ERR", "QBB", "TimeUS,Subsys,ECode", "s--", "F--")
+ARM: Final = RecordKind(
+    34, "ARM", "QBIBB", "TimeUS,ArmState,ArmChecks,Forced,Method", "s----", "F----"
+)  # fmt: skip
+ORGN: Final = RecordKind(35, "ORGN", "QBLLe", "TimeUS,Type,Lat,Lng,Alt", "s-DUm", "F-GGB")
+CMD: Final = RecordKind(36, "CMD", *_COMMAND, "s-------DUm-", "F-------GG0-")
+MISE: Final = RecordKind(37, "MISE", *_COMMAND, "s-------DUm-", "F-------GG0-")
+PARM: Final = RecordKind(38, "PARM", "QNff", "TimeUS,Name,Value,Default", "s---", "F---")
+VER: Final = RecordKind(
+    39, "VER", "QBHBBBBIZHB", "TimeUS,BT,BST,Maj,Min,Pat,FWT,GH,FWS,APJ,BU", "s----------", "F----------"
+)  # fmt: skip
+
+# How the computer does
+PM: Final = RecordKind(
+    40, "PM", "QHHHIIHHIIIIII", "TimeUS,LR,NLon,NL,MaxT,Mem,Load,ErrL,IntE,ErrC,SPIC,I2CC,I2CI,Ex",
+    "sz--sb%------s", "F---F0A------F",
+)  # fmt: skip
+MAV: Final = RecordKind(
+    41, "MAV", "QBHHHBHH", "TimeUS,chan,txp,rxp,rxdp,flags,ss,tf", "s#----s-", "F-000-C-"
+)  # fmt: skip
+DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv", "s--bbbb", "F--0000")
+
+KINDS: Final = (
+    ATT, POS, XKF1, BOAT, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, BAT, MODE, MSG, EV, ERR,
+    ARM, ORGN, CMD, MISE, PARM, VER, PM, MAV, DSF,
+)  # fmt: skip
+HEADER: Final = file_header(KINDS)

@@ -1,0 +1,134 @@
+"""A tick's knowledge as log records. Angles become degrees here, as ArduPilot logs them."""
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from companion.geo import bearing_rad
+from companion.log import records as r
+from companion.log.linear_frame import LinearFrame
+from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.services.snapshot import Snapshot
+from companion.state import Demand, NavState
+from companion.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
+
+_DEG: Final = 180.0 / math.pi
+_NAN: Final = math.nan
+_GPS_EPOCH_S: Final = 315_964_800.0  # 1980-01-06 as Unix time
+_LEAP_S: Final = 18.0  # GPS time less UTC, since 2017; log readers subtract the same
+_WEEK_S: Final = 604_800.0
+_RANGE_GOOD, _RANGE_TOO_FAR = 4, 3  # RangeFinder status
+
+
+def _degrees(heading_rad: float) -> float:
+    return wrap_two_pi(heading_rad) * _DEG
+
+
+def time_us(time_s: float) -> int:
+    """A time since boot as records carry it."""
+    return max(round(time_s * 1e6), 0)
+
+
+def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
+    """How the boat moves and is steered. linear: for the frame of now, None while there is none."""
+    us, nav, demand, command = time_us(now.now_s), now.nav, now.demand, now.command
+    left, right = command.left, command.right
+    pulses = round(1500.0 + 500.0 * left), round(1500.0 + 500.0 * right)
+    yield r.RCOU.pack(us, pulses[0], 0, pulses[1], 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+    if nav is None:
+        return
+    yaw_deg = _degrees(nav.heading_rad)
+    wanted_deg = yaw_deg if demand is None else _degrees(demand.heading_rad)
+    yield r.ATT.pack(us, 0.0, 0.0, 0.0, 0.0, wanted_deg, yaw_deg, 0)
+    yield r.BOAT.pack(
+        us, nav.surge_m_s, nav.sway_m_s, nav.yaw_rate_rad_s * _DEG, nav.position_age_s, nav.heading_age_s
+    )
+    centideg = round(yaw_deg * 100.0) % 36000
+    yield r.XKF1.pack(
+        us, 0, 0, 0, centideg, nav.north_m_s, nav.east_m_s, 0.0, 0.0, nav.north_m, nav.east_m, 0.0, 0, 0, 0, 0
+    )
+    if linear is not None:
+        lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
+        yield r.POS.pack(us, lat_e7, lon_e7, 0.0, 0.0, 0.0)
+    turn_rad_s = nav.yaw_rate_rad_s
+    yield r.STER.pack(
+        us, 0, 2250.0 * (left - right), _NAN, nav.surge_m_s * turn_rad_s, _NAN, turn_rad_s * _DEG
+    )
+    wanted_m_s = _NAN if demand is None else demand.speed_m_s
+    yield r.THR.pack(us, 0, 50.0 * (left + right), wanted_m_s, nav.surge_m_s, _NAN)
+    if demand is not None:
+        yield from _loops(now, us, nav, demand, centideg)
+
+
+def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int) -> Iterator[bytes]:
+    """The loops while they are closed."""
+    if (pid := now.heading_pid) is not None:
+        wanted, actual = demand.heading_rad, nav.heading_rad
+        error_deg = wrap_pi(wanted - actual) * _DEG
+        yield r.PIDS.pack(
+            us, _degrees(wanted), _degrees(actual), error_deg, pid.p, pid.i, pid.d, 0.0, 0.0, 0.0,
+            pid.saturated,
+        )  # fmt: skip
+    if (speed_pid := now.speed_pid) is not None:
+        error_m_s = demand.speed_m_s - nav.surge_m_s
+        yield r.PIDA.pack(
+            us, demand.speed_m_s, nav.surge_m_s, error_m_s, speed_pid.p, speed_pid.i, speed_pid.d, 0.0,
+            0.0, 0.0, speed_pid.saturated,
+        )  # fmt: skip
+    target_deg = wanted_deg = _degrees(demand.heading_rad)
+    if now.frame is not None and (target := now.vehicle.active_position()) is not None:
+        target_deg = _degrees(bearing_rad(nav.point, now.frame.to_local(target)))
+    yield r.NTUN.pack(us, demand.distance_m, target_deg, wanted_deg, centideg, demand.cross_track_m)
+
+
+def gnss(fix: GnssFix) -> Iterator[bytes]:
+    """A fix, at its own time; week and time of week tie the whole log to the date."""
+    week, ms = 0, 0
+    if fix.unix_time_s is not None:
+        weeks, seconds = divmod(fix.unix_time_s - _GPS_EPOCH_S + _LEAP_S, _WEEK_S)
+        week, ms = int(clamp(weeks, 0.0, 65535.0)), round(seconds * 1e3)
+    speed_m_s, course_deg = _NAN, _NAN
+    if fix.north_m_s is not None and fix.east_m_s is not None:
+        speed_m_s = math.hypot(fix.north_m_s, fix.east_m_s)
+        course_deg = _degrees(math.atan2(fix.east_m_s, fix.north_m_s))
+    us = time_us(fix.time_s)
+    yield r.GPS.pack(
+        us, 0, fix.fix_type, ms, week, min(fix.satellites, 255), _cents(fix.hdop, 32767),
+        deg_to_e7(fix.position.lat_deg), deg_to_e7(fix.position.lon_deg), _cents(fix.altitude_m, 2**31 - 1),
+        speed_m_s, course_deg, 0.0, 0.0, 1,
+    )  # fmt: skip
+    if fix.horizontal_accuracy_m is not None:
+        accuracy = _cents(fix.horizontal_accuracy_m, 65535)
+        yield r.GPA.pack(us, 0, 0, accuracy, 0, 0, _NAN, 0, us // 1000 & 0xFFFFFFFF, 0, 0.0, 0)
+
+
+def _cents(value: float, most: int) -> int:
+    """Hundredths, limited to what the field holds; what is not finite is the most."""
+    return round(clamp(value * 100.0, -most, most)) if math.isfinite(value) else most
+
+
+def sonar(ping: SonarReading) -> Iterator[bytes]:
+    """A ping, at its own time: RFND in eighths of a turn as ArduPilot has it, SONR with its bearing."""
+    us = time_us(ping.time_s)
+    eighth = round(wrap_two_pi(ping.bearing_rad) / (math.pi / 4.0)) % 8
+    is_clear = ping.range_m is None
+    range_m = ping.max_range_m if ping.range_m is None else ping.range_m
+    yield r.RFND.pack(us, 0, _cents(range_m, 65535), _RANGE_TOO_FAR if is_clear else _RANGE_GOOD, eighth)
+    yield r.SONR.pack(us, ping.bearing_rad * _DEG, _NAN if is_clear else range_m, ping.max_range_m)
+
+
+def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:
+    """The pack, at the reading's time. RemPct counts charge, as Rover's does."""
+    current_a = _NAN if reading.current_a is None else reading.current_a
+    left_percent = round(clamp(100.0 * (1.0 - consumed_mah / capacity_mah), 0.0, 100.0))
+    return r.BAT.pack(
+        time_us(reading.time_s), 0, reading.voltage_v, _NAN, current_a, consumed_mah, _NAN, 0, _NAN,
+        left_percent, 1, 0,
+    )  # fmt: skip
+
+
+def text(us: int, line: str) -> Iterator[bytes]:
+    """A line for the operator; a long one in several records."""
+    raw = line.encode("ascii", errors="replace")
+    for start in range(0, max(len(raw), 1), 64):
+        yield r.MSG.pack(us, raw[start : start + 64])

@@ -1,0 +1,110 @@
+"""Where a log's blocks go: a numbered file, written by the worker."""
+
+import logging
+import os
+from functools import partial
+from typing import BinaryIO, Protocol
+
+from companion.log.store import LogStore
+from companion.log.worker import Worker
+
+logger = logging.getLogger(__name__)
+
+_SYNC_EVERY = 4  # blocks: what a power cut may cost, against the wear of the medium
+
+
+class Sink(Protocol):
+    """Takes a log block by block."""
+
+    @property
+    def fault(self) -> str:
+        """Why the present log is no longer written; empty while all is well."""
+
+    @property
+    def room_bytes(self) -> int:
+        """How many bytes could be handed over now."""
+
+    def begin(self) -> bool:
+        """Begin a new log. False when that cannot be asked for now."""
+
+    def write(self, block: bytes, unix_s: float) -> bool:
+        """Hand over a block; False when it is lost. unix_s: the date, 0 where it is not known."""
+
+    def end(self) -> None:
+        """The log is complete."""
+
+
+class FileSink:
+    """Files in the store, written and flushed by the worker; nothing here waits for the medium."""
+
+    def __init__(self, store: LogStore, worker: Worker, suffix: str = ".bin") -> None:
+        self.fault = ""
+        self._store = store
+        self._worker = worker
+        self._suffix = suffix
+        self._file: BinaryIO | None = None  # this and what follows belongs to the worker
+        self._name = ""
+        self._size_bytes = 0
+        self._unsynced = 0
+
+    @property
+    def room_bytes(self) -> int:
+        """What the worker's queue has left."""
+        return self._worker.room_bytes
+
+    def begin(self) -> bool:
+        """Begin a new file."""
+        self.fault = ""
+        return self._worker.submit(self._open)
+
+    def write(self, block: bytes, unix_s: float) -> bool:
+        """Queue a block."""
+        return self._worker.submit(partial(self._append, block, unix_s), len(block))
+
+    def end(self) -> None:
+        """Queue the end of the file."""
+        self._worker.submit(self._close)
+
+    def _open(self) -> None:
+        self._close()
+        try:
+            self._name, self._file = self._store.create(self._suffix)
+        except OSError as error:
+            self._fail(error)
+        self._size_bytes = self._unsynced = 0
+
+    def _append(self, block: bytes, unix_s: float) -> None:
+        if self._file is None:
+            return
+        try:
+            rest = memoryview(block)
+            while rest:  # a medium that is nearly full takes a part, then refuses
+                rest = rest[self._file.write(rest) :]
+            self._size_bytes += len(block)
+            self._store.grew(self._name, self._size_bytes, unix_s)
+            self._unsynced += 1
+            if self._unsynced >= _SYNC_EVERY:
+                self._sync(self._file)
+        except OSError as error:
+            self._fail(error)
+
+    def _sync(self, file: BinaryIO) -> None:
+        self._unsynced = 0
+        os.fsync(file.fileno())
+        self._store.date(self._name)
+        self._store.make_room()
+
+    def _close(self) -> None:
+        file, self._file = self._file, None
+        if file is None:
+            return
+        try:
+            self._sync(file)
+        except OSError as error:
+            logger.warning("log %s: %s", self._name, error)
+        file.close()
+        self._store.finish(self._name)
+
+    def _fail(self, error: OSError) -> None:
+        self.fault = error.strerror or str(error)
+        self._close()

@@ -1,0 +1,161 @@
+"""The folder of logs: numbered files, the oldest removed first when together they grow too large.
+
+What there is stands in `files`, which is replaced whole and may be read from any thread without touching the
+medium. Everything else reads or writes the medium and belongs on the log's worker.
+"""
+
+import logging
+import os
+import re
+import shutil
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+from companion.errors import StorageError
+
+logger = logging.getLogger(__name__)
+
+_NAME = re.compile(r"(\d{5,9})(?:-[\w.-]{1,60})?\.(bin|tlog)", re.ASCII)
+_LAST = "LASTLOG.TXT"
+_MB = 1_000_000
+_EARLIEST_S = 1.0e9  # a date before 2001 is no date: the computer's clock was not set
+
+
+class LogFile(NamedTuple):
+    """One file. unix_s is when it was last written, 0 where the date was not known."""
+
+    number: int
+    name: str
+    size_bytes: int
+    unix_s: float
+
+    @property
+    def is_onboard_log(self) -> bool:
+        """Whether it is the boat's own log; the others are telemetry logs."""
+        return self.name.endswith(".bin")
+
+
+class LogStore:
+    """Numbers are never used twice, also when files have been erased: LASTLOG.TXT remembers.
+
+    Raises:
+        StorageError: the folder cannot be made or listed.
+    """
+
+    def __init__(self, folder: Path, quota_mb: float, min_free_mb: float = 0.0) -> None:
+        self.folder = folder
+        self.files: tuple[LogFile, ...] = ()  # oldest first
+        self._last_number = 0
+        self._quota_bytes = quota_mb * _MB
+        self._min_free_mb = min_free_mb
+        self._open: set[str] = set()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._scan()
+        except OSError as error:
+            raise StorageError(f"{folder}: cannot be used for logs: {error.strerror}") from None
+
+    @property
+    def logs(self) -> tuple[LogFile, ...]:
+        """The boat's own logs, oldest first."""
+        return tuple(file for file in self.files if file.is_onboard_log)
+
+    def find(self, name: str) -> LogFile | None:
+        """A file by its name."""
+        return next((file for file in self.files if file.name == name), None)
+
+    def open(self, name: str) -> BinaryIO:
+        """Open a file of the list for reading.
+
+        Raises:
+            StorageError: there is none of this name, or it cannot be read.
+        """
+        if self.find(name) is None:
+            raise StorageError(f"{name}: no such log")
+        try:
+            return (self.folder / name).open("rb")
+        except OSError as error:
+            raise StorageError(f"{name}: cannot be read: {error.strerror}") from None
+
+    def create(self, suffix: str) -> tuple[str, BinaryIO]:
+        """Begin a file, after making room for it: its name and where to write. `finish` ends it.
+
+        Raises:
+            OSError: the medium is full or refuses.
+        """
+        self.make_room()
+        free_mb = shutil.disk_usage(self.folder).free / _MB
+        if free_mb < self._min_free_mb:
+            raise OSError(f"only {free_mb:.0f} MB free, {self._min_free_mb:g} must stay free")
+        number = self._last_number + 1
+        name = f"{number:05d}{suffix}"
+        file = (self.folder / name).open("xb", buffering=0)
+        self._last_number = number
+        self._open.add(name)
+        self.files = (*self.files, LogFile(number, name, 0, 0.0))
+        # DOS line ends, as ArduPilot writes it
+        (self.folder / _LAST).write_bytes(b"%d\r\n" % number)
+        return name, file
+
+    def grew(self, name: str, size_bytes: int, unix_s: float) -> None:
+        """Note what has been written. unix_s: the date, 0 where it is not known."""
+        self.files = tuple(
+            file._replace(size_bytes=size_bytes, unix_s=unix_s) if file.name == name else file
+            for file in self.files
+        )
+
+    def date(self, name: str) -> None:
+        """Give a file the date that the boat knows, which its computer may not.
+
+        Raises:
+            OSError: the medium refuses.
+        """
+        if (file := self.find(name)) is not None:
+            os.utime(self.folder / name, (file.unix_s, file.unix_s))
+
+    def finish(self, name: str) -> None:
+        """A file is written no more, and may be removed when room is needed."""
+        self._open.discard(name)
+
+    def make_room(self) -> None:
+        """Remove the oldest files until the rest is within the quota; never one that is being written."""
+        excess = sum(file.size_bytes for file in self.files) - self._quota_bytes
+        for file in self.files:
+            if excess <= 0.0:
+                return
+            if self._remove(file):
+                excess -= file.size_bytes
+
+    def erase(self) -> None:
+        """Remove every file but those being written."""
+        for file in self.files:
+            self._remove(file)
+
+    def _remove(self, file: LogFile) -> bool:
+        if file.name in self._open:
+            return False
+        try:
+            (self.folder / file.name).unlink(missing_ok=True)
+        except OSError as error:
+            logger.warning("log %s cannot be removed: %s", file.name, error.strerror)
+            return False
+        self.files = tuple(one for one in self.files if one.name != file.name)
+        return True
+
+    def _scan(self) -> None:
+        found: list[LogFile] = []
+        for entry in os.scandir(self.folder):
+            match = _NAME.fullmatch(entry.name)
+            if match and entry.is_file(follow_symlinks=False):
+                status = entry.stat()
+                date_s = status.st_mtime if status.st_mtime > _EARLIEST_S else 0.0
+                found.append(LogFile(int(match[1]), entry.name, status.st_size, date_s))
+        self.files = tuple(sorted(found))
+        self._last_number = max([0, _last_number(self.folder), *(file.number for file in found)])
+
+
+def _last_number(folder: Path) -> int:
+    try:
+        return int((folder / _LAST).read_text(encoding="ascii"))
+    except (OSError, ValueError):
+        return 0

@@ -1,0 +1,220 @@
+"""LOG_*: stations list the boat's logs and download them, 90 bytes a message.
+
+Numbers. ArduPilot counts its logs from 1, and QGroundControl takes that for granted of a boat that announces
+itself as ours does; MAVSDK takes numbers from 0 for granted. So log k, the k-th oldest, has number k, and the
+newest can also be had as 0. A request for the whole list is answered with 0 to n-1, and 1 to n can each be
+asked for, which QGroundControl does for the one that it misses.
+
+Pace. What a tick may send is shared among the downloads under way, is less while the computer is busy, and
+stops where the link has no room. Files are read ahead by the log's worker. A station asks again for what it
+lost.
+"""
+
+from collections import deque
+from typing import Final, NamedTuple
+
+from companion.log.logbook import Logbook
+from companion.log.reader import LogReader
+from companion.log.store import LogFile
+from companion.mavlink.address import Address, is_named
+from companion.mavlink.dialect import Message, dialect
+from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
+from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.vehicle import Vehicle
+
+CHUNK_BYTES: Final = 90
+_FRAME_BYTES: Final = 12 + 7 + CHUNK_BYTES
+_CHUNKS_PER_TICK: Final = 200  # 0.9 MB/s at 50 Hz
+_LEAST_PER_TICK: Final = 16
+_ENTRIES_PER_TICK: Final = 20
+_MOST_RANGES: Final = 32  # gaps that a station may ask for at a time
+_MOST_LISTED: Final = 4096
+_IN_FLIGHT_S: Final = 0.1  # what has just been sent is on its way, and not to be sent again
+_LAST_NUMBER: Final = 0xFFFF
+
+
+class _Range(NamedTuple):
+    """A part of a log that a station has asked for. is_open: it wants to be told where the log ends."""
+
+    begin: int
+    end: int
+    is_open: bool
+
+
+class _Download:
+    """One station's download of one log."""
+
+    def __init__(self, number: int, reader: LogReader) -> None:
+        self.number = number
+        self.reader = reader
+        self.offset = 0
+        self.ranges: deque[_Range] = deque()
+        self.last: _Range | None = None  # what was sent last, and when
+        self.last_s = 0.0
+        self.chunks_left = _LEAST_PER_TICK  # until the next tick
+
+    def want(self, wanted: _Range, now_s: float) -> None:
+        """Take a request.
+
+        The tail of what is being sent, or just was, is on its way: MAVSDK asks for it at every chunk that
+        comes. What overlaps with the rest takes its place. Anything else is a gap and waits its turn.
+        """
+        current = self.ranges[0] if self.ranges else None
+        for sent in (current, self.last if now_s - self.last_s < _IN_FLIGHT_S else None):
+            if sent is not None and wanted.begin > sent.begin and wanted.end == sent.end:
+                return
+        if current is not None and wanted.begin < current.end and self.offset < wanted.end:
+            self.ranges.clear()
+        if len(self.ranges) < _MOST_RANGES:
+            self.ranges.append(wanted)
+            if len(self.ranges) == 1:
+                self.offset = wanted.begin
+
+    def next_range(self, now_s: float) -> None:
+        """The first range has been sent."""
+        self.last, self.last_s = self.ranges.popleft(), now_s
+        if self.ranges:
+            self.offset = self.ranges[0].begin
+
+
+class LogService:
+    """Serves the logs of the logbook's store; without one, says that there are none."""
+
+    def __init__(
+        self,
+        own: Address,
+        vehicle: Vehicle,
+        outbox: Outbox,
+        texts: StatusTextService,
+        logbook: Logbook | None,
+    ) -> None:
+        self._own = own
+        self._vehicle = vehicle
+        self._outbox = outbox
+        self._texts = texts
+        self._logbook = logbook
+        self._store = None if logbook is None else logbook.store
+        self._listed: dict[int, tuple[LogFile, ...]] = {}  # by channel: what its numbers stand for
+        self._entries: dict[int, deque[int]] = {}
+        self._downloads: dict[int, _Download] = {}
+
+    def handle(self, message: Message, origin: Origin, now_s: float) -> None:
+        """Take one request. Only one that names this boat counts."""
+        if not is_named(self._own, message.target_system, message.target_component):
+            return
+        match message.get_type():
+            case "LOG_REQUEST_LIST":
+                self._on_request_list(message, origin.channel)
+            case "LOG_REQUEST_DATA":
+                self._on_request_data(message, origin.channel, now_s)
+            case "LOG_REQUEST_END":
+                self._downloads.pop(origin.channel, None)
+            case "LOG_ERASE":
+                self._erase()
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone, and its download with it."""
+        for table in (self._listed, self._entries, self._downloads):
+            table.pop(channel, None)
+
+    def tick(self, now_s: float, load: float) -> None:
+        """Go on with lists and downloads. load: the share of the tick that the boat needs for all it does."""
+        if self._logbook is not None and self._logbook.onboard is not None:
+            self._texts.tell(self._logbook.onboard.take_notices())
+        for channel in list(self._entries):
+            self._send_entries(channel)
+        if self._downloads:
+            free = max(1.0 - load, 0.0)
+            left = max(round(_CHUNKS_PER_TICK * free * free), _LEAST_PER_TICK)
+            share = max(left // len(self._downloads), 1)
+            for channel, download in list(self._downloads.items()):
+                download.chunks_left = share
+                self._send_chunks(channel, download, now_s)
+
+    def _on_request_list(self, message: Message, channel: int) -> None:
+        if self._store is None or not self._store.logs:
+            self._outbox.send(channel, dialect.MAVLink_log_entry_message(0, 0, 0, 0, 0))
+            return
+        is_whole = message.start == 0 and message.end == _LAST_NUMBER
+        if is_whole or channel not in self._listed:
+            self._listed[channel] = self._store.logs[-_MOST_LISTED:]
+        count = len(self._listed[channel])
+        last = count - 1 if is_whole else min(message.end, count)
+        self._entries[channel] = deque(range(message.start, last + 1))
+
+    def _send_entries(self, channel: int) -> None:
+        entries, listed = self._entries[channel], self._listed[channel]
+        for _ in range(min(_ENTRIES_PER_TICK, len(entries))):
+            if not self._outbox.has_room(channel):
+                return
+            number = entries.popleft()
+            file = self._current(listed[number - 1])
+            entry = dialect.MAVLink_log_entry_message(
+                number, len(listed), len(listed) - 1, round(file.unix_s), file.size_bytes
+            )
+            self._outbox.send_bulk(channel, entry, 26)
+        if not entries:
+            del self._entries[channel]
+
+    def _current(self, file: LogFile) -> LogFile:
+        """A file as it now is: it may have grown since the list was made."""
+        now = self._store.find(file.name) if self._store is not None else None
+        return file._replace(size_bytes=0) if now is None else now
+
+    def _on_request_data(self, message: Message, channel: int, now_s: float) -> None:
+        if self._store is None or self._logbook is None:
+            self._say_nothing_there(channel, message)
+            return
+        listed = self._listed.setdefault(channel, self._store.logs[-_MOST_LISTED:])
+        if not listed or message.id > len(listed):
+            self._say_nothing_there(channel, message)
+            return
+        file = self._current(listed[message.id - 1])
+        if message.ofs > file.size_bytes or not file.size_bytes:
+            self._say_nothing_there(channel, message)
+            return
+        download = self._downloads.get(channel)
+        if download is None or download.number != message.id or download.reader.name != file.name:
+            reader = LogReader(self._store, self._logbook.worker, file.name)
+            download = self._downloads[channel] = _Download(message.id, reader)
+        end = message.ofs + message.count
+        download.reader.refresh()
+        download.want(_Range(message.ofs, min(end, file.size_bytes), end > file.size_bytes), now_s)
+        self._send_chunks(channel, download, now_s)
+
+    def _say_nothing_there(self, channel: int, message: Message) -> None:
+        """An empty chunk ends a download at once, where silence would have the station ask again."""
+        self._outbox.send(channel, _chunk(message.id, message.ofs, b""))
+
+    def _send_chunks(self, channel: int, download: _Download, now_s: float) -> None:
+        """As many as the tick has left, the link has room for, and the worker has read."""
+        while download.ranges and download.chunks_left > 0 and self._outbox.has_room(channel):
+            wanted = download.ranges[0]
+            count = min(CHUNK_BYTES, wanted.end - download.offset)
+            piece = download.reader.piece(download.offset, count) if count else b""
+            if piece is None:
+                return
+            if piece or wanted.is_open or count:
+                self._outbox.send_bulk(channel, _chunk(download.number, download.offset, piece), _FRAME_BYTES)
+                download.chunks_left -= 1
+            download.offset += len(piece)
+            # A short chunk tells a station of the end; a log of whole chunks needs an empty one for that
+            is_short = len(piece) < CHUNK_BYTES
+            if is_short or (download.offset >= wanted.end and not wanted.is_open):
+                download.next_range(now_s)
+
+    def _erase(self) -> None:
+        if self._vehicle.armed:
+            self._texts.tell([Notice(Severity.WARNING, "Logs are not erased while the boat is armed")])
+            return
+        if self._store is not None and self._logbook is not None:
+            self._downloads.clear()
+            self._entries.clear()
+            self._listed.clear()
+            self._logbook.worker.submit(self._store.erase)
+            self._texts.tell([Notice(Severity.NOTICE, "Logs erased")])
+
+
+def _chunk(number: int, offset: int, piece: bytes) -> Message:
+    return dialect.MAVLink_log_data_message(number, offset, len(piece), piece.ljust(CHUNK_BYTES, b"\0"))
