@@ -5,6 +5,7 @@ Time is counted in ticks, so a run is a function of the scenario, its seed and w
 
 from companion.boat import COMPONENT_ID, TICK_S, Boat
 from companion.hal.memory import MemoryPort, memory_pair
+from companion.log.logbook import Logbook
 from companion.mavlink.address import Address
 from companion.storage import MemoryStorage, Storage
 from sitl.scenario import Scenario
@@ -15,11 +16,17 @@ from sitl.world import World
 class Lockstep:
     """One boat, its world, and a station on a memory link."""
 
-    def __init__(self, scenario: Scenario, storage: Storage | None = None) -> None:
+    def __init__(
+        self, scenario: Scenario, storage: Storage | None = None, logbook: Logbook | None = None
+    ) -> None:
         near, far = memory_pair("station")
         self.world = World(scenario)
         self.boat = Boat(
-            scenario.vehicle, self.world.hardware, [MemoryPort(near)], storage or MemoryStorage()
+            scenario.vehicle,
+            self.world.hardware,
+            [MemoryPort(near)],
+            storage or MemoryStorage(),
+            logbook=logbook,
         )
         self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
 

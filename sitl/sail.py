@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from companion.boat import TICK_S
 from companion.errors import BoatError
 from companion.geo import Point, distance_m
+from companion.log.logbook import Logbook
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
 from companion.vehicle.mission_steps import Waypoint
@@ -51,12 +52,15 @@ class Result:
 class Sailing:
     """A run under way. `recorder` holds the truth of every tick since the mission began."""
 
-    def __init__(self, scenario: Scenario, items: Sequence[MissionItem]) -> None:
+    def __init__(
+        self, scenario: Scenario, items: Sequence[MissionItem], logbook: Logbook | None = None
+    ) -> None:
+        """logbook: where the boat is to write its log, if anywhere."""
         self.scenario = scenario
         self.items = tuple(items)
         self.recorder = Recorder()
         self.planned: list[Point] = []
-        self.lockstep = Lockstep(scenario)
+        self.lockstep = Lockstep(scenario, logbook=logbook)
         self._leg_of_seq: dict[int, int] = {}
 
     def run(self, timeout_s: float | None = None, tell: Callable[[float, int], None] | None = None) -> Result:

@@ -3,8 +3,10 @@
 import logging
 import os
 from functools import partial
+from pathlib import Path
 from typing import BinaryIO, Protocol
 
+from companion.errors import StorageError
 from companion.log.store import LogStore
 from companion.log.worker import Worker
 
@@ -108,3 +110,41 @@ class FileSink:
     def _fail(self, error: OSError) -> None:
         self.fault = error.strerror or str(error)
         self._close()
+
+
+class SingleFile:
+    """One file of a given name, written at once: for lockstep runs. A second log follows the first in it.
+
+    Raises:
+        StorageError: the file cannot be written.
+    """
+
+    fault = ""
+    room_bytes = 1 << 20
+
+    def __init__(self, path: Path) -> None:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("wb")
+        except OSError as error:
+            raise StorageError(f"{path}: cannot be written: {error.strerror}") from None
+
+    def begin(self) -> bool:
+        """Go on."""
+        return True
+
+    def write(self, block: bytes, unix_s: float) -> bool:  # noqa: ARG002
+        """Write."""
+        try:
+            self._file.write(block)
+        except OSError as error:
+            self.fault = error.strerror or str(error)
+        return not self.fault
+
+    def end(self) -> None:
+        """What has been written is complete."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """No more comes. May be called twice."""
+        self._file.close()

@@ -7,6 +7,9 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
+from companion.log.logbook import Logbook
+from companion.log.sink import SingleFile
+from companion.log.worker import InlineWorker
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.missions import plan_mission, read_mission, wire_items
 from sitl.report import as_json, draw, print_table
@@ -31,6 +34,9 @@ def sail(
     ] = False,
     json_file: Annotated[Path | None, typer.Option("--json-file", hidden=True)] = None,
     csv: Csv = None,
+    log: Annotated[
+        Path | None, typer.Option(metavar="FILE.bin", help="write the boat's log, as for MAVExplorer")
+    ] = None,
     png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw chart, plan and true track")] = None,
 ) -> None:
     """Sail one mission in lockstep, as fast as the machine goes, and measure it against the truth.
@@ -47,7 +53,8 @@ def sail(
     else:
         scenario = scenario_from(source, settings, case, seed, start)
         to_sail, plan = plan_mission(scenario)
-    sailing = Sailing(scenario, wire_items(to_sail))
+    logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
+    sailing = Sailing(scenario, wire_items(to_sail), logbook)
     result = _run(sailing, timeout, console)
     if csv is not None:
         sailing.recorder.write_csv(_made_room_for(csv), every=5)
