@@ -4,6 +4,7 @@ import os
 import sys
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
@@ -14,3 +15,12 @@ settings.load_profile("ci" if os.environ.get("CI") else "default")
 
 # pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
 sys.path.insert(0, str(Path(__file__).parents[1]))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """What `tests/protocol/conformance` is to be pointed at instead of our own boat."""
+    parser.addoption(
+        "--vehicle",
+        metavar="URL",
+        help="a vehicle to test, such as tcp:127.0.0.1:5760 (as pymavlink takes it)",
+    )

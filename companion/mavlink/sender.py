@@ -107,7 +107,7 @@ class Sender(Transfer):
         self._unsent.discard(seq)
         settled = self.state is State.SETTLED
         self._move(Trigger.REQUEST)
-        if is_progress and not settled:
+        if (is_progress or self._was_asked) and not settled:  # who still asks, however slowly, is still there
             self._await(item, now_s)
         else:
             self._outbox.append(item)
