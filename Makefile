@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo pictures test check lint types contracts bench clean
+.PHONY: help setup demo pictures test check lint types contracts bench fuzz clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -45,6 +45,10 @@ check: lint types contracts test  ## lint, types, import contracts, tests
 bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python -m benchmarks
+
+fuzz: setup  ## coverage-guided fuzzing; also FUZZ_SECONDS=60 for each target, TARGETS='files nmea'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fuzz]'
+	$(BIN)/python -m fuzz --seconds '$(or $(FUZZ_SECONDS),60)' $(TARGETS)
 
 clean:  ## remove everything that make made
 	rm -rf $(VENV) out build .mypy_cache .ruff_cache .pytest_cache .hypothesis

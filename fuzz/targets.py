@@ -1,0 +1,155 @@
+"""What is fuzzed: one function a target, bytes in; whatever it raises is a find."""
+
+import struct
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.config import load_config
+from companion.errors import ConfigError
+from companion.mavlink.codec import Decoder
+from companion.param_pack import PackError, unpack_upload
+from companion.sensors.nmea import NmeaReader
+from companion.sensors.nmea_fix import FixAssembler
+from companion.sensors.nmea_heading import HeadingAssembler
+from fuzz.frames import frame
+from fuzz.fuzzed_boat import hear
+
+_MESSAGES = sorted(dialect.mavlink_map)
+_MOST_FRAMES = 48
+_HANDLED = (
+    *("HEARTBEAT", "COMMAND_LONG", "COMMAND_INT", "SET_MODE", "PARAM_REQUEST_LIST"),
+    *("PARAM_REQUEST_READ", "PARAM_SET", "REQUEST_DATA_STREAM", "MANUAL_CONTROL", "RC_CHANNELS_OVERRIDE"),
+    *("SET_POSITION_TARGET_GLOBAL_INT", "SET_POSITION_TARGET_LOCAL_NED", "SET_ATTITUDE_TARGET", "TIMESYNC"),
+    *("PING", "SYSTEM_TIME", "RADIO_STATUS", "LOG_REQUEST_LIST", "LOG_REQUEST_DATA", "LOG_ERASE"),
+    *("LOG_REQUEST_END", "GPS_INPUT", "VISION_POSITION_ESTIMATE", "ODOMETRY", "OBSTACLE_DISTANCE"),
+    *("DISTANCE_SENSOR", "SETUP_SIGNING", "FILE_TRANSFER_PROTOCOL", "MISSION_SET_CURRENT", "STATUSTEXT"),
+    *("SET_HOME_POSITION", "SET_GPS_GLOBAL_ORIGIN", "MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM"),
+)
+_MISSION = (
+    *("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_REQUEST_LIST", "MISSION_REQUEST_INT"),
+    *("MISSION_REQUEST", "MISSION_ACK", "MISSION_CLEAR_ALL", "MISSION_SET_CURRENT"),
+    *("MISSION_WRITE_PARTIAL_LIST", "MISSION_REQUEST_PARTIAL_LIST", "HEARTBEAT", "COMMAND_LONG"),
+)
+_NUMBERS = {kind.msgname: number for number, kind in dialect.mavlink_map.items()}
+_PATHS = (
+    *(b"@PARAM/param.pck", b"@PARAM/param.pck?withdefaults=1", b"@MISSION/mission.dat", b"@SYS/uptime.txt"),
+    *(b"/", b"", b"..", b"/../../etc/passwd", b"/logs", b"/APM/LOGS/1.BIN", b"/general.json", b"a" * 239),
+)
+
+
+def codec_stream(data: bytes) -> None:
+    """A byte stream in pieces; the first byte says how long they are."""
+    _decode(data[1:], datagram=False, piece=1 + (data[0] if data else 0))
+
+
+def codec_datagram(data: bytes) -> None:
+    """Datagrams."""
+    _decode(data[1:], datagram=True, piece=8 * (1 + (data[0] if data else 0)))
+
+
+def _decode(data: bytes, *, datagram: bool, piece: int) -> None:
+    decoder = Decoder(datagram)
+    received = [r for at in range(0, len(data), piece) for r in decoder.feed(data[at : at + piece])]
+    assert decoder.counters.bytes_in == len(data)
+    assert decoder.counters.frames_in == len(received)
+    assert sum(len(one.frame) for one in received) <= len(data)
+    for one in received:
+        assert one.message.get_type()
+        one.message.to_dict()
+
+
+def services(data: bytes) -> None:
+    """Frames of any message that the boat may act on, fields as they come; now and then of any other."""
+    hear(_frames(data, [_NUMBERS[name] for name in _HANDLED]))
+
+
+def missions(data: bytes) -> None:
+    """The mission protocol, in any order; item counts stay small and types are real ones mostly."""
+    hear(_frames(data, [_NUMBERS[name] for name in _MISSION]))
+
+
+def files(data: bytes) -> None:
+    """MAVLink FTP requests with sequence numbers that mostly go up, and paths that are worth asking for."""
+    hear(_file_requests(data), ticks=6)
+
+
+def _frames(data: bytes, numbers: list[int]) -> Iterator[bytes]:
+    """Each frame: a byte for the message, one for how much of its payload follows, then that."""
+    at = 0
+    for sequence in range(_MOST_FRAMES):
+        if at + 2 > len(data):
+            return
+        choice, length = data[at], data[at + 1]
+        number = (
+            numbers[choice % len(numbers)]
+            if choice < 240
+            else _MESSAGES[(choice * 256 + length) % len(_MESSAGES)]
+        )
+        yield frame(number, data[at + 2 : at + 2 + length], sequence, 255 - choice % 2)
+        at += 2 + length
+
+
+def _file_requests(data: bytes) -> Iterator[bytes]:
+    """Each request: opcode, session, path or none, step of the sequence, size, offset (2 bytes)."""
+    number, sequence = _NUMBERS["FILE_TRANSFER_PROTOCOL"], 0
+    for at in range(0, min(len(data) - 6, 7 * _MOST_FRAMES), 7):
+        opcode, session, path, step, size, low, high = data[at : at + 7]
+        sequence = (sequence + (1 if step < 200 else step - 228)) & 0xFFFF
+        body = _PATHS[path % 32] if path % 32 < len(_PATHS) else data[at : at + size]
+        offset = low | high << 8 | (0xFFFF0000 if high == 0xFF else 0)
+        size = size if path & 0x40 else len(body)
+        head = struct.pack(
+            "<HBBBBBBI", sequence, session % 8, opcode % 24, size & 0xFF, 0, path >> 7, 0, offset
+        )
+        yield frame(number, b"\0\0\0" + (head + body)[:251], at)
+
+
+def nmea(data: bytes) -> None:
+    """A receiver's and a compass's bytes; checksums are mended, so that more than noise gets through."""
+    reader = NmeaReader(frozenset({"GGA", "RMC", "VTG", "GSA", "GLL", "HDT", "HDG", "HDM", "THS", "ZDA"}))
+    fixes, headings = FixAssembler(), HeadingAssembler()
+    mended = b"\n".join(_with_checksum(line) for line in data.split(b"\n"))
+    for at in range(0, len(mended), 61):
+        for sentence in reader.feed(mended[at : at + 61]):
+            for fix in fixes.feed(sentence, at * 0.01):
+                assert abs(fix.position.lat_deg) <= 90.0
+            headings.feed(sentence, at * 0.01)
+    assert len(reader._held) <= 256
+
+
+def _with_checksum(line: bytes) -> bytes:
+    if not line.startswith(b"$"):
+        return line
+    body = line[1:].partition(b"*")[0].rstrip(b"\r")
+    check = 0
+    for byte in body:
+        check ^= byte
+    return b"$" + body + b"*%02X\r" % check
+
+
+def config(data: bytes) -> None:
+    """A configuration file: it is read, or refused in one line."""
+    with tempfile.NamedTemporaryFile(suffix=".toml") as file:
+        file.write(data)
+        file.flush()
+        try:
+            load_config(Path(file.name))
+        except ConfigError:
+            return
+
+
+def parameter_file(data: bytes) -> None:
+    """A packed parameter file that a station sends."""
+    try:
+        unpack_upload(data)
+    except PackError:
+        return
+
+
+TARGETS: dict[str, Callable[[bytes], None]] = {
+    target.__name__: target
+    for target in (codec_stream, codec_datagram, services, missions, files, nmea, config, parameter_file)
+}
