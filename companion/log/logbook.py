@@ -77,6 +77,7 @@ class Logbook:
         for log in self._telemetry.values():
             log.close()
         self._telemetry.clear()
+        self.sink.close()
         self.worker.close()
 
     def _open_telemetry(self, store: LogStore, link: str) -> TelemetryLog:

@@ -35,6 +35,9 @@ class Sink(Protocol):
     def end(self) -> None:
         """The log is complete."""
 
+    def close(self) -> None:
+        """No more logs. May be called twice."""
+
 
 class FileSink:
     """Files in the store, written and flushed by the worker; nothing here waits for the medium."""
@@ -65,6 +68,10 @@ class FileSink:
 
     def end(self) -> None:
         """Queue the end of the file."""
+        self._worker.submit(self._close)
+
+    def close(self) -> None:
+        """Queue the end of the file, if it has not ended; the worker's own end waits for it."""
         self._worker.submit(self._close)
 
     def _open(self) -> None:

@@ -55,7 +55,10 @@ def sail(
         to_sail, plan = plan_mission(scenario)
     logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
     sailing = Sailing(scenario, wire_items(to_sail), logbook)
-    result = _run(sailing, timeout, console)
+    try:
+        result = _run(sailing, timeout, console)
+    finally:
+        sailing.lockstep.close()  # a run that went wrong has its log, too
     if csv is not None:
         sailing.recorder.write_csv(_made_room_for(csv), every=5)
     if json_file is not None:
