@@ -18,6 +18,7 @@ from companion.hal.port_url import open_port, parse_port_url
 from companion.hal.ultrasonic import open_ultrasonic
 from companion.hal.watched_motors import WatchedMotors
 from companion.log.logbook import Logbook, open_logbook
+from companion.mavlink.signing_key import read_key_file
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.runner import Runner
@@ -39,6 +40,8 @@ def check_config(config: BoatConfig) -> None:
     """
     for number, link in enumerate(config.link_settings):
         policy_of(link, f"links[{number}]")
+        if link.signing != "off" and link.key_file:
+            read_key_file(Path(link.key_file).expanduser())
     if not config.links:
         raise ConfigError("links: a boat without a link cannot be reached; expected at least one")
     for name in ("motors", "gnss", "compass"):
@@ -53,7 +56,8 @@ def policy_of(link: LinkConfig, key: str) -> Policy:
         ConfigError: names the url, or the key with a message that does not exist.
     """
     url = parse_port_url(link.url)
-    return Policy(link, key, baud=url.number if url.kind == "serial" else 0)
+    is_loopback = url.place in ("localhost", "::1") or url.place.startswith("127.")
+    return Policy(link, key, url.number if url.kind == "serial" else 0, is_loopback)
 
 
 def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:

@@ -14,9 +14,11 @@ from companion.mavlink.address import Address
 from companion.params import Parameters
 from companion.params_table import ROWS
 from companion.router.channels import Channels
+from companion.router.configured_port import ConfiguredPort
 from companion.sensors.charge import ChargeCounter
 from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
 from companion.services.endpoint import Endpoint
+from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
 from companion.state import STOPPED, Demand, MotorCommand, NavState
 from companion.storage import Storage
@@ -47,7 +49,20 @@ class Boat:
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.channels = Channels(ports, own)
-        self.endpoint = Endpoint(own, self.vehicle, self.parameters, storage, self.channels.may_send, logbook)
+        self.signing = SigningStore(storage, unix_offset_s)
+        for port in ports:
+            if isinstance(port, ConfiguredPort) and port.policy.setting.signing != "off":
+                self.signing.signatory(port.policy.setting.key_file)
+        self.endpoint = Endpoint(
+            own,
+            self.vehicle,
+            self.parameters,
+            storage,
+            self.channels.may_send,
+            logbook,
+            signing=self.signing,
+            channels=self.channels.open,
+        )
         if logbook is not None:
             logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
         self.channels.wanted = self.endpoint.message_ids
@@ -115,6 +130,7 @@ class Boat:
         """Motors off first, then everything else. May be called twice."""
         self._hardware.close()
         self.channels.close()
+        self.signing.close()
         if self._logbook is not None:
             self._logbook.close()
         self._storage.close()

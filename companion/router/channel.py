@@ -4,7 +4,6 @@ import logging
 import struct
 from collections import deque
 from collections.abc import Callable
-from typing import Protocol
 
 from companion.hal.interfaces import Link
 from companion.mavlink.address import Address
@@ -12,7 +11,8 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import FrameFinder
-from companion.mavlink.framing import Frame
+from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame
+from companion.mavlink.signing import Guard, loggable
 from companion.router.budget import Budget
 from companion.router.policy import PLAIN, Filter, Policy
 from companion.router.waiting import WaitingRoom
@@ -23,18 +23,8 @@ _RADIO_STATUS_IDS = (dialect.MAVLINK_MSG_ID_RADIO_STATUS, dialect.MAVLINK_MSG_ID
 _FREE_PERCENT_AT = 6  # txbuf, behind two counters of errors and two signal strengths
 
 
-class Guard(Protocol):
-    """Signing on one link."""
-
-    def admits(self, frame: bytes) -> bool:
-        """Whether a frame may come in."""
-
-    def seal(self, frame: bytes) -> bytes | None:
-        """A frame as it is to leave by this link; None if it must not."""
-
-
 class Channel:
-    """One link. guard and tap are put in by whoever signs and logs; tap sees every frame, in and out."""
+    """One link. tap is put in by whoever logs: it sees every frame, in and out, but no signature or key."""
 
     __slots__ = (
         "_budget",
@@ -43,6 +33,7 @@ class Channel:
         "_filter",
         "_finder",
         "_frames",
+        "_own",
         "_room",
         "counters",
         "encoder",
@@ -70,14 +61,21 @@ class Channel:
         self.refused = 0  # by the guard, on their way in or out
         self.faults = 0  # messages that could not be packed: a defect of ours, see the log
         self._dropped = 0
+        self._own = bytes(own)
         self._finder = FrameFinder(link.is_datagram, self.counters)
         self._chunks: deque[bytes] = deque()
         self._frames: deque[Frame] = deque()
         self._filter = Filter(policy) if policy.has_rules else None
         self._budget = Budget(policy.bytes_s) if policy.bytes_s else None
         self._room = (
-            WaitingRoom(link.send, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
+            WaitingRoom(self._leave, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
         )
+
+    def protect(self, guard: Guard) -> None:
+        """From now on frames are signed and checked as the guard says."""
+        self.guard = guard
+        if self._room is not None:
+            self._room.overhead_bytes = SIGNATURE_LENGTH
 
     @property
     def dropped(self) -> int:
@@ -113,8 +111,8 @@ class Channel:
         if self.guard is not None and not self.guard.admits(frame.data):
             self.refused += 1
             return False
-        if self.tap is not None:
-            self.tap(frame.data)
+        if self.tap is not None and (logged := loggable(frame.data)):
+            self.tap(logged)
         if self._budget is not None and frame.message_id in _RADIO_STATUS_IDS:
             payload = frame.payload
             self._budget.on_radio_status(payload[_FREE_PERCENT_AT] if len(payload) > _FREE_PERCENT_AT else 0)
@@ -152,15 +150,26 @@ class Channel:
         if self._filter is not None and not self._filter.passes(message_id, system, now_s):
             self.kept_back += 1
             return
-        if self.guard is not None:
+        if self._room is not None:
+            self._room.put(data, is_urgent, now_s)
+        elif not self._leave(data):
+            self._dropped += 1
+
+    def _leave(self, data: bytes) -> bool:
+        """Put a frame on the link; False if that does not take it now.
+
+        Our own are signed here and no earlier, because timestamps must leave in order and what waits may be
+        overtaken. What is forwarded goes as it came: who signs another's frame vouches for it.
+        """
+        frame = data
+        if self.guard is not None and data[0] == MAGIC_V2 and data[5:7] == self._own:
             sealed = self.guard.seal(data)
             if sealed is None:
                 self.refused += 1
-                return
-            data = sealed
-        if self.tap is not None:
-            self.tap(data)
-        if self._room is not None:
-            self._room.put(data, is_urgent, now_s)
-        elif not self.link.send(data):
-            self._dropped += 1
+                return True
+            frame = sealed
+        if not self.link.send(frame):
+            return False
+        if self.tap is not None and (logged := loggable(data)):
+            self.tap(logged)
+        return True

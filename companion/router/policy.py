@@ -25,13 +25,19 @@ class Policy:
         ConfigError: names the key and the message that does not exist.
     """
 
-    def __init__(self, setting: LinkConfig, key: str = "links", baud: int = 0) -> None:
-        """baud: of a serial line, which counts as a radio unless the setting says that it is none."""
+    def __init__(
+        self, setting: LinkConfig, key: str = "links", baud: int = 0, is_loopback: bool = False
+    ) -> None:
+        """baud: of a serial line, which counts as a radio unless the setting says that it is none.
+
+        is_loopback: nobody outside this machine can reach it, so a key may come over it.
+        """
         self.setting = setting
         self.name = setting.name
         self.forwards = setting.forward
         self.stream_hz = setting.stream_hz
         self.is_radio = setting.radio if setting.radio is not None else baud > 0
+        self.is_trusted = setting.trusted if setting.trusted is not None else is_loopback
         self.denied = _ids(setting.deny, f"{key}.deny")
         self.allowed = _ids(setting.allow, f"{key}.allow")
         self.min_interval_s = {

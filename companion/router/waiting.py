@@ -45,6 +45,7 @@ class WaitingRoom:
 
     def __init__(self, send: Callable[[bytes], bool], budget: Budget | None, stale_s: float) -> None:
         self.dropped = 0
+        self.overhead_bytes = 0  # what `send` adds to each frame
         self._send = send
         self._budget = budget
         self._stale_s = stale_s
@@ -85,5 +86,5 @@ class WaitingRoom:
                 return False
             queue.take()
             if budget is not None:
-                budget.spend(len(data), now_s)
+                budget.spend(len(data) + self.overhead_bytes, now_s)
         return True

@@ -5,7 +5,7 @@ and a fault in handling one is logged once for its kind and never reaches the co
 """
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
@@ -13,6 +13,7 @@ from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.params import Parameters
+from companion.router.channel import Channel
 from companion.services.commands import CommandService, from_int, from_long
 from companion.services.ftp import FtpService
 from companion.services.heartbeat import HeartbeatService
@@ -21,6 +22,8 @@ from companion.services.manual_control import ManualControlService
 from companion.services.mission import MissionService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
+from companion.services.signing import SigningService
+from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
 from companion.services.statustext import StatusTextService
 from companion.services.telemetry import MaySend, TelemetryService, always
@@ -62,6 +65,9 @@ class Endpoint:
         storage: Storage,
         may_send: MaySend = always,
         logbook: Logbook | None = None,
+        *,
+        signing: SigningStore,
+        channels: Mapping[int, Channel],
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers do not ask."""
         self.outbox = Outbox()
@@ -82,6 +88,7 @@ class Endpoint:
         self._manual = ManualControlService(vehicle)
         self._files = FtpService(self.outbox)
         self._logs = LogService(own, vehicle, self.outbox, self._texts, logbook)
+        self._signing = SigningService(own, vehicle, signing, channels, self._texts)
         self._handlers = self._dispatch_table()
 
     def _dispatch_table(self) -> dict[int, Handler]:
@@ -100,6 +107,7 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: lambda m, o, t: self._files.handle(m, o),
             dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_manual_control,
             dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
+            dialect.MAVLINK_MSG_ID_SETUP_SIGNING: self._signing.on_setup,
         }
         table.update(dict.fromkeys(_MISSION, self._missions.handle))
         table.update(dict.fromkeys(_LOGS, self._logs.handle))
@@ -115,12 +123,14 @@ class Endpoint:
 
         stream_hz: of this link, where it has a rate of its own.
         """
+        self._signing.open(channel)
         default_hz = self._parameters.config.mavlink.stream_hz
         self._telemetry.open(channel, default_hz if stream_hz is None else stream_hz)
         self.outbox.send(channel, self._heartbeat.message())
 
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has gone."""
+        self._signing.forget(channel)
         self._telemetry.forget(channel)
         self._listings.forget(channel)
         self._missions.forget(channel, now_s)
@@ -156,6 +166,7 @@ class Endpoint:
             logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
 
     def _tick(self, now: Snapshot) -> None:
+        self._signing.tick(now.now_s, now.unix_s)
         self._heartbeat.tick(now.now_s)
         self._missions.tick(now.now_s)
         self._texts.tell(self._vehicle.take_notices())

@@ -6,12 +6,12 @@ trusts (loopback, USB), addressed to us, and never while armed. It is never pass
 
 import logging
 from collections.abc import Mapping
-from typing import Protocol
 
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message
 from companion.mavlink.signing import Guard
 from companion.mavlink.signing_key import SigningKey
+from companion.router.channel import Channel
 from companion.services.outbox import Origin
 from companion.services.signing_store import SigningStore
 from companion.services.statustext import StatusTextService
@@ -25,22 +25,6 @@ _PAUSE_S = 10.0  # between two complaints, however many there are to make
 _MAX_WARNINGS = 64
 
 
-class Secured(Protocol):
-    """A channel, as far as signing goes. is_trusted: a key may come over it."""
-
-    @property
-    def name(self) -> str:
-        """For people."""
-
-    @property
-    def guard(self) -> Guard:
-        """What it asks of its frames."""
-
-    @property
-    def is_trusted(self) -> bool:
-        """Whether nobody else can listen or speak there."""
-
-
 class SigningService:
     """Takes keys, and complains of links that have none and of frames that are not signed."""
 
@@ -49,7 +33,7 @@ class SigningService:
         own: Address,
         vehicle: Vehicle,
         store: SigningStore,
-        channels: Mapping[int, Secured],
+        channels: Mapping[int, Channel],
         texts: StatusTextService,
     ) -> None:
         self.refused = 0  # keys that were not taken
@@ -64,14 +48,22 @@ class SigningService:
         self._complain_s = 0.0
 
     def open(self, channel: int) -> None:
-        """A channel has come into being. What is wrong with its signing is told once."""
-        guard, name = self._channels[channel].guard, self._channels[channel].name
-        if guard.policy == "required" and not guard.has_key:
-            self._warn_once(f"{name} asks for signatures, but there is no key: it is deaf")
-        elif guard.is_radio and guard.policy == "off":
-            self._warn_once(f"Radio {name} is not signed: anybody in reach may steer")
-        elif guard.is_radio and guard.policy == "accept":
-            self._warn_once(f"Radio {name} takes unsigned messages: anybody in reach may steer")
+        """A channel has come into being: from now on it is guarded. What is wrong with that is told once.
+
+        Raises:
+            ConfigError: its key file cannot be used, which is told at the start for all links known then.
+        """
+        opened = self._channels[channel]
+        policy, setting = opened.policy, opened.policy.setting
+        name = opened.link.name
+        if setting.signing != "off":
+            signatory = self._store.signatory(setting.key_file)
+            opened.protect(Guard(signatory, setting.signing, channel, is_radio=policy.is_radio))
+            if setting.signing == "required" and signatory.key is None:
+                self._warn_once(f"{name} asks for signatures, but there is no key: it is deaf")
+        if policy.is_radio and setting.signing != "required":
+            how = "is not signed" if setting.signing == "off" else "takes unsigned messages"
+            self._warn_once(f"Radio {name} {how}: anybody in reach may steer")
 
     def forget(self, channel: int) -> None:
         """A channel has gone."""
@@ -81,8 +73,8 @@ class SigningService:
         """Take a key, or say why not. A key of zeros takes the one that we have away."""
         if not is_named(self._own, message.target_system, message.target_component):
             return
-        secured = self._channels.get(origin.channel)
-        if secured is None or not secured.is_trusted:
+        channel = self._channels.get(origin.channel)
+        if channel is None or not channel.policy.is_trusted:
             self._refuse("this link is not trusted with keys", now_s)
         elif self._vehicle.armed:
             self._refuse("disarm first", now_s)
@@ -90,9 +82,8 @@ class SigningService:
             secret = bytes(message.secret_key)
             key = SigningKey(secret) if any(secret) else None
             self._store.change_key(key, message.initial_timestamp)
-            logger.warning(
-                "signing key %s by %d/%d on %s", "set" if key else "removed", *origin.address, secured.name
-            )
+            what = "set" if key else "removed"
+            logger.warning("signing key %s by %d/%d on %s", what, *origin.address, channel.link.name)
 
     def tick(self, now_s: float, unix_s: float) -> None:
         """Keep the timestamps going; tell what is new."""
@@ -122,13 +113,15 @@ class SigningService:
 
     def _complain(self, now_s: float) -> None:
         """Say once for each link that messages were refused there: their sender may mean well."""
-        for number, secured in self._channels.items():
-            counters = secured.guard.counters
-            if counters.refused and number not in self._complained:
+        for number, channel in self._channels.items():
+            if channel.guard is None or number in self._complained:
+                continue
+            counters = channel.guard.counters
+            if counters.refused:
                 self._complained.add(number)
                 self._complain_s = now_s + _PAUSE_S
                 why = "not signed" if counters.unsigned else "not signed with our key, or out of date"
-                self._warn(f"{secured.name}: messages refused, {why}")
+                self._warn(f"{channel.link.name}: messages refused, {why}")
                 return
 
     def _warn_once(self, text: str) -> None:

@@ -37,6 +37,7 @@ class SigningStore:
         self._saving: Saving | None = None
         self._reserved = first
         self._key_saving: Saving | None = None
+        self._is_closed = False
         self._keep_ahead()
 
     def signatory(self, key_file: str) -> Signatory:
@@ -76,8 +77,9 @@ class SigningStore:
 
     def close(self) -> None:
         """Put down where we are, before the storage is closed. May be called twice."""
-        if self.stamps.last or self.stamps.seen:
+        if not self._is_closed and (self.stamps.last or self.stamps.seen):
             self._save()
+        self._is_closed = True
 
     def _keep_ahead(self) -> None:
         if self.boat.key is None and not self._of_files:

@@ -1,0 +1,409 @@
+"""Signing in the whole boat: what an unsigned link can do, what a key does, and who may bring one."""
+
+import logging
+
+import pytest
+from boat_rig import BOAT, HOME_ITEM, OK, QGC, Peer, Rig, waypoint
+
+from companion.boat import Boat
+from companion.config import LinkConfig
+from companion.hal.interfaces import Link
+from companion.hal.memory import memory_pair
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Received
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.layout import LAYOUTS
+from companion.mavlink.signing import Guard, Signatory, SigningPolicy, Stamps, is_signed, timestamp_at
+from companion.mavlink.signing_key import SigningKey
+from companion.mavlink.transfer import Completed
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
+from companion.services.signing_store import KEY_FILE, STAMPS_FILE
+from companion.storage import MemoryStorage
+
+KEY = SigningKey.from_passphrase("correct horse")
+OTHER = SigningKey.from_passphrase("battery staple")
+NOW = timestamp_at(1.8e9)
+
+
+class SealedLink:
+    """A station's end of a link, which signs what goes out and keeps it."""
+
+    def __init__(self, link: Link, key: SigningKey | None) -> None:
+        self.sent: list[bytes] = []
+        stamps = Stamps()
+        stamps.clock = NOW
+        self._link = link
+        self._guard = Guard(Signatory(key, stamps), "accept" if key else "off", 0)
+        self.is_datagram = link.is_datagram
+        self.receive = link.receive
+
+    def send(self, data: bytes) -> bool:
+        sealed = self._guard.seal(data)
+        assert sealed is not None
+        self.sent.append(sealed)
+        return self._link.send(sealed)
+
+
+class GuardedRig(Rig):
+    """A boat with one port that asks for signatures."""
+
+    def __init__(
+        self,
+        signing: SigningPolicy,
+        key: SigningKey | None = KEY,
+        *,
+        radio: bool = False,
+        trusted: bool = False,
+        storage: MemoryStorage | None = None,
+    ) -> None:
+        self.setting = LinkConfig(url="", signing=signing, radio=radio, trusted=trusted)
+        storage = storage or MemoryStorage()
+        if key is not None:
+            storage.content[KEY_FILE] = key.reveal().hex().encode()
+        super().__init__(storage=storage)
+
+    def _build(self) -> Boat:
+        port = ConfiguredPort(self.port, Policy(self.setting))
+        boat = Boat(self.config, self.hardware, [port], self.storage)
+        self.handled: list[Message] = []
+        handle = boat.endpoint.handle
+
+        def listen(channel: int, received: Received, now_s: float) -> None:
+            self.handled.append(received.message)
+            handle(channel, received, now_s)
+
+        boat.endpoint.handle = listen  # type: ignore[method-assign]
+        return boat
+
+    def station(self, key: SigningKey | None, address: Address = QGC) -> Peer:
+        """A further station, which signs with a key, or does not sign."""
+        near, far = memory_pair("station")
+        self.port.offer(near)
+        return Peer(SealedLink(far, key), address)  # type: ignore[arg-type]
+
+    def state(self) -> tuple[object, ...]:
+        """All that no stranger may change."""
+        boat, storage = self.boat, self.storage
+        assert isinstance(storage, MemoryStorage)
+        files = {name: content for name, content in storage.content.items() if name != STAMPS_FILE}
+        return self.fingerprint(), boat.signing.boat.key, files, boat.command
+
+
+def command(number: int, *params: float) -> Message:
+    message: Message = dialect.MAVLink_command_long_message(
+        *BOAT, number, 0, *params, *[0.0] * (7 - len(params))
+    )
+    return message
+
+
+def setup_signing(key: SigningKey | None, target: Address = BOAT) -> Message:
+    secret = list(bytes(32) if key is None else key.reveal())
+    message: Message = dialect.MAVLink_setup_signing_message(*target, secret, NOW)
+    return message
+
+
+def _file_write() -> list[int]:
+    return [0, 0, 0, dialect.MAV_FTP_OPCODE_CREATEFILE, 5, 0, 0, 0, 0, 0, 0, 0, *b"x.txt", *[0] * 234]
+
+
+STATE_CHANGING: list[Message] = [
+    dialect.MAVLink_heartbeat_message(dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, 4, 3),
+    command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0),
+    command(dialect.MAV_CMD_DO_SET_MODE, 1.0, 10.0),
+    command(dialect.MAV_CMD_MISSION_START),
+    command(dialect.MAV_CMD_DO_SET_HOME, 1.0),
+    command(dialect.MAV_CMD_DO_CHANGE_SPEED, 1.0, 3.0),
+    command(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0),
+    command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 1.0),
+    command(dialect.MAV_CMD_DO_MOTOR_TEST, 1.0, 0.0, 50.0, 5.0),
+    command(dialect.MAV_CMD_PREFLIGHT_STORAGE, 2.0),
+    command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, 30.0, 1000.0),
+    dialect.MAVLink_command_int_message(
+        *BOAT, 3, dialect.MAV_CMD_DO_REPOSITION, 0, 0, -1.0, 1.0, 0.0, 0.0, 500010000, -12000000, 0.0
+    ),
+    dialect.MAVLink_set_mode_message(1, 1, 10),
+    dialect.MAVLink_request_data_stream_message(*BOAT, 0, 50, 1),
+    dialect.MAVLink_param_set_message(*BOAT, b"CRUISE_SPEED", 0.3, 9),
+    dialect.MAVLink_mission_count_message(*BOAT, 1, 0),
+    dialect.MAVLink_mission_item_int_message(
+        *BOAT, 0, 3, 16, 0, 1, 0.0, 0.0, 0.0, 0.0, 500010000, -12000000, 0.0, 0
+    ),
+    dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, 0.0, 0.0, 0.0, 0.0, 50.001, -1.2, 0.0, 0),
+    dialect.MAVLink_mission_clear_all_message(*BOAT, 255),
+    dialect.MAVLink_mission_set_current_message(*BOAT, 2),
+    dialect.MAVLink_mission_write_partial_list_message(*BOAT, 0, 1, 0),
+    dialect.MAVLink_manual_control_message(1, 1000, 1000, 1000, 1000, 0),
+    dialect.MAVLink_rc_channels_override_message(*BOAT, *[1900] * 8),
+    dialect.MAVLink_set_position_target_global_int_message(
+        0, *BOAT, 6, 0, 500010000, -12000000, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ),
+    dialect.MAVLink_set_position_target_local_ned_message(
+        0, *BOAT, 1, 0, 9.0, 9.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ),
+    dialect.MAVLink_set_attitude_target_message(0, *BOAT, 0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.5, 1.0),
+    dialect.MAVLink_set_home_position_message(
+        1, 500010000, -12000000, 0, 0.0, 0.0, 0.0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0
+    ),
+    dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, _file_write()),
+    dialect.MAVLink_log_erase_message(*BOAT),
+    dialect.MAVLink_gps_input_message(
+        0, 0, 0, 0, 0, 3, 600000000, 0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 12
+    ),
+    dialect.MAVLink_vision_position_estimate_message(0, 99.0, 99.0, 0.0, 0.0, 0.0, 0.0),
+    dialect.MAVLink_radio_status_message(1, 1, 0, 1, 1, 0, 0),
+    setup_signing(OTHER),
+    setup_signing(None),
+]
+
+
+def guarded(*, trusted: bool = False) -> GuardedRig:
+    """A boat with a mission, on a link that asks for signatures."""
+    rig = GuardedRig("required", trusted=trusted)
+    friend = rig.station(KEY)
+    rig.ready()
+    items = [HOME_ITEM, waypoint(50.0, 0.0), waypoint(50.0, 50.0)]
+    assert isinstance(rig.upload(items, peer=friend), Completed)
+    rig.run(0.1)
+    return rig
+
+
+@pytest.mark.parametrize("key", [None, OTHER], ids=["unsigned", "another key"])
+def test_a_stranger_on_a_link_that_asks_for_signatures_can_change_nothing(key: SigningKey | None) -> None:
+    rig = guarded(trusted=True)
+    stranger = rig.station(key)
+    rig.step()
+    before, handled = rig.state(), len(rig.handled)
+    routes = rig.boat.channels.router.routes.version
+    for message in STATE_CHANGING:
+        stranger.send(message)
+        rig.step(2)
+        assert rig.state() == before, message.get_type()
+    assert rig.boat.channels.router.routes.version == routes, "the way to a station was changed"
+    assert len(rig.handled) == handled, "nothing reached a service"
+    assert stranger.said("HEARTBEAT"), "but the boat can be seen"
+
+
+def test_no_message_of_the_dialect_gets_in_unsigned() -> None:
+    rig = guarded(trusted=True)
+    stranger = rig.station(None)
+    rig.step()
+    before, handled = rig.state(), len(rig.handled)
+    for layout in LAYOUTS.values():
+        for fill in (0, 1, 0x3F):
+            stranger.send(layout.unpack(bytes([fill]) * layout.size))
+        rig.receive()
+    rig.step(2)
+    assert (rig.state(), len(rig.handled)) == (before, handled)
+
+
+def test_what_was_recorded_cannot_be_played_again_by_another_link_or_after_a_restart() -> None:
+    rig = guarded()
+    friend = rig.station(KEY, Address(254, 190))
+    for message in STATE_CHANGING[:4]:
+        friend.send(message)
+    rig.step(2)
+    assert isinstance(friend.link, SealedLink)
+    recorded = list(friend.link.sent)
+    for _ in range(2):
+        handled = len(rig.handled)
+        near, far = memory_pair("replay")
+        rig.port.offer(near)
+        for frame in recorded:
+            assert far.send(frame)
+        rig.step(2)
+        assert len(rig.handled) == handled
+        rig.boat.close()
+        rig.reboot()
+        rig.step()
+
+
+def test_the_same_messages_do_change_things_when_they_are_signed() -> None:
+    rig = guarded()
+    friend = rig.station(KEY, Address(254, 190))
+    rig.step()
+    before = rig.state()
+    friend.send(dialect.MAVLink_param_set_message(*BOAT, b"CRUISE_SPEED", 0.3, 9))
+    rig.step()
+    assert rig.state() != before
+    for message in STATE_CHANGING:
+        rig.handled.clear()
+        friend.send(message)
+        rig.receive()
+        known = message.get_msgId() in rig.boat.endpoint.message_ids
+        assert [one.get_type() for one in rig.handled] == [message.get_type()] * known
+
+
+def test_a_link_that_accepts_takes_both_and_signs_what_it_says() -> None:
+    rig = GuardedRig("accept")
+    plain, friend = rig.station(None), rig.station(KEY, Address(254, 190))
+    rig.step()
+    assert rig.ask(dialect.MAV_CMD_DO_SET_MODE, 1.0, 0, peer=plain) == OK
+    assert rig.ask(dialect.MAV_CMD_DO_SET_MODE, 1.0, 4, peer=friend) == OK
+    rig.step()
+    chunks = plain.link.receive()
+    assert chunks
+    assert all(is_signed(chunk) for chunk in chunks)
+
+
+def test_our_frames_leave_in_the_order_of_their_timestamps_although_answers_overtake_telemetry() -> None:
+    rig = GuardedRig("required")
+    rig.setting = LinkConfig(url="", signing="required", max_bytes_s=2000.0)
+    rig.reboot()
+    friend = rig.station(KEY)
+    checker = Guard(Signatory(KEY, Stamps()), "required", 0)
+    rig.step()
+    frames = 0
+    for _ in range(100):
+        friend.command(dialect.MAV_CMD_REQUEST_MESSAGE, 148.0)
+        rig.step()
+        for chunk in friend.link.receive():
+            frames += 1
+            assert checker.admits(chunk)
+    assert frames > 100
+
+
+# SETUP_SIGNING
+
+
+def offered(rig: GuardedRig, message: Message, peer: Peer | None = None) -> list[str]:
+    """The texts that follow when a key is offered."""
+    peer = peer or rig.peer
+    rig.step()
+    peer.forget()
+    peer.send(message)
+    rig.run(1.2)
+    return peer.texts
+
+
+def test_a_key_is_taken_on_a_trusted_link_stored_and_used_at_once() -> None:
+    rig = GuardedRig("accept", None, trusted=True)
+    assert "Signing key stored" in offered(rig, setup_signing(KEY))
+    assert rig.boat.signing.boat.key == KEY
+    assert rig.ask(dialect.MAV_CMD_DO_SET_MODE, 1.0, 0, peer=rig.station(KEY)) == OK
+    rig.peer.link.receive()
+    rig.step(60)
+    assert all(is_signed(chunk) for chunk in rig.peer.link.receive())
+    rig.reboot()
+    assert rig.boat.signing.boat.key == KEY
+
+
+def test_a_key_that_comes_again_or_goes_is_told() -> None:
+    rig = GuardedRig("off", None, trusted=True)
+    assert "Signing key stored" in offered(rig, setup_signing(KEY))
+    assert "Signing key stored" in offered(rig, setup_signing(OTHER))
+    assert rig.boat.signing.boat.key == OTHER
+    assert "Signing key removed" in offered(rig, setup_signing(None))
+    assert rig.boat.signing.boat.key is None
+
+
+@pytest.mark.parametrize("signing", ["off", "accept", "required"])
+def test_no_key_comes_over_a_link_that_is_not_trusted(signing: SigningPolicy) -> None:
+    rig = GuardedRig(signing)
+    friend = rig.station(KEY)
+    assert "Signing key refused: this link is not trusted with keys" in offered(
+        rig, setup_signing(OTHER), friend
+    )
+    assert rig.boat.signing.boat.key == KEY
+
+
+def test_no_key_is_taken_while_armed() -> None:
+    rig = GuardedRig("off", trusted=True)
+    rig.ready()
+    assert rig.arm() == OK
+    assert "Signing key refused: disarm first" in offered(rig, setup_signing(OTHER))
+    assert rig.boat.signing.boat.key == KEY
+
+
+@pytest.mark.parametrize("target", [Address(0, 0), Address(0, 1), Address(2, 1), Address(1, 2)])
+def test_a_key_that_is_not_addressed_to_us_is_not_ours(target: Address) -> None:
+    rig = GuardedRig("off", trusted=True)
+    assert not any("key" in text for text in offered(rig, setup_signing(OTHER, target)))
+    assert rig.boat.signing.boat.key == KEY
+
+
+def test_a_key_is_never_passed_on() -> None:
+    rig = GuardedRig("off", trusted=True)
+    other_boat = rig.connect(Address(2, 1))
+    rig.step()
+    other_boat.heartbeat()
+    rig.step(2)
+    for target in (Address(0, 0), Address(2, 1), BOAT):
+        rig.peer.send(setup_signing(OTHER, target))
+    rig.peer.command(dialect.MAV_CMD_DO_SET_MODE, 1.0)
+    rig.step(3)
+    assert not other_boat.said("SETUP_SIGNING")
+
+
+def test_offers_of_keys_do_not_flood_the_operator() -> None:
+    rig = GuardedRig("off")
+    rig.step()
+    for _ in range(200):
+        rig.peer.send(setup_signing(OTHER))
+        rig.step(2)
+    rig.run(1.0)
+    assert sum("key refused" in text for text in rig.peer.texts) == 1
+
+
+def test_neither_keys_nor_signatures_are_logged(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG):
+        rig = GuardedRig("accept", None, trusted=True)
+        seen: list[bytes] = []
+        rig.step()
+        for channel in rig.boat.channels.open.values():
+            channel.tap = seen.append
+        offered(rig, setup_signing(KEY))
+        friend = rig.station(KEY)
+        rig.step(2)
+        friend.heartbeat()
+        rig.step(2)
+        for channel in rig.boat.channels.open.values():
+            channel.tap = seen.append
+        friend.heartbeat()
+        rig.step(2)
+    secret = KEY.reveal()
+    assert "signing key set by 255/190" in caplog.text
+    for told in (repr(secret), secret.hex(), str(list(secret))[1:-1]):
+        assert told not in caplog.text
+    assert seen
+    assert not any(secret in frame or is_signed(frame) for frame in seen)
+    assert any(frame[5] == 255 for frame in seen)
+
+
+# What the operator is told
+
+
+@pytest.mark.parametrize(
+    ("signing", "radio", "key", "told"),
+    [
+        ("off", True, KEY, "is not signed: anybody in reach may steer"),
+        ("accept", True, KEY, "takes unsigned messages: anybody in reach may steer"),
+        ("required", True, KEY, ""),
+        ("off", False, KEY, ""),
+        ("required", False, None, "asks for signatures, but there is no key: it is deaf"),
+    ],
+)
+def test_a_link_that_is_not_safe_is_told_of_once(
+    signing: SigningPolicy, radio: bool, key: SigningKey | None, told: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = GuardedRig(signing, key, radio=radio)
+    for _ in range(3):
+        again = rig.connect()
+        rig.run(1.1)
+    texts = [text for text in [*rig.peer.texts, *again.texts] if "steer" in text or "deaf" in text]
+    assert len(texts) == (1 if told else 0)
+    assert all(told in text for text in texts)
+    assert caplog.text.count(told) == 1 if told else "steer" not in caplog.text
+
+
+@pytest.mark.parametrize(("key", "why"), [(None, "not signed"), (OTHER, "not signed with our key")])
+def test_refused_messages_are_told_of_once(key: SigningKey | None, why: str) -> None:
+    rig = GuardedRig("required")
+    stranger = rig.station(key)
+    rig.step()
+    for _ in range(20):
+        stranger.heartbeat()
+        rig.run(1.0)
+    (text,) = [text for text in stranger.texts if "messages refused" in text]
+    assert why in text
+    assert rig.boat.channels.open[2].refused == 20
