@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from companion.geo import LatLon
+from companion.vehicle.intent import Hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +47,10 @@ class StartMission:
 
 @dataclass(frozen=True, slots=True)
 class SetCurrentItem:
-    """Make an item of the mission the current one."""
+    """Make an item of the mission the current one, None: the one that is. reset: jumps begin anew as well."""
 
-    seq: int
+    seq: int | None
+    reset: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +60,13 @@ class GoTo:
     position: LatLon
     speed_m_s: float | None = None
     change_mode: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SetPoint:
+    """Hold this in GUIDED, until it goes stale. Outside GUIDED it is refused, without a notice."""
+
+    hold: Hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +91,27 @@ class ManualInput:
     steering: float
 
 
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """Another vehicle says where it is, and how it moves over ground."""
+
+    system_id: int
+    position: LatLon
+    north_m_s: float
+    east_m_s: float
+    heading_rad: float
+
+
 Request = (
-    Arm | Disarm | ChangeMode | StartMission | SetCurrentItem | GoTo | ChangeSpeed | SetHome | ManualInput
+    Arm
+    | Disarm
+    | ChangeMode
+    | StartMission
+    | SetCurrentItem
+    | GoTo
+    | SetPoint
+    | ChangeSpeed
+    | SetHome
+    | ManualInput
+    | Sighting
 )

@@ -12,6 +12,7 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
 from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
+from companion.vehicle.places import locate
 from companion.vehicle.vehicle import Vehicle
 from sitl.lockstep import Lockstep
 from sitl.recorder import NO_LEG, Recorder
@@ -117,7 +118,7 @@ class Sailing:
         for seq, step in enumerate(lockstep.boat.vehicle.progress.mission):
             if isinstance(step, Waypoint):
                 self._leg_of_seq[seq] = len(self.planned) - 1
-                self.planned.append(self.scenario.frame.to_local(step.position))
+                self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))
 
     def _is_armable(self) -> bool:
         status = self.lockstep.station.latest.get("SYS_STATUS")

@@ -12,13 +12,11 @@ from companion.vehicle.vehicle import Vehicle
 _PERIOD_S = 1.0
 
 _BASE_MODE = {
-    Mode.MANUAL: dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
-    Mode.HOLD: 0,
-    Mode.LOITER: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
-    Mode.AUTO: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
-    Mode.RTL: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
-    Mode.GUIDED: dialect.MAV_MODE_FLAG_GUIDED_ENABLED,
-}
+    mode: dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+    if mode.is_by_hand
+    else dialect.MAV_MODE_FLAG_GUIDED_ENABLED
+    for mode in Mode
+} | {Mode.HOLD: 0}
 
 
 class HeartbeatService:

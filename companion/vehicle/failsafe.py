@@ -9,6 +9,7 @@ from enum import IntEnum
 
 from companion.config import Failsafe
 from companion.sensors.readings import BatteryReading
+from companion.vehicle.modes import Mode
 
 
 class Action(IntEnum):
@@ -21,6 +22,16 @@ class Action(IntEnum):
     SMART_RTL_OR_HOLD = 4
     DISARM = 5
     LOITER_OR_HOLD = 6
+
+
+RETREATS: dict[Action, tuple[Mode, ...]] = {
+    Action.RTL: (Mode.RTL,),
+    Action.HOLD: (),
+    Action.SMART_RTL_OR_RTL: (Mode.SMART_RTL, Mode.RTL),
+    Action.SMART_RTL_OR_HOLD: (Mode.SMART_RTL,),
+    Action.LOITER_OR_HOLD: (Mode.LOITER,),
+}
+"""The modes of an action: the first that can be entered, else HOLD."""
 
 
 @dataclass(frozen=True, slots=True)

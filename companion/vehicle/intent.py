@@ -46,4 +46,35 @@ class KeepStation(Struct, frozen=True):
     point: Point
 
 
-Intent = Stop | Drive | FollowLeg | KeepStation
+class FollowCircle(Struct, frozen=True):
+    """Sail round a point at speed_m_s over ground, and no faster than the turn allows."""
+
+    centre: Point
+    radius_m: float
+    clockwise: bool
+    speed_m_s: float
+
+
+class HoldCourse(Struct, frozen=True):
+    """Make good a course over ground, whatever the water does."""
+
+    course_rad: float
+    speed_m_s: float
+
+
+class HoldHeading(Struct, frozen=True):
+    """Point the bow there and make speed along it, negative astern; the water may set the boat aside."""
+
+    heading_rad: float
+    speed_m_s: float
+
+
+class HoldTurn(Struct, frozen=True):
+    """Turn at a rate, positive to starboard, and make speed along the bow; at rate 0 hold the heading."""
+
+    yaw_rate_rad_s: float
+    speed_m_s: float
+
+
+Hold = HoldCourse | HoldHeading | HoldTurn
+Intent = Stop | Drive | FollowLeg | KeepStation | FollowCircle | Hold

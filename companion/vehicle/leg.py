@@ -23,6 +23,10 @@ class Leg:
         self.next_end = next_end
         self.radius_m = radius_m
 
+    def turn_onto(self, next_end: Point | None) -> None:
+        """The leg after it has become another one."""
+        self.next_end, self._intent = next_end, None
+
     def has_ended(self, nav: NavState, own_radius_m: float) -> bool:
         """Whether the boat is within the radius of the end, or has passed it within twice that.
 

@@ -1,17 +1,47 @@
-"""Where the boat is in its mission: which item, which leg, what has been reached."""
+"""Where the boat is in its mission: which item, which leg, what has been reached.
+
+As in ArduPilot, the current item is one that is sailed. What is done between two of them happens as the
+second begins; behind a condition it waits, and is dropped if that leg ends first.
+"""
 
 import math
+from collections import deque
 
-from companion.config import Guidance
-from companion.geo import LocalFrame, Point
+from companion.config import BoatConfig
+from companion.geo import LatLon, LocalFrame, Point, distance_m
 from companion.state import NavState
-from companion.vehicle.intent import Intent, KeepStation
+from companion.units import wrap_pi
+from companion.vehicle.intent import HoldHeading, Intent, KeepStation
 from companion.vehicle.leg import Leg
-from companion.vehicle.mission_steps import Home, Jump, Mission, ReturnHome, SetSpeed, Wait, Waypoint
+from companion.vehicle.mission_steps import (
+    AfterDelay,
+    Condition,
+    Done,
+    GoRound,
+    HandOver,
+    Home,
+    Jump,
+    LimitHandOver,
+    Mission,
+    MoveHome,
+    ReturnHome,
+    SetSpeed,
+    Step,
+    Turn,
+    Wait,
+    Waypoint,
+    WithinDistance,
+)
+from companion.vehicle.orbit import Orbit
+from companion.vehicle.places import locate
+
+_STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
+_TURNED_RAD = math.radians(5.0)
+_TURN_LIMIT_S = 30.0  # a boat that the wind will not let turn goes on
 
 
 class MissionProgress:
-    """Steps through a mission. Positions are turned into the local frame as each leg begins."""
+    """Steps through a mission. Places are turned into the local frame as each leg begins."""
 
     def __init__(self) -> None:
         self.mission: Mission = ()
@@ -21,11 +51,18 @@ class MissionProgress:
         self.go_home = False  # the mission asked for RTL
         self.reached: list[int] = []  # sequences reached since the owner last took them
         self.speed_m_s: float | None = None  # None: cruise speed
+        self.homes: list[LatLon | None] = []  # asked for since the owner last took them; None is here
         self._leg_start: Point | None = None
-        self._hold_until_s = math.nan
+        self._begun_s = math.nan  # when the present item began to wait, turn or hand over
         self._station: Point | None = None
         self._leg: Leg | None = None
+        self._is_onward_known = False  # whether the leg knows the one after it
+        self._orbit: Orbit | None = None
+        self._turn_to_rad = 0.0
         self._jumps: dict[int, int] = {}
+        self._waiting: deque[Condition | Done] = deque()  # behind a condition, and it first
+        self._waiting_since_s = 0.0
+        self._hand_over_limit = LimitHandOver(0.0, 0.0)
 
     @property
     def is_empty(self) -> bool:
@@ -37,17 +74,36 @@ class MissionProgress:
         """The sequence number of the last item, 0 without a mission."""
         return max(len(self.mission) - 1, 0)
 
-    def replace(self, mission: Mission) -> None:
-        """Take a new mission; it starts from the beginning."""
+    @property
+    def is_handed_over(self) -> bool:
+        """Whether the mission has come to where another program steers."""
+        return not self.finished and not math.isnan(self._begun_s) and isinstance(self._step(), HandOver)
+
+    def replace(self, mission: Mission) -> bool:
+        """Take a new mission. Whether the boat goes on as if nothing had happened, which it does where all
+        items up to the one being sailed are the same; else the new mission starts from the beginning.
+        """
+        done = self.current_seq + 1
+        same = self.has_started and not self.finished and self.mission[1:done] == mission[1:done]
+        goes_on = same and done <= len(mission)
         self.mission = mission
-        self.restart()
+        if goes_on:
+            self._is_onward_known = False
+        else:
+            self.restart()
+        return goes_on
 
     def restart(self) -> None:
-        """Go back to the first item."""
-        self._jumps.clear()
+        """Go back to the first item, with all its jumps to be made again."""
+        self.forget_jumps()
         self.has_started = False
         self.speed_m_s = None
+        self._hand_over_limit = LimitHandOver(0.0, 0.0)
         self.set_current(1 if not self.is_empty else 0)
+
+    def forget_jumps(self) -> None:
+        """All jumps are to be made again."""
+        self._jumps.clear()
 
     def set_current(self, seq: int) -> bool:
         """Make an item current. False, and nothing changes, when there is no such item."""
@@ -56,6 +112,7 @@ class MissionProgress:
         self.current_seq = seq
         self.finished = False
         self.go_home = False
+        self._waiting.clear()
         self._begin_item()
         return True
 
@@ -68,98 +125,215 @@ class MissionProgress:
         reached, self.reached = self.reached, []
         return reached
 
-    def update(
-        self, nav: NavState, frame: LocalFrame, setting: Guidance, cruise_m_s: float, now_s: float
-    ) -> Intent:
+    def take_homes(self) -> list[LatLon | None]:
+        """Homes asked for since the last call."""
+        homes, self.homes = self.homes, []
+        return homes
+
+    def update(self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float) -> Intent:
         """Advance to now and say what to sail; after the last item, keeps station there."""
         self.has_started = True
         if self._leg_start is None:
             self._leg_start = nav.point
-        # More steps than there are items is a loop with nothing to sail: the rest of it waits for other ticks
-        for _ in range(len(self.mission) + 1):
+        for _ in range(min(len(self.mission) + 1, _STEPS_A_TICK)):
             if self.finished:
                 break
-            intent = self._sail_current(nav, frame, setting, cruise_m_s, now_s)
+            intent = self._advance_from_current(nav, frame, config, now_s)
             if intent is not None:
+                if self._waiting:
+                    self._do_waiting(nav, now_s)
                 return intent
         self._station = self._station or nav.point
         return KeepStation(self._station)
 
-    def _sail_current(
-        self, nav: NavState, frame: LocalFrame, setting: Guidance, cruise_m_s: float, now_s: float
+    # What is sailed: each answers the intent, or None when it is over and another item is current
+
+    def _advance_from_current(
+        self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
     ) -> Intent | None:
-        """The intent of the current item, or None when it is done and another is current."""
-        match self.mission[self.current_seq] if self.mission else Home():
+        match self._step():
             case Waypoint() as waypoint:
-                leg = self._leg or self._begin_leg(waypoint, nav, frame)
-                if math.isnan(self._hold_until_s):
-                    if not leg.has_ended(nav, setting.waypoint_radius_m):
-                        return leg.intent(self.speed_m_s or cruise_m_s)
-                    self.reached.append(self.current_seq)
-                    self._station = leg.end
-                    self._hold_until_s = now_s + waypoint.hold_s
-                if now_s < self._hold_until_s:
-                    return KeepStation(leg.end)
-                self._advance(leg.end)
+                return self._sail_to(waypoint, nav, frame, config, now_s)
+            case GoRound() as circle:
+                return self._go_round(circle, nav, frame, config)
             case Wait(hold_s):
-                if math.isnan(self._hold_until_s):
-                    self._hold_until_s = now_s + hold_s
-                self._station = self._station or nav.point
-                if now_s < self._hold_until_s:
-                    return KeepStation(self._station)
-                self.reached.append(self.current_seq)
-                self._advance(self._leg_start)
-            case SetSpeed(speed_m_s):
-                self.speed_m_s = speed_m_s or None
-                self._advance(self._leg_start)
-            case Jump(target, times):
-                self._jump(target, times)
+                return self._wait(hold_s, nav, now_s)
+            case Turn() as turn:
+                return self._turn(turn, nav, now_s)
+            case HandOver(is_on):
+                return self._hand_over(is_on, nav, now_s)
             case ReturnHome():
                 self.go_home = True
                 self.finished = True
+            case Jump(target, times):
+                self._jump(target, times)
             case Home():
+                self._advance(self._leg_start)
+            case AfterDelay() | WithinDistance() as condition:
+                if not self._waiting:
+                    self._waiting_since_s = now_s
+                self._waiting.append(condition)
+                self._advance(self._leg_start)
+            case step:
+                if self._waiting:
+                    self._waiting.append(step)
+                else:
+                    self._do(step)
                 self._advance(self._leg_start)
         return None
 
-    def _begin_leg(self, waypoint: Waypoint, nav: NavState, frame: LocalFrame) -> Leg:
-        onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
-        next_end = frame.to_local(onward.position) if onward is not None else None
-        start, end = self._leg_start or nav.point, frame.to_local(waypoint.position)
-        self._leg = Leg(start, end, next_end, waypoint.radius_m)
-        return self._leg
+    def _sail_to(
+        self, waypoint: Waypoint, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
+    ) -> Intent | None:
+        leg = self._leg
+        if leg is None:
+            start = self._leg_start or nav.point
+            leg = self._leg = Leg(start, locate(waypoint.position, frame, start), None, waypoint.radius_m)
+            self._is_onward_known = False
+        if not self._is_onward_known:
+            self._is_onward_known = True
+            onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
+            leg.turn_onto(None if onward is None else locate(onward.position, frame, leg.end))
+        if math.isnan(self._begun_s):
+            if not leg.has_ended(nav, config.guidance.waypoint_radius_m):
+                return leg.intent(self.speed_m_s or config.speed.cruise_m_s)
+            self.reached.append(self.current_seq)
+            self._station = leg.end
+            self._begun_s = now_s
+        if now_s < self._begun_s + waypoint.hold_s:
+            return KeepStation(leg.end)
+        self._leave(leg.end)
+        return None
+
+    def _go_round(
+        self, circle: GoRound, nav: NavState, frame: LocalFrame, config: BoatConfig
+    ) -> Intent | None:
+        orbit = self._orbit
+        if orbit is None:
+            centre = locate(circle.position, frame, self._leg_start or nav.point)
+            radius_m = circle.radius_m or config.modes.circle_radius_m
+            orbit = self._orbit = Orbit(centre, radius_m, circle.clockwise)
+        orbit.update(nav)
+        if orbit.turns < circle.turns:
+            return orbit.intent(self.speed_m_s or config.speed.cruise_m_s)
+        self.reached.append(self.current_seq)
+        self._leave(nav.point)
+        return None
+
+    def _wait(self, hold_s: float, nav: NavState, now_s: float) -> Intent | None:
+        if math.isnan(self._begun_s):
+            self._begun_s = now_s
+        self._station = self._station or nav.point
+        if now_s < self._begun_s + hold_s:
+            return KeepStation(self._station)
+        self.reached.append(self.current_seq)
+        self._leave(self._leg_start)
+        return None
+
+    def _turn(self, turn: Turn, nav: NavState, now_s: float) -> Intent | None:
+        if math.isnan(self._begun_s):
+            self._begun_s = now_s
+            self._turn_to_rad = wrap_pi(turn.heading_rad + (nav.heading_rad if turn.is_relative else 0.0))
+        off_rad = abs(wrap_pi(self._turn_to_rad - nav.heading_rad))
+        if off_rad > _TURNED_RAD and now_s < self._begun_s + _TURN_LIMIT_S:
+            return HoldHeading(self._turn_to_rad, 0.0)
+        self.reached.append(self.current_seq)
+        self._leave(None)
+        self._leg_start = nav.point
+        return None
+
+    def _hand_over(self, is_on: bool, nav: NavState, now_s: float) -> Intent | None:
+        if math.isnan(self._begun_s):
+            self._begun_s = now_s
+            self._station = nav.point
+        station, limit = self._station or nav.point, self._hand_over_limit
+        in_time = limit.timeout_s == 0.0 or now_s < self._begun_s + limit.timeout_s
+        is_near = limit.distance_m == 0.0 or distance_m(nav.point, station) <= limit.distance_m
+        if is_on and in_time and is_near:
+            return KeepStation(station)
+        self.reached.append(self.current_seq)
+        self._leave(None)
+        self._leg_start = nav.point
+        return None
+
+    # What is done
+
+    def _do(self, step: Done) -> None:
+        match step:
+            case SetSpeed(speed_m_s):
+                self.speed_m_s = speed_m_s or None
+            case MoveHome(position):
+                self.homes.append(position)
+            case LimitHandOver():
+                self._hand_over_limit = step
+
+    def _do_waiting(self, nav: NavState, now_s: float) -> None:
+        """Carry out what has waited, up to the next condition that does not hold yet."""
+        while self._waiting:
+            step = self._waiting[0]
+            if isinstance(step, AfterDelay):
+                if now_s < self._waiting_since_s + step.delay_s:
+                    return
+                self._waiting_since_s = now_s
+            elif isinstance(step, WithinDistance):
+                end = self._leg.end if self._leg is not None else None
+                if end is not None and distance_m(nav.point, end) > step.distance_m:
+                    return
+                self._waiting_since_s = now_s
+            else:
+                self._do(step)
+            self._waiting.popleft()
+
+    # How the mission goes on
+
+    def _step(self) -> Step:
+        return self.mission[self.current_seq] if self.current_seq < len(self.mission) else Home()
 
     def _next_waypoint(self) -> Waypoint | None:
         """The waypoint that follows without a stop between, None when the boat stops at this one."""
-        for step in self.mission[self.current_seq + 1 :]:
-            match step:
-                case Waypoint():
-                    return step
-                case SetSpeed():
-                    continue
-                case _:
+        seq, jumped = self.current_seq + 1, False
+        for _ in range(_STEPS_A_TICK):
+            if seq > self.last_seq:
+                return None
+            match self.mission[seq]:
+                case Waypoint() as waypoint:
+                    return waypoint
+                case Jump(target, times):
+                    goes = times < 0 or self._jumps.get(seq, 0) < times
+                    if goes and jumped:
+                        return None  # one jump leads to another: more than this looks ahead
+                    seq, jumped = (target, True) if goes else (seq + 1, jumped)
+                case GoRound() | Wait() | Turn() | HandOver() | ReturnHome():
                     return None
+                case _:
+                    seq += 1
         return None
 
     def _jump(self, target: int, times: int) -> None:
         done = self._jumps.get(self.current_seq, 0)
         if times < 0 or done < times:
             self._jumps[self.current_seq] = done + 1
-            start = self._leg_start
             self.current_seq = target
-            self._begin_item(start)
+            self._begin_item(self._leg_start)
         else:
             self._advance(self._leg_start)
+
+    def _leave(self, leg_start: Point | None) -> None:
+        """An item that was sailed is over; what still waits for its conditions never happens."""
+        self._waiting.clear()
+        self._advance(leg_start)
 
     def _advance(self, leg_start: Point | None) -> None:
         if self.current_seq >= self.last_seq:
             self.finished = True
+            self._waiting.clear()
             return
         self.current_seq += 1
         self._begin_item(leg_start)
 
     def _begin_item(self, leg_start: Point | None = None) -> None:
         self._leg_start = leg_start
-        self._leg = None
-        self._hold_until_s = math.nan
+        self._leg = self._orbit = None
+        self._begun_s = math.nan
         if leg_start is None:
             self._station = None

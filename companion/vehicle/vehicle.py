@@ -1,7 +1,7 @@
 """The vehicle: mode, arming, home, mission and failsafes. Requests go in, an intent comes out each tick."""
 
 from companion.config import BoatConfig
-from companion.geo import LatLon, LocalFrame, Point
+from companion.geo import LatLon, LocalFrame
 from companion.requests import (
     ACCEPTED,
     Arm,
@@ -14,18 +14,23 @@ from companion.requests import (
     Request,
     SetCurrentItem,
     SetHome,
+    SetPoint,
+    Sighting,
     StartMission,
 )
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults
-from companion.vehicle.failsafe import Action, Alarm, BatteryWatch, OperatorWatch
-from companion.vehicle.intent import Drive, Intent, KeepStation, Stop
-from companion.vehicle.leg import Leg
-from companion.vehicle.mission_progress import MissionProgress
-from companion.vehicle.mission_steps import Mission, Waypoint
+from companion.vehicle.conduct import Conduct, station_of
+from companion.vehicle.failsafe import RETREATS, Action, Alarm, BatteryWatch, OperatorWatch
+from companion.vehicle.intent import Intent, Stop
+from companion.vehicle.mission_steps import Mission
 from companion.vehicle.modes import Mode, mode_from_number
 from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.situation import Situation
+
+_STOP = Stop()
+_NOT_GUIDED = Outcome(False, "not in GUIDED")
 
 
 class Vehicle:
@@ -36,23 +41,24 @@ class Vehicle:
         self.mode = Mode.HOLD
         self.armed = False
         self.home: LatLon | None = None
-        self.progress = MissionProgress()
+        self.conduct = Conduct()
+        self.progress = self.conduct.progress
         self.operator = OperatorWatch()
         self.battery_watch = BatteryWatch()
-        self.target: LatLon | None = None  # GUIDED's
         self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
         self.nav: NavState | None = None
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
         self._home_is_chosen = False
-        self._manual = ManualInput(0.0, 0.0)
-        self._manual_s = -1e9
-        self._station: LatLon | None = None
-        self._leg: Leg | None = None  # towards the target
         self._pre_arm = PreArmReport()
-        self._notices: list[Notice] = []
+        self._notices = self.conduct.notices
         self._now_s = 0.0
+
+    @property
+    def target(self) -> LatLon | None:
+        """Where GUIDED or RTL is under way to; None once there."""
+        return self.conduct.passage.target
 
     # What the owner calls each tick
 
@@ -79,23 +85,29 @@ class Vehicle:
                 self._act_on(alarm)
         if not self.armed:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s):
-                self._notices.append(Notice(Severity.CRITICAL, f"PreArm: {fault}"))
-            return Stop()
-        nav, frame = self.nav, self.frame
+                self._tell(Severity.CRITICAL, f"PreArm: {fault}")
+            return _STOP
+        now = self._situation()
+        if now is not None and now.nav.position_age_s <= self.config.motors.estimate_timeout_s:
+            self.conduct.record(self.mode, now)
         if self.mode is Mode.MANUAL:
-            stale = self._now_s - self._manual_s > self.config.failsafe.manual_timeout_s
-            return Stop() if stale else Drive(self._manual.throttle, self._manual.steering)
-        if self.mode is Mode.HOLD or nav is None or frame is None:
-            return Stop()
+            return self.conduct.sticks.intent(self.mode, self.config, self._now_s)
+        if self.mode is Mode.HOLD or now is None:
+            return _STOP
+        intent = self.conduct.decide(self.mode, now)
         if self.mode is Mode.AUTO:
-            return self._sail_mission(nav, frame)
-        if self.mode is Mode.LOITER:
-            return KeepStation(self._station_point(nav, frame))
-        return self._sail_to_target(nav, frame)
+            for position in self.progress.take_homes():
+                self._set_home(position)
+            if self.progress.finished:
+                return self._end_mission(intent, now)
+        return intent
 
     def take_notices(self) -> list[Notice]:
         """Lines for the operator since the last call."""
-        notices, self._notices = self._notices, []
+        if not self._notices:
+            return []
+        notices = self._notices.copy()
+        self._notices.clear()
         return notices
 
     # What stations ask
@@ -103,6 +115,14 @@ class Vehicle:
     def request(self, request: Request) -> Outcome:
         """Carry out a request, at once or not at all."""
         match request:
+            case ManualInput():
+                self.conduct.sticks.take(request, self._now_s)
+                return ACCEPTED
+            case SetPoint():
+                return self._hold(request)
+            case Sighting():
+                is_lead = self.conduct.following.sight(request, self.config.follow, self._now_s)
+                return ACCEPTED if is_lead else Outcome(False, "not the one to follow")
             case Arm(force):
                 return self._arm(force)
             case Disarm(reason):
@@ -114,10 +134,8 @@ class Vehicle:
                 return self.enter(mode)
             case StartMission(first_seq):
                 return self._start_mission(first_seq)
-            case SetCurrentItem(seq):
-                if not self.progress.set_current(seq):
-                    return self._refuse(f"Mission has no item {seq} (last is {self.progress.last_seq})")
-                return ACCEPTED
+            case SetCurrentItem():
+                return self._set_current(request)
             case GoTo():
                 return self._go_to(request)
             case ChangeSpeed(speed_m_s):
@@ -128,29 +146,27 @@ class Vehicle:
                 return ACCEPTED
             case SetHome(position):
                 return self._set_home(position)
-            case ManualInput():
-                self._manual, self._manual_s = request, self._now_s
-                return ACCEPTED
 
     def take_mission(self, mission: Mission) -> None:
-        """Swap in a new mission. In AUTO the boat goes straight on to the new first item."""
-        self.progress.replace(mission)
+        """Swap in a new mission. In AUTO the boat sails on if nothing up to here has changed, else it goes
+        straight to the new first item.
+        """
+        goes_on = self.progress.replace(mission)
         if self.mode is Mode.AUTO and self.progress.is_empty:
             self.enter(Mode.LOITER, "mission cleared")
+        elif self.mode is Mode.AUTO and self.armed:
+            what = f"goes on with item {self.progress.current_seq}" if goes_on else "begins at item 1"
+            self._tell(Severity.INFO, f"New mission {what}")
 
     def enter(self, mode: Mode, why: str = "") -> Outcome:
         """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""
-        if mode.needs_position and (fault := self._position_fault()):
+        if mode.needs_position and (fault := self._position_fault() or self._mode_fault(mode)):
             return self._refuse(f"{mode.name}: {fault}")
-        if mode is Mode.AUTO and self.progress.is_empty:
-            return self._refuse("AUTO: no mission")
-        if mode is Mode.RTL and self.home is None:
-            return self._refuse("RTL: no home")
         if mode is not self.mode:
             self.mode = mode
             self.speed_m_s = None
-            self._notices.append(Notice(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}"))
-            self._begin_mode(mode)
+            self._tell(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
+            self.conduct.begin(mode, self._situation())
         return ACCEPTED
 
     def arming_faults(self) -> list[str]:
@@ -160,14 +176,15 @@ class Vehicle:
 
     def active_position(self) -> LatLon | None:
         """Where the boat is heading: the current waypoint or target, None when it steers for none."""
-        if self.mode is Mode.AUTO and self.progress.current_seq < len(self.progress.mission):
-            step = self.progress.mission[self.progress.current_seq]
-            return step.position if isinstance(step, Waypoint) else None
-        if self.mode in (Mode.GUIDED, Mode.RTL, Mode.LOITER):
-            return self.target or self._station
-        return None
+        return self.conduct.aim(self.mode)
 
     # How
+
+    def _situation(self) -> Situation | None:
+        if self.nav is None or self.frame is None:
+            return None
+        speed_m_s = self.speed_m_s or self.config.speed.cruise_m_s
+        return Situation(self.nav, self.frame, self.config, self.home, speed_m_s, self._now_s)
 
     def _position_fault(self) -> str:
         """Why the boat cannot steer by its position; empty when it can."""
@@ -176,53 +193,21 @@ class Vehicle:
         stale = self.nav.position_age_s > self.config.motors.estimate_timeout_s
         return "position is stale" if stale else ""
 
-    def _begin_mode(self, mode: Mode) -> None:
-        self._leg = None
-        here = self.frame.to_global(self.nav.point) if self.nav and self.frame else None
-        if mode is Mode.AUTO:
-            if self.progress.finished:
-                self.progress.restart()
-            self.progress.resume()
-        elif mode is Mode.RTL:
-            self.target = self.home
-        elif mode in (Mode.LOITER, Mode.GUIDED):
-            self._station, self.target = here, None
+    def _mode_fault(self, mode: Mode) -> str:
+        now = self._situation()
+        return "" if now is None or mode is self.mode else self.conduct.fault(mode, now)
 
-    def _sail_mission(self, nav: NavState, frame: LocalFrame) -> Intent:
-        cruise_m_s = self.config.speed.cruise_m_s
-        intent = self.progress.update(nav, frame, self.config.guidance, cruise_m_s, self._now_s)
-        if self.progress.finished:
-            station = intent.point if isinstance(intent, KeepStation) else nav.point
-            self._notices.append(Notice(Severity.NOTICE, "Mission complete"))
-            if self.progress.go_home:
-                self.enter(Mode.RTL, "mission item")
-                return self._sail_to_target(nav, frame)
-            if self.config.mission.done_behave == 0:
-                self.enter(Mode.HOLD, "mission complete")
-                return Stop()
-            self.enter(Mode.LOITER, "mission complete")
-            self._station = frame.to_global(station)
+    def _end_mission(self, intent: Intent, now: Situation) -> Intent:
+        self._tell(Severity.NOTICE, "Mission complete")
+        if self.progress.go_home:
+            self.enter(Mode.RTL, "mission item")
+            return self.conduct.decide(self.mode, now)
+        if self.config.mission.done_behave == 0:
+            self.enter(Mode.HOLD, "mission complete")
+            return _STOP
+        self.enter(Mode.LOITER, "mission complete")
+        self.conduct.passage.stay(station_of(intent, now))
         return intent
-
-    def _sail_to_target(self, nav: NavState, frame: LocalFrame) -> Intent:
-        """GUIDED and RTL: sail to the target, then keep station there."""
-        if self.target is None:
-            return KeepStation(self._station_point(nav, frame))
-        if self._leg is None:
-            self._leg = Leg(nav.point, frame.to_local(self.target))
-        if self._leg.has_ended(nav, self.config.guidance.waypoint_radius_m):
-            self._station, self.target = self.target, None
-            self._notices.append(Notice(Severity.INFO, f"{self.mode.name}: arrived"))
-            return KeepStation(self._leg.end)
-        speed_m_s = self.speed_m_s or self.config.speed.cruise_m_s
-        if self.mode is Mode.RTL:
-            speed_m_s = self.config.mission.rtl_speed_m_s or speed_m_s
-        return self._leg.intent(speed_m_s)
-
-    def _station_point(self, nav: NavState, frame: LocalFrame) -> Point:
-        if self._station is None:
-            self._station = frame.to_global(nav.point)
-        return frame.to_local(self._station)
 
     def _arm(self, force: bool) -> Outcome:
         if self.armed:
@@ -230,20 +215,22 @@ class Vehicle:
         faults = [] if force else self.arming_faults()
         if faults:
             for fault in faults:
-                self._notices.append(Notice(Severity.CRITICAL, f"Arm: {fault}"))
+                self._tell(Severity.CRITICAL, f"Arm: {fault}")
             return Outcome(False, faults[0])
         self.armed = True
-        if not self._home_is_chosen and self.nav and self.frame:
-            self.home = self.frame.to_global(self.nav.point)
-        self._manual_s = -1e9
-        self._begin_mode(self.mode)
-        self._notices.append(Notice(Severity.INFO, "Armed"))
+        now = self._situation()
+        if not self._home_is_chosen and now is not None:
+            self.home = now.here
+        self.conduct.sticks.release()
+        self.conduct.trail.begin(None if self._position_fault() or self.nav is None else self.nav.point)
+        self.conduct.begin(self.mode, now)
+        self._tell(Severity.INFO, "Armed")
         return ACCEPTED
 
     def _disarm(self, reason: str) -> Outcome:
         if self.armed:
             self.armed = False
-            self._notices.append(Notice(Severity.INFO, f"Disarmed {reason}"))
+            self._tell(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 
     def _start_mission(self, first_seq: int | None) -> Outcome:
@@ -251,8 +238,17 @@ class Vehicle:
             return self._refuse(f"Mission has no item {first_seq} (last is {self.progress.last_seq})")
         return self.enter(Mode.AUTO)
 
+    def _set_current(self, request: SetCurrentItem) -> Outcome:
+        seq = self.progress.current_seq if request.seq is None else request.seq
+        is_named_or_over = request.seq is not None or self.progress.finished
+        if is_named_or_over and not self.progress.set_current(seq):
+            return self._refuse(f"Mission has no item {seq} (last is {self.progress.last_seq})")
+        if request.reset:
+            self.progress.forget_jumps()
+        return ACCEPTED
+
     def _go_to(self, request: GoTo) -> Outcome:
-        if self.mode is not Mode.GUIDED:
+        if not self.conduct.is_guided(self.mode):
             if not request.change_mode:
                 return self._refuse("Go to: not in GUIDED")
             outcome = self.enter(Mode.GUIDED)
@@ -260,34 +256,38 @@ class Vehicle:
                 return outcome
         if request.speed_m_s is not None:
             self.speed_m_s = request.speed_m_s
-        self.target, self._leg = request.position, None
+        self.conduct.go(request.position)
+        return ACCEPTED
+
+    def _hold(self, set_point: SetPoint) -> Outcome:
+        if not self.conduct.is_guided(self.mode):
+            return _NOT_GUIDED
+        self.conduct.hold(set_point, self._now_s)
         return ACCEPTED
 
     def _set_home(self, position: LatLon | None) -> Outcome:
         if position is None:
-            if self.nav is None or self.frame is None:
+            now = self._situation()
+            if now is None:
                 return self._refuse("Home: no position yet")
-            position = self.frame.to_global(self.nav.point)
+            position = now.here
         self.home, self._home_is_chosen = position, True
         return ACCEPTED
 
+    def _tell(self, severity: int, text: str) -> None:
+        self._notices.append(Notice(severity, text))
+
     def _refuse(self, reason: str) -> Outcome:
-        self._notices.append(Notice(Severity.WARNING, reason))
+        self._tell(Severity.WARNING, reason)
         return Outcome(False, reason)
 
     def _act_on(self, alarm: Alarm) -> None:
-        self._notices.append(Notice(Severity.CRITICAL, f"Failsafe: {alarm.text}"))
+        self._tell(Severity.CRITICAL, f"Failsafe: {alarm.text}")
         if alarm.action is Action.DISARM:
             self._disarm("by failsafe")
-        elif not self.armed or self.mode is Mode.HOLD:
+        elif not self.armed or self.mode is Mode.HOLD or alarm.action is Action.NONE:
             return
-        elif alarm.action in (Action.RTL, Action.SMART_RTL_OR_RTL):
-            self._retreat(Mode.RTL)
-        elif alarm.action in (Action.HOLD, Action.SMART_RTL_OR_HOLD):
-            self._retreat(Mode.HOLD)
-        elif alarm.action is Action.LOITER_OR_HOLD and self.mode is not Mode.RTL:
-            self._retreat(Mode.LOITER)  # a boat on its way home goes on
-
-    def _retreat(self, mode: Mode) -> None:
-        if not self.enter(mode, "failsafe").accepted:
+        elif alarm.action is Action.LOITER_OR_HOLD and self.mode in (Mode.RTL, Mode.SMART_RTL):
+            return  # a boat on its way home goes on
+        elif not any(self.enter(mode, "failsafe").accepted for mode in RETREATS[alarm.action]):
             self.enter(Mode.HOLD, "failsafe")

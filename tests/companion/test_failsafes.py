@@ -85,8 +85,8 @@ def lose_operator(vehicle: Vehicle) -> list[str]:
         (Action.NONE, Mode.GUIDED),
         (Action.RTL, Mode.RTL),
         (Action.HOLD, Mode.HOLD),
-        (Action.SMART_RTL_OR_RTL, Mode.RTL),
-        (Action.SMART_RTL_OR_HOLD, Mode.HOLD),
+        (Action.SMART_RTL_OR_RTL, Mode.SMART_RTL),
+        (Action.SMART_RTL_OR_HOLD, Mode.SMART_RTL),
         (Action.LOITER_OR_HOLD, Mode.LOITER),
     ],
 )
@@ -95,6 +95,16 @@ def test_each_action_puts_the_boat_into_its_mode(action: Action, mode: Mode) -> 
     texts = lose_operator(vehicle)
     assert texts[0] == "Failsafe: Operator lost for 5 s"
     assert (vehicle.mode, vehicle.armed) == (mode, True)
+
+
+@pytest.mark.parametrize(
+    ("action", "mode"), [(Action.SMART_RTL_OR_RTL, Mode.RTL), (Action.SMART_RTL_OR_HOLD, Mode.HOLD)]
+)
+def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Action, mode: Mode) -> None:
+    vehicle = armed_vehicle(Mode.GUIDED, action)
+    vehicle.conduct.trail.is_lost = True
+    lose_operator(vehicle)
+    assert vehicle.mode is mode
 
 
 @pytest.mark.parametrize("mode", [Mode.GUIDED, Mode.HOLD])

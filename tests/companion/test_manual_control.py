@@ -30,7 +30,7 @@ def rig() -> Rig:
 
 def taken(rig: Rig) -> ManualInput:
     rig.receive()
-    return rig.boat.vehicle._manual
+    return rig.boat.vehicle.conduct.sticks.latest
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,15 @@ from boat_rig import FRAME, nav_at, place
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import Guidance
+from companion.config import BoatConfig
 from companion.vehicle.intent import FollowLeg, Intent, KeepStation
 from companion.vehicle.mission_progress import MissionProgress
 from companion.vehicle.mission_steps import Home, Jump, Mission, ReturnHome, SetSpeed, Step, Wait, Waypoint
 
 A, B, C = Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)), Waypoint(place(0.0, 50.0))
 PLACES = {"A": (50.0, 0.0), "B": (50.0, 50.0), "C": (0.0, 50.0)}
-CRUISE_M_S = 2.0
+CONFIG = BoatConfig()
+CRUISE_M_S = CONFIG.speed.cruise_m_s
 
 
 def begun(*steps: Step) -> MissionProgress:
@@ -22,7 +23,7 @@ def begun(*steps: Step) -> MissionProgress:
 
 
 def at(progress: MissionProgress, north_m: float, east_m: float, now_s: float = 0.0) -> Intent:
-    return progress.update(nav_at(north_m, east_m), FRAME, Guidance(), CRUISE_M_S, now_s)
+    return progress.update(nav_at(north_m, east_m), FRAME, CONFIG, now_s)
 
 
 def leg_at(progress: MissionProgress, north_m: float, east_m: float, now_s: float = 0.0) -> FollowLeg:

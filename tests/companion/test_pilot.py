@@ -92,7 +92,10 @@ def test_a_new_station_forgets_the_old_ones_line() -> None:
     assert _demand(pilot, KeepStation(here), still).heading_rad == pytest.approx(0.7)
     turned = replace(still, heading_rad=-1.0)
     assert _demand(pilot, KeepStation(here), turned).heading_rad == pytest.approx(0.7)
-    assert _demand(pilot, KeepStation(Point(0.1, 0.0)), turned).heading_rad == pytest.approx(-1.0)
+    nearly_the_same = KeepStation(Point(0.1, 0.0))
+    assert _demand(pilot, nearly_the_same, turned).heading_rad == pytest.approx(0.7)
+    there = replace(turned, north_m=5.0)
+    assert _demand(pilot, KeepStation(Point(5.0, 0.0)), there).heading_rad == pytest.approx(-1.0)
     pilot.update(Stop(), turned, CONFIG, DT)
     assert _demand(pilot, KeepStation(here), turned).heading_rad == pytest.approx(-1.0)
 

@@ -12,6 +12,7 @@ from companion.requests import (
     ManualInput,
     SetCurrentItem,
     SetHome,
+    Sighting,
     StartMission,
 )
 from companion.state import NavState
@@ -46,15 +47,21 @@ def texts(vehicle: Vehicle) -> list[str]:
 def test_the_boats_modes_have_rovers_numbers() -> None:
     assert {mode.name: mode.value for mode in Mode} == {
         "MANUAL": 0,
+        "ACRO": 1,
+        "STEERING": 3,
         "HOLD": 4,
         "LOITER": 5,
+        "FOLLOW": 6,
+        "SIMPLE": 7,
+        "CIRCLE": 9,
         "AUTO": 10,
         "RTL": 11,
+        "SMART_RTL": 12,
         "GUIDED": 15,
     }
 
 
-@pytest.mark.parametrize("number", [1, 3, 6, 7, 8, 9, 12, 16, -1, 2**31])
+@pytest.mark.parametrize("number", [2, 8, 13, 14, 16, -1, 2**31])
 def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number: int) -> None:
     assert mode_from_number(number) is None
     vehicle = vehicle_at()
@@ -68,12 +75,15 @@ def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number
 def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     vehicle = vehicle_at()
     vehicle.take_mission(MISSION)
+    vehicle.request(Arm())
+    vehicle.request(Disarm())
+    vehicle.request(Sighting(2, place(20.0, 0.0), 1.0, 0.0, 0.0))
     assert vehicle.request(ChangeMode(mode)).accepted
     vehicle.request(ManualInput(1.0, 0.0))
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
 
-@pytest.mark.parametrize("mode", [Mode.LOITER, Mode.AUTO, Mode.RTL, Mode.GUIDED])
+@pytest.mark.parametrize("mode", [mode for mode in Mode if mode not in (Mode.MANUAL, Mode.HOLD)])
 def test_a_mode_that_steers_by_position_is_refused_without_one(mode: Mode) -> None:
     vehicle = Vehicle(BoatConfig())
     vehicle.take_mission(MISSION)

@@ -1,0 +1,170 @@
+"""What the boat does in each mode: whether it can, how it begins, and what it sails now."""
+
+import math
+
+from companion.geo import LatLon
+from companion.requests import SetPoint
+from companion.vehicle.following import Following
+from companion.vehicle.intent import Intent, KeepStation, Stop
+from companion.vehicle.mission_progress import MissionProgress
+from companion.vehicle.mission_steps import GoRound, Waypoint
+from companion.vehicle.modes import Mode
+from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.orbit import Orbit, ahead_of
+from companion.vehicle.passage import Passage
+from companion.vehicle.situation import Situation
+from companion.vehicle.sticks import Sticks
+from companion.vehicle.trail import Trail
+from companion.vehicle.way_back import WayBack
+
+_STOP = Stop()
+
+
+class Conduct:
+    """The modes' memories. Says what there is to say to the operator in `notices`, which the owner takes."""
+
+    def __init__(self) -> None:
+        self.progress = MissionProgress()
+        self.sticks = Sticks()
+        self.passage = Passage()
+        self.trail = Trail()
+        self.following = Following()
+        self.notices: list[Notice] = []
+        self._way_back = WayBack(self.trail)
+        self._orbit: Orbit | None = None
+        self._set_point: SetPoint | None = None
+        self._set_point_s = -math.inf
+        self._lost_lead = False
+
+    def fault(self, mode: Mode, now: Situation) -> str:
+        """What a mode that steers by the position lacks; empty when it can be entered."""
+        if mode is Mode.AUTO and self.progress.is_empty:
+            return "no mission"
+        if mode is Mode.RTL and now.home is None:
+            return "no home"
+        if mode is Mode.SMART_RTL:
+            if self.trail.is_lost:
+                return f"the track is longer than SRTL_POINTS {now.config.modes.trail_points}"
+            return "" if self.trail.points else "no track, the boat was not armed"
+        if mode is Mode.FOLLOW:
+            return self.following.fault(now.nav, now.frame, now.config.follow, now.now_s)
+        return ""
+
+    def begin(self, mode: Mode, now: Situation | None) -> None:
+        """A mode begins, or the boat is armed in it."""
+        self._set_point = None
+        here = None if now is None else now.here
+        if mode.is_by_hand:
+            self.sticks.begin(None if now is None else now.nav)
+        elif mode is Mode.AUTO:
+            if self.progress.finished:
+                self.progress.restart()
+            self.progress.resume()
+        elif mode is Mode.RTL:
+            self.passage.go(None if now is None else now.home)
+        elif mode is Mode.SMART_RTL:
+            self._way_back.begin()
+        elif mode is Mode.CIRCLE:
+            self._orbit = None
+        else:
+            self._lost_lead = False
+            self.passage.stay(here)
+
+    def record(self, mode: Mode, now: Situation) -> None:
+        """Keep the way back in mind. To be called every tick of an armed boat that knows where it is."""
+        if mode is Mode.SMART_RTL:
+            self.trail.rest(now.nav.point)
+        else:
+            modes = now.config.modes
+            self.trail.add(now.nav.point, modes.trail_accuracy_m, modes.trail_points)
+
+    def decide(self, mode: Mode, now: Situation) -> Intent:
+        """What to sail now, in any mode that steers by the position."""
+        match mode:
+            case Mode.AUTO:
+                intent = self.progress.update(now.nav, now.frame, now.config, now.now_s)
+                return self._guided(now) if self.progress.is_handed_over else intent
+            case Mode.GUIDED:
+                return self._guided(now)
+            case Mode.RTL:
+                return self._sail(mode, now, now.config.mission.rtl_speed_m_s or now.speed_m_s)
+            case Mode.SMART_RTL:
+                return self._sail_back(now)
+            case Mode.CIRCLE:
+                return self._circle(now)
+            case Mode.FOLLOW:
+                return self._follow(now)
+            case Mode.LOITER:
+                return self._sail(mode, now, now.speed_m_s)
+        return self.sticks.intent(mode, now.config, now.now_s) if mode.is_by_hand else _STOP
+
+    def is_guided(self, mode: Mode) -> bool:
+        """Whether another program may steer by set-points."""
+        return mode is Mode.GUIDED or (mode is Mode.AUTO and self.progress.is_handed_over)
+
+    def go(self, to: LatLon) -> None:
+        """GUIDED: sail there."""
+        self._set_point = None
+        self.passage.go(to)
+
+    def hold(self, set_point: SetPoint, now_s: float) -> None:
+        """GUIDED: hold this until it goes stale."""
+        self._set_point, self._set_point_s = set_point, now_s
+
+    def aim(self, mode: Mode) -> LatLon | None:
+        """Where the boat is heading: the current waypoint or target, None when it steers for none."""
+        if mode is Mode.AUTO and self.progress.current_seq < len(self.progress.mission):
+            step = self.progress.mission[self.progress.current_seq]
+            is_place = isinstance(step, Waypoint | GoRound) and isinstance(step.position, LatLon)
+            return step.position if is_place else None  # type: ignore[union-attr,return-value]
+        if mode in (Mode.GUIDED, Mode.RTL, Mode.LOITER):
+            return self.passage.target or self.passage.station
+        return None
+
+    def _guided(self, now: Situation) -> Intent:
+        if self._set_point is not None:
+            if now.now_s - self._set_point_s <= now.config.modes.set_point_timeout_s:
+                return self._set_point.hold
+            self._set_point = None
+            self.passage.stay(now.here)
+            self.notices.append(Notice(Severity.WARNING, "GUIDED: set-point is stale, keeping station"))
+        return self._sail(Mode.GUIDED, now, now.speed_m_s)
+
+    def _sail(self, mode: Mode, now: Situation, speed_m_s: float) -> Intent:
+        """To the target, then keep station there."""
+        target = self.passage.target
+        intent = self.passage.update(now.nav, now.frame, now.config.guidance.waypoint_radius_m, speed_m_s)
+        if target is not None and self.passage.target is None:
+            self.notices.append(Notice(Severity.INFO, f"{mode.name}: arrived"))
+        return intent
+
+    def _sail_back(self, now: Situation) -> Intent:
+        arrived = self._way_back.arrived
+        speed_m_s = now.config.mission.rtl_speed_m_s or now.speed_m_s
+        intent = self._way_back.update(now.nav, now.config.guidance.waypoint_radius_m, speed_m_s)
+        if self._way_back.arrived and not arrived:
+            self.notices.append(Notice(Severity.INFO, "SMART_RTL: arrived"))
+        return intent
+
+    def _circle(self, now: Situation) -> Intent:
+        modes = now.config.modes
+        if self._orbit is None:
+            centre = ahead_of(now.nav, modes.circle_radius_m)
+            self._orbit = Orbit(centre, modes.circle_radius_m, modes.circle_direction == 0)
+        return self._orbit.intent(modes.circle_speed_m_s or now.speed_m_s)
+
+    def _follow(self, now: Situation) -> Intent:
+        fault = self.following.fault(now.nav, now.frame, now.config.follow, now.now_s)
+        if fault:
+            if not self._lost_lead:
+                self._lost_lead = True
+                self.passage.stay(now.here)
+                self.notices.append(Notice(Severity.WARNING, f"FOLLOW: {fault}, keeping station"))
+            return self._sail(Mode.FOLLOW, now, now.speed_m_s)
+        self._lost_lead = False
+        return self.following.intent(now.nav, now.frame, now.config, now.speed_m_s, now.now_s)
+
+
+def station_of(intent: Intent, now: Situation) -> LatLon:
+    """Where an intent keeps station, else where the boat is."""
+    return now.frame.to_global(intent.point) if isinstance(intent, KeepStation) else now.here
