@@ -181,6 +181,31 @@ class Battery(Section, frozen=True):
     empty_v: Positive = 9.9
 
 
+class Trim(Section, frozen=True):
+    """What is taken out of the heading sensor's readings; stations measure it (see docs/ground-stations.md)."""
+
+    heading_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0  # added
+    gyro_bias_rad_s: Annotated[float, Meta(ge=-0.2, le=0.2)] = 0.0  # subtracted
+
+
+class External(Section, frozen=True):
+    """Position, heading and obstacles over MAVLink: GPS_INPUT, VISION_POSITION_ESTIMATE, ODOMETRY,
+    OBSTACLE_DISTANCE, DISTANCE_SENSOR.
+
+    position, heading: 0 never, 1 while the boat's own part is silent, 2 before it. Local poses are measured
+    from the origin (0, 0: as SET_GPS_GLOBAL_ORIGIN says, else where the boat's own frame lies); north_rad is
+    where their x axis points, clockwise from true north.
+    """
+
+    position: Annotated[int, Meta(ge=0, le=2)] = 0
+    heading: Annotated[int, Meta(ge=0, le=2)] = 0
+    obstacles: bool = False
+    timeout_s: Positive = 1.5  # either source is silent after this
+    origin_lat_deg: Annotated[float, Meta(ge=-90.0, le=90.0)] = 0.0
+    origin_lon_deg: Annotated[float, Meta(ge=-180.0, le=180.0)] = 0.0
+    north_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0
+
+
 class Mavlink(Section, frozen=True):
     """Timers of the protocol machines. They run on the boat's clock."""
 
@@ -198,6 +223,7 @@ class Storage(Section, frozen=True):
 
     folder: str = ""
     status_file: str = ""
+    files_mb: NonNegative = 64.0  # what stations may leave in `files` altogether; 0: they may only read
 
 
 class Log(Section, frozen=True):
@@ -290,6 +316,8 @@ class BoatConfig(Section, frozen=True):
     failsafe: Failsafe = Failsafe()
     arming: Arming = Arming()
     battery: Battery = Battery()
+    trim: Trim = Trim()
+    external: External = External()
     mavlink: Mavlink = Mavlink()
     storage: Storage = Storage()
     log: Log = Log()

@@ -100,6 +100,13 @@ class Parameters:
         self._save()
         return [reason for reason in reasons if reason]
 
+    def reset(self) -> None:
+        """Go back to the defaults, and keep that."""
+        for row, default in zip(self.rows, self._defaults, strict=True):
+            if not row.read_only and self.value(row) != default:
+                self._change(row.name, default)
+        self._save()
+
     def take_fault(self) -> str:
         """Why a change of late could not be kept; empty when none has failed. To be asked now and then."""
         if not self._savings or not self._savings[0].is_done():

@@ -4,7 +4,8 @@ from msgspec import Struct
 
 from companion.config import BoatConfig
 from companion.geo import LocalFrame
-from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.sensors.sweep import Sweep
 from companion.state import Demand, MotorCommand, NavState, PidOutput
 from companion.vehicle.vehicle import Vehicle
 
@@ -27,6 +28,9 @@ class Snapshot(Struct, frozen=True):
     consumed_mah: float
     load: float
     speed_pid: PidOutput | None = None
+    heading: HeadingReading | None = None  # as the part gave it
+    sweep: Sweep | None = None  # what the rangers have seen around
+    free_memory_bytes: int = 0  # of the boat's computer, 0 while not known
 
     @property
     def boot_ms(self) -> int:

@@ -1,0 +1,16 @@
+"""What is known to be wrong with the heading sensor, taken out of its readings."""
+
+from companion.config import Trim
+from companion.sensors.readings import HeadingReading
+
+
+def trimmed(reading: HeadingReading | None, trim: Trim) -> HeadingReading | None:
+    """The reading with the compass turned by its trim and the gyro freed of its bias."""
+    if reading is None or (trim.heading_rad == 0.0 and trim.gyro_bias_rad_s == 0.0):
+        return reading
+    rate = reading.yaw_rate_rad_s
+    return HeadingReading(
+        reading.time_s,
+        reading.heading_rad + trim.heading_rad,
+        None if rate is None else rate - trim.gyro_bias_rad_s,
+    )
