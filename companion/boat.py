@@ -66,6 +66,7 @@ class Boat:
         if logbook is not None:
             logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
         self.channels.wanted = self.endpoint.message_ids
+        self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
         self.pilot = Pilot()
         self.helm = Helm()
@@ -129,6 +130,7 @@ class Boat:
     def close(self) -> None:
         """Motors off first, then everything else. May be called twice."""
         self._hardware.close()
+        self.endpoint.close()
         self.channels.close()
         self.signing.close()
         if self._logbook is not None:

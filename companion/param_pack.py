@@ -1,7 +1,7 @@
 """The packed parameter file `@PARAM/param.pck`: all parameters in a few blocks of a file transfer.
 
-Format after the MAVLink guide, "Parameters over MAVLink FTP". A header of three 16-bit numbers (magic, entries in
-this file, all parameters there are; in an upload the file's length in bytes instead), then an entry each:
+Format after the MAVLink guide, "Parameters over MAVLink FTP". A header of three 16-bit numbers (magic,
+entries that follow, parameters that there are; in an upload the file's length instead), then an entry each:
 
     type and flags | shared and new length of the name | new part of the name | value | default
 

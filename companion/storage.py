@@ -94,6 +94,11 @@ class FolderStorage:
         except OSError as error:
             raise StorageError(f"{folder}: cannot be used to store missions: {error.strerror}") from None
 
+    @property
+    def folder(self) -> Path:
+        """Where it all is."""
+        return self._folder
+
     def load(self, name: str) -> bytes:
         """The content last saved under this name, empty when there is none."""
         try:

@@ -20,6 +20,7 @@ from companion.router.waiting import WaitingRoom
 logger = logging.getLogger(__name__)
 
 _RADIO_STATUS_IDS = (dialect.MAVLINK_MSG_ID_RADIO_STATUS, dialect.MAVLINK_MSG_ID_RADIO)
+_UNLIMITED_BYTES = 1 << 30
 _FREE_PERCENT_AT = 6  # txbuf, behind two counters of errors and two signal strengths
 
 
@@ -121,6 +122,12 @@ class Channel:
     def may_send(self, now_s: float) -> bool:
         """Whether telemetry would go out at once; on a link without a limit, always."""
         return self._room is None or self._room.may_send(now_s)
+
+    def room_bytes(self, now_s: float) -> int:
+        """How much of a list or a file may go out now: on a line with a budget, a frame at a time."""
+        if not self.may_send(now_s):
+            return 0
+        return _UNLIMITED_BYTES if self._budget is None else 1
 
     def send(self, message: Message, now_s: float = 0.0) -> None:
         """Send one message of our own, or drop it whole. Never raises."""

@@ -115,6 +115,11 @@ class Channels:
         channel = self.open.get(number)
         return channel is not None and channel.may_send(now_s)
 
+    def room_bytes(self, number: int) -> int:
+        """How much of a list or a file a channel takes now; 0 where there is no such channel."""
+        channel = self.open.get(number)
+        return 0 if channel is None else channel.room_bytes(self._now_s)
+
     def filenos(self) -> list[int]:
         """Descriptors that become readable when there is something to do."""
         numbers = [port.fileno() for port in self._ports]

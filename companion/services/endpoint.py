@@ -16,6 +16,7 @@ from companion.params import Parameters
 from companion.router.channel import Channel
 from companion.services.commands import CommandService, from_int, from_long
 from companion.services.ftp import FtpService
+from companion.services.ftp_mounts import build_tree, open_worker
 from companion.services.heartbeat import HeartbeatService
 from companion.services.logs import LogService
 from companion.services.manual_control import ManualControlService
@@ -27,7 +28,7 @@ from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
 from companion.services.statustext import StatusTextService
 from companion.services.telemetry import MaySend, TelemetryService, always
-from companion.storage import Storage
+from companion.storage import FolderStorage, Storage
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
@@ -86,7 +87,9 @@ class Endpoint:
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle)
-        self._files = FtpService(self.outbox)
+        folder = storage.folder if isinstance(storage, FolderStorage) else None
+        tree = build_tree(parameters, self._listings, folder, parameters.config.storage.files_mb)
+        self._files = FtpService(own, self.outbox, tree, open_worker(folder))
         self._logs = LogService(own, vehicle, self.outbox, self._texts, logbook)
         self._signing = SigningService(own, vehicle, signing, channels, self._texts)
         self._handlers = self._dispatch_table()
@@ -104,7 +107,7 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: (
                 lambda m, o, t: telemetry.on_request_data_stream(m, o.channel, t)
             ),
-            dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: lambda m, o, t: self._files.handle(m, o),
+            dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: self._files.handle,
             dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_manual_control,
             dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
             dialect.MAVLINK_MSG_ID_SETUP_SIGNING: self._signing.on_setup,
@@ -133,12 +136,17 @@ class Endpoint:
         self._signing.forget(channel)
         self._telemetry.forget(channel)
         self._listings.forget(channel)
+        self._files.forget(channel)
         self._missions.forget(channel, now_s)
         self._logs.forget(channel)
 
     def mission_items(self) -> tuple[MissionItem, ...]:
         """The mission that the boat holds."""
         return self._missions.items(MissionType.MISSION)
+
+    def close(self) -> None:
+        """Let go of files and of the thread that waits for them. May be called twice."""
+        self._files.close()
 
     def handle(self, channel: int, received: Received, now_s: float) -> None:
         """Hand one message to its service. Never raises."""
@@ -171,6 +179,7 @@ class Endpoint:
         self._missions.tick(now.now_s)
         self._texts.tell(self._vehicle.take_notices())
         self._listings.tick()
+        self._files.tick(now.now_s)
         self._logs.tick(now.now_s, now.load)
         self._telemetry.tick(now)
 

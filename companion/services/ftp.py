@@ -1,39 +1,165 @@
-"""FILE_TRANSFER_PROTOCOL: this boat has no files to hand out yet, and says so at once.
+"""FILE_TRANSFER_PROTOCOL: the boat's files for stations, after the MAVLink guide, "File Transfer Protocol".
 
-A station that asks for the parameters as a file would wait many seconds in silence; refused, it goes on with
-the parameter list. Frames after the MAVLink guide, "MAVLink FTP Protocol: Payload Format".
+Theory of operation. Virtual files are answered at once. What may wait for a disk is done by a worker, and
+answered when the worker is done; meanwhile the request is not begun again. A file that is written lives in
+memory until its session is closed, then replaces the old one whole; a session that breaks off leaves the old.
+A request that comes again, because its answer was lost, gets the same answer and is not carried out twice.
+
+Stations share what a tick has room for: requests beyond that are not answered, and will come again.
 """
 
-import struct
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any, NamedTuple
 
+from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
+from companion.services.ftp_bursts import Bursts
+from companion.services.ftp_frames import Opcode, Refusal, Request, nak, parse_request
+from companion.services.ftp_operations import Operations, Reply
+from companion.services.ftp_sessions import Session, Station, Stations
+from companion.services.ftp_tree import FileTree, refusal_of
 from companion.services.outbox import Origin, Outbox
 
-_HEADER = struct.Struct(
-    "<HBBBBBBI"
-)  # sequence, session, opcode, size, request's opcode, burst end, pad, offset
-_PAYLOAD_BYTES = 251
+_FRAME_BYTES = 280
+REQUESTS_PER_TICK = 96  # of all stations together
+_MAX_JOBS = 64
+_EXPIRY_PERIOD_S = 1.0
+
+# Carried out anew when they are repeated: they change nothing, and their answers are the same
+_READS = frozenset(
+    (Opcode.NONE, Opcode.LIST_DIRECTORY, Opcode.READ_FILE, Opcode.BURST_READ_FILE, Opcode.CALC_FILE_CRC32)
+)
+_OPENS = frozenset((Opcode.OPEN_FILE_RO, Opcode.OPEN_FILE_WO, Opcode.CREATE_FILE))
+
+
+class _Job(NamedTuple):
+    """What the worker does for a request, and how its result becomes the reply."""
+
+    station: Station
+    request: Request
+    future: "Future[Any]"
+    then: Callable[[Any], bytes]
+
+    def reply(self) -> bytes:
+        """Once the work is done. Raises what the work did."""
+        return self.then(self.future.result(timeout=0))
 
 
 class FtpService:
-    """Refuses every request: a file that is to be opened is not found, anything else is not known."""
+    """Serves a tree of files. The worker is shut down with the service."""
 
-    def __init__(self, outbox: Outbox) -> None:
+    def __init__(self, own: Address, outbox: Outbox, tree: FileTree, worker: Executor) -> None:
+        self.dropped = 0  # requests beyond what a tick or a table holds
+        self._own = own
         self._outbox = outbox
+        self._worker = worker
+        self._stations = Stations()
+        self._bursts = Bursts(self._stations, worker, self._post_block, outbox.has_room)
+        self._operations = Operations(
+            tree,
+            self._stations,
+            self._later,
+            self._let_go,
+            lambda station, request, session: self._bursts.begin(station, request, session, self._now_s),
+        )
+        self._jobs: deque[_Job] = deque()
+        self._requests_left = REQUESTS_PER_TICK
+        self._now_s = 0.0
+        self._expire_at_s = 0.0
 
-    def handle(self, message: Message, origin: Origin) -> None:
-        """Answer a request; a reply that came to us by mistake is not answered."""
-        sequence, session, opcode = struct.unpack_from("<HBB", bytes(message.payload))
-        if opcode in (dialect.MAV_FTP_OPCODE_ACK, dialect.MAV_FTP_OPCODE_NAK):
+    def handle(self, message: Message, origin: Origin, now_s: float) -> None:
+        """Take one request; what is none, or for somebody else, is passed over."""
+        self._now_s = now_s
+        request = parse_request(bytes(message.payload))
+        if request is None or not is_named(self._own, message.target_system, message.target_component):
             return
-        is_open = opcode in (dialect.MAV_FTP_OPCODE_OPENFILERO, dialect.MAV_FTP_OPCODE_OPENFILEWO)
-        error = dialect.MAV_FTP_ERR_FILENOTFOUND if is_open else dialect.MAV_FTP_ERR_UNKNOWNCOMMAND
-        header = _HEADER.pack(
-            (sequence + 1) & 0xFFFF, session, dialect.MAV_FTP_OPCODE_NAK, 1, opcode, 0, 0, 0
-        )
-        payload = (header + bytes([error])).ljust(_PAYLOAD_BYTES, b"\x00")
-        address = origin.address
-        self._outbox.send(
-            origin.channel,
-            dialect.MAVLink_file_transfer_protocol_message(0, address.system, address.component, payload),
-        )
+        is_full = self._requests_left <= 0 or len(self._jobs) >= _MAX_JOBS
+        station = None if is_full else self._stations.get(origin)
+        if station is None:
+            self.dropped += 1
+            return
+        self._requests_left -= 1
+        if request.raw in station.waiting:
+            return  # its answer is being worked on
+        if (reply := station.repeated(request, now_s)) is not None:
+            self._post(station, reply)
+            return
+        self._answer(station, request, lambda: self._operations.carry_out(station, request, now_s))
+
+    def tick(self, now_s: float) -> None:
+        """Answer what the worker has done, go on with bursts, close what nobody uses."""
+        self._now_s = now_s
+        self._requests_left = REQUESTS_PER_TICK
+        while self._jobs and self._jobs[0].future.done():
+            job = self._jobs.popleft()
+            job.station.waiting.discard(job.request.raw)
+            self._answer(job.station, job.request, job.reply)
+        if not self._stations:
+            return
+        self._bursts.tick(now_s)
+        if now_s >= self._expire_at_s:
+            self._expire_at_s = now_s + _EXPIRY_PERIOD_S
+            self._let_go(self._stations.expire(now_s))
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone, and with it what was open on it."""
+        self._let_go(self._stations.forget(channel))
+
+    def close(self) -> None:
+        """Close every file and let the worker end. May be called twice."""
+        for channel in {station.origin.channel for station in self._stations}:
+            self.forget(channel)
+        self._worker.shutdown(wait=True)
+
+    def _answer(self, station: Station, request: Request, carry_out: Callable[[], Reply]) -> None:
+        """Send the reply, if it is there already, and keep it for a repeat."""
+        opened = None
+        try:
+            reply = carry_out()
+            if reply is not None and request.opcode in _OPENS:
+                opened = reply[2]
+        except Refusal as refusal:
+            reply = nak(request, refusal)
+        except OSError as error:
+            reply = nak(request, refusal_of(error))
+        if reply is None:
+            return
+        if request.opcode not in _READS:
+            station.remember(request, reply, self._now_s, opened)
+        self._post(station, reply)
+
+    def _later(
+        self,
+        station: Station,
+        request: Request,
+        on_disk: bool,
+        work: Callable[[], Any],
+        then: Callable[[Any], bytes],
+    ) -> Reply:
+        """Do what may wait for a disk on the worker, anything else now."""
+        if not on_disk:
+            return then(work())
+        job = _Job(station, request, self._worker.submit(work), then)
+        if job.future.done():
+            return job.reply()
+        station.waiting.add(request.raw)
+        self._jobs.append(job)
+        return None
+
+    def _let_go(self, sessions: list[Session]) -> None:
+        for session in sessions:
+            if session.upload is None:
+                self._worker.submit(session.reading.close)
+
+    def _post(self, station: Station, payload: bytes) -> None:
+        self._outbox.send(station.origin.channel, _message(station, payload))
+
+    def _post_block(self, station: Station, payload: bytes) -> None:
+        self._outbox.send_bulk(station.origin.channel, _message(station, payload), _FRAME_BYTES)
+
+
+def _message(station: Station, payload: bytes) -> Message:
+    address = station.origin.address
+    return dialect.MAVLink_file_transfer_protocol_message(0, address.system, address.component, payload)

@@ -3,12 +3,16 @@
 from collections import deque
 
 from companion.mavlink.dialect import Message, dialect
+from companion.param_pack import PackError, unpack_upload
 from companion.params import Parameters
+from companion.services.ftp_frames import Code, Refusal
 from companion.services.outbox import Origin, Outbox
 from companion.services.statustext import StatusTextService
 from companion.vehicle.notice import Notice, Severity
 
-_LIST_PER_TICK = 10  # 500 a second at 50 Hz: a second's worth of a slow radio is never queued at once
+_LIST_PER_TICK = 100  # where the line is fast; a slow one takes what it has room for
+_VALUE_BYTES = 37  # a PARAM_VALUE on the line
+_NAMED_REASONS = 3  # of a refused file; the others are only counted
 
 
 class ParameterService:
@@ -19,10 +23,12 @@ class ParameterService:
         self._outbox = outbox
         self._texts = texts
         self._listing: dict[int, deque[int]] = {}  # by channel: the indexes still to send
+        self._left = _LIST_PER_TICK  # how many of all lists may still go out before the next tick
 
     def on_request_list(self, origin: Origin) -> None:
         """PARAM_REQUEST_LIST: (re)start the list on the channel it came from."""
         self._listing[origin.channel] = deque(range(len(self._parameters.rows)))
+        self._go_on(origin.channel)
 
     def on_request_read(self, message: Message, origin: Origin) -> None:
         """PARAM_REQUEST_READ by index, or by name when the index is −1. What does not exist is not answered:
@@ -43,6 +49,28 @@ class ParameterService:
         if index is not None:
             self._outbox.broadcast(self._value(index))
 
+    def take_file(self, file: bytes) -> None:
+        """A packed file sets many at once; everyone hears the values that have changed.
+
+        Raises:
+            Refusal: it is no such file; nothing has been changed.
+        """
+        try:
+            values = unpack_upload(file)
+        except PackError as error:
+            self._texts.tell([Notice(Severity.WARNING, f"Parameter file refused: {error}")])
+            raise Refusal(Code.FAIL) from None
+        rows = self._parameters.rows
+        before = [self._parameters.value(row) for row in rows]
+        reasons = self._parameters.set_many(values)
+        for index, row in enumerate(rows):
+            if self._parameters.value(row) != before[index]:
+                self._outbox.broadcast(self._value(index))
+        told = reasons[:_NAMED_REASONS]
+        if len(reasons) > len(told):
+            told.append(f"{len(reasons) - len(told)} more parameters refused")
+        self._texts.tell([Notice(Severity.WARNING, reason) for reason in told])
+
     def forget(self, channel: int) -> None:
         """A channel has closed."""
         self._listing.pop(channel, None)
@@ -51,12 +79,18 @@ class ParameterService:
         """Go on with the lists under way, and say so when a change could not be kept."""
         if fault := self._parameters.take_fault():
             self._texts.tell([Notice(Severity.ERROR, f"Parameters not stored: {fault}")])
+        self._left = _LIST_PER_TICK
         for channel in list(self._listing):
-            queue = self._listing[channel]
-            for _ in range(min(_LIST_PER_TICK, len(queue))):
-                self._outbox.send(channel, self._value(queue.popleft()))
-            if not queue:
-                del self._listing[channel]
+            self._go_on(channel)
+
+    def _go_on(self, channel: int) -> None:
+        """Send of a list what the line has room for now."""
+        queue = self._listing[channel]
+        while queue and self._left > 0 and self._outbox.has_room(channel):
+            self._left -= 1
+            self._outbox.send_bulk(channel, self._value(queue.popleft()), _VALUE_BYTES)
+        if not queue:
+            del self._listing[channel]
 
     def _value(self, index: int) -> Message:
         row = self._parameters.rows[index]

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 
 from companion.mavlink.dialect import Message, dialect
+from companion.services import component_metadata as metadata
 from companion.services import motion_messages as motion
 from companion.services import status_messages as status
 from companion.services.outbox import Outbox
@@ -22,6 +23,8 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
     _ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION: status.autopilot_version,
     _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
+    metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
+    metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
     _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
     _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),

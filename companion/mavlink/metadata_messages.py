@@ -1,0 +1,94 @@
+"""Two messages of MAVLink's common set that the generated dialect leaves out, in the generated form."""
+
+import struct
+from typing import Any
+
+from pymavlink.dialects.v20 import all as generated
+
+Base: Any = generated.MAVLink_message
+
+
+class _Message(Base):  # type: ignore[misc]
+    def pack(self, mav: Any, force_mavlink1: bool = False) -> bytes:  # noqa: ANN401
+        types = dict(zip(self.fieldnames, self.fieldtypes, strict=True))
+        names = (f"_{name}_raw" if types[name] == "char" else name for name in self.ordered_fieldnames)
+        payload = self.unpacker.pack(*(getattr(self, name) for name in names))
+        frame: bytes = self._pack(mav, self.crc_extra, payload, force_mavlink1=force_mavlink1)
+        return frame
+
+
+class ComponentMetadata(_Message):
+    """COMPONENT_METADATA: where a component's general metadata file is, and its CRC-32."""
+
+    id = 397
+    msgname = "COMPONENT_METADATA"
+    fieldnames = ordered_fieldnames = ("time_boot_ms", "file_crc", "uri")
+    fieldtypes = ("uint32_t", "uint32_t", "char")
+    native_format = b"<IIc"
+    orders = (0, 1, 2)
+    lengths = (1, 1, 1)
+    array_lengths = (0, 0, 100)
+    crc_extra = 182
+    unpacker = struct.Struct("<II100s")
+
+    def __init__(self, time_boot_ms: int, file_crc: int, uri: bytes) -> None:
+        super().__init__(self.id, self.msgname)
+        self._fieldnames = self.fieldnames
+        self.time_boot_ms = time_boot_ms
+        self.file_crc = file_crc
+        self._uri_raw = uri
+        self.uri = _text(uri)
+
+
+class ComponentInformation(_Message):
+    """COMPONENT_INFORMATION: the older form, with a second file about peripherals."""
+
+    id = 395
+    msgname = "COMPONENT_INFORMATION"
+    fieldnames = (
+        "time_boot_ms",
+        "general_metadata_file_crc",
+        "general_metadata_uri",
+        "peripherals_metadata_file_crc",
+        "peripherals_metadata_uri",
+    )
+    ordered_fieldnames = (
+        "time_boot_ms",
+        "general_metadata_file_crc",
+        "peripherals_metadata_file_crc",
+        "general_metadata_uri",
+        "peripherals_metadata_uri",
+    )
+    fieldtypes = ("uint32_t", "uint32_t", "char", "uint32_t", "char")
+    native_format = b"<IIIcc"
+    orders = (0, 1, 3, 2, 4)
+    lengths = (1, 1, 1, 1, 1)
+    array_lengths = (0, 0, 0, 100, 100)
+    crc_extra = 0
+    unpacker = struct.Struct("<III100s100s")
+
+    def __init__(
+        self,
+        time_boot_ms: int,
+        general_metadata_file_crc: int,
+        general_metadata_uri: bytes,
+        peripherals_metadata_file_crc: int,
+        peripherals_metadata_uri: bytes,
+    ) -> None:
+        super().__init__(self.id, self.msgname)
+        self._fieldnames = self.fieldnames
+        self.time_boot_ms = time_boot_ms
+        self.general_metadata_file_crc = general_metadata_file_crc
+        self._general_metadata_uri_raw = general_metadata_uri
+        self.general_metadata_uri = _text(general_metadata_uri)
+        self.peripherals_metadata_file_crc = peripherals_metadata_file_crc
+        self._peripherals_metadata_uri_raw = peripherals_metadata_uri
+        self.peripherals_metadata_uri = _text(peripherals_metadata_uri)
+
+
+def _text(raw: bytes) -> str:
+    return raw.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+
+
+for _message_type in (ComponentMetadata, ComponentInformation):
+    generated.mavlink_map.setdefault(_message_type.id, _message_type)

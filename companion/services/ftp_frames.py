@@ -1,0 +1,125 @@
+"""The requests and replies that FILE_TRANSFER_PROTOCOL carries in its payload.
+
+After the MAVLink guide, "File Transfer Protocol": twelve bytes of header, then up to 239 of data.
+"""
+
+import struct
+from enum import IntEnum
+from typing import NamedTuple
+
+from companion.mavlink.dialect import dialect
+
+DATA_BYTES = 239
+PAYLOAD_BYTES = 251
+# sequence, session, opcode, size, request's opcode, burst complete, padding, offset
+_HEADER = struct.Struct("<HBBBBBBI")
+_ACK: int = dialect.MAV_FTP_OPCODE_ACK
+_NAK: int = dialect.MAV_FTP_OPCODE_NAK
+
+
+class Opcode(IntEnum):
+    """What a station may ask for."""
+
+    NONE = 0
+    TERMINATE_SESSION = 1
+    RESET_SESSIONS = 2
+    LIST_DIRECTORY = 3
+    OPEN_FILE_RO = 4
+    READ_FILE = 5
+    CREATE_FILE = 6
+    WRITE_FILE = 7
+    REMOVE_FILE = 8
+    CREATE_DIRECTORY = 9
+    REMOVE_DIRECTORY = 10
+    OPEN_FILE_WO = 11
+    TRUNCATE_FILE = 12
+    RENAME = 13
+    CALC_FILE_CRC32 = 14
+    BURST_READ_FILE = 15
+
+
+class Code(IntEnum):
+    """Why a request was refused."""
+
+    FAIL = 1
+    FAIL_ERRNO = 2
+    INVALID_DATA_SIZE = 3
+    INVALID_SESSION = 4
+    NO_SESSIONS_AVAILABLE = 5
+    END_OF_FILE = 6
+    UNKNOWN_COMMAND = 7
+    FILE_EXISTS = 8
+    FILE_PROTECTED = 9
+    FILE_NOT_FOUND = 10
+
+
+class Refusal(Exception):  # noqa: N818
+    """A request that is answered with a NAK. number: the system's errno, where code is FAIL_ERRNO."""
+
+    def __init__(self, code: Code, number: int = 0) -> None:
+        super().__init__(code.name)
+        self.code = code
+        self.number = number
+
+
+class Request(NamedTuple):
+    """What a station asks. opcode is any number; raw is the request as it came, for telling repeats."""
+
+    sequence: int
+    session: int
+    opcode: int
+    size: int
+    offset: int
+    data: bytes
+    raw: bytes
+
+
+def parse_request(payload: bytes) -> Request | None:
+    """A payload as a request. None for a reply, which is never answered, and for one that is too short."""
+    if len(payload) < _HEADER.size:
+        return None
+    sequence, session, opcode, size, _, _, _, offset = _HEADER.unpack_from(payload)
+    if opcode >= _ACK:
+        return None
+    end = _HEADER.size + min(size, DATA_BYTES)
+    return Request(sequence, session, opcode, size, offset, payload[_HEADER.size : end], payload[:end])
+
+
+def ack(
+    request: Request,
+    data: bytes = b"",
+    *,
+    session: int | None = None,
+    offset: int | None = None,
+    sequence: int | None = None,
+    is_burst_over: bool = False,
+) -> bytes:
+    """The payload of a reply that a request was carried out. What is not given is the request's own."""
+    return _HEADER.pack(
+        (request.sequence + 1 if sequence is None else sequence) & 0xFFFF,
+        request.session if session is None else session,
+        _ACK,
+        len(data),
+        request.opcode,
+        is_burst_over,
+        0,
+        request.offset if offset is None else offset,
+    ) + data.ljust(DATA_BYTES, b"\x00")
+
+
+def nak(
+    request: Request, refusal: Refusal, *, offset: int | None = None, sequence: int | None = None
+) -> bytes:
+    """The payload of a reply that a request was refused."""
+    is_numbered = refusal.code is Code.FAIL_ERRNO
+    data = bytes((refusal.code, refusal.number & 0xFF)) if is_numbered else bytes((refusal.code,))
+    return _HEADER.pack(
+        (request.sequence + 1 if sequence is None else sequence) & 0xFFFF,
+        request.session,
+        _NAK,
+        len(data),
+        request.opcode,
+        refusal.code is Code.END_OF_FILE and request.opcode == Opcode.BURST_READ_FILE,
+        0,
+        request.offset if offset is None else offset,
+    ) + data.ljust(DATA_BYTES, b"\x00")

@@ -1,0 +1,105 @@
+"""What the boat says of itself, held to the schemas of the MAVLink project, which are written out here."""
+
+import json
+import re
+import struct
+
+import pytest
+from boat_rig import BOAT, OK, Rig
+from ftp_client import Served
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.params_table import ROWS
+from companion.services.ftp_frames import Opcode
+
+TYPES = {"Uint8", "Int8", "Uint16", "Int16", "Uint32", "Int32", "Float"}
+KEYS = {
+    "name", "type", "shortDesc", "longDesc", "units", "default", "decimalPlaces", "min", "max", "increment",
+    "rebootRequired", "group", "category", "volatile", "values", "bitmask",
+}  # fmt: skip
+REQUEST_MESSAGE = 512
+
+
+def general(served: Served) -> dict[str, object]:
+    tree: dict[str, object] = json.loads(served.get(b"/metadata/general.json"))
+    return tree
+
+
+def test_the_general_file_leads_to_the_parameters_with_their_checksum() -> None:
+    served = Served()
+    tree = general(served)
+    assert set(tree) <= {"version", "vendorName", "modelName", "firmwareVersion", "metadataTypes"}
+    assert tree["version"] == 1
+    assert re.fullmatch(r"\d+\.\d+\.\d+(\.\d+)?", str(tree["firmwareVersion"]))
+    assert tree["metadataTypes"] == [
+        {"type": 1, "uri": "mftp:///metadata/parameters.json", "fileCrc": crc(served, "parameters.json")}
+    ]
+
+
+def crc(served: Served, name: str) -> int:
+    data = served.ask(Opcode.CALC_FILE_CRC32, f"/metadata/{name}".encode()).data
+    return int(struct.unpack("<I", data)[0])
+
+
+def test_every_parameter_is_described_as_the_schema_allows() -> None:
+    tree = json.loads(Served().get(b"/metadata/parameters.json"))
+    assert (set(tree), tree["version"]) == ({"version", "parameters"}, 2)
+    assert [entry["name"] for entry in tree["parameters"]] == [row.name for row in ROWS]
+    for entry, row in zip(tree["parameters"], ROWS, strict=True):
+        assert set(entry) <= KEYS
+        assert entry["type"] in TYPES
+        assert re.fullmatch(r"[.\-a-zA-Z0-9_{}]{1,16}", entry["name"])
+        assert entry["shortDesc"] == row.text
+        assert entry.get("units", "") == row.unit
+        assert entry["min"] <= entry["default"] <= entry["max"], entry
+        if row.read_only:
+            assert entry["min"] == entry["max"]
+            assert entry["category"] == "Constant"
+
+
+def test_numbers_are_as_people_write_them() -> None:
+    tree = json.loads(Served().get(b"/metadata/parameters.json"))
+    entries = {entry["name"]: entry for entry in tree["parameters"]}
+    assert entries["HDG_KI"]["default"] == 0.15
+    assert entries["SYSID_THISMAV"]["default"] == 1
+    assert entries["HDG_KI"]["group"] == "HDG"
+    assert entries["RC1_MIN"]["group"] == "RC"
+
+
+@pytest.mark.parametrize("number", [395, 397])
+def test_a_station_that_asks_is_led_to_the_general_file(number: int) -> None:
+    rig = Rig()
+    rig.step()
+    assert rig.ask(REQUEST_MESSAGE, number) == OK
+    if number == 397:
+        (answer,) = rig.peer.said("COMPONENT_METADATA")
+        uri, checksum = answer.uri, answer.file_crc
+    else:
+        (answer,) = rig.peer.said("COMPONENT_INFORMATION")
+        uri, checksum = answer.general_metadata_uri, answer.general_metadata_file_crc
+        assert (answer.peripherals_metadata_uri.strip("\0"), answer.peripherals_metadata_file_crc) == ("", 0)
+    assert uri.rstrip("\0") == "mftp:///metadata/general.json"
+    assert checksum == crc(Served(), "general.json")
+
+
+def test_the_boat_says_that_it_has_files() -> None:
+    rig = Rig()
+    rig.step()
+    assert rig.ask(REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION) == OK
+    (version,) = rig.peer.said("AUTOPILOT_VERSION")
+    assert version.capabilities & dialect.MAV_PROTOCOL_CAPABILITY_FTP
+
+
+def test_the_whole_way_over_frames_ends_with_the_parameters() -> None:
+    rig = Rig()
+    rig.step()
+    path = b"/metadata/parameters.json"
+    payload = struct.pack("<HBBBBBBI", 1, 0, Opcode.OPEN_FILE_RO, len(path), 0, 0, 0, 0) + path
+    answer = rig.answer_to(
+        dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, payload.ljust(251, b"\0")),
+        "FILE_TRANSFER_PROTOCOL",
+    )
+    _, _, opcode, size, *_ = struct.unpack_from("<HBBBBBBI", bytes(answer.payload))
+    assert (opcode, size) == (128, 4)
+    length = struct.unpack_from("<I", bytes(answer.payload), 12)[0]
+    assert length == len(Served().get(b"/metadata/parameters.json"))

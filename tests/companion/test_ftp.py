@@ -1,0 +1,565 @@
+"""The file server, request by request."""
+
+import os
+import struct
+import zlib
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ftp_client import ACK, BOAT, STATION, Served, reply_of, request_of
+from hypothesis import given
+from hypothesis import strategies as st
+from pymavlink.mavftp import MAVFTP
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import dialect
+from companion.params_table import ROWS
+from companion.services.ftp import REQUESTS_PER_TICK
+from companion.services.ftp_bursts import BLOCKS_PER_TICK
+from companion.services.ftp_frames import Code, Opcode
+from companion.services.ftp_sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES
+from companion.services.outbox import Origin
+
+TEXT = bytes(range(256)) * 5  # five blocks and a bit, zeros among them
+
+
+PATHS = [b"/files/a", b"/files", b"@PARAM/param.pck", b"", b"/files/a\0/files/b", b"\xff/.."]
+
+
+class Slow(Executor):
+    """A worker that does nothing until it is told to."""
+
+    def __init__(self) -> None:
+        self.waiting: list[tuple[Future[Any], Any]] = []
+        self.is_shut = False
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
+        future: Future[Any] = Future()
+        self.waiting.append((future, lambda: fn(*args, **kwargs)))
+        return future
+
+    def work(self) -> None:
+        waiting, self.waiting = self.waiting, []
+        for future, job in waiting:
+            try:
+                future.set_result(job())
+            except Exception as error:
+                future.set_exception(error)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        self.work()
+        self.is_shut = True
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Served:
+    return Served(tmp_path)
+
+
+def test_a_file_that_is_put_comes_back_and_lies_in_the_folder(served: Served, tmp_path: Path) -> None:
+    assert served.put(b"/files/a.bin", TEXT).opcode == ACK
+    assert (tmp_path / "files" / "a.bin").read_bytes() == TEXT
+    assert served.get(b"/files/a.bin") == TEXT
+    assert served.get(b"files//./a.bin\0") == TEXT
+
+
+def test_nothing_is_left_beside_a_file_that_was_put(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/a.bin", TEXT)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["a.bin", "files"]
+
+
+def test_the_old_file_stays_until_the_session_is_closed(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/a.bin", b"old")
+    session = served.ask(Opcode.CREATE_FILE, b"/files/a.bin").session
+    served.ask(Opcode.WRITE_FILE, b"new", session)
+    assert (tmp_path / "files" / "a.bin").read_bytes() == b"old"
+    served.ask(Opcode.TERMINATE_SESSION, session=session)
+    assert (tmp_path / "files" / "a.bin").read_bytes() == b"new"
+
+
+@pytest.mark.parametrize("how", ["link gone", "idle"])
+def test_an_upload_that_breaks_off_leaves_the_old_file(served: Served, tmp_path: Path, how: str) -> None:
+    served.put(b"/files/a.bin", b"old")
+    session = served.ask(Opcode.CREATE_FILE, b"/files/a.bin").session
+    served.ask(Opcode.WRITE_FILE, b"new", session)
+    if how == "idle":
+        served.tick(IDLE_S + 1.0)
+    else:
+        served.service.forget(STATION.channel)
+    assert served.ask(Opcode.WRITE_FILE, b"more", session).code is Code.INVALID_SESSION
+    assert (tmp_path / "files" / "a.bin").read_bytes() == b"old"
+
+
+def test_reset_keeps_what_was_written_and_not_what_was_only_begun(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/begun", b"old")
+    written = served.ask(Opcode.CREATE_FILE, b"/files/written", session=1).session
+    served.ask(Opcode.WRITE_FILE, b"new", written)
+    served.ask(Opcode.CREATE_FILE, b"/files/begun", session=2)
+    assert served.ask(Opcode.RESET_SESSIONS).opcode == ACK
+    assert (tmp_path / "files" / "written").read_bytes() == b"new"
+    assert (tmp_path / "files" / "begun").read_bytes() == b"old"
+    assert served.ask(Opcode.WRITE_FILE, b"x", written).code is Code.INVALID_SESSION
+
+
+def test_write_only_keeps_what_is_there(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/a", b"abcdef")
+    session = served.ask(Opcode.OPEN_FILE_WO, b"/files/a").session
+    served.ask(Opcode.WRITE_FILE, b"XY", session, offset=2)
+    served.ask(Opcode.WRITE_FILE, b"!", session, offset=8)
+    served.ask(Opcode.TERMINATE_SESSION, session=session)
+    assert (tmp_path / "files" / "a").read_bytes() == b"abXYef\0\0!"
+
+
+def test_the_root_lists_its_folders_and_these_their_files(served: Served) -> None:
+    assert served.list(b"/") == served.list(b"") == ["D@PARAM", "D@SYS", "Dfiles", "Dlogs", "Dmetadata"]
+    assert served.list(b"/files") == []
+    served.put(b"/files/a.txt", b"12345")
+    served.ask(Opcode.CREATE_DIRECTORY, b"/files/sub")
+    assert served.list(b"/files") == ["Fa.txt\t5", "Dsub"]
+    assert served.list(b"/@PARAM")[0].startswith("Fparam.pck\t")
+
+
+def test_a_long_list_comes_in_pages_whatever_the_names(served: Served, tmp_path: Path) -> None:
+    names = [f"{'long' * 10}-{number:03d}.txt" for number in range(100)]
+    for name in names:
+        (tmp_path / "files" / name).touch()
+    assert served.list(b"/files") == [f"F{name}\t0" for name in names]
+
+
+def test_a_link_is_listed_as_nothing_to_be_had(served: Served, tmp_path: Path) -> None:
+    (tmp_path / "files" / "link").symlink_to("/etc/passwd")
+    (tmp_path / "files" / "real").touch()
+    assert served.list(b"/files") == ["S", "Freal\t0"]
+
+
+def test_logs_are_read_only_and_have_an_alias(served: Served, tmp_path: Path) -> None:
+    assert served.list(b"/logs") == []
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "00001.bin").write_bytes(TEXT)
+    assert served.list(b"@LOGS") == served.list(b"/logs") == [f"F00001.bin\t{len(TEXT)}"]
+    assert served.get(b"@LOGS/00001.bin") == TEXT
+    for opcode in (Opcode.CREATE_FILE, Opcode.OPEN_FILE_WO, Opcode.REMOVE_FILE, Opcode.TRUNCATE_FILE):
+        assert served.ask(opcode, b"/logs/00001.bin").code is Code.FILE_PROTECTED
+    assert served.ask(Opcode.RENAME, b"/logs/00001.bin\0/files/x").code is Code.FILE_PROTECTED
+    assert (tmp_path / "logs" / "00001.bin").read_bytes() == TEXT
+
+
+def test_files_and_folders_are_made_renamed_cut_and_removed(served: Served, tmp_path: Path) -> None:
+    files = tmp_path / "files"
+    assert served.ask(Opcode.CREATE_DIRECTORY, b"/files/sub").opcode == ACK
+    served.put(b"/files/a", TEXT)
+    assert served.ask(Opcode.RENAME, b"/files/a\0/files/sub/b").opcode == ACK
+    assert served.ask(Opcode.TRUNCATE_FILE, b"/files/sub/b", offset=7).opcode == ACK
+    assert (files / "sub" / "b").read_bytes() == TEXT[:7]
+    assert served.ask(Opcode.REMOVE_FILE, b"/files/sub/b").opcode == ACK
+    assert served.ask(Opcode.REMOVE_DIRECTORY, b"/files/sub").opcode == ACK
+    assert list(files.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("opcode", "data", "code"),
+    [
+        (Opcode.OPEN_FILE_RO, b"/files/none", Code.FILE_NOT_FOUND),
+        (Opcode.OPEN_FILE_RO, b"/files", Code.FILE_NOT_FOUND),
+        (Opcode.OPEN_FILE_RO, b"/none", Code.FILE_NOT_FOUND),
+        (Opcode.OPEN_FILE_RO, b"/", Code.FILE_PROTECTED),
+        (Opcode.OPEN_FILE_RO, b"@PARAM/other", Code.FILE_NOT_FOUND),
+        (Opcode.OPEN_FILE_RO, b"@PARAM/param.pck?start=9999", Code.FAIL_ERRNO),
+        (Opcode.LIST_DIRECTORY, b"/files/none", Code.FILE_NOT_FOUND),
+        (Opcode.CREATE_FILE, b"/files/none/a", Code.FILE_NOT_FOUND),
+        (Opcode.CREATE_FILE, b"/a", Code.FILE_NOT_FOUND),
+        (Opcode.CREATE_FILE, b"/files", Code.FILE_PROTECTED),
+        (Opcode.CREATE_FILE, b"/metadata/general.json", Code.FILE_PROTECTED),
+        (Opcode.REMOVE_FILE, b"/files/none", Code.FILE_NOT_FOUND),
+        (Opcode.CREATE_DIRECTORY, b"/files/full", Code.FILE_EXISTS),
+        (Opcode.REMOVE_DIRECTORY, b"/files/full", Code.FAIL_ERRNO),
+        (Opcode.REMOVE_DIRECTORY, b"/files", Code.FILE_PROTECTED),
+        (Opcode.RENAME, b"/files/full\0/files/there", Code.FILE_EXISTS),
+        (Opcode.RENAME, b"/files/none\0/files/x", Code.FILE_NOT_FOUND),
+        (Opcode.RENAME, b"/files/there", Code.FILE_PROTECTED),
+        (Opcode.TRUNCATE_FILE, b"/files/none", Code.FILE_NOT_FOUND),
+        (Opcode.CALC_FILE_CRC32, b"/files/none", Code.FILE_NOT_FOUND),
+        (Opcode.READ_FILE, b"", Code.INVALID_SESSION),
+        (Opcode.BURST_READ_FILE, b"", Code.INVALID_SESSION),
+        (Opcode.WRITE_FILE, b"x", Code.INVALID_SESSION),
+        (Opcode.TERMINATE_SESSION, b"", Code.INVALID_SESSION),
+        (16, b"/files", Code.UNKNOWN_COMMAND),
+        (127, b"", Code.UNKNOWN_COMMAND),
+    ],
+)
+def test_a_refusal_says_why(tmp_path: Path, opcode: int, data: bytes, code: Code) -> None:
+    served = Served(tmp_path)
+    (tmp_path / "files" / "full").mkdir()
+    (tmp_path / "files" / "full" / "x").touch()
+    (tmp_path / "files" / "there").touch()
+    assert served.ask(opcode, data, session=9).code is code
+
+
+def test_a_system_error_comes_with_its_number(served: Served, tmp_path: Path) -> None:
+    (tmp_path / "files" / "full" / "x").mkdir(parents=True)
+    reply = served.ask(Opcode.REMOVE_DIRECTORY, b"/files/full")
+    assert reply.data == bytes((Code.FAIL_ERRNO, 39))
+
+
+def test_a_data_size_beyond_a_block_is_refused(served: Served) -> None:
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/metadata/general.json").session
+    assert served.ask(Opcode.READ_FILE, session=session, size=240).code is Code.INVALID_DATA_SIZE
+
+
+def test_the_checksum_is_mavlinks(served: Served) -> None:
+    served.put(b"/files/a.bin", TEXT)
+    crc = struct.unpack("<I", served.ask(Opcode.CALC_FILE_CRC32, b"/files/a.bin").data)[0]
+    assert crc == zlib.crc32(TEXT, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def test_no_more_fits_than_the_quota(tmp_path: Path) -> None:
+    served = Served(tmp_path, quota_mb=0.001)
+    assert served.put(b"/files/a", bytes(900)).opcode == ACK
+    assert served.put(b"/files/b", bytes(200)).code is Code.FAIL_ERRNO
+    assert not (tmp_path / "files" / "b").exists()
+    assert served.put(b"/files/b", bytes(100)).opcode == ACK
+
+
+def test_without_a_quota_stations_may_only_read(tmp_path: Path) -> None:
+    (tmp_path / "files").mkdir()
+    (tmp_path / "files" / "a").write_bytes(b"here")
+    served = Served(tmp_path, quota_mb=0.0)
+    assert served.get(b"/files/a") == b"here"
+    assert served.ask(Opcode.CREATE_FILE, b"/files/b").code is Code.FILE_PROTECTED
+
+
+def test_a_write_far_away_is_refused_and_costs_no_memory(served: Served) -> None:
+    session = served.ask(Opcode.CREATE_FILE, b"/files/a").session
+    for offset in (MAX_UPLOAD_BYTES, 2**32 - 1):
+        assert served.ask(Opcode.WRITE_FILE, b"x", session, offset).code is Code.FAIL_ERRNO
+    assert served.service._stations.uploads_bytes() == 0
+
+
+def test_all_uploads_together_are_bounded(served: Served) -> None:
+    codes = []
+    for number in range(6):
+        session = served.ask(Opcode.CREATE_FILE, b"/files/%d" % number, session=number).session
+        codes.append(served.ask(Opcode.WRITE_FILE, b"x", session, MAX_UPLOAD_BYTES - 1).code)
+    assert codes == [None] * 4 + [Code.FAIL] * 2
+
+
+def test_a_boat_without_a_disk_has_its_virtual_files() -> None:
+    served = Served(None)
+    assert served.list(b"/") == ["D@PARAM", "D@SYS", "Dmetadata"]
+    assert b"mavboat" in served.get(b"@SYS/version.json")
+
+
+def test_a_session_has_the_number_that_was_asked_for_or_the_lowest_free_one(served: Served) -> None:
+    path = b"/metadata/general.json"
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=7).session == 7
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=7).session == 0
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=0).session == 1
+    other = Origin(4, STATION.address)
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=7, origin=other).session == 7
+
+
+def test_sessions_are_bounded_and_free_again_when_closed_or_idle(served: Served) -> None:
+    path = b"/metadata/general.json"
+    for number in range(MAX_SESSIONS):
+        assert served.ask(Opcode.OPEN_FILE_RO, path, session=number).opcode == ACK
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=99).code is Code.NO_SESSIONS_AVAILABLE
+    served.ask(Opcode.TERMINATE_SESSION, session=0)
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=99).opcode == ACK
+    served.tick(IDLE_S + 1.0)
+    assert not served.service._stations
+    assert served.ask(Opcode.OPEN_FILE_RO, path, session=98).opcode == ACK
+
+
+def test_a_session_in_use_does_not_expire(served: Served) -> None:
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/metadata/general.json").session
+    for _ in range(4):
+        served.tick(0.7 * IDLE_S)
+        assert served.ask(Opcode.READ_FILE, session=session, size=10).opcode == ACK
+
+
+def test_one_station_cannot_use_or_close_what_another_has_open(served: Served) -> None:
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/metadata/general.json").session
+    for other in (Origin(4, STATION.address), Origin(3, Address(254, 190))):
+        assert served.ask(Opcode.READ_FILE, session=session, origin=other).code is Code.INVALID_SESSION
+        assert served.ask(Opcode.RESET_SESSIONS, origin=other).opcode == ACK
+    assert served.ask(Opcode.READ_FILE, session=session, size=9).opcode == ACK
+
+
+def test_a_flood_of_stations_is_bounded_and_shuts_nobody_out_for_long(served: Served) -> None:
+    for number in range(3 * MAX_STATIONS):
+        served.tick()
+        origin = Origin(number, Address(1 + number % 200, 1))
+        served.send(request_of(1, Opcode.OPEN_FILE_RO, b"/metadata/general.json"), origin)
+    assert len(list(served.service._stations)) <= MAX_STATIONS
+    served.tick(IDLE_S + 1.0)
+    assert served.ask(Opcode.NONE).opcode == ACK
+
+
+def test_a_repeated_request_gets_the_same_answer_and_is_not_carried_out_twice(
+    served: Served, tmp_path: Path
+) -> None:
+    served.put(b"/files/a", b"x")
+    message = request_of(500, Opcode.REMOVE_FILE, b"/files/a")
+    first = served.send(message)
+    (tmp_path / "files" / "a").write_bytes(b"made since")
+    assert served.send(message) == first
+    assert first[0].opcode == ACK
+    assert (tmp_path / "files" / "a").read_bytes() == b"made since"
+    served.tick(60.0)
+    assert served.send(message)[0].opcode == ACK  # so much later, it is meant
+    assert not (tmp_path / "files" / "a").exists()
+
+
+def test_a_repeated_open_opens_once_and_after_closing_anew(served: Served) -> None:
+    message = request_of(500, Opcode.OPEN_FILE_RO, b"/metadata/general.json", session=4)
+    assert served.send(message) == served.send(message)
+    (station,) = served.service._stations
+    assert list(station.sessions) == [4]
+    served.ask(Opcode.RESET_SESSIONS)
+    assert served.send(message)[0].opcode == ACK
+    assert list(station.sessions) == [4]
+
+
+def test_the_next_request_of_the_same_number_is_a_new_one(served: Served) -> None:
+    assert served.send(request_of(5, Opcode.OPEN_FILE_RO, b"/files/none"))[0].code
+    assert served.send(request_of(5, Opcode.OPEN_FILE_RO, b"@SYS/version.json"))[0].opcode == ACK
+
+
+def burst(served: Served, path: bytes, size: int = 239) -> list[Any]:
+    session = served.ask(Opcode.OPEN_FILE_RO, path).session
+    replies = served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=size))
+    while not (replies and (replies[-1].is_burst_over or replies[-1].code)):
+        replies += served.tick()
+    return replies
+
+
+@pytest.mark.parametrize("size", [239, 80, 0])
+def test_a_burst_sends_every_block_in_order_and_then_the_end(served: Served, size: int) -> None:
+    content = os.urandom(70_000)
+    served.put(b"/files/a", content)
+    *blocks, end = burst(served, b"/files/a", size)
+    assert [block.sequence for block in (*blocks, end)] == [11 + n for n in range(len(blocks) + 1)]
+    sent = b"".join(block.data for block in blocks)
+    assert sent == content[: len(sent)]
+    step = size or 239
+    assert [block.offset for block in blocks] == [step * n for n in range(len(blocks))]
+    if size == 80:
+        assert end.is_burst_over
+        assert end.opcode == ACK
+    else:
+        assert (end.code, end.offset) == (Code.END_OF_FILE, len(content))
+
+
+def test_a_burst_keeps_to_its_share_of_the_tick(served: Served) -> None:
+    content = os.urandom(100_000)
+    served.put(b"/files/a", content)
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    served.tick()
+    replies = [served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))]
+    replies += [served.tick() for _ in range(6)]
+    assert max(len(one) for one in replies) <= BLOCKS_PER_TICK
+    assert b"".join(reply.data for one in replies for reply in one if reply.opcode == ACK) == content
+
+
+def test_bursts_of_two_stations_share_the_tick(served: Served) -> None:
+    served.put(b"/files/a", bytes(100_000))
+    other = Origin(4, STATION.address)
+    for origin in (STATION, other):
+        session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a", origin=origin).session
+        served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239), origin)
+    served.service.tick(served.now_s)
+    out = [outgoing.channel for outgoing in served.outbox.take()]
+    assert abs(out.count(3) - out.count(4)) <= 1
+    assert len(out) <= BLOCKS_PER_TICK
+
+
+def test_a_burst_waits_for_room_on_its_channel(served: Served) -> None:
+    served.put(b"/files/a", bytes(10_000))
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    served.outbox.room = lambda _: 1
+    assert len(served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))) == 1
+    assert len(served.tick()) == 1
+    served.outbox.room = lambda _: 0
+    assert served.tick() == []
+    served.outbox.room = lambda _: 10**6
+    assert len(served.tick()) > 30
+
+
+def test_a_burst_asked_for_again_starts_where_the_station_is(served: Served) -> None:
+    served.put(b"/files/a", bytes(100_000))
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))
+    served.service.tick(served.now_s)
+    served.replies()
+    again = served.send(request_of(20, Opcode.BURST_READ_FILE, session=session, size=239, offset=478))
+    served.service.tick(served.now_s)
+    replies = again + served.replies()
+    assert [(reply.sequence, reply.offset) for reply in replies[:2]] == [(21, 478), (22, 717)]
+    assert len({reply.offset for reply in replies}) == len(replies)
+
+
+def test_a_copy_of_a_burst_request_does_not_begin_it_again(served: Served) -> None:
+    served.put(b"/files/a", bytes(100_000))
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    message = request_of(10, Opcode.BURST_READ_FILE, session=session, size=239)
+    replies = served.send(message) + served.send(message) + served.tick()
+    assert len({reply.offset for reply in replies}) == len(replies)
+
+
+def test_a_gap_is_read_while_the_burst_goes_on(served: Served) -> None:
+    content = os.urandom(100_000)
+    served.put(b"/files/a", content)
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))
+    served.service.tick(served.now_s)
+    served.replies()
+    (gap,) = served.send(request_of(11, Opcode.READ_FILE, session=session, size=239, offset=239))
+    assert gap.data == content[239:478]
+    assert served.tick()
+
+
+def test_a_file_that_grows_ends_where_it_ended_when_opened(served: Served, tmp_path: Path) -> None:
+    (tmp_path / "logs").mkdir()
+    log = tmp_path / "logs" / "00001.bin"
+    log.write_bytes(TEXT)
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/logs/00001.bin").session
+    log.write_bytes(TEXT * 400)
+    *blocks, end = served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))
+    assert b"".join(block.data for block in blocks) == TEXT
+    assert end.offset == len(TEXT)
+
+
+def test_a_file_that_shrinks_ends_there_without_a_fault(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/a", bytes(600_000))
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    os.truncate(tmp_path / "files" / "a", 10)
+    assert served.ask(Opcode.READ_FILE, session=session, offset=500_000, size=239).code is Code.END_OF_FILE
+
+
+def test_the_loop_never_waits_for_the_disk(tmp_path: Path) -> None:
+    worker = Slow()
+    served = Served(tmp_path, worker)
+    (tmp_path / "files" / "a").write_bytes(TEXT)
+    opening = request_of(1, Opcode.OPEN_FILE_RO, b"/files/a")
+    assert served.send(opening) == served.send(opening) == served.tick() == []
+    assert len(worker.waiting) == 1
+    worker.work()
+    (opened,) = served.tick()
+    assert (opened.sequence, struct.unpack("<I", opened.data)) == (2, (len(TEXT),))
+    assert served.send(opening) == [opened]
+    served.service.close()
+    assert worker.is_shut
+
+
+def test_what_is_answered_late_goes_to_nobody_once_the_link_is_gone(tmp_path: Path) -> None:
+    worker = Slow()
+    served = Served(tmp_path, worker)
+    (tmp_path / "files" / "a").write_bytes(TEXT)
+    served.send(request_of(1, Opcode.OPEN_FILE_RO, b"/files/a"))
+    served.service.forget(STATION.channel)
+    worker.work()
+    served.tick()
+    assert not served.service._stations
+    assert not [
+        fd for fd in Path("/proc/self/fd").iterdir() if os.path.realpath(fd) == str(tmp_path / "files" / "a")
+    ]
+
+
+def test_jobs_for_the_disk_are_bounded(tmp_path: Path) -> None:
+    worker = Slow()
+    served = Served(tmp_path, worker)
+    for number in range(300):
+        served.tick()
+        served.send(request_of(number, Opcode.LIST_DIRECTORY, b"/files"))
+    assert len(worker.waiting) <= 64
+    assert served.service.dropped > 200
+
+
+def test_requests_beyond_a_tick_are_dropped_and_the_next_tick_takes_more(served: Served) -> None:
+    answered = [served.send(request_of(number, Opcode.NONE)) for number in range(200)]
+    assert sum(map(len, answered)) == REQUESTS_PER_TICK
+    served.tick()
+    assert served.send(request_of(300, Opcode.NONE))
+
+
+def test_requests_for_others_replies_and_scraps_are_passed_over(served: Served) -> None:
+    assert served.send(request_of(1, Opcode.NONE, target=Address(2, 1))) == []
+    assert served.send(request_of(1, Opcode.NONE, target=Address(0, 0))) == []
+    assert served.send(request_of(1, Opcode.NONE, target=Address(1, 100))) == []
+    assert served.send(request_of(1, 128)) == served.send(request_of(1, 129)) == []
+
+
+@given(
+    payloads=st.lists(
+        st.tuples(
+            st.integers(0, 3), st.integers(0, 2), st.integers(0, 20), st.integers(0, 255),
+            st.integers(0, 600), st.sampled_from(PATHS),
+        ),
+        max_size=30,
+    ),
+    scraps=st.binary(min_size=251, max_size=251),
+)  # fmt: skip
+def test_whatever_comes_is_answered_once_or_not_at_all(
+    tmp_path_factory: pytest.TempPathFactory, payloads: list[tuple[int, ...]], scraps: bytes
+) -> None:
+    served = Served(tmp_path_factory.mktemp("boat"))
+    for sequence, session, opcode, size, offset, path in payloads:
+        message = request_of(sequence, opcode, path, session, offset, size)  # type: ignore[arg-type]
+        replies = served.send(message)
+        if opcode != Opcode.BURST_READ_FILE:
+            assert len(replies) <= 1
+        assert all(reply.request_opcode == opcode for reply in replies)
+        served.tick()
+    served.send(dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, scraps))
+
+
+def test_stations_get_the_parameters_as_one_file(served: Served) -> None:
+    for path in (b"@PARAM/param.pck", b"/@PARAM/param.pck?withdefaults=1&unknown=x"):
+        decoded = MAVFTP.ftp_param_decode(served.get(path))
+        assert decoded is not None
+        assert [name.decode() for name, _, _ in decoded.params] == [row.name for row in ROWS]
+    part = served.get(b"@PARAM/param.pck?start=5&count=7")
+    assert struct.unpack_from("<HHH", part) == (0x671B, 7, len(ROWS))
+    session = served.ask(Opcode.OPEN_FILE_RO, b"@PARAM/param.pck").session
+    served.parameters.set("HDG_KP", 4.0)  # the file is as it was when it was opened
+    block = served.ask(Opcode.READ_FILE, session=session, size=239)
+    assert block.opcode == ACK
+    served.ask(Opcode.TERMINATE_SESSION, session=session)
+    assert reply_of(bytes(251)).opcode == 0
+
+
+def parameter_file(*entries: tuple[bytes, float]) -> bytes:
+    body = b"".join(
+        bytes((4, (len(name) - 1) << 4)) + name + struct.pack("<f", value) for name, value in entries
+    )
+    return struct.pack("<HHH", 0x671B, len(entries), 6 + len(body)) + body
+
+
+def value(served: Served, name: str) -> float:
+    return served.parameters.value(ROWS[served.parameters.index_of(name) or 0])
+
+
+def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served) -> None:
+    file = parameter_file((b"HDG_KP", 3.5), (b"NOT_THERE", 1.0), (b"HDG_KI", 99.0))
+    session = served.ask(Opcode.CREATE_FILE, b"@PARAM/param.pck").session
+    served.ask(Opcode.WRITE_FILE, file, session)
+    assert value(served, "HDG_KP") == 2.5
+    served.service.handle(request_of(77, Opcode.TERMINATE_SESSION, session=session), STATION, 0.0)
+    out = served.outbox.take()
+    said = [(o.channel, o.message.param_value) for o in out if o.message.get_type() == "PARAM_VALUE"]
+    texts = [o.message.text for o in out if o.message.get_type() == "STATUSTEXT"]
+    assert said == [(None, 3.5)]
+    assert texts == ["HDG_KI: 99 is outside 0..50"]
+    assert value(served, "HDG_KP") == 3.5
+
+
+def test_a_file_that_is_none_of_parameters_is_refused_at_its_end(served: Served) -> None:
+    assert served.put(b"@PARAM/param.pck", parameter_file((b"HDG_KP", 3.5))[:-1]).code is Code.FAIL
+    assert value(served, "HDG_KP") == 2.5
+    assert served.put(b"@PARAM/param.pck", bytes(70_000)).code is Code.FAIL_ERRNO
+
+
+def test_address_of_the_boat_without_a_component_is_the_boat(served: Served) -> None:
+    assert served.send(request_of(1, Opcode.NONE, target=Address(BOAT.system, 0)))
