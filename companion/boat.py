@@ -1,6 +1,6 @@
 """The boat: the whole data flow, from links and sensors to motors and telemetry, in one step."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from companion.config import BoatConfig
 from companion.control.gate import Gate
@@ -15,14 +15,15 @@ from companion.params import Parameters
 from companion.params_table import ROWS
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
-from companion.sensors.charge import ChargeCounter
-from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.senses import Senses
+from companion.sensors.external import ExternalSensors
 from companion.services.endpoint import Endpoint
 from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
 from companion.state import STOPPED, Demand, MotorCommand, NavState
 from companion.storage import Storage
 from companion.vehicle.intent import Drive, Intent
+from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
@@ -48,6 +49,8 @@ class Boat:
         self.parameters = Parameters(config, ROWS, storage)
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
+        self.motor_test = MotorTest(self.vehicle)
+        self.senses = Senses(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
         self.signing = SigningStore(storage, unix_offset_s)
         for port in ports:
@@ -62,6 +65,8 @@ class Boat:
             logbook,
             signing=self.signing,
             channels=self.channels.open,
+            motor_test=self.motor_test,
+            external=self.senses.external,
         )
         if logbook is not None:
             logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
@@ -72,31 +77,31 @@ class Boat:
         self.helm = Helm()
         self.gate = Gate()
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
+        self.free_memory_bytes = 0  # of the computer; the program's to say
         self.command: MotorCommand = STOPPED
         self.nav: NavState | None = None
         self.demand: Demand | None = None
         self._hardware = hardware
         self._storage = storage
         self._logbook = logbook
-        self._charge = ChargeCounter()
-        self._fix: GnssFix | None = None
-        self._battery: BatteryReading | None = None
-        self._ping: SonarReading | None = None
         self._unix_offset_s = unix_offset_s
+        self._has_satellite_date = False
+        self._now_s = 0.0
 
-    def receive(self, now_s: float) -> int:
+    def receive(self, now_s: float, ready: Collection[int] | None = None) -> int:
         """Take in new links and what stations have said, pass on what is for others, and answer at once.
 
+        ready: the descriptors that have something to say; None looks everywhere, as every tick does.
         Returns how many frames it took. `channels.has_more` says whether there are more to take.
         """
         taken = self.channels.taken
         is_news = False
-        for number in self.channels.accept():
+        for number in self.channels.accept(ready):
             self.endpoint.open(number, self.channels.open[number].policy.stream_hz)
             is_news = True
         if self._logbook is not None:
             self._logbook.follow(self.channels, now_s + self._unix_offset_s)
-        for number, received in self.channels.receive(now_s):
+        for number, received in self.channels.receive(now_s, ready):
             self.endpoint.handle(number, received, now_s)
             is_news = True
         if is_news:
@@ -108,7 +113,8 @@ class Boat:
     def _act_on_news(self) -> None:
         """What stations have just changed takes effect, and is told, at once."""
         self.vehicle.config = self.parameters.config
-        if not self.vehicle.armed and (self.command.left or self.command.right):
+        may_drive = self.vehicle.armed or self.motor_test.is_running
+        if not may_drive and (self.command.left or self.command.right):
             self._hardware.motors.stop()  # a disarmed boat does not wait for its next tick
             self.command = STOPPED
         self.endpoint.tell_changes()
@@ -116,6 +122,7 @@ class Boat:
 
     def step(self, now_s: float) -> None:
         """One tick: sense, listen, decide, steer, drive, tell."""
+        self._now_s = now_s
         self._sense(now_s)
         self.receive(now_s)
         intent = self.vehicle.decide()
@@ -126,6 +133,11 @@ class Boat:
             self._logbook.tick(now, self.channels)
         self.endpoint.tick(now)
         self._flush()
+
+    @property
+    def wants_restart(self) -> bool:
+        """Whether a station has asked for the program to begin anew."""
+        return self._now_s >= self.endpoint.restart_due_s
 
     def close(self) -> None:
         """Motors off first, then everything else. May be called twice."""
@@ -138,19 +150,27 @@ class Boat:
         self._storage.close()
 
     def _sense(self, now_s: float) -> None:
-        hardware = self._hardware
-        self._fix = hardware.gnss.read()
-        self.nav = self.estimator.update(self._fix, hardware.compass.read(), now_s)
-        if hardware.battery is not None:
-            self._battery = hardware.battery.read()
-            self._charge.add(self._battery)
-        if hardware.sonar is not None and (pings := hardware.sonar.read()):
-            self._ping = pings[-1]
-        if self._fix is not None and self._fix.unix_time_s is not None:
-            self._unix_offset_s = self._fix.unix_time_s - self._fix.time_s
-        self.vehicle.sense(self.nav, self.estimator.frame, self._fix, self._battery, now_s)
+        senses, estimator = self.senses, self.estimator
+        senses.read(self.parameters.config, now_s)
+        if estimator.frame is None:
+            estimator.frame_to_lay = senses.external.frame
+        elif senses.external.frame is None:
+            senses.external.frame = estimator.frame
+        self.nav = estimator.update(senses.fix, senses.heading, now_s)
+        self._keep_date()
+        self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
+
+    def _keep_date(self) -> None:
+        """The date by satellites; until there is one, a station's goes before the computer's own."""
+        fix, told_s = self.senses.fix, self.endpoint.unix_offset_s
+        if fix is not None and fix.unix_time_s is not None:
+            self._unix_offset_s, self._has_satellite_date = fix.unix_time_s - fix.time_s, True
+        elif told_s is not None and not self._has_satellite_date:
+            self._unix_offset_s = told_s
 
     def _steer(self, intent: Intent, now_s: float) -> MotorCommand:
+        if self.motor_test.is_running:
+            return self._test_motor(now_s)
         config, nav = self.parameters.config, self.nav
         steered = self.pilot.update(intent, nav, config, TICK_S)
         self.demand = steered if isinstance(steered, Demand) else None
@@ -168,7 +188,21 @@ class Boat:
             self.helm.reset()
         return command
 
+    def _test_motor(self, now_s: float) -> MotorCommand:
+        self.demand = None
+        thrust = self.motor_test.thrust(now_s)
+        return self.gate.check(
+            thrust,
+            armed=self.motor_test.is_running,
+            command_age_s=0.0,
+            nav=None,
+            needs_estimate=False,
+            setting=self.parameters.config.motors,
+            dt_s=TICK_S,
+        )
+
     def _snapshot(self, now_s: float) -> Snapshot:
+        senses = self.senses
         return Snapshot(
             now_s=now_s,
             unix_s=now_s + self._unix_offset_s if self._unix_offset_s else 0.0,
@@ -176,15 +210,18 @@ class Boat:
             vehicle=self.vehicle,
             nav=self.nav,
             frame=self.estimator.frame,
-            fix=self._fix,
-            battery=self._battery,
-            sonar=self._ping,
+            fix=senses.fix,
+            battery=senses.battery,
+            sonar=senses.sonar,
             demand=self.demand,
             heading_pid=self.helm.heading_pid,
             command=self.command,
-            consumed_mah=self._charge.consumed_mah,
+            consumed_mah=senses.consumed_mah,
             load=self.load,
             speed_pid=self.helm.speed_pid,
+            heading=senses.compass,
+            sweep=senses.sweep,
+            free_memory_bytes=self.free_memory_bytes,
         )
 
     def _flush(self) -> None:

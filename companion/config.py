@@ -182,7 +182,7 @@ class Battery(Section, frozen=True):
 
 
 class Trim(Section, frozen=True):
-    """What is taken out of the heading sensor's readings; stations measure it (see docs/ground-stations.md)."""
+    """What is taken out of the heading sensor's readings. Stations have it measured."""
 
     heading_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0  # added
     gyro_bias_rad_s: Annotated[float, Meta(ge=-0.2, le=0.2)] = 0.0  # subtracted

@@ -25,11 +25,12 @@ MAX_RATE_RAD_S = 50.0
 class Estimator:
     """Keeps one filter for position and one for heading. `frame` is None before the first good fix."""
 
-    __slots__ = ("_heading", "_position", "frame")
+    __slots__ = ("_heading", "_position", "frame", "frame_to_lay")
 
     def __init__(self, accel_m_s2: float = 0.5) -> None:
         """accel_m_s2: one standard deviation of the boat's manoeuvres; smaller smooths more."""
         self.frame: LocalFrame | None = None
+        self.frame_to_lay: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
         self._position = PositionFilter(accel_m_s2)
         self._heading = HeadingFilter()
 
@@ -77,7 +78,7 @@ class Estimator:
             if not abs(fix.north_m_s) + abs(fix.east_m_s) <= MAX_SPEED_M_S:
                 return
         if self.frame is None:
-            self.frame = LocalFrame(fix.position)
+            self.frame = self.frame_to_lay or LocalFrame(fix.position)
         self._position.update(
             fix.time_s, self.frame.to_local(fix.position), max(sigma_m, MIN_SIGMA_M), velocity
         )

@@ -14,7 +14,9 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.params import Parameters
 from companion.router.channel import Channel
-from companion.services.commands import CommandService, from_int, from_long
+from companion.sensors.external import ExternalSensors
+from companion.services.commands import CommandService
+from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp import FtpService
 from companion.services.ftp_mounts import build_tree, open_worker
 from companion.services.heartbeat import HeartbeatService
@@ -28,7 +30,9 @@ from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
 from companion.services.statustext import StatusTextService
 from companion.services.telemetry import MaySend, TelemetryService, always
+from companion.services.time_sync import TimeService
 from companion.storage import FolderStorage, Storage
+from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
@@ -69,6 +73,8 @@ class Endpoint:
         *,
         signing: SigningStore,
         channels: Mapping[int, Channel],
+        motor_test: MotorTest,
+        external: ExternalSensors,
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers do not ask."""
         self.outbox = Outbox()
@@ -83,7 +89,14 @@ class Endpoint:
             self._texts.listener = logbook.note
         self._heartbeat = HeartbeatService(vehicle, self.outbox)
         self._telemetry = TelemetryService(self.outbox, may_send)
-        self._commands = CommandService(vehicle, self._telemetry, self.outbox)
+        self._time = TimeService(self.outbox)
+        tell = self._texts.tell
+        self._pose = ExternalPoseService(
+            external, vehicle, parameters, self.outbox, tell, self._time.to_own_clock
+        )
+        self._commands = CommandService(
+            vehicle, self._telemetry, self.outbox, motor_test, parameters, tell, self._pose
+        )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle)
@@ -98,8 +111,15 @@ class Endpoint:
         listings, telemetry, commands = self._listings, self._telemetry, self._commands
         table: dict[int, Handler] = {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._on_heartbeat,
-            dialect.MAVLINK_MSG_ID_COMMAND_LONG: lambda m, o, t: commands.handle(from_long(m, o, t)),
-            dialect.MAVLINK_MSG_ID_COMMAND_INT: lambda m, o, t: commands.handle(from_int(m, o, t)),
+            dialect.MAVLINK_MSG_ID_COMMAND_LONG: commands.on_long,
+            dialect.MAVLINK_MSG_ID_COMMAND_INT: commands.on_int,
+            dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION_REQUEST: lambda m, o, t: commands.on_version_request(
+                o, t
+            ),
+            dialect.MAVLINK_MSG_ID_TIMESYNC: self._time.on_timesync,
+            dialect.MAVLINK_MSG_ID_PING: lambda m, o, t: self._time.on_ping(m, o),
+            dialect.MAVLINK_MSG_ID_SYSTEM_TIME: self._on_system_time,
+            **self._pose.table,
             dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
             dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: lambda m, o, t: listings.on_request_list(o),
             dialect.MAVLINK_MSG_ID_PARAM_REQUEST_READ: lambda m, o, t: listings.on_request_read(m, o),
@@ -140,6 +160,16 @@ class Endpoint:
         self._missions.forget(channel, now_s)
         self._logs.forget(channel)
 
+    @property
+    def restart_due_s(self) -> float:
+        """When the program is to begin anew, because a station asked; infinite until then."""
+        return self._commands.restart_due_s
+
+    @property
+    def unix_offset_s(self) -> float | None:
+        """What to add to the boat's time for the date, as a station has it."""
+        return self._time.unix_offset_s
+
     def mission_items(self) -> tuple[MissionItem, ...]:
         """The mission that the boat holds."""
         return self._missions.items(MissionType.MISSION)
@@ -178,6 +208,8 @@ class Endpoint:
         self._heartbeat.tick(now.now_s)
         self._missions.tick(now.now_s)
         self._texts.tell(self._vehicle.take_notices())
+        self._commands.tick(now.heading, now.now_s)
+        self._time.tick(now.now_s)
         self._listings.tick()
         self._files.tick(now.now_s)
         self._logs.tick(now.now_s, now.load)
@@ -200,6 +232,11 @@ class Endpoint:
         # A planner or logger announces another type: it must not keep the operator's failsafe quiet
         if message.type == dialect.MAV_TYPE_GCS and self._is_operator(origin):
             self._vehicle.operator.heard(now_s)
+
+    def _on_system_time(self, message: Message, origin: Origin, now_s: float) -> None:
+        # Another vehicle's autopilot tells its date to everybody, true or not
+        if origin.address.component != dialect.MAV_COMP_ID_AUTOPILOT1 and self._is_operator(origin):
+            self._time.on_system_time(message, now_s)
 
     def _on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
         if self._is_operator(origin):

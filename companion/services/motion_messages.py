@@ -2,10 +2,13 @@
 
 import math
 
-from companion.geo import bearing_rad
+from companion.geo import LatLon, bearing_rad
 from companion.mavlink.dialect import Message, dialect
 from companion.services.snapshot import Snapshot
 from companion.units import clamp, deg_to_e7, wrap_two_pi
+
+# POSITION_TARGET_TYPEMASK: height, vertical speed, accelerations and yaw rate mean nothing here
+_POSITION_AND_VELOCITY = 0b1001_1110_0100
 
 
 def _int16(value: float) -> int:
@@ -22,6 +25,16 @@ def attitude(now: Snapshot) -> Message | None:
         return None
     return dialect.MAVLink_attitude_message(
         now.boot_ms, 0.0, 0.0, now.nav.heading_rad, 0.0, 0.0, now.nav.yaw_rate_rad_s
+    )
+
+
+def attitude_quaternion(now: Snapshot) -> Message | None:
+    """The same as ATTITUDE, as a rotation."""
+    if now.nav is None:
+        return None
+    half_rad = 0.5 * now.nav.heading_rad
+    return dialect.MAVLink_attitude_quaternion_message(
+        now.boot_ms, math.cos(half_rad), 0.0, 0.0, math.sin(half_rad), 0.0, 0.0, now.nav.yaw_rate_rad_s
     )
 
 
@@ -52,6 +65,52 @@ def local_position_ned(now: Snapshot) -> Message | None:
     return dialect.MAVLink_local_position_ned_message(
         now.boot_ms, nav.north_m, nav.east_m, 0.0, nav.north_m_s, nav.east_m_s, 0.0
     )
+
+
+def global_origin(origin: LatLon, time_us: int = 0) -> Message:
+    """Where local positions are measured from."""
+    return dialect.MAVLink_gps_global_origin_message(
+        deg_to_e7(origin.lat_deg), deg_to_e7(origin.lon_deg), 0, time_us
+    )
+
+
+def gps_global_origin(now: Snapshot) -> Message | None:
+    """LOCAL_POSITION_NED's origin, once it is laid."""
+    return None if now.frame is None else global_origin(now.frame.origin, now.boot_us)
+
+
+def position_target_global_int(now: Snapshot) -> Message | None:
+    """Where the boat is heading, and how fast; silent while it steers for no place."""
+    target, demand = now.vehicle.active_position(), now.demand
+    if target is None or demand is None:
+        return None
+    north_m_s = demand.speed_m_s * math.cos(demand.heading_rad)
+    east_m_s = demand.speed_m_s * math.sin(demand.heading_rad)
+    return dialect.MAVLink_position_target_global_int_message(
+        time_boot_ms=now.boot_ms,
+        coordinate_frame=dialect.MAV_FRAME_GLOBAL,
+        type_mask=_POSITION_AND_VELOCITY,
+        lat_int=deg_to_e7(target.lat_deg),
+        lon_int=deg_to_e7(target.lon_deg),
+        alt=0.0,
+        vx=north_m_s,
+        vy=east_m_s,
+        vz=0.0,
+        afx=0.0,
+        afy=0.0,
+        afz=0.0,
+        yaw=demand.heading_rad,
+        yaw_rate=0.0,
+    )
+
+
+def rc_channels(now: Snapshot) -> Message:
+    """The operator's sticks as they are obeyed: 1 steers, 3 is the throttle; centred when released."""
+    sticks = now.vehicle.conduct.sticks
+    is_held = sticks.is_fresh(now.config, now.now_s)
+    steering, throttle = (sticks.latest.steering, sticks.latest.throttle) if is_held else (0.0, 0.0)
+    pulses = [round(1500.0 + 500.0 * steering), 1500, round(1500.0 + 500.0 * throttle), 1500]
+    return dialect.MAVLink_rc_channels_message(now.boot_ms, 4, *pulses, *[0xFFFF] * 14, 0xFF)
 
 
 def vfr_hud(now: Snapshot) -> Message | None:
@@ -88,7 +147,7 @@ def gps_raw_int(now: Snapshot) -> Message | None:
         epv=0xFFFF,
         vel=speed_cm_s,
         cog=course_cdeg,
-        satellites_visible=min(fix.satellites, 254),
+        satellites_visible=min(fix.satellites, 255),  # which is: not known
         h_acc=0 if accuracy_m is None else round(accuracy_m * 1e3),
     )
 

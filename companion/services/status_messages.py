@@ -187,6 +187,13 @@ def _orientation(bearing_rad: float) -> int:
     return custom
 
 
+def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
+    """A boat neither lands nor takes off: both undefined, as Rover says."""
+    return dialect.MAVLink_extended_sys_state_message(
+        dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_UNDEFINED
+    )
+
+
 def autopilot_version(now: Snapshot) -> Message:
     """Capabilities decide what stations even try: fence and rally transfers, COMMAND_INT, MISSION_INT."""
     capabilities = (

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
 from companion.services import motion_messages as motion
+from companion.services import sensor_messages as sensor
 from companion.services import status_messages as status
 from companion.services.outbox import Outbox
 from companion.services.snapshot import Snapshot
@@ -14,23 +15,37 @@ from companion.services.streams import Streams
 _ID = dialect
 BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_ATTITUDE: motion.attitude,
+    _ID.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: motion.attitude_quaternion,
     _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: motion.global_position_int,
+    _ID.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: motion.gps_global_origin,
     _ID.MAVLINK_MSG_ID_GPS_RAW_INT: motion.gps_raw_int,
     _ID.MAVLINK_MSG_ID_LOCAL_POSITION_NED: motion.local_position_ned,
     _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
     _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
+    _ID.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
+    _ID.MAVLINK_MSG_ID_RC_CHANNELS: motion.rc_channels,
     _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
+    _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: sensor.ekf_status_report,
+    _ID.MAVLINK_MSG_ID_MEMINFO: sensor.meminfo,
+    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: sensor.obstacle_distance,
+    _ID.MAVLINK_MSG_ID_POWER_STATUS: sensor.power_status,
+    _ID.MAVLINK_MSG_ID_RAW_IMU: sensor.raw_imu,
+    _ID.MAVLINK_MSG_ID_SCALED_IMU: sensor.scaled_imu,
     _ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION: status.autopilot_version,
     _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
     metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
     metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
     _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
+    _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
     _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
     _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
     _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
 }
+
+# What is sent only when it is asked for, by REQUEST_MESSAGE's second parameter
+INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {}
 
 _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour
 
@@ -62,14 +77,22 @@ class TelemetryService:
         self._streams.pop(channel, None)
 
     @staticmethod
-    def offers(message_id: int) -> bool:
-        """Whether this is a message that the boat ever sends."""
-        return message_id in BUILDERS
+    def answers(message_id: int) -> bool:
+        """Whether this is a message that the boat can be asked for."""
+        return message_id in BUILDERS or message_id in INDEXED
 
-    def build(self, message_id: int) -> Message | None:
-        """One message as of the latest tick; None when it is unknown or there is nothing to say yet."""
+    def build_all(self, message_id: int, which: float) -> list[Message]:
+        """What answers a request as of the latest tick; none when there is nothing to say yet.
+
+        which: the request's second parameter, an index where the message has one.
+        """
+        if self._latest is None:
+            return []
+        if (build_indexed := INDEXED.get(message_id)) is not None:
+            return build_indexed(self._latest, which)
         builder = BUILDERS.get(message_id)
-        return builder(self._latest) if builder is not None and self._latest is not None else None
+        message = None if builder is None else builder(self._latest)
+        return [] if message is None else [message]
 
     def set_interval_us(self, channel: int, message_id: int, interval_us: float, now_s: float) -> bool:
         """SET_MESSAGE_INTERVAL: −1 stops, 0 asks for the default rate. False for a message we never send."""

@@ -1,0 +1,47 @@
+"""What the boat perceives: its parts and what stands in for them over MAVLink, read once a tick."""
+
+from companion.config import BoatConfig
+from companion.hal.interfaces import Hardware
+from companion.sensors.charge import ChargeCounter
+from companion.sensors.external import ExternalSensors
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.sensors.sweep import Sweep
+from companion.sensors.trim import trimmed
+
+
+class Senses:
+    """The readings of now. compass is as the part gave it; heading is what to steer by."""
+
+    __slots__ = ("_charge", "_hardware", "battery", "compass", "external", "fix", "heading", "sonar", "sweep")
+
+    def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
+        self.external = external
+        self.sweep = Sweep()
+        self.fix: GnssFix | None = None
+        self.compass: HeadingReading | None = None
+        self.heading: HeadingReading | None = None
+        self.battery: BatteryReading | None = None
+        self.sonar: SonarReading | None = None  # the latest ping
+        self._hardware = hardware
+        self._charge = ChargeCounter()
+
+    @property
+    def consumed_mah(self) -> float:
+        """Charge taken from the pack since boot."""
+        return self._charge.consumed_mah
+
+    def read(self, config: BoatConfig, now_s: float) -> None:
+        """Take what there is."""
+        hardware, external = self._hardware, self.external
+        self.fix = external.choose_fix(hardware.gnss.read(), config.external, now_s)
+        self.compass = hardware.compass.read()
+        self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
+        if hardware.battery is not None:
+            self.battery = hardware.battery.read()
+            self._charge.add(self.battery)
+        if hardware.sonar is not None and (pings := hardware.sonar.read()):
+            self.sonar = pings[-1]
+            for ping in pings:
+                self.sweep.add(ping)
+        while external.pings:
+            self.sweep.add(*external.pings.popleft())

@@ -1,0 +1,280 @@
+"""Position, heading and obstacles from outside: GPS_INPUT, VISION_POSITION_ESTIMATE, ODOMETRY,
+OBSTACLE_DISTANCE, DISTANCE_SENSOR, and SET_GPS_GLOBAL_ORIGIN, which gives local poses their place.
+
+The configuration says whether any of it is used. One sender at a time: another is heard once the first has
+been silent for the time-out. What is not finite, out of range or too fast is dropped and counted.
+"""
+
+import math
+from collections.abc import Callable
+
+from companion.config import External
+from companion.geo import LatLon, LocalFrame, Point
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.params import Parameters
+from companion.sensors.external import ExternalSensors, Use
+from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
+from companion.services.commands_vehicle import Tell
+from companion.services.motion_messages import global_origin
+from companion.services.outbox import Origin, Outbox
+from companion.units import e7_to_deg, wrap_pi
+from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.vehicle import Vehicle
+
+_MIN_SPACING_S = 0.015  # a pose a tick and no more
+_MAX_LATENCY_S = 0.5  # a stamp older than this is of another clock
+_FARTHEST_M = 20_000.0  # as far as the local frame is good
+_FASTEST_M_S = 30.0
+_FASTEST_RAD_S = 10.0
+_POSE_SIGMA_M = 0.05  # of a pose that does not say how good it is
+_UNKNOWN_SATELLITES = 255
+_GPS_EPOCH_UNIX_S, _WEEK_S, _LEAP_S = 315964800.0, 604800.0, 18.0
+_UNIT = (0.8, 1.2)  # the norm of a quaternion that is meant as one
+_RAY_RAD = math.radians(15.0)
+_UNKNOWN_CM = 0xFFFF
+
+ToOwnClock = Callable[[Address, int, float], float]
+"""A sender's stamp in µs as the boat's time in s, given the boat's time now."""
+
+
+class ExternalPoseService:
+    """Turns what comes from outside into readings."""
+
+    def __init__(
+        self,
+        external: ExternalSensors,
+        vehicle: Vehicle,
+        parameters: Parameters,
+        outbox: Outbox,
+        tell: Tell,
+        to_own_clock: ToOwnClock,
+    ) -> None:
+        self.dropped = 0
+        self._external = external
+        self._vehicle = vehicle
+        self._parameters = parameters
+        self._outbox = outbox
+        self._tell = tell
+        self._to_own_clock = to_own_clock
+        self._source: Address | None = None
+        self._source_s = -math.inf
+        self.table: dict[int, Callable[[Message, Origin, float], None]] = {
+            dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR: self._on_distance,
+            dialect.MAVLINK_MSG_ID_GPS_INPUT: self._on_gps_input,
+            dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: self._on_obstacles,
+            dialect.MAVLINK_MSG_ID_ODOMETRY: self._on_odometry,
+            dialect.MAVLINK_MSG_ID_SET_GPS_GLOBAL_ORIGIN: self._on_set_origin,
+            dialect.MAVLINK_MSG_ID_VISION_POSITION_ESTIMATE: self._on_vision,
+        }
+
+    @property
+    def _setting(self) -> External:
+        return self._parameters.config.external
+
+    def set_origin(self, origin: LatLon) -> bool:
+        """Where local poses are measured from. Not once the boat has laid its own frame: it would jump."""
+        if self._vehicle.frame is not None:
+            self._tell([Notice(Severity.WARNING, "Origin: laid already, not moved")])
+            return False
+        self._external.frame = LocalFrame(origin)
+        self._outbox.broadcast(global_origin(origin))
+        return True
+
+    def _on_set_origin(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+        place = _place(message.latitude, message.longitude)
+        if place is None:
+            self.dropped += 1
+        else:
+            self.set_origin(place)
+
+    def _on_gps_input(self, message: Message, origin: Origin, now_s: float) -> None:
+        place = _place(message.lat, message.lon)
+        flags = message.ignore_flags
+        has_velocity = not flags & dialect.GPS_INPUT_IGNORE_FLAG_VEL_HORIZ
+        north_m_s, east_m_s = (message.vn, message.ve) if has_velocity else (None, None)
+        hdop = 1.0 if flags & dialect.GPS_INPUT_IGNORE_FLAG_HDOP else float(message.hdop)
+        accuracy = (
+            None
+            if flags & dialect.GPS_INPUT_IGNORE_FLAG_HORIZONTAL_ACCURACY
+            else float(message.horiz_accuracy)
+        )
+        numbers = [hdop, *(one for one in (north_m_s, east_m_s, accuracy) if one is not None)]
+        if place is None or message.fix_type > 6 or not _all_below(numbers, 1000.0):
+            self.dropped += 1
+            return
+        if not self._admits(origin.address, self._external.fix, now_s):
+            return
+        self._external.fix = GnssFix(
+            self._to_own_clock(origin.address, message.time_usec, now_s),
+            place,
+            message.fix_type,
+            message.satellites_visible,
+            hdop,
+            north_m_s,
+            east_m_s,
+            horizontal_accuracy_m=accuracy or None,
+            unix_time_s=_unix_s(message.time_week, message.time_week_ms),
+        )
+        if 0 < message.yaw <= 36000:
+            heading_rad = math.radians(message.yaw / 100.0)
+            self._external.heading = HeadingReading(self._external.fix.time_s, wrap_pi(heading_rad))
+
+    def _on_vision(self, message: Message, origin: Origin, now_s: float) -> None:
+        sigma_m = _sigma_m(message.covariance)
+        self._take_pose(
+            message, message.usec, float(message.yaw), self._setting.north_rad, sigma_m, origin, now_s
+        )
+
+    def _on_odometry(self, message: Message, origin: Origin, now_s: float) -> None:
+        yaw = _yaw_of(message.q)
+        frame = message.frame_id
+        if yaw is None or message.quality < 0:
+            self.dropped += 1
+        elif frame == dialect.MAV_FRAME_LOCAL_NED:
+            self._take_motion(message, yaw, 0.0, origin, now_s)
+        elif frame == dialect.MAV_FRAME_LOCAL_FRD:
+            self._take_motion(message, yaw, self._setting.north_rad, origin, now_s)
+        else:
+            self.dropped += 1
+
+    def _take_motion(
+        self, message: Message, yaw: float, turn_rad: float, origin: Origin, now_s: float
+    ) -> None:
+        ahead, aside, rate = float(message.vx), float(message.vy), float(message.yawspeed)
+        is_body = message.child_frame_id in (dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_BODY_NED)
+        direction = turn_rad + (yaw if is_body else 0.0)
+        velocity = None
+        if _all_below((ahead, aside), _FASTEST_M_S):
+            velocity = _turned(ahead, aside, direction)
+        sigma_m = _sigma_m(message.pose_covariance)
+        rate_rad_s = rate if _all_below((rate,), _FASTEST_RAD_S) else None
+        self._take_pose(
+            message, message.time_usec, yaw, turn_rad, sigma_m, origin, now_s, velocity, rate_rad_s
+        )
+
+    def _take_pose(
+        self,
+        message: Message,
+        stamp_us: int,
+        yaw_rad: float,
+        turn_rad: float,
+        sigma_m: float,
+        origin: Origin,
+        now_s: float,
+        velocity: Point | None = None,
+        rate_rad_s: float | None = None,
+    ) -> None:
+        """A pose in a local frame whose x axis points turn_rad away from north, clockwise."""
+        external, frame = self._external, self._external.frame
+        place = Point(float(message.x), float(message.y))
+        if frame is None or not _all_below(place, _FARTHEST_M) or not math.isfinite(yaw_rad):
+            self.dropped += 1
+            return
+        if not self._admits(origin.address, external.fix, now_s):
+            return
+        time_s = self._to_own_clock(origin.address, stamp_us, now_s)
+        external.fix = GnssFix(
+            time_s,
+            frame.to_global(_turned(*place, turn_rad)),
+            3,
+            _UNKNOWN_SATELLITES,
+            0.5,
+            None if velocity is None else velocity.north_m,
+            None if velocity is None else velocity.east_m,
+            horizontal_accuracy_m=sigma_m,
+        )
+        external.heading = HeadingReading(time_s, wrap_pi(yaw_rad + turn_rad), rate_rad_s)
+
+    def _on_distance(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+        bearing = _bearing_of(message)
+        range_cm = message.current_distance
+        if not self._setting.obstacles or bearing is None or range_cm < message.min_distance:
+            self.dropped += 1
+            return
+        beam_rad = message.horizontal_fov if 0.0 < message.horizontal_fov <= math.pi else _RAY_RAD
+        range_m = None if range_cm >= message.max_distance else range_cm / 100.0
+        self._ping(now_s, bearing, range_m, message.min_distance, message.max_distance, beam_rad)
+
+    def _on_obstacles(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+        step_deg = message.increment_f or float(message.increment)
+        offset_deg = message.angle_offset
+        nav = self._vehicle.nav
+        from_north = message.frame == dialect.MAV_FRAME_GLOBAL
+        is_known = message.frame == dialect.MAV_FRAME_BODY_FRD or (from_north and nav is not None)
+        if not (self._setting.obstacles and is_known and abs(step_deg) <= 360.0 and abs(offset_deg) <= 360.0):
+            self.dropped += 1
+            return
+        turn_rad = -nav.heading_rad if from_north and nav is not None else 0.0
+        count = len(message.distances) if step_deg == 0.0 else int(360.0 / abs(step_deg))
+        for number, range_cm in enumerate(message.distances[:count]):
+            if range_cm == _UNKNOWN_CM:
+                continue
+            bearing = wrap_pi(math.radians(offset_deg + number * step_deg) + turn_rad)
+            range_m = None if range_cm > message.max_distance else range_cm / 100.0
+            beam_rad = math.radians(abs(step_deg))
+            self._ping(now_s, bearing, range_m, message.min_distance, message.max_distance, beam_rad)
+
+    def _ping(
+        self, now_s: float, bearing: float, range_m: float | None, min_cm: int, max_cm: int, beam_rad: float
+    ) -> None:
+        ping = SonarReading(now_s, bearing, range_m, min_cm / 100.0, max_cm / 100.0)
+        self._external.pings.append((ping, beam_rad))
+
+    def _admits(self, sender: Address, latest: GnssFix | None, now_s: float) -> bool:
+        """Whether this sender is the one, and not too fast."""
+        setting = self._setting
+        is_wanted = setting.position != Use.NEVER or setting.heading != Use.NEVER
+        is_other = sender != self._source and now_s - self._source_s <= setting.timeout_s
+        if not is_wanted or is_other or (latest is not None and now_s - self._source_s < _MIN_SPACING_S):
+            self.dropped += 1
+            return False
+        self._source, self._source_s = sender, now_s
+        return True
+
+
+def _all_below(values: tuple[float, ...] | list[float], limit: float) -> bool:
+    """Whether all are numbers of at most this size; NaN is not."""
+    return all(abs(value) <= limit for value in values)
+
+
+def _place(lat_e7: int, lon_e7: int) -> LatLon | None:
+    if lat_e7 == 0 and lon_e7 == 0:
+        return None
+    try:
+        return LatLon(e7_to_deg(lat_e7), e7_to_deg(lon_e7))
+    except ValueError:
+        return None
+
+
+def _turned(ahead: float, right: float, angle_rad: float) -> Point:
+    """A vector of a frame that is turned clockwise from north, as north and east."""
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    return Point(ahead * c - right * s, ahead * s + right * c)
+
+
+def _yaw_of(q: list[float]) -> float | None:
+    """The yaw of a quaternion w, x, y, z; None when it is none."""
+    w, x, y, z = q
+    if not _UNIT[0] <= math.hypot(w, x, y, z) <= _UNIT[1]:
+        return None
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
+def _sigma_m(covariance: list[float]) -> float:
+    """How good a pose says it is, from its variances of x and y; its first number is NaN when it does not."""
+    variance = max(covariance[0], covariance[6])
+    return math.sqrt(variance) if 1e-6 < variance < 1e4 else _POSE_SIGMA_M
+
+
+def _bearing_of(message: Message) -> float | None:
+    """Where a ranger looks, from the bow, clockwise; None when it looks up or down, or has no signal."""
+    if message.signal_quality == 1:
+        return None
+    if message.orientation <= dialect.MAV_SENSOR_ROTATION_YAW_315:
+        return wrap_pi(message.orientation * math.pi / 4.0)
+    return _yaw_of(message.quaternion) if message.orientation == dialect.MAV_SENSOR_ROTATION_CUSTOM else None
+
+
+def _unix_s(week: int, week_ms: int) -> float | None:
+    return _GPS_EPOCH_UNIX_S + week * _WEEK_S + week_ms / 1e3 - _LEAP_S if week > 2000 else None

@@ -1,0 +1,103 @@
+"""Telemetry of what is measured: gyro, compass, power, rangers, and how well the estimate stands."""
+
+import math
+
+from companion.mavlink.dialect import Message, dialect
+from companion.sensors.sweep import SECTOR_RAD
+from companion.services.snapshot import Snapshot
+from companion.units import clamp
+
+_FIELD = 1000.0  # of the unit vector that stands for the magnetic field
+
+_HEADING_FLAGS = dialect.EKF_ATTITUDE
+_POSITION_FLAGS = (
+    dialect.EKF_VELOCITY_HORIZ
+    | dialect.EKF_POS_HORIZ_REL
+    | dialect.EKF_POS_HORIZ_ABS
+    | dialect.EKF_PRED_POS_HORIZ_REL
+    | dialect.EKF_PRED_POS_HORIZ_ABS
+)
+
+
+def _imu(now: Snapshot) -> tuple[int, int, int] | None:
+    """Yaw rate in mrad/s and the direction of magnetic north in the hull's axes; None without a compass."""
+    reading = now.heading
+    if reading is None:
+        return None
+    rate = reading.yaw_rate_rad_s or 0.0
+    ahead, aside = math.cos(reading.heading_rad), -math.sin(reading.heading_rad)
+    return round(clamp(rate * 1e3, -32767.0, 32767.0)), round(_FIELD * ahead), round(_FIELD * aside)
+
+
+def scaled_imu(now: Snapshot) -> Message | None:
+    """Only the yaw gyro and the compass are there. The field is a direction, not a strength."""
+    if (imu := _imu(now)) is None:
+        return None
+    zgyro, xmag, ymag = imu
+    return dialect.MAVLink_scaled_imu_message(now.boot_ms, 0, 0, 0, 0, 0, zgyro, xmag, ymag, 0)
+
+
+def raw_imu(now: Snapshot) -> Message | None:
+    """The same numbers: the part gives no rawer ones."""
+    if (imu := _imu(now)) is None:
+        return None
+    zgyro, xmag, ymag = imu
+    return dialect.MAVLink_raw_imu_message(now.boot_us, 0, 0, 0, 0, 0, zgyro, xmag, ymag, 0)
+
+
+def power_status(now: Snapshot) -> Message | None:
+    """The pack as the motors' rail. The computer's own 5 V are not measured: 0, which stations leave out."""
+    if now.battery is None:
+        return None
+    flags = dialect.MAV_POWER_STATUS_BRICK_VALID
+    if now.vehicle.armed:
+        flags |= dialect.MAV_POWER_STATUS_SERVO_VALID
+    return dialect.MAVLink_power_status_message(
+        0, round(clamp(now.battery.voltage_v * 1e3, 0.0, 65535.0)), flags
+    )
+
+
+def meminfo(now: Snapshot) -> Message | None:
+    """Free memory of the computer, where somebody looks after it."""
+    free = now.free_memory_bytes
+    if free <= 0:
+        return None
+    return dialect.MAVLink_meminfo_message(0, min(free, 0xFFFF), min(free, 0xFFFFFFFF))
+
+
+def ekf_status_report(now: Snapshot) -> Message:
+    """Which parts of the estimate may be relied on.
+
+    The variances are shares of the time after which a silent sensor's part of the estimate is given up, so
+    that 1 is where stations (and the gate) draw the line.
+    """
+    nav, timeout_s = now.nav, now.config.motors.estimate_timeout_s
+    flags, position, heading = 0, 1.0, 1.0
+    if nav is not None:
+        position = min(nav.position_age_s / timeout_s, 1.0)
+        heading = min(nav.heading_age_s / timeout_s, 1.0)
+    if heading < 1.0:
+        flags |= _HEADING_FLAGS
+    if position < 1.0:
+        flags |= _POSITION_FLAGS
+    if now.frame is None:
+        flags |= dialect.EKF_UNINITIALIZED
+    return dialect.MAVLink_ekf_status_report_message(flags, position, position, 0.0, heading, 0.0)
+
+
+def obstacle_distance(now: Snapshot) -> Message | None:
+    """The rangers' latest sweep, 72 sectors clockwise from the bow; silent while nothing is heard at all."""
+    sweep = now.sweep
+    if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
+        return None
+    return dialect.MAVLink_obstacle_distance_message(
+        time_usec=now.boot_us,
+        sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        distances=sweep.distances_cm(now.now_s),
+        increment=round(math.degrees(SECTOR_RAD)),
+        min_distance=round(100.0 * sweep.latest.min_range_m),
+        max_distance=min(round(100.0 * sweep.max_range_m()), 0xFFFD),
+        increment_f=math.degrees(SECTOR_RAD),
+        angle_offset=0.0,
+        frame=dialect.MAV_FRAME_BODY_FRD,
+    )
