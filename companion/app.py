@@ -1,7 +1,7 @@
 """The composition root: the only file of the companion that picks concrete drivers."""
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -165,8 +165,8 @@ def run_boat(
             boat.load = runner.load
             boat.step(clock.now_s())
 
-        def receive() -> int:
-            return boat.receive(clock.now_s())
+        def receive(ready: Collection[int]) -> int:
+            return boat.receive(clock.now_s(), ready)
 
         runner = Runner(
             clock,

@@ -6,7 +6,7 @@ skipped, never caught up.
 """
 
 import select
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from companion.clock import Clock
@@ -14,6 +14,7 @@ from companion.clock import Clock
 LATE_S = 0.005
 _MAX_RECEIVES = 200  # between two ticks: a flood of bytes must not eat the loop
 _BUSY_FRAMES = 60  # in one period; from there on it pays to let frames gather instead of waking for each
+_FEW_FRAMES = 20  # at once; with more there is no need to wait for others
 _GATHER_S = 0.001
 
 
@@ -28,10 +29,11 @@ class TickCount:
 
 
 class Runner:
-    """Calls `step(number)` once a period and `receive()` whenever a link has something in between.
+    """Calls `step(number)` once a period and `receive(ready)` whenever a link has something in between.
 
-    `receive` may return how many frames it took. Under a heavy stream of frames (a bridge between two fast
-    links) they are left to gather for a millisecond, which costs less than waking up for each.
+    ready: the descriptors that have become readable. `receive` may return how many frames it took. Under a
+    heavy stream of frames (a bridge between two fast links) they are left to gather for a millisecond, which
+    costs less than waking up for each.
     """
 
     def __init__(
@@ -39,7 +41,7 @@ class Runner:
         clock: Clock,
         period_s: float,
         step: Callable[[int], None],
-        receive: Callable[[], int | None],
+        receive: Callable[[Collection[int]], int | None],
         filenos: Callable[[], list[int]],
         *,
         skip_missed: bool = True,
@@ -58,6 +60,9 @@ class Runner:
         self._filenos = filenos
         self._skip_missed = skip_missed
         self._has_more = has_more
+        self._poll = select.poll()
+        self._polled: list[int] = []
+        self._ready: list[int] = []
         self._frames = 0  # taken in this period so far, or in the one before it
 
     def run(self, should_stop: Callable[[], bool]) -> None:
@@ -89,10 +94,12 @@ class Runner:
             left_s = due_s - self._clock.now_s()
             if left_s <= 0.0 or should_stop():
                 return
-            if not (self._has_more() or self._wait(left_s)):
+            has_more = self._has_more()
+            if not (self._wait(0.0 if has_more else left_s) or has_more):
                 return
-            self._frames += self._receive() or 0
-            if (is_busy or self._frames > _BUSY_FRAMES) and not self._has_more():
+            frames = self._receive(self._ready) or 0
+            self._frames += frames
+            if frames < _FEW_FRAMES and (is_busy or self._frames > _BUSY_FRAMES):
                 self._clock.sleep(min(_GATHER_S, due_s - self._clock.now_s()))
         self._clock.sleep(due_s - self._clock.now_s())
 
@@ -102,11 +109,14 @@ class Runner:
         if not filenos:
             self._clock.sleep(seconds)
             return False
-        poll = select.poll()
-        for fileno in filenos:
-            poll.register(fileno, select.POLLIN)
+        if filenos != self._polled:
+            self._polled = filenos
+            self._poll = select.poll()
+            for fileno in filenos:
+                self._poll.register(fileno, select.POLLIN)
         # poll counts in whole milliseconds: wait for all but the last, then sleep the rest
-        if poll.poll(int(seconds * 1e3)):
+        self._ready = [fileno for fileno, _ in self._poll.poll(int(seconds * 1e3))]
+        if self._ready:
             return True
         self._clock.sleep(min(seconds, 0.001))
         return False

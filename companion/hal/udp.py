@@ -12,8 +12,9 @@ from companion.hal.internet import Address, resolve, show
 PEER_IDLE_S = 60.0
 MAX_PEERS = 32
 _DATAGRAM_BYTES = 65535
-_DATAGRAMS_PER_CALL = 256  # so that a flooding station cannot hold the boat's tick
+_DATAGRAMS_PER_CALL = 32  # so that a flooding station cannot hold the boat's tick
 _QUEUE_DATAGRAMS = 512
+_SYSTEM_QUEUE_BYTES = 4 << 20  # asked for; a bridge between fast links must get over a pause of its computer
 
 
 class UdpOutPort:
@@ -64,6 +65,7 @@ class _UdpOutLink:
         self.name = name
         self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SYSTEM_QUEUE_BYTES)
         self._socket.bind(("", 0))
         self._destination = address.sockaddr
         self._takes_any_source = False
@@ -132,6 +134,7 @@ class UdpInPort:
         address = resolve("udpin", host, port)
         self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SYSTEM_QUEUE_BYTES)
         try:
             self._socket.bind(address.sockaddr)
         except OSError as error:

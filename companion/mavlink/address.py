@@ -3,6 +3,7 @@
 A target of 0 means all systems, or all components of a system (MAVLink guide, "Routing").
 """
 
+from functools import cache
 from typing import NamedTuple
 
 ALL = 0
@@ -13,6 +14,12 @@ class Address(NamedTuple):
 
     system: int
     component: int
+
+
+@cache
+def address(system: int, component: int) -> Address:
+    """The address of two bytes of a header, made once: there are no more than 65,536."""
+    return Address(system, component)
 
 
 def concerns(own: Address, target_system: int, target_component: int) -> bool:

@@ -8,10 +8,11 @@ the header alone is refused at once, so that a stray magic byte seldom holds bac
 """
 
 from enum import Enum
-from struct import Struct
-from typing import NamedTuple
+from struct import Struct as Packing
 
-from companion.mavlink.address import Address
+from msgspec import Struct
+
+from companion.mavlink.address import Address, address
 from companion.mavlink.dialect import crc16
 from companion.mavlink.layout import LAYOUTS, Layout
 
@@ -23,11 +24,11 @@ LONGEST_FRAME = 10 + 255 + 2 + SIGNATURE_LENGTH
 
 _OVERHEAD_V1 = 8
 _OVERHEAD_V2 = 12
-_HEADER_V2 = Struct("<BBBBBBHB")  # all but the magic
+_HEADER_V2 = Packing("<BBBBBBHB")  # all but the magic
 _read_header_v2 = _HEADER_V2.unpack_from
 
 
-class Frame(NamedTuple):
+class Frame(Struct, frozen=True, gc=False):
     """A frame whose CRC fits, or one of a message that the dialect does not have: then layout is None.
 
     data is all of it, as it came; payload may be cut or longer than the layout.
@@ -66,11 +67,12 @@ def read_frame(data: bytes, at: int) -> Frame | Flaw:
 
 def _read_v2(data: bytes, at: int) -> Frame | Flaw:
     available = len(data) - at
-    if available >= 3 and data[at + 2] & ~SIGNED:
-        return Flaw.HEADER  # an incompatibility that we do not know: the guide says to discard the frame
     if available < _OVERHEAD_V2:
-        return Flaw.INCOMPLETE
+        # an incompatibility that we do not know: the guide says to discard the frame
+        return Flaw.HEADER if available >= 3 and data[at + 2] & ~SIGNED else Flaw.INCOMPLETE
     length, incompat, _, sequence, system, component, id_low, id_high = _read_header_v2(data, at + 1)
+    if incompat & ~SIGNED:
+        return Flaw.HEADER
     message_id = id_low | id_high << 16
     layout = LAYOUTS.get(message_id)
     if layout is None:
@@ -81,8 +83,9 @@ def _read_v2(data: bytes, at: int) -> Frame | Flaw:
         return Flaw.INCOMPLETE
     if crc16(data[at + 1 : crc_at] + layout.crc_extra) != data[crc_at] | data[crc_at + 1] << 8:
         return Flaw.CRC
-    sender = Address(system, component)
-    return Frame(message_id, sender, sequence, data[at + 10 : crc_at], data[at:end], layout)
+    return Frame(
+        message_id, address(system, component), sequence, data[at + 10 : crc_at], data[at:end], layout
+    )
 
 
 def _read_v1(data: bytes, at: int) -> Frame | Flaw:
@@ -100,8 +103,9 @@ def _read_v1(data: bytes, at: int) -> Frame | Flaw:
         return Flaw.INCOMPLETE
     if crc16(data[at + 1 : crc_at] + layout.crc_extra) != data[crc_at] | data[crc_at + 1] << 8:
         return Flaw.CRC
-    sender = Address(system, component)
-    return Frame(message_id, sender, sequence, data[at + 6 : crc_at], data[at : crc_at + 2], layout)
+    return Frame(
+        message_id, address(system, component), sequence, data[at + 6 : crc_at], data[at : crc_at + 2], layout
+    )
 
 
 def read_unknown(data: bytes, at: int) -> Frame | Flaw:
@@ -121,7 +125,7 @@ def read_unknown(data: bytes, at: int) -> Frame | Flaw:
     if end > len(data):
         return Flaw.INCOMPLETE
     payload = data[begin : begin + data[at + 1]]
-    return Frame(message_id, Address(system, component), sequence, payload, data[at:end], None)
+    return Frame(message_id, address(system, component), sequence, payload, data[at:end], None)
 
 
 def build_frame(address: Address, sequence: int, layout: Layout, payload: bytes) -> bytes:

@@ -1,7 +1,7 @@
 """The boat's channels: takes in new links, forgets dead ones, moves frames between them and the endpoint."""
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from companion.hal.interfaces import Port
 from companion.mavlink.address import Address
@@ -37,12 +37,18 @@ class Channels:
         self._own = own
         self._next_number = 1
         self._now_s = 0.0
+        self._filenos: list[int] | None = None
         self._first = 0  # whose turn it is when not everybody gets one
 
-    def accept(self) -> list[int]:
-        """Numbers of the channels that have come into being since the last call."""
+    def accept(self, ready: Collection[int] | None = None) -> list[int]:
+        """Numbers of the channels that have come into being since the last call.
+
+        ready: look only at ports with one of these descriptors.
+        """
         new: list[int] = []
         for port in self._ports:
+            if ready is not None and port.fileno() not in ready:
+                continue
             for link in port.accept():
                 policy = port.policy if isinstance(port, ConfiguredPort) else PLAIN
                 channel = Channel(self._next_number, link, self._own, policy)
@@ -50,6 +56,7 @@ class Channels:
                 self.open[channel.number] = channel
                 self.router.open(channel.number, policy.forwards)
                 new.append(channel.number)
+                self._filenos = None
                 logger.info("link %s is up", link.name)
         return new
 
@@ -58,6 +65,8 @@ class Channels:
         gone = [
             number for number, channel in self.open.items() if channel.link.is_closed and not channel.has_more
         ]
+        if gone:
+            self._filenos = None
         for number in gone:
             link = self.open.pop(number).link
             link.close()
@@ -65,8 +74,13 @@ class Channels:
             logger.info("link %s is down", link.name)
         return gone
 
-    def receive(self, now_s: float = 0.0) -> Iterator[tuple[int, Received]]:
-        """What has arrived for the boat, channel by channel; what is for others is forwarded on the way."""
+    def receive(
+        self, now_s: float = 0.0, ready: Collection[int] | None = None
+    ) -> Iterator[tuple[int, Received]]:
+        """What has arrived for the boat, channel by channel; what is for others is forwarded on the way.
+
+        ready: look only at channels with one of these descriptors, and at those with something left over.
+        """
         self._now_s = now_s
         self.has_more = False
         left = _FRAMES_PER_CALL
@@ -75,7 +89,10 @@ class Channels:
             self._first %= len(channels) or 1
             channels = channels[self._first :] + channels[: self._first]
         for turn, channel in enumerate(channels):
-            channel.drain(now_s)
+            if ready is None:
+                channel.drain(now_s)
+            elif not (channel.has_more or channel.link.fileno() in ready):
+                continue
             if left <= 0:
                 self.has_more = True
                 self._first += turn
@@ -122,9 +139,11 @@ class Channels:
 
     def filenos(self) -> list[int]:
         """Descriptors that become readable when there is something to do."""
-        numbers = [port.fileno() for port in self._ports]
-        numbers += [channel.link.fileno() for channel in self.open.values()]
-        return sorted({number for number in numbers if number >= 0})
+        if self._filenos is None:
+            numbers = [port.fileno() for port in self._ports]
+            numbers += [channel.link.fileno() for channel in self.open.values()]
+            self._filenos = sorted({number for number in numbers if number >= 0})
+        return self._filenos
 
     def close(self) -> None:
         """Close everything. May be called twice."""

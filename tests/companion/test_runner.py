@@ -1,5 +1,5 @@
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import pytest
 
@@ -31,7 +31,9 @@ class Loop:
         self.began_s: list[float] = []
         self.numbers: list[int] = []
         self._work_s = work_s
-        self.runner = Runner(self.clock, PERIOD_S, self.step, lambda: None, list, skip_missed=skip_missed)
+        self.runner = Runner(
+            self.clock, PERIOD_S, self.step, lambda ready: None, list, skip_missed=skip_missed
+        )
 
     def step(self, number: int) -> None:
         """One tick that takes its time."""
@@ -107,7 +109,8 @@ def test_links_are_heard_between_ticks_but_a_flood_does_not_eat_the_loop(chunks:
     pipe, clock = Pipe(chunks), FakeClock()
     order: list[str] = []
 
-    def receive() -> None:
+    def receive(ready: Collection[int]) -> None:
+        assert list(ready) == [pipe.reader]
         os.read(pipe.reader, 1)
         order.append("receive")
         if len(order) == chunks + 1:
