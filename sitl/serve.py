@@ -1,7 +1,7 @@
 """The emulator in real time: the boat behind TCP and UDP ports, for any ground station."""
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 
 import msgspec
@@ -79,8 +79,8 @@ class Server:
         if self._record:
             self.recorder.record(truth, NO_LEG)
 
-    def _receive(self) -> int:
-        return self.boat.receive(self.world.time_s)
+    def _receive(self, ready: Collection[int]) -> int:
+        return self.boat.receive(self.world.time_s, ready)
 
 
 def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
