@@ -13,6 +13,7 @@ from companion import __version__
 from companion.app import check_config, run_boat
 from companion.config import BoatConfig, load_config
 from companion.errors import BoatError
+from companion.param_page import parameter_page
 from companion.params import Parameters
 from companion.params_table import ROWS
 from companion.shutdown import Shutdown
@@ -54,8 +55,13 @@ def check(config: ConfigFile) -> None:
 
 
 @app.command()
-def params() -> None:
+def params(
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print docs/parameters.md.")] = False,
+) -> None:
     """List every parameter with its default, unit and meaning."""
+    if markdown:
+        typer.echo(parameter_page(), nl=False)
+        return
     table = Table("name", "default", "unit", "meaning", box=None)
     parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
     for row in ROWS:

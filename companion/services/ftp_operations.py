@@ -134,7 +134,10 @@ class Operations:
         return self._later(station, request, session.on_disk, load, lambda data: ack(request, _some(data)))
 
     def _burst(self, station: Station, request: Request, now_s: float) -> None:
-        self._begin_burst(station, request, station.session(request.session, now_s))
+        session = station.session(request.session, now_s)
+        if session.upload is not None:
+            raise Refusal(Code.FILE_PROTECTED)
+        self._begin_burst(station, request, session)
 
     def _write(self, station: Station, request: Request, now_s: float) -> bytes:
         upload = station.session(request.session, now_s).upload

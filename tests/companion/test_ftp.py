@@ -208,6 +208,15 @@ def test_a_data_size_beyond_a_block_is_refused(served: Served) -> None:
     assert served.ask(Opcode.READ_FILE, session=session, size=240).code is Code.INVALID_DATA_SIZE
 
 
+def test_what_is_being_written_cannot_be_read_nor_the_other_way_round(served: Served) -> None:
+    writing = served.ask(Opcode.CREATE_FILE, b"/files/a", session=1).session
+    reading = served.ask(Opcode.OPEN_FILE_RO, b"/metadata/general.json", session=2).session
+    assert served.ask(Opcode.READ_FILE, session=writing).code is Code.FILE_PROTECTED
+    assert served.ask(Opcode.BURST_READ_FILE, session=writing).code is Code.FILE_PROTECTED
+    assert served.ask(Opcode.WRITE_FILE, b"x", reading).code is Code.FILE_PROTECTED
+    assert served.tick() == []
+
+
 def test_the_checksum_is_mavlinks(served: Served) -> None:
     served.put(b"/files/a.bin", TEXT)
     crc = struct.unpack("<I", served.ask(Opcode.CALC_FILE_CRC32, b"/files/a.bin").data)[0]

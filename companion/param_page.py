@@ -1,0 +1,81 @@
+"""The page about the parameters, made from the one table: `boat-companion params --markdown`."""
+
+import math
+from collections.abc import Iterable
+
+from companion.config import BoatConfig
+from companion.params import Kind, Parameters, Row
+from companion.params_table import ROWS
+from companion.storage import MemoryStorage
+
+_TYPES = {Kind.INT8: "INT8", Kind.INT16: "INT16", Kind.INT32: "INT32", Kind.REAL32: "REAL32"}
+
+_INTRODUCTION = """\
+# Parameters
+
+Made by `boat-companion params --markdown` from the one table in `companion/params_table.py`; do not edit.
+
+Ground stations read and change these over MAVLink. A change holds at once, unless it says otherwise, and is
+kept in `params.parm` of the storage folder, as text that ground stations can read. A value out of range is
+refused with a message, and the old one stays. The key is the field of the configuration file that the
+parameter stands for; the value there is the default. The same descriptions are served from the boat as
+component metadata (`mftp:///metadata/parameters.json`), and all values as one file (`@PARAM/param.pck`).
+"""
+
+_CONSTANTS = """\
+## Constants
+
+Ground stations insist on these. They say what is so on this boat and cannot be changed.
+"""
+
+
+def parameter_page(rows: tuple[Row, ...] = ROWS) -> str:
+    """The page in Markdown."""
+    parameters = Parameters(BoatConfig(), rows, MemoryStorage())
+    live = [
+        (
+            f"`{row.name}`",
+            row.text,
+            _number(parameters.value(row)),
+            _range(row),
+            row.unit,
+            _key(row),
+            _TYPES[row.kind],
+        )
+        for row in rows
+        if not row.read_only
+    ]
+    constants = [
+        (f"`{row.name}`", row.text, _number(parameters.value(row)), row.unit, _TYPES[row.kind])
+        for row in rows
+        if row.read_only
+    ]
+    return "\n".join(
+        [
+            _INTRODUCTION,
+            *_table(("name", "meaning", "default", "range", "unit", "key", "type"), live),
+            "",
+            _CONSTANTS,
+            *_table(("name", "meaning", "value", "unit", "type"), constants),
+            "",
+        ]
+    )
+
+
+def _table(head: tuple[str, ...], lines: Iterable[tuple[str, ...]]) -> list[str]:
+    rule = tuple("---" for _ in head)
+    return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in (head, rule, *lines)]
+
+
+def _number(value: float) -> str:
+    return f"{value:.7g}"
+
+
+def _range(row: Row) -> str:
+    low = _number(row.low) if math.isfinite(row.low) else ""
+    high = _number(row.high) if math.isfinite(row.high) else ""
+    return f"{low}…{high}" if low or high else ""
+
+
+def _key(row: Row) -> str:
+    return f"`{row.path}`" if row.path else ""

@@ -1,0 +1,28 @@
+"""The page in docs/ is what the table says."""
+
+import re
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from companion.__main__ import app
+from companion.param_page import parameter_page
+from companion.params_table import ROWS
+
+PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"
+
+
+def test_the_page_is_up_to_date() -> None:
+    assert PAGE.read_text(encoding="utf-8") == parameter_page(), (
+        "run: boat-companion params --markdown > docs/parameters.md"
+    )
+
+
+def test_the_page_has_every_parameter_once_and_tables_that_hold_together() -> None:
+    lines = [line for line in parameter_page().splitlines() if line.startswith("| `")]
+    assert sorted(re.findall(r"^\| `(\w+)`", "\n".join(lines), re.MULTILINE)) == [row.name for row in ROWS]
+    assert {line.count("|") for line in lines} == {8, 6}
+
+
+def test_the_command_prints_the_page() -> None:
+    assert CliRunner().invoke(app, ["params", "--markdown"]).output == parameter_page()
