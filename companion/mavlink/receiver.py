@@ -40,7 +40,9 @@ class Receiver(Transfer):
         check: ItemCheck = take_any,
     ) -> None:
         super().__init__(own, mission_type, retry_s, retries, max_items)
+        self.first = 0  # sequence number of the transfer's first item: 0 unless it is a part of a list
         self._check = check
+        self._is_part = False
         self._count = 0
         self._items: list[MissionItem] = []
         self._nudged_s = float("-inf")
@@ -58,6 +60,25 @@ class Receiver(Transfer):
             ),
             now_s,
         )
+
+    def take_part(self, first: int, count: int, sender: Address, now_s: float) -> None:
+        """A station offers a part of a list by MISSION_WRITE_PARTIAL_LIST; the owner has found it to fit."""
+        if not self._is_free_for(sender) or not self._may(Trigger.COUNT):
+            return
+        if self.state is State.RECEIVING and (first, count) == (self.first, self._count) and not self._items:
+            self._repeat()
+            return
+        self._collect(first, count, sender, now_s, is_part=True)
+
+    def _collect(self, first: int, count: int, sender: Address, now_s: float, *, is_part: bool) -> None:
+        self._begin(Trigger.COUNT if count else Trigger.EMPTY, sender)
+        self.first, self._is_part = first, is_part
+        self._count, self._items = count, []
+        self._events.append(Started(count, sender))
+        if count:
+            self._request_next(sender, now_s)
+        else:
+            self._events.append(Completed((), sender))
 
     def confirm(self, now_s: float, result: MissionResult = MissionResult.ACCEPTED) -> None:
         """The owner's answer to `Completed`: the list is stored, or it is not and `result` says why.
@@ -94,16 +115,11 @@ class Receiver(Transfer):
                 now_s,
             )
             return
-        if self.state is State.RECEIVING and count == self._count and not self._items:
+        is_same = count == self._count and not self._items and not self._is_part
+        if self.state is State.RECEIVING and is_same:
             self._repeat()  # the same offer again: our first request was lost
             return
-        self._begin(Trigger.COUNT if count else Trigger.EMPTY, sender)
-        self._count, self._items = count, []
-        self._events.append(Started(count, sender))
-        if count:
-            self._request_next(sender, now_s)
-        else:
-            self._events.append(Completed((), sender))
+        self._collect(0, count, sender, now_s, is_part=False)
 
     def _handle_ack(self, message: Message, sender: Address, now_s: float) -> None:
         if message.type == MissionResult.ACCEPTED:
@@ -127,7 +143,7 @@ class Receiver(Transfer):
             self.ignored += 1
 
     def _receive_item(self, message: Message, sender: Address, now_s: float) -> None:
-        expected = len(self._items)
+        expected = self.first + len(self._items)
         if message.seq != expected:
             self.ignored += 1
             if message.seq > expected and now_s - self._nudged_s >= self._retry_s:
@@ -142,7 +158,8 @@ class Receiver(Transfer):
             self._items.append(item)
             if len(self._items) == self._count:
                 self._move(Trigger.LAST_ITEM)
-                self._events.append(Completed(tuple(self._items), sender))
+                first = self.first if self._is_part else None
+                self._events.append(Completed(tuple(self._items), sender, first))
             else:
                 self._move(Trigger.ITEM)
                 self._request_next(sender, now_s)
@@ -150,7 +167,10 @@ class Receiver(Transfer):
     def _request_next(self, partner: Address, now_s: float) -> None:
         self._await(
             dialect.MAVLink_mission_request_int_message(
-                partner.system, partner.component, len(self._items), self.mission_type
+                partner.system,
+                partner.component,
+                self.first + len(self._items),
+                self.mission_type,
             ),
             now_s,
         )

@@ -130,10 +130,14 @@ class Started:
 
 @dataclass(frozen=True, slots=True)
 class Completed:
-    """The list is whole: at a receiver, to be stored and confirmed; at a sender, acknowledged."""
+    """The list is whole: at a receiver, to be stored and confirmed; at a sender, acknowledged.
+
+    first: where these items belong, if they are only a part of a list; None for a whole one.
+    """
 
     items: tuple[MissionItem, ...]
     partner: Address
+    first: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,12 +19,16 @@ from companion.services.commands import CommandService
 from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp import FtpService
 from companion.services.ftp_mounts import build_tree, open_worker
+from companion.services.guided import GuidedService
 from companion.services.heartbeat import HeartbeatService
 from companion.services.logs import LogService
 from companion.services.manual_control import ManualControlService
 from companion.services.mission import MissionService
+from companion.services.modes_info import ModesInfoService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
+from companion.services.roles import Role, Roles
+from companion.services.sightings import SightingService
 from companion.services.signing import SigningService
 from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
@@ -47,6 +51,8 @@ _MISSION = (
     dialect.MAVLINK_MSG_ID_MISSION_ACK,
     dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
     dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
+    dialect.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST,
 )
 
 _LOGS = (
@@ -99,7 +105,11 @@ class Endpoint:
         )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._listings = ParameterService(parameters, self.outbox, self._texts)
-        self._manual = ManualControlService(vehicle)
+        self._manual = ManualControlService(vehicle, self._texts)
+        self._guided = GuidedService(vehicle, self._texts)
+        self._sightings = SightingService(vehicle)
+        self._modes = ModesInfoService(vehicle, self.outbox)
+        self.roles = Roles()
         folder = storage.folder if isinstance(storage, FolderStorage) else None
         tree = build_tree(parameters, self._listings, folder, parameters.config.storage.files_mb)
         self._files = FtpService(own, self.outbox, tree, open_worker(folder))
@@ -130,6 +140,13 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: self._files.handle,
             dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_manual_control,
             dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
+            dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: self._guided.on_global_target,
+            dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._guided.on_local_target,
+            dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: self._guided.on_attitude_target,
+            dialect.MAVLINK_MSG_ID_FOLLOW_TARGET: lambda m, o, t: self._sightings.on_follow_target(m, o),
+            dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: (
+                lambda m, o, t: self._sightings.on_global_position(m, o)
+            ),
             dialect.MAVLINK_MSG_ID_SETUP_SIGNING: self._signing.on_setup,
         }
         table.update(dict.fromkeys(_MISSION, self._missions.handle))
@@ -158,6 +175,7 @@ class Endpoint:
         self._listings.forget(channel)
         self._files.forget(channel)
         self._missions.forget(channel, now_s)
+        self._manual.forget(channel)
         self._logs.forget(channel)
 
     @property
@@ -206,6 +224,7 @@ class Endpoint:
     def _tick(self, now: Snapshot) -> None:
         self._signing.tick(now.now_s, now.unix_s)
         self._heartbeat.tick(now.now_s)
+        self._modes.tick(now.now_s)
         self._missions.tick(now.now_s)
         self._texts.tell(self._vehicle.take_notices())
         self._commands.tick(now.heading, now.now_s)
@@ -218,6 +237,7 @@ class Endpoint:
     def tell_changes(self) -> None:
         """What a message just handled has changed is told at once, not at the next tick."""
         self._heartbeat.tell_change()
+        self._modes.tell_change()
         self._texts.tell(self._vehicle.take_notices())
 
     def _is_for_us(self, message: Message) -> bool:
@@ -229,8 +249,9 @@ class Endpoint:
         return chosen in (0, origin.address.system)
 
     def _on_heartbeat(self, message: Message, origin: Origin, now_s: float) -> None:
-        # A planner or logger announces another type: it must not keep the operator's failsafe quiet
-        if message.type == dialect.MAV_TYPE_GCS and self._is_operator(origin):
+        # A planner, a logger or another vehicle must not keep the operator's failsafe quiet
+        chosen = self._parameters.config.identity.operator_system_id
+        if self.roles.hear(message, origin.address, chosen) is Role.OPERATOR:
             self._vehicle.operator.heard(now_s)
 
     def _on_system_time(self, message: Message, origin: Origin, now_s: float) -> None:
@@ -238,10 +259,10 @@ class Endpoint:
         if origin.address.component != dialect.MAV_COMP_ID_AUTOPILOT1 and self._is_operator(origin):
             self._time.on_system_time(message, now_s)
 
-    def _on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
+    def _on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:
         if self._is_operator(origin):
-            self._manual.on_manual_control(message)
+            self._manual.on_manual_control(message, origin, now_s)
 
     def _on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
         if self._is_operator(origin):
-            self._manual.on_rc_override(message, now_s)
+            self._manual.on_rc_override(message, origin, now_s)

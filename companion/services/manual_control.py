@@ -1,48 +1,95 @@
-"""MANUAL_CONTROL and RC_CHANNELS_OVERRIDE: the operator's hand on the boat, with Rover's axes."""
+"""MANUAL_CONTROL and RC_CHANNELS_OVERRIDE: the operator's hand on the boat, with Rover's axes.
+
+One hand at a time. With several stations on, the first that moves the sticks has the helm for as long as it
+goes on; the others are ignored, and told so once. A helm that nobody holds any more may be taken over.
+"""
 
 import math
 
 from companion.mavlink.dialect import Message
 from companion.requests import ManualInput
+from companion.services.outbox import Origin
+from companion.services.statustext import StatusTextService
 from companion.units import clamp
+from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.vehicle import Vehicle
 
 _INVALID_AXIS = 0x7FFF
 _RC_RELEASED, _RC_IGNORE = 0, 0xFFFF  # "back to the radio", which is nobody's hand here; "as it was"
 _RC_CENTRE_US, _RC_SPAN_US = 1500.0, 500.0
+_MOST_TOLD = 32
 
 
 class ManualControlService:
     """Turns stick positions into manual input. The vehicle lets it go stale by its own time-out."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
+        self._texts = texts
         self._rc = ManualInput(0.0, 0.0)
         self._rc_s = -math.inf
+        self._helm: Origin | None = None  # who has it, and from when
+        self._helm_s = -math.inf
+        self._told: set[Origin] = set()  # who knows that the helm is another's
 
-    def on_manual_control(self, message: Message) -> None:
+    def on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:
         """ArduPilot Rover's axes: y steers, z is the throttle, both ±1000."""
-        if _INVALID_AXIS in (message.y, message.z):
+        if _INVALID_AXIS in (message.y, message.z) or not self._may_steer(origin, now_s):
             return
-        self._vehicle.request(
-            ManualInput(
-                throttle=clamp(message.z / 1000.0, -1.0, 1.0), steering=clamp(message.y / 1000.0, -1.0, 1.0)
-            )
-        )
+        throttle, steering = message.z / 1000.0, message.y / 1000.0
+        self._vehicle.request(ManualInput(clamp(throttle, -1.0, 1.0), clamp(steering, -1.0, 1.0)))
 
-    def on_rc_override(self, message: Message, now_s: float) -> None:
+    def on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
         """Channel 1 steers, channel 3 is the throttle, 1000 to 2000 µs around 1500.
 
-        A released axis is centred. One to be ignored keeps its value for as long as that is fresh.
+        A released axis is centred. One to be ignored keeps its value for as long as that is fresh. With both
+        released the hand lets go of the helm.
         """
         steering, throttle = message.chan1_raw, message.chan3_raw
-        if steering == throttle == _RC_IGNORE:
+        if steering == throttle == _RC_IGNORE or not self._may_steer(origin, now_s):
             return
         fresh = now_s - self._rc_s <= self._vehicle.config.failsafe.manual_timeout_s
         before = self._rc if fresh else ManualInput(0.0, 0.0)
         self._rc = ManualInput(_from_rc(throttle, before.throttle), _from_rc(steering, before.steering))
         self._rc_s = now_s
         self._vehicle.request(self._rc)
+        if steering == throttle == _RC_RELEASED:
+            self._helm_s = -math.inf
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone, and the hand that was on it."""
+        self._told = {origin for origin in self._told if origin.channel != channel}
+        if self._helm is not None and self._helm.channel == channel:
+            self._helm_s = -math.inf
+
+    def _may_steer(self, origin: Origin, now_s: float) -> bool:
+        """Whether this hand has the helm, which it takes where nobody holds it."""
+        if origin == self._helm:
+            self._helm_s = now_s
+            return True
+        if now_s - self._helm_s <= self._vehicle.config.failsafe.manual_timeout_s:
+            self._tell_busy(origin)
+            return False
+        last, self._helm, self._helm_s = self._helm, origin, now_s
+        self._told.clear()
+        if last is not None and last.address != origin.address:
+            text = f"Helm: {_name(origin)} has taken over from {_name(last)}"
+            self._texts.tell([Notice(Severity.NOTICE, text)])
+        return True
+
+    def _tell_busy(self, origin: Origin) -> None:
+        # The same address on another link is, in all likelihood, the same hand heard twice
+        helm = self._helm
+        if helm is None or origin.address == helm.address or origin in self._told:
+            return
+        if len(self._told) < _MOST_TOLD:
+            self._told.add(origin)
+            text = f"Helm: {_name(helm)} has it, your sticks are ignored"
+            self._texts.tell_one(origin.channel, Notice(Severity.WARNING, text))
+
+
+def _name(origin: Origin) -> str:
+    return f"{origin.address.system}/{origin.address.component}"
 
 
 def _from_rc(pulse_us: int, before: float) -> float:

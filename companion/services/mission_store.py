@@ -1,8 +1,8 @@
-"""The boat's lists on disk: one JSON file for each of mission, fence and rally."""
+"""The boat's lists on disk: one JSON file for each of mission, fence and rally, a line an item."""
 
 import json
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 from companion.mavlink.items import MissionItem, MissionType
 from companion.storage import Saving, Storage
@@ -16,10 +16,20 @@ def _file(mission_type: MissionType) -> str:
     return f"{mission_type.name.lower()}.json"
 
 
-def save_items(storage: Storage, mission_type: MissionType, items: Sequence[MissionItem]) -> Saving:
+def encode_item(item: MissionItem) -> bytes:
+    """An item's line. Made as the item arrives, so that no tick has to wait for a whole list."""
+    return json.dumps(item.to_dict(), allow_nan=False).encode("ascii")
+
+
+def save_lines(storage: Storage, mission_type: MissionType, lines: Iterable[bytes]) -> Saving:
+    """Begin to replace a list on the medium by the lines of its items."""
+    content = b'{"version": %d, "items": [\n%s\n]}\n' % (_VERSION, b",\n".join(lines))
+    return storage.save(_file(mission_type), content)
+
+
+def save_items(storage: Storage, mission_type: MissionType, items: Iterable[MissionItem]) -> Saving:
     """Begin to replace a list on the medium."""
-    tree = {"version": _VERSION, "items": [item.to_dict() for item in items]}
-    return storage.save(_file(mission_type), json.dumps(tree, allow_nan=False, indent=0).encode("ascii"))
+    return save_lines(storage, mission_type, [encode_item(item) for item in items])
 
 
 def load_items(storage: Storage, mission_type: MissionType) -> tuple[MissionItem, ...]:

@@ -25,6 +25,11 @@ class StatusTextService:
             for message in self._chunks(notice):
                 self._outbox.broadcast(message)
 
+    def tell_one(self, channel: int, notice: Notice) -> None:
+        """Send a line to whoever listens on one channel."""
+        for message in self._chunks(notice):
+            self._outbox.send(channel, message)
+
     def _chunks(self, notice: Notice) -> Iterator[Message]:
         raw = notice.text.encode("ascii", errors="replace")
         if len(raw) <= _CHUNK_BYTES:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
+from companion.services import modes_info as modes
 from companion.services import motion_messages as motion
 from companion.services import sensor_messages as sensor
 from companion.services import status_messages as status
@@ -33,9 +34,11 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_RAW_IMU: sensor.raw_imu,
     _ID.MAVLINK_MSG_ID_SCALED_IMU: sensor.scaled_imu,
     _ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION: status.autopilot_version,
+    _ID.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: lambda _: modes.available_modes_monitor(),
     _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
     metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
     metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
+    _ID.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
     _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
     _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
@@ -45,7 +48,9 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
 }
 
 # What is sent only when it is asked for, by REQUEST_MESSAGE's second parameter
-INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {}
+INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {
+    _ID.MAVLINK_MSG_ID_AVAILABLE_MODES: lambda _, which: modes.available_modes(which),
+}
 
 _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour
 

@@ -50,7 +50,7 @@ def test_sequence_zero_is_home_whatever_it_says() -> None:
     [
         (item(dialect.MAV_CMD_NAV_VTOL_TAKEOFF), MissionResult.UNSUPPORTED, "command 84"),
         (item(dialect.MAV_CMD_DO_SET_SERVO), MissionResult.UNSUPPORTED, "command 183"),
-        (item(dialect.MAV_CMD_NAV_WAYPOINT, frame=1), MissionResult.UNSUPPORTED_FRAME, "frame 1"),
+        (item(dialect.MAV_CMD_NAV_WAYPOINT, frame=8), MissionResult.UNSUPPORTED_FRAME, "frame 8"),
         (item(dialect.MAV_CMD_NAV_WAYPOINT, x=0, y=0), MissionResult.INVALID_PARAM5_X, "0, 0"),
         (item(dialect.MAV_CMD_NAV_WAYPOINT, x=900_000_001), MissionResult.INVALID_PARAM5_X, "latitude"),
         (item(dialect.MAV_CMD_NAV_WAYPOINT, x=-(2**31)), MissionResult.INVALID_PARAM5_X, "latitude"),

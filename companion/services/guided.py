@@ -1,0 +1,216 @@
+"""GUIDED from outside: set-points of position, velocity, heading and turn rate, and the old go-to item.
+
+The protocol has no answer for set-points, so one that is not obeyed is told to its sender in words: once, and
+again only after some have been obeyed or REPEAT_S have passed.
+"""
+
+import math
+from collections.abc import Callable
+
+from companion.geo import LatLon, Point
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import Fault, MissionItem, MissionResult
+from companion.requests import GoTo, SetPoint
+from companion.services.mission_items import global_position
+from companion.services.outbox import Origin
+from companion.services.statustext import StatusTextService
+from companion.state import NavState
+from companion.units import e7_to_deg, wrap_pi
+from companion.vehicle.intent import Hold, HoldCourse, HoldHeading, HoldTurn
+from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.sticks import top_speed_m_s
+from companion.vehicle.vehicle import Vehicle
+
+REPEAT_S = 30.0
+
+_SHORTEST_Q = 0.5  # a quaternion has length 1; all zeros is no attitude
+_GUIDED_ITEM, _ALTITUDE_ITEM = 2, 3  # MISSION_ITEM.current of ArduPilot's old go-to and change of altitude
+
+_BIT = dialect
+_NO_POSITION = _BIT.POSITION_TARGET_TYPEMASK_X_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_Y_IGNORE
+_NO_VELOCITY = _BIT.POSITION_TARGET_TYPEMASK_VX_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_VY_IGNORE
+_NO_ACCELERATION = _BIT.POSITION_TARGET_TYPEMASK_AX_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_AY_IGNORE
+_NO_YAW = _BIT.POSITION_TARGET_TYPEMASK_YAW_IGNORE
+_NO_YAW_RATE = _BIT.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
+_FORCE = _BIT.POSITION_TARGET_TYPEMASK_FORCE_SET
+
+_NO_ATTITUDE = dialect.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
+_NO_BODY_YAW_RATE = dialect.ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE
+_NO_THRUST = dialect.ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE
+
+_BODY_FRAMES = frozenset(
+    (dialect.MAV_FRAME_BODY_NED, dialect.MAV_FRAME_BODY_OFFSET_NED, dialect.MAV_FRAME_BODY_FRD)
+)
+_LOCAL_FRAMES = _BODY_FRAMES | {dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_OFFSET_NED}
+_GLOBAL_FRAMES = frozenset(
+    (
+        dialect.MAV_FRAME_GLOBAL,
+        dialect.MAV_FRAME_GLOBAL_INT,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT,
+        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
+    )
+)
+
+
+def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
+    """QGroundControl's first go-to still comes as an item of no list, with current = 2."""
+    if message.current == _ALTITUDE_ITEM:
+        return MissionResult.ACCEPTED  # a boat has one altitude
+    if message.current != _GUIDED_ITEM:
+        return MissionResult.INVALID
+    item = MissionItem.from_message(message)
+    if isinstance(item, Fault):
+        return item.result
+    if item.command != dialect.MAV_CMD_NAV_WAYPOINT:
+        return MissionResult.UNSUPPORTED
+    position = global_position(item)
+    if isinstance(position, Fault):
+        return position.result
+    return MissionResult.ACCEPTED if vehicle.request(GoTo(position)).accepted else MissionResult.ERROR
+
+
+class GuidedService:
+    """Turns set-points into requests."""
+
+    def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
+        self._vehicle = vehicle
+        self._texts = texts
+        self._told_s = -math.inf
+
+    def on_global_target(self, message: Message, origin: Origin, now_s: float) -> None:
+        """SET_POSITION_TARGET_GLOBAL_INT."""
+        self._take(message, origin, now_s, _GLOBAL_FRAMES, self._globe)
+
+    def on_local_target(self, message: Message, origin: Origin, now_s: float) -> None:
+        """SET_POSITION_TARGET_LOCAL_NED."""
+        self._take(message, origin, now_s, _LOCAL_FRAMES, self._local)
+
+    def on_attitude_target(self, message: Message, origin: Origin, now_s: float) -> None:
+        """SET_ATTITUDE_TARGET: the quaternion's yaw or a body yaw rate, thrust as a share of top speed."""
+        nav, mask = self._vehicle.nav, message.type_mask
+        thrust = 0.0 if mask & _NO_THRUST else message.thrust
+        values = [thrust]
+        if not mask & _NO_BODY_YAW_RATE:
+            values.append(message.body_yaw_rate)
+        elif not mask & _NO_ATTITUDE:
+            values += message.q
+        is_nothing = len(values) > 2 and math.hypot(*message.q) < _SHORTEST_Q
+        if not all(math.isfinite(v) for v in values) or abs(thrust) > 1.0 or is_nothing:
+            self._tell(origin, "a number is out of range", now_s)
+            return
+        speed_m_s = thrust * top_speed_m_s(self._vehicle.config.speed)
+        hold: Hold
+        if not mask & _NO_BODY_YAW_RATE:
+            hold = HoldTurn(message.body_yaw_rate, speed_m_s)
+        elif mask & _NO_ATTITUDE or nav is None:
+            hold = HoldTurn(0.0, speed_m_s)
+        else:
+            hold = HoldHeading(_yaw_rad(message.q), speed_m_s)
+        self._hold(hold, origin, now_s)
+
+    def _take(
+        self,
+        message: Message,
+        origin: Origin,
+        now_s: float,
+        frames: frozenset[int],
+        locate: Callable[[Message, NavState], LatLon | None],
+    ) -> None:
+        """Position comes before velocity, yaw before yaw rate; accelerations and forces are not taken."""
+        nav, mask = self._vehicle.nav, message.type_mask
+        if nav is None or self._vehicle.frame is None:
+            self._tell(origin, "no position yet", now_s)
+        elif message.coordinate_frame not in frames:
+            self._tell(origin, f"frame {message.coordinate_frame} is not supported", now_s)
+        elif mask & _NO_ACCELERATION != _NO_ACCELERATION or mask & _FORCE:
+            self._tell(origin, "accelerations and forces are not supported", now_s)
+        elif not mask & _NO_POSITION:
+            self._go(message, locate(message, nav), origin, now_s)
+        elif (hold := _motion(message, nav)) is None:
+            self._tell(origin, "neither position nor velocity nor yaw, or not a number", now_s)
+        else:
+            self._hold(hold, origin, now_s)
+
+    def _go(self, message: Message, position: LatLon | None, origin: Origin, now_s: float) -> None:
+        """A position; a velocity beside it is the speed to go there with."""
+        speed_m_s: float | None = None
+        if not message.type_mask & _NO_VELOCITY:
+            speed_m_s = math.hypot(message.vx, message.vy) or None
+        if position is None or (speed_m_s is not None and not math.isfinite(speed_m_s)):
+            self._tell(origin, "a number is out of range", now_s)
+        elif not self._vehicle.conduct.is_guided(self._vehicle.mode):
+            self._tell(origin, "not in GUIDED", now_s)
+        elif self._vehicle.request(GoTo(position, speed_m_s)).accepted:
+            self._told_s = -math.inf
+
+    def _hold(self, hold: Hold, origin: Origin, now_s: float) -> None:
+        outcome = self._vehicle.request(SetPoint(hold))
+        if outcome.accepted:
+            self._told_s = -math.inf
+        else:
+            self._tell(origin, outcome.reason, now_s)
+
+    def _tell(self, origin: Origin, reason: str, now_s: float) -> None:
+        if now_s - self._told_s >= REPEAT_S:
+            self._told_s = now_s
+            whom = f"{origin.address.system}/{origin.address.component}"
+            self._texts.tell([Notice(Severity.WARNING, f"Set-point of {whom} ignored: {reason}")])
+
+    @staticmethod
+    def _globe(message: Message, nav: NavState) -> LatLon | None:  # noqa: ARG004
+        if message.lat_int == message.lon_int == 0:
+            return None
+        try:
+            return LatLon(e7_to_deg(message.lat_int), e7_to_deg(message.lon_int))
+        except ValueError:
+            return None
+
+    def _local(self, message: Message, nav: NavState) -> LatLon | None:
+        """LOCAL_NED counts from the local frame's origin, all others from the boat."""
+        frame = self._vehicle.frame
+        north, east = message.x, message.y
+        if frame is None or not math.isfinite(north + east) or math.hypot(north, east) > 1e5:
+            return None
+        if message.coordinate_frame in _BODY_FRAMES:
+            north, east = _turned(north, east, nav.heading_rad)
+        if message.coordinate_frame != dialect.MAV_FRAME_LOCAL_NED:
+            north, east = north + nav.north_m, east + nav.east_m
+        return frame.to_global(Point(north, east))
+
+
+def _motion(message: Message, nav: NavState) -> Hold | None:
+    """What a set-point without a position asks for, None where that is nothing or not finite."""
+    mask, is_body = message.type_mask, message.coordinate_frame in _BODY_FRAMES
+    has_velocity = not mask & _NO_VELOCITY
+    north, east = (message.vx, message.vy) if has_velocity else (0.0, 0.0)
+    yaw = None if mask & _NO_YAW else message.yaw
+    rate = None if mask & _NO_YAW_RATE else message.yaw_rate
+    if not all(math.isfinite(value) for value in (north, east, yaw or 0.0, rate or 0.0)):
+        return None
+    is_astern = is_body and north < 0.0
+    if is_body:
+        north, east = _turned(north, east, nav.heading_rad)
+        yaw = None if yaw is None else yaw + nav.heading_rad
+    speed = math.hypot(north, east)
+    if yaw is not None:  # a boat cannot sail sideways: what counts is the velocity along its bow
+        return HoldHeading(wrap_pi(yaw), north * math.cos(yaw) + east * math.sin(yaw))
+    if rate is not None:
+        return HoldTurn(rate, -speed if is_astern else speed)
+    if not has_velocity:
+        return None
+    if speed == 0.0 or is_astern:
+        return HoldTurn(0.0, -speed)
+    return HoldCourse(math.atan2(east, north), speed)
+
+
+def _turned(x: float, y: float, by_rad: float) -> tuple[float, float]:
+    c, s = math.cos(by_rad), math.sin(by_rad)
+    return x * c - y * s, x * s + y * c
+
+
+def _yaw_rad(q: list[float]) -> float:
+    """Yaw of a quaternion w, x, y, z (Diebel, "Representing attitude", 2006, equation 290)."""
+    w, x, y, z = q
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)

@@ -1,0 +1,51 @@
+"""Where other vehicles say that they are: FOLLOW_TARGET, and the GLOBAL_POSITION_INT of another system."""
+
+import math
+
+from companion.geo import LatLon
+from companion.mavlink.dialect import Message, dialect
+from companion.requests import Sighting
+from companion.services.outbox import Origin
+from companion.units import e7_to_deg
+from companion.vehicle.vehicle import Vehicle
+
+_UNKNOWN_HEADING = 0xFFFF
+_STILL_M_S = 0.2  # slower than this, a course over ground is no heading
+_HAS_VELOCITY = 1 << 1  # FOLLOW_TARGET.est_capabilities: position, velocity, acceleration, attitude
+_HAS_ATTITUDE = 1 << 3
+
+
+class SightingService:
+    """Turns their reports into requests; the vehicle knows whom it follows."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+
+    def on_follow_target(self, message: Message, origin: Origin) -> None:
+        """FOLLOW_TARGET, which ground stations send for the operator's own position."""
+        known = message.est_capabilities
+        north_m_s, east_m_s = message.vel[:2] if known & _HAS_VELOCITY else (0.0, 0.0)
+        w, x, y, z = message.attitude_q
+        heading = math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+        self._see(message, origin, north_m_s, east_m_s, heading if known & _HAS_ATTITUDE else None)
+
+    def on_global_position(self, message: Message, origin: Origin) -> None:
+        """GLOBAL_POSITION_INT of another vehicle."""
+        if origin.address.component != dialect.MAV_COMP_ID_AUTOPILOT1:
+            return
+        heading = None if message.hdg == _UNKNOWN_HEADING else math.radians(message.hdg * 0.01)
+        self._see(message, origin, message.vx * 0.01, message.vy * 0.01, heading)
+
+    def _see(
+        self, message: Message, origin: Origin, north_m_s: float, east_m_s: float, heading: float | None
+    ) -> None:
+        if message.lat == message.lon == 0 or not math.isfinite(north_m_s + east_m_s):
+            return
+        try:
+            position = LatLon(e7_to_deg(message.lat), e7_to_deg(message.lon))
+        except ValueError:
+            return
+        if heading is None or not math.isfinite(heading):
+            moves = math.hypot(north_m_s, east_m_s) > _STILL_M_S
+            heading = math.atan2(east_m_s, north_m_s) if moves else 0.0
+        self._vehicle.request(Sighting(origin.address.system, position, north_m_s, east_m_s, heading))
