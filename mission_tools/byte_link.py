@@ -4,11 +4,13 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, cast
 
 import serial
 
-OnBytes = Callable[[bytes], None]
+OnBytes = Callable[[bytes], bool]
+"""Takes what has arrived; says whether it was from somebody to talk to."""
+
 _CHUNK_BYTES = 65536
 
 
@@ -65,8 +67,7 @@ class TcpLink(asyncio.Protocol):
         """Somebody is there."""
         if self._transport is not None:
             self._transport.abort()
-        assert isinstance(transport, asyncio.Transport)  # noqa: S101 - what asyncio hands to a stream protocol
-        self._transport = transport
+        self._transport = cast(asyncio.Transport, transport)
 
     def data_received(self, data: bytes) -> None:
         """Something was said."""
@@ -86,7 +87,7 @@ class TcpLink(asyncio.Protocol):
 
 
 class UdpLink(asyncio.DatagramProtocol):
-    """A socket that answers whoever spoke last, and calls nobody else unless it was connected."""
+    """A socket that answers whoever was the last to say something that counts, or calls one that it knows."""
 
     is_datagram = True
 
@@ -97,14 +98,13 @@ class UdpLink(asyncio.DatagramProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """The socket is open."""
-        assert isinstance(transport, asyncio.DatagramTransport)  # noqa: S101 - what asyncio hands to this one
-        self._transport = transport
+        self._transport = cast(asyncio.DatagramTransport, transport)
         self._peer = transport.get_extra_info("peername")
 
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
         """Something was said."""
-        self._peer = addr
-        self._on_bytes(data)
+        if self._on_bytes(data):
+            self._peer = addr
 
     def error_received(self, exc: Exception) -> None:
         """Nobody there yet; what was sent is lost, as on any link."""

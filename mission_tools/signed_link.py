@@ -42,10 +42,12 @@ async def signed_link(
     raw = mavsdk._mavsdk  # the asyncio wrapper leaves the raw connection's two functions out
     loop = asyncio.get_running_loop()
 
-    def on_bytes(data: bytes) -> None:
+    def on_bytes(data: bytes) -> bool:
         stream.set_date(timestamp_at(date()))
-        for frame in stream.open(data):
+        frames = stream.open(data)
+        for frame in frames:
             raw.pass_received_raw_bytes(frame)
+        return bool(frames)
 
     def send(data: bytes) -> None:
         stream.set_date(timestamp_at(date()))

@@ -32,6 +32,7 @@ ONBOARD_COMPUTER = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
 SILENCE_S = 5.0  # without a heartbeat the link counts as lost
 TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
 RETRY_S = 1.0
+NOT_SIGNED = "messages refused, not signed"  # a boat of ours, on a link that asks for signatures
 MESSAGES = (
     "HEARTBEAT",
     "GLOBAL_POSITION_INT",
@@ -117,15 +118,19 @@ class Vehicle:
         await asyncio.sleep(TEXT_DELAY_S)
         item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
         if result is MissionRawResult.TIMEOUT or not self.state.refused:
-            after = item and f", after{item}"
-            text = self.state.last_complaint(began_s)
-            raise LinkLost(
-                f"{self.link.typed}: the vehicle stopped answering while {doing}{after}; try again"
-                + (f" (it said: {text})" if text else "")
-            )
+            where = doing + (item and f", after{item}") + self._advice(began_s)
+            raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
         reason = MISSION_REFUSALS.get(self.state.refused, f"MAV_MISSION_RESULT {self.state.refused}")
         text = self.state.last_complaint(began_s)
         raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}" + (f" ({text})" if text else ""))
+
+    def _advice(self, began_s: float) -> str:
+        """What to do about silence, from what the vehicle has said before it."""
+        unsigned = [text for _, _, text in self.state.texts if NOT_SIGNED in text]
+        if unsigned:
+            return f" ({unsigned[-1]}): give the boat's key, --sign-key FILE"
+        text = self.state.last_complaint(began_s)
+        return f"; try again ({text})" if text else "; try again"
 
     async def start(self, patience_s: float) -> None:
         """Begin the mission from its first item: arm, then MISSION_START.
@@ -184,7 +189,10 @@ class Vehicle:
         try:
             ack = await self._direct.send_command(self._command_long(command, fields))
         except MavlinkDirectError:
-            raise LinkLost(f"{self.link.typed}: the vehicle does not answer the request to {doing}") from None
+            advice = self._advice(began_s)
+            raise LinkLost(
+                f"{self.link.typed}: the vehicle does not answer the request to {doing}{advice}"
+            ) from None
         result = json.loads(ack.fields_json)["result"]
         if result != 0:
             await asyncio.sleep(TEXT_DELAY_S)

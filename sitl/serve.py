@@ -9,7 +9,8 @@ import msgspec
 from companion.app import open_log, open_ports, open_storage
 from companion.boat import TICK_S, Boat
 from companion.clock import Clock
-from companion.config import BoatConfig
+from companion.config import BoatConfig, LinkConfig
+from companion.mavlink.signing import timestamp_at
 from companion.runner import Runner
 from sitl.recorder import NO_LEG, Recorder
 from sitl.scenario import Scenario
@@ -26,25 +27,28 @@ class Server:
     def __init__(
         self,
         scenario: Scenario,
-        urls: Sequence[str],
+        links: Sequence[str | LinkConfig],
         clock: Clock,
         *,
         speedup: float = 1.0,
         state_folder: str = "",
         record: bool = False,
+        unix_offset_s: float = 0.0,
     ) -> None:
-        """Open the ports.
+        """Open the ports. unix_offset_s: what to add to the clock for today's date, where links are signed.
 
         Raises:
             ConfigError, LinkError: a url that cannot be read, or that the system refuses.
             StorageError: the folder cannot be used.
         """
         self.recorder = Recorder()
+        self._clock = clock
+        self._unix_offset_s = unix_offset_s
         self._record = record  # a trajectory grows for as long as the boat runs
         with ExitStack() as undo:
             storage = open_storage(state_folder)
             undo.callback(storage.close)
-            ports = open_ports(tuple(urls), clock.now_s)
+            ports = open_ports(links, clock.now_s)
             for port in ports:
                 undo.callback(port.close)
             self.port_names = [port.name for port in ports]
@@ -73,6 +77,8 @@ class Server:
             self.boat.close()
 
     def _step(self, _: int) -> None:
+        if self._unix_offset_s:  # the simulated receiver has a day of its own, and stations live today
+            self.boat.signing.stamps.follow(timestamp_at(self._clock.now_s() + self._unix_offset_s))
         self.boat.load = self._runner.load
         self.boat.step(self.world.time_s)
         truth = self.world.step(TICK_S)

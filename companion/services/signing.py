@@ -83,7 +83,7 @@ class SigningService:
             key = SigningKey(secret) if any(secret) else None
             self._store.change_key(key, message.initial_timestamp)
             what = "set" if key else "removed"
-            logger.warning("signing key %s by %d/%d on %s", what, *origin.address, channel.link.name)
+            logger.info("signing key %s by %d/%d on %s", what, *origin.address, channel.link.name)
 
     def tick(self, now_s: float, unix_s: float) -> None:
         """Keep the timestamps going; tell what is new."""
@@ -121,14 +121,13 @@ class SigningService:
                 self._complained.add(number)
                 self._complain_s = now_s + _PAUSE_S
                 why = "not signed" if counters.unsigned else "not signed with our key, or out of date"
-                self._warn(f"{channel.link.name}: messages refused, {why}")
+                text = f"{channel.link.name}: messages refused, {why}"
+                logger.info(text)
+                self._texts.tell([Notice(Severity.WARNING, text)])
                 return
 
     def _warn_once(self, text: str) -> None:
         if text not in self._warned and len(self._warned) < _MAX_WARNINGS:
             self._warned.add(text)
-            self._warn(text)
-
-    def _warn(self, text: str) -> None:
-        logger.warning(text)
-        self._texts.tell([Notice(Severity.WARNING, text)])
+            logger.warning(text)
+            self._texts.tell([Notice(Severity.WARNING, text)])

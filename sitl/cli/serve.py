@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 
 from companion.clock import SystemClock
+from companion.config import LinkConfig
+from companion.mavlink.signing import SigningPolicy
 from companion.shutdown import Shutdown
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.serve import RECORD_EVERY, Server
@@ -33,6 +35,13 @@ def serve(
     state: Annotated[
         Path | None, typer.Option(metavar="DIR", help="keep missions and parameters here over restarts")
     ] = None,
+    sign_key: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="sign what leaves by any link with this key")
+    ] = None,
+    signing: Annotated[
+        SigningPolicy | None,
+        typer.Option(help="ask for signatures on every link [required with --sign-key, else off]"),
+    ] = None,
     csv: Csv = None,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
 ) -> None:
@@ -48,19 +57,24 @@ def serve(
     )
     urls = [] if no_tcp else [f"tcpin:{host}:{tcp}"]
     urls += [] if no_udp else [f"udpout:{udp}"]
+    policy = signing or ("required" if sign_key is not None else "off")
+    key_file = "" if sign_key is None else str(sign_key)
+    links = [LinkConfig(url=url, signing=policy, key_file=key_file) for url in [*urls, *(link or [])]]
     scenario = scenario_from(source, settings, case, seed, start)
+    clock = SystemClock()
     shutdown = Shutdown()
     shutdown.install()
     server = Server(
         scenario,
-        [*urls, *(link or [])],
-        SystemClock(),
+        links,
+        clock,
         speedup=speedup,
         state_folder="" if state is None else str(state),
         record=csv is not None,
+        unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
     )
-    links = ", ".join(server.port_names) or "no link"
-    typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {links}")
+    names = ", ".join(server.port_names) or "no link"
+    typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
     typer.echo("boat-sitl: ready; Ctrl-C ends")
     sys.stdout.flush()
     server.run(shutdown)
