@@ -1,0 +1,96 @@
+"""The links in numbers, for people and for the log."""
+
+from msgspec import Struct
+
+from companion.router.channel import Channel
+from companion.router.channels import Channels
+
+
+class LinkStatus(Struct, frozen=True):
+    """One link since it began. Rates are over the time since the report before this one.
+
+    bad counts places in a stream that were no frame, lost what the senders' sequence numbers say is missing,
+    dropped what the link would not take in time, kept_back what allow, deny and rate caps held, refused what
+    signing did not let pass.
+    """
+
+    number: int
+    name: str
+    address: str
+    bytes_in: int
+    bytes_out: int
+    frames_in: int
+    frames_out: int
+    forwarded: int
+    unknown: int
+    bad: int
+    lost: int
+    dropped: int
+    kept_back: int
+    refused: int
+    waiting_bytes: int
+    in_bytes_s: float
+    out_bytes_s: float
+    heard: tuple[str, ...]
+
+
+class LinksStatus(Struct, frozen=True):
+    """All links, and what the router did not pass on."""
+
+    time_s: float
+    links: tuple[LinkStatus, ...]
+    repeats: int
+    echoes: int
+    unreachable: int
+    reboots: int
+
+
+class Reporter:
+    """Makes reports, and remembers the one before for the rates."""
+
+    def __init__(self, channels: Channels) -> None:
+        self._channels = channels
+        self._latest: LinksStatus | None = None
+
+    def report(self, now_s: float) -> LinksStatus:
+        """The links as of now."""
+        before = {} if self._latest is None else {link.number: link for link in self._latest.links}
+        elapsed_s = 0.0 if self._latest is None else now_s - self._latest.time_s
+        router = self._channels.router
+        self._latest = LinksStatus(
+            time_s=now_s,
+            links=tuple(
+                self._link(channel, before.get(channel.number), elapsed_s)
+                for channel in self._channels.open.values()
+            ),
+            repeats=router.repeats,
+            echoes=router.echoes,
+            unreachable=router.unreachable,
+            reboots=router.routes.flushes,
+        )
+        return self._latest
+
+    def _link(self, channel: Channel, before: LinkStatus | None, elapsed_s: float) -> LinkStatus:
+        counters = channel.counters
+        rate = 1.0 / elapsed_s if before is not None and elapsed_s > 0.0 else 0.0
+        heard = self._channels.router.routes.heard_on(channel.number)
+        return LinkStatus(
+            number=channel.number,
+            name=channel.policy.name or channel.link.name,
+            address=channel.link.name,
+            bytes_in=counters.bytes_in,
+            bytes_out=counters.bytes_out,
+            frames_in=counters.frames_in,
+            frames_out=counters.frames_out,
+            forwarded=channel.forwarded,
+            unknown=counters.unknown,
+            bad=counters.bad_frames,
+            lost=counters.lost,
+            dropped=channel.dropped,
+            kept_back=channel.kept_back,
+            refused=channel.refused,
+            waiting_bytes=channel.waiting_bytes,
+            in_bytes_s=rate * (counters.bytes_in - (before.bytes_in if before is not None else 0)),
+            out_bytes_s=rate * (counters.bytes_out - (before.bytes_out if before is not None else 0)),
+            heard=tuple(f"{address.system}/{address.component}" for address in sorted(heard)),
+        )
