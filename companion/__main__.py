@@ -1,10 +1,12 @@
 """boat-companion: the program on the boat."""
 
+import contextlib
 import logging
 import sys
 from pathlib import Path
 from typing import Annotated
 
+import msgspec
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -13,10 +15,12 @@ from companion import __version__
 from companion.app import check_config, run_boat
 from companion.config import BoatConfig, load_config
 from companion.errors import BoatError
+from companion.links_view import watch
 from companion.param_page import parameter_page
 from companion.params import Parameters
 from companion.params_table import ROWS
 from companion.shutdown import Shutdown
+from companion.status_file import find_status, read_status
 from companion.storage import MemoryStorage
 
 app = typer.Typer(
@@ -52,6 +56,23 @@ def check(config: ConfigFile) -> None:
     tree = load_config(config)
     check_config(tree)
     typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
+
+
+@app.command()
+def links(
+    config: ConfigFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the figures once, as JSON.")] = False,
+) -> None:
+    """Show the running boat's links, second by second, until Ctrl-C.
+
+    Example:  boat-companion links --config /etc/mavboat/boat.toml
+    """
+    path = find_status(load_config(config))
+    if as_json:
+        typer.echo(msgspec.json.format(msgspec.json.encode(read_status(path))).decode())
+        return
+    with contextlib.suppress(KeyboardInterrupt):
+        watch(path, Console())
 
 
 @app.command()

@@ -22,6 +22,7 @@ from companion.mavlink.signing_key import read_key_file
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.runner import Runner
+from companion.status_file import StatusFile, status_path
 from companion.storage import FolderStorage, MemoryStorage, Storage
 
 logger = logging.getLogger(__name__)
@@ -160,10 +161,17 @@ def run_boat(
         logbook = open_log(config, config.storage.folder)
         boat = Boat(config, hardware, ports, storage, clock.unix_offset_s(), logbook)
         undo.callback(boat.close)
+        path = status_path(config)
+        status = StatusFile(path, boat.channels) if path is not None else None
+        if status is not None:
+            undo.callback(status.close)
 
         def step(_: int) -> None:
             boat.load = runner.load
-            boat.step(clock.now_s())
+            now_s = clock.now_s()
+            boat.step(now_s)
+            if status is not None:
+                status.tick(now_s, runner.ticks, runner.load)
 
         def receive(ready: Collection[int]) -> int:
             return boat.receive(clock.now_s(), ready)

@@ -8,32 +8,10 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-from companion.config import BoatConfig
-from companion.errors import ConfigError
 from companion.status_file import BoatStatus, read_status
 
 _REFRESH_S = 1.0
 _COLUMNS = ("link", "heard", "in/s", "out/s", "frames in", "out", "forwarded", "lost", "bad", "dropped")
-
-
-def status_path(config: BoatConfig) -> Path | None:
-    """Where a boat of this configuration writes its status; None if it writes none."""
-    storage = config.storage
-    if storage.status_file:
-        return Path(storage.status_file).expanduser()
-    return Path(storage.folder).expanduser() / "status.json" if storage.folder else None
-
-
-def find_status(config: BoatConfig) -> Path:
-    """The same, for who wants to read it.
-
-    Raises:
-        ConfigError: it writes none.
-    """
-    path = status_path(config)
-    if path is None:
-        raise ConfigError("storage.folder: the boat keeps no status; set it, or storage.status_file")
-    return path
 
 
 def draw(status: BoatStatus) -> Table:

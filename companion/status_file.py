@@ -10,7 +10,8 @@ from pathlib import Path
 
 import msgspec
 
-from companion.errors import StorageError
+from companion.config import BoatConfig
+from companion.errors import ConfigError, StorageError
 from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
 from companion.runner import TickCount
@@ -60,6 +61,26 @@ class StatusFile:
         """Wait for what is under way, and take the file away: nobody runs any more. May be called twice."""
         self._worker.shutdown(wait=True)
         self._path.unlink(missing_ok=True)
+
+
+def status_path(config: BoatConfig) -> Path | None:
+    """Where a boat of this configuration writes its status; None if it writes none."""
+    storage = config.storage
+    if storage.status_file:
+        return Path(storage.status_file).expanduser()
+    return Path(storage.folder).expanduser() / "status.json" if storage.folder else None
+
+
+def find_status(config: BoatConfig) -> Path:
+    """The same, for who wants to read it.
+
+    Raises:
+        ConfigError: it writes none.
+    """
+    path = status_path(config)
+    if path is None:
+        raise ConfigError("storage.folder: the boat keeps no status; set it, or storage.status_file")
+    return path
 
 
 def read_status(path: Path) -> BoatStatus:
