@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, Self
 
 from companion.boat import TICK_S, Boat
 from companion.config import BoatConfig, with_value
@@ -200,7 +200,7 @@ class Rig:
         """COMPONENT_ARM_DISARM."""
         return self.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0 if force else 0.0)
 
-    def ready(self) -> "Rig":
+    def ready(self) -> Self:
         """Run until the boat may be armed in a mode that needs a position."""
         self.run(1.0)
         self.until(lambda: self.boat.vehicle.nav is not None and not self.boat.vehicle.arming_faults(), 30.0)
@@ -236,7 +236,7 @@ class Rig:
         """What the boat holds."""
         return self.boat.endpoint._missions.items(mission_type)
 
-    def sail(self, *items: MissionItem) -> "Rig":
+    def sail(self, *items: MissionItem) -> Self:
         """Make ready, upload home and these, arm and start."""
         self.ready()
         assert isinstance(self.upload([HOME_ITEM, *items]), Completed)

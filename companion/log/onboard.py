@@ -24,6 +24,7 @@ from companion.router.channels import Channels
 from companion.runner import TickCount
 from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
 from companion.services.snapshot import Snapshot
+from companion.vehicle.mission_steps import Mission
 from companion.vehicle.notice import Notice, Severity
 
 logger = logging.getLogger(__name__)
@@ -70,7 +71,7 @@ class OnboardLog:
         self._due_s = self._motion_due_s = self._status_due_s = self._flush_due_s = -1.0
         self._log_bytes = self._blocks = 0
         self._config: BoatConfig | None = None
-        self._mission: Sequence[MissionItem] = ()
+        self._mission: Mission = ()
         self._linear: LinearFrame | None = None
         self._fix: GnssFix | None = None
         self._ping: SonarReading | None = None
@@ -133,12 +134,12 @@ class OnboardLog:
         if self._sink.fault:
             self._fail(self._sink.fault)
             return
-        now_s, setting = now.now_s + _SLACK_S, now.config.log
-        if now_s >= self._motion_due_s:
+        now_s, setting = now.now_s, now.config.log
+        if now_s + _SLACK_S >= self._motion_due_s:
             self._motion_due_s = _next(self._motion_due_s, now_s, setting.motion_hz)
             self._sample(now)
             self._add(islice(self._backlog, _BACKLOG_RECORDS))
-        if now_s >= self._status_due_s:
+        if now_s + _SLACK_S >= self._status_due_s:
             self._status_due_s = _next(self._status_due_s, now_s, setting.status_hz)
             self._add(self._status(now, channels))
         self._due_s = min(self._motion_due_s, self._status_due_s) - _SLACK_S
@@ -220,10 +221,9 @@ class OnboardLog:
         if before is not None and before is not now.config:
             changed = events.changed_parameters(self._now_us, self._parameters, before, now.config)
             self._backlog = chain(self._backlog, tuple(changed))
-        held = self._items()
-        if held is not self._mission:
-            self._mission = held
-            self._backlog = chain(self._backlog, events.mission(self._now_us, held))
+        if now.vehicle.progress.mission is not self._mission:
+            self._mission = now.vehicle.progress.mission
+            self._backlog = chain(self._backlog, events.mission(self._now_us, self._items()))
 
     def _add(self, records: Iterable[bytes]) -> None:
         for record in records:

@@ -46,7 +46,7 @@ class LogReader:
         if number in self._blocks or number in self._asked:
             return
         for old in list(self._blocks):
-            if not number - 2 < old <= number + 1:
+            if not number - 2 <= old <= number + 1:  # a piece may lie across two, and a third is ahead
                 del self._blocks[old]
         self._asked.add(number)
         if not self._worker.submit(partial(self._read, number), BLOCK_BYTES):

@@ -1,0 +1,228 @@
+"""Workers, sinks and readers: what stands between the control loop and the medium."""
+
+import errno
+import threading
+from collections import deque
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.errors import StorageError
+from companion.log.reader import BLOCK_BYTES, LogReader
+from companion.log.sink import FileSink, SingleFile
+from companion.log.store import LogStore
+from companion.log.worker import InlineWorker, Job, ThreadWorker
+
+
+class LateWorker:
+    """Does nothing until told to."""
+
+    def __init__(self, most_jobs: int = 1000) -> None:
+        self.jobs: deque[Job] = deque()
+        self.room_bytes = 1 << 20
+        self._most_jobs = most_jobs
+
+    def submit(self, job: Job, size_bytes: int = 0) -> bool:
+        if len(self.jobs) >= self._most_jobs:
+            return False
+        self.jobs.append(job)
+        return True
+
+    def work(self) -> None:
+        while self.jobs:
+            self.jobs.popleft()()
+
+    def close(self) -> None:
+        self.work()
+
+
+def test_a_thread_does_jobs_in_order_and_close_waits_for_all_of_them() -> None:
+    worker, done = ThreadWorker(), []
+    for number in range(500):
+        assert worker.submit(lambda number=number: done.append((number, threading.current_thread().name)))  # type: ignore[misc]
+    worker.close()
+    worker.close()
+    assert done == [(number, "log") for number in range(500)]
+    assert not worker.submit(lambda: None)
+
+
+def test_no_more_bytes_wait_than_allowed_and_room_comes_back() -> None:
+    worker, gate = ThreadWorker(most_bytes=100), threading.Event()
+    worker.submit(gate.wait)  # type: ignore[arg-type]
+    assert worker.submit(lambda: None, 60)
+    assert not worker.submit(lambda: None, 41)
+    assert worker.submit(lambda: None, 40)
+    assert worker.room_bytes == 0
+    after = threading.Event()
+    assert worker.submit(after.set)  # what holds no bytes still goes
+    gate.set()
+    assert after.wait(10.0)
+    assert worker.submit(lambda: None, 100)
+    worker.close()
+    assert worker.room_bytes == 100
+
+
+def test_no_more_jobs_wait_than_allowed() -> None:
+    worker, gate = ThreadWorker(most_jobs=3), threading.Event()
+    begun = threading.Event()
+    worker.submit(begun.set)
+    worker.submit(gate.wait)  # type: ignore[arg-type]
+    assert begun.wait(10.0)
+    taken = [worker.submit(lambda: None) for _ in range(5)]
+    assert taken.count(True) in (2, 3)
+    assert not taken[-1]
+    gate.set()
+    worker.close()
+
+
+def test_a_job_that_goes_wrong_takes_no_other_with_it(caplog: pytest.LogCaptureFixture) -> None:
+    worker, done = ThreadWorker(), []
+    worker.submit(lambda: done.append(1 // 0))
+    worker.submit(lambda: done.append(1))
+    worker.close()
+    assert done == [1]
+    assert "went wrong" in caplog.text
+
+
+def test_a_sink_makes_one_file_after_the_other(tmp_path: Path) -> None:
+    store = LogStore(tmp_path, 100.0)
+    sink = FileSink(store, InlineWorker())
+    for content in (b"one", b"two"):
+        assert sink.begin()
+        assert sink.write(content, 1.8e9)
+        assert sink.write(b"!", 1.8e9)
+        sink.end()
+    assert (tmp_path / "00001.bin").read_bytes() == b"one!"
+    assert (tmp_path / "00002.bin").read_bytes() == b"two!"
+    assert [(file.size_bytes, file.unix_s) for file in store.files] == [(4, 1.8e9)] * 2
+    assert sink.fault == ""
+
+
+def test_what_has_been_handed_over_is_on_the_medium_before_the_log_ends(tmp_path: Path) -> None:
+    sink = FileSink(LogStore(tmp_path, 100.0), InlineWorker())
+    sink.begin()
+    sink.write(b"before the power went", 0.0)
+    assert (tmp_path / "00001.bin").read_bytes() == b"before the power went"
+    sink.close()
+
+
+class FullFile:
+    """A medium with room for so many bytes."""
+
+    def __init__(self, room: int) -> None:
+        self.content = b""
+        self.is_closed = False
+        self._room = room
+
+    def write(self, block: bytes | memoryview) -> int:
+        taken = bytes(block)[: self._room - len(self.content)]
+        if not taken:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.content += taken
+        return len(taken)
+
+    def fileno(self) -> int:
+        raise OSError(errno.EIO, "no descriptor")
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def test_a_full_medium_is_a_fault_and_the_file_is_let_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store, file = LogStore(tmp_path, 100.0), FullFile(10)
+    monkeypatch.setattr(store, "create", lambda suffix: ("00001.bin", file))
+    sink = FileSink(store, InlineWorker())
+    sink.begin()
+    assert sink.write(b"12345678", 0.0)
+    assert sink.fault == ""
+    sink.write(b"12345678", 0.0)
+    assert sink.fault == "No space left on device"
+    assert (file.content, file.is_closed) == (b"1234567812", True)
+    sink.write(b"more", 0.0)
+    assert file.content == b"1234567812"
+    sink.begin()
+    assert sink.fault == ""  # a new log, a new chance
+
+
+def test_a_log_that_cannot_be_begun_is_a_fault(tmp_path: Path) -> None:
+    sink = FileSink(LogStore(tmp_path, 100.0, min_free_mb=1e9), InlineWorker())
+    assert sink.begin()
+    assert "must stay free" in sink.fault
+    sink.write(b"x", 0.0)
+    sink.end()
+
+
+def test_a_single_file_holds_every_log_of_a_run(tmp_path: Path) -> None:
+    sink = SingleFile(tmp_path / "new" / "run.bin")
+    for content in (b"one", b"two"):
+        assert sink.begin()
+        assert sink.write(content, 0.0)
+        sink.end()
+    assert (tmp_path / "new" / "run.bin").read_bytes() == b"onetwo"
+    sink.close()
+    sink.close()
+    with pytest.raises(StorageError, match="cannot be written"):
+        SingleFile(tmp_path)
+
+
+@settings(max_examples=60)
+@given(
+    size=st.one_of(st.integers(0, 300), st.integers(2 * BLOCK_BYTES - 99, 2 * BLOCK_BYTES + 99)),
+    wanted=st.lists(st.tuples(st.integers(0, 3 * BLOCK_BYTES), st.integers(0, 200)), max_size=20),
+    is_late=st.booleans(),
+)
+def test_pieces_are_those_of_the_file_whatever_is_asked_for(
+    tmp_path_factory: pytest.TempPathFactory,
+    size: int,
+    wanted: list[tuple[int, int]],
+    is_late: bool,
+) -> None:
+    folder = tmp_path_factory.mktemp("logs")
+    content = bytes(number * 31 & 0xFF for number in range(size))
+    (folder / "00001.bin").write_bytes(content)
+    late, inline = LateWorker(), InlineWorker()
+    reader = LogReader(LogStore(folder, 100.0), late if is_late else inline, "00001.bin")
+    for offset, count in wanted:
+        piece = reader.piece(offset, count)
+        for _ in range(3):
+            if piece is not None:
+                break
+            assert is_late
+            late.work()
+            piece = reader.piece(offset, count)
+        assert piece == content[offset : offset + count]
+        assert len(reader._blocks) <= 4
+
+
+def test_a_file_that_grows_is_read_anew(tmp_path: Path) -> None:
+    path = tmp_path / "00001.bin"
+    path.write_bytes(b"begin")
+    reader = LogReader(LogStore(tmp_path, 100.0), InlineWorker(), "00001.bin")
+    assert reader.piece(0, 90) == b"begin"
+    path.write_bytes(b"begin and more")
+    reader.refresh()
+    assert reader.piece(0, 90) == b"begin and more"
+
+
+def test_a_file_that_is_gone_reads_as_empty(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "00001.bin"
+    path.write_bytes(b"begin")
+    store = LogStore(tmp_path, 100.0)
+    path.unlink()
+    assert LogReader(store, InlineWorker(), "00001.bin").piece(0, 90) == b""
+    assert "cannot be read" in caplog.text
+
+
+def test_a_read_that_finds_no_room_is_asked_for_again(tmp_path: Path) -> None:
+    (tmp_path / "00001.bin").write_bytes(b"begin")
+    worker = LateWorker(most_jobs=0)
+    reader = LogReader(LogStore(tmp_path, 100.0), worker, "00001.bin")
+    assert reader.piece(0, 90) is None
+    worker._most_jobs = 10
+    assert reader.piece(0, 90) is None
+    worker.work()
+    assert reader.piece(0, 90) == b"begin"

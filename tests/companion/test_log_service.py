@@ -1,0 +1,407 @@
+"""LOG_*: lists and downloads, as stations ask for them through real frames."""
+
+import random
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from boat_rig import BOAT, OK, PLANNER, Peer, Rig
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_rig import LogRig, OpenRig
+from test_log_files import LateWorker
+
+from companion.log.worker import InlineWorker
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.services.logs import CHUNK_BYTES, LogService
+from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
+
+pytest_plugins = ("log_fixtures",)
+
+ALL = 0xFFFFFFFF
+
+
+def content_of(size_bytes: int, seed: int = 1) -> bytes:
+    """Bytes that nothing else would be."""
+    return random.Random(seed).randbytes(size_bytes)
+
+
+def fill(folder: Path, *sizes: int) -> list[bytes]:
+    """Logs of earlier voyages, the oldest first."""
+    folder.mkdir(parents=True, exist_ok=True)
+    contents = [content_of(size, seed) for seed, size in enumerate(sizes, 1)]
+    for number, content in enumerate(contents, 1):
+        (folder / f"{number:05d}.bin").write_bytes(content)
+    return contents
+
+
+def request_list(peer: Peer, start: int = 0, end: int = 0xFFFF) -> None:
+    peer.send(dialect.MAVLink_log_request_list_message(*BOAT, start, end))
+
+
+def request(peer: Peer, number: int, offset: int = 0, count: int = ALL) -> None:
+    peer.send(dialect.MAVLink_log_request_data_message(*BOAT, number, offset, count))
+
+
+def entries(rig: Rig, start: int = 0, end: int = 0xFFFF) -> list[tuple[int, int, int, int]]:
+    """Number, number of logs, last number, size."""
+    rig.peer.forget()
+    request_list(rig.peer, start, end)
+    rig.run(0.2)
+    return [(e.id, e.num_logs, e.last_log_num, e.size) for e in rig.peer.said("LOG_ENTRY")]
+
+
+def put_together(chunks: list[Message], size: int) -> bytes:
+    """What the chunks are parts of; a byte that none has is a failure."""
+    content: list[int | None] = [None] * size
+    for chunk in chunks:
+        content[chunk.ofs : chunk.ofs + chunk.count] = chunk.data[: chunk.count]
+    assert None not in content
+    return bytes(byte for byte in content if byte is not None)
+
+
+def test_the_whole_list_counts_from_zero_as_mavsdk_expects(open_rig: OpenRig, tmp_path: Path) -> None:
+    fill(tmp_path, 100, 200, 300)
+    rig = open_rig(tmp_path)
+    assert entries(rig) == [(0, 3, 2, 300), (1, 3, 2, 100), (2, 3, 2, 200)]
+
+
+def test_the_number_that_qgroundcontrol_misses_can_be_asked_for(open_rig: OpenRig, tmp_path: Path) -> None:
+    """It takes an ArduPilot's logs to be 1 to n and asks again for those it did not hear of."""
+    fill(tmp_path, 100, 200, 300)
+    rig = open_rig(tmp_path)
+    heard = {number: size for number, _, _, size in entries(rig)}
+    missing = [number for number in (1, 2, 3) if number not in heard]
+    assert missing == [3]
+    assert entries(rig, 3, 3) == [(3, 3, 2, 300)]
+
+
+def test_a_boat_without_logs_says_so_at_once(open_rig: OpenRig, tmp_path: Path) -> None:
+    for rig in (open_rig(tmp_path), Rig()):
+        rig.run(0.1)
+        entry = rig.answer_to(dialect.MAVLink_log_request_list_message(*BOAT, 0, 0xFFFF), "LOG_ENTRY")
+        assert (entry.id, entry.num_logs, entry.size) == (0, 0, 0)
+        chunk = rig.answer_to(dialect.MAVLink_log_request_data_message(*BOAT, 1, 0, ALL), "LOG_DATA")
+        assert (chunk.id, chunk.ofs, chunk.count) == (1, 0, 0)
+
+
+def test_a_date_that_is_known_is_told(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path, config={"log.after_disarm_s": 0.1}).ready()
+    assert rig.arm() == OK
+    rig.run(3.0)
+    rig.disarm()
+    request_list(rig.peer)
+    rig.run(0.1)
+    (entry,) = rig.peer.said("LOG_ENTRY")
+    unix_s = rig.boat._snapshot(rig.now_s).unix_s
+    assert unix_s > 1e9
+    assert entry.time_utc == pytest.approx(unix_s, abs=3.0)
+
+
+@pytest.mark.parametrize("size", [1, 89, 90, 91, 180, 5000, 200_000])
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_download_is_the_file_to_the_byte(
+    open_rig: OpenRig, tmp_path: Path, size: int, number: int
+) -> None:
+    (content,) = fill(tmp_path, size)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    request(rig.peer, number)
+    rig.run(5.0)
+    chunks = rig.peer.said("LOG_DATA")
+    assert put_together(chunks, size) == content
+    assert {chunk.id for chunk in chunks} == {number}
+    assert chunks[-1].count < CHUNK_BYTES  # which is how MAVProxy knows that it has all
+    assert len(chunks) == size // CHUNK_BYTES + 1
+
+
+def test_a_part_is_sent_and_no_more(open_rig: OpenRig, tmp_path: Path) -> None:
+    (content,) = fill(tmp_path, 10_000)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    request(rig.peer, 1, 900, 180)
+    rig.run(0.5)
+    chunks = rig.peer.said("LOG_DATA")
+    assert [(chunk.ofs, chunk.count) for chunk in chunks] == [(900, 90), (990, 90)]
+    assert b"".join(bytes(chunk.data) for chunk in chunks) == content[900:1080]
+
+
+def test_gaps_are_filled_while_the_rest_goes_on(open_rig: OpenRig, tmp_path: Path) -> None:
+    """MAVProxy asks for up to twenty gaps in a row."""
+    (content,) = fill(tmp_path, 60_000)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    request(rig.peer, 1)
+    rig.run(3.0)
+    chunks = {chunk.ofs: chunk for chunk in rig.peer.said("LOG_DATA")}
+    lost = sorted(random.Random(3).sample(sorted(chunks)[:-1], 20))
+    for offset in lost:
+        del chunks[offset]
+    rig.run(1.0)
+    rig.peer.forget()
+    for offset in lost:
+        request(rig.peer, 1, offset, CHUNK_BYTES)
+    rig.run(0.5)
+    again = rig.peer.said("LOG_DATA")
+    assert sorted(chunk.ofs for chunk in again) == lost
+    assert put_together([*chunks.values(), *again], len(content)) == content
+
+
+def test_a_station_that_asks_at_every_chunk_for_the_rest_is_not_sent_it_every_time(
+    open_rig: OpenRig, tmp_path: Path
+) -> None:
+    """MAVSDK asks for what it still misses of a part as soon as each chunk comes."""
+    fill(tmp_path, 46_080)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    end = 100 * CHUNK_BYTES
+    request(rig.peer, 1, 0, end)
+    for chunk in range(1, 100):
+        request(rig.peer, 1, chunk * CHUNK_BYTES, end - chunk * CHUNK_BYTES)
+    rig.run(0.08)
+    assert len(rig.peer.said("LOG_DATA")) == 100
+    rig.run(0.5)  # what has not come by now is lost
+    rig.peer.forget()
+    request(rig.peer, 1, 99 * CHUNK_BYTES, CHUNK_BYTES)
+    rig.run(0.1)
+    assert [chunk.ofs for chunk in rig.peer.said("LOG_DATA")] == [99 * CHUNK_BYTES]
+
+
+def test_a_download_can_be_begun_anew_and_ended(open_rig: OpenRig, tmp_path: Path) -> None:
+    contents = fill(tmp_path, 500_000, 400)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    request(rig.peer, 1)
+    rig.run(0.1)
+    request(rig.peer, 2)
+    rig.run(0.2)
+    rig.peer.forget()
+    rig.run(0.2)
+    assert rig.peer.said("LOG_DATA") == []  # the second has taken the first one's place
+    request(rig.peer, 1)
+    rig.run(0.1)
+    rig.peer.send(dialect.MAVLink_log_request_end_message(*BOAT))
+    rig.run(0.1)
+    rig.peer.forget()
+    rig.run(0.3)
+    assert rig.peer.said("LOG_DATA") == []
+    assert contents
+
+
+def test_only_who_asked_hears_of_it(open_rig: OpenRig, tmp_path: Path) -> None:
+    fill(tmp_path, 5000, 700)
+    rig = open_rig(tmp_path)
+    other = rig.connect(PLANNER)
+    rig.run(0.1)
+    request_list(rig.peer)
+    request(rig.peer, 1)
+    rig.run(0.5)
+    assert rig.peer.said("LOG_DATA")
+    assert [m for m in other.listen() if m.get_type().startswith("LOG_")] == []
+
+
+def test_two_stations_download_two_logs_side_by_side(open_rig: OpenRig, tmp_path: Path) -> None:
+    contents = fill(tmp_path, 50_000, 40_000)
+    rig = open_rig(tmp_path)
+    other = rig.connect(PLANNER)
+    rig.run(0.1)
+    request(rig.peer, 1)
+    request(other, 2)
+    rig.run(2.0)
+    assert put_together(rig.peer.said("LOG_DATA"), 50_000) == contents[0]
+    assert put_together(other.said("LOG_DATA"), 40_000) == contents[1]
+
+
+def test_a_tick_sends_no_more_than_its_share_and_less_while_the_boat_is_busy(
+    open_rig: OpenRig, tmp_path: Path
+) -> None:
+    fill(tmp_path, 1_000_000)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    request(rig.peer, 1)
+    sent = []
+    for load in (0.0,) * 5 + (0.5,) * 5 + (2.0,) * 5:
+        rig.boat.load = load
+        rig.step()
+        sent.append(sum(m.get_type() == "LOG_DATA" for m in rig.peer.listen()))
+    assert sent[1:5] == [200] * 4
+    assert sent[5:10] == [50] * 5
+    assert sent[10:] == [16] * 5
+
+
+def test_the_log_under_way_can_be_downloaded_as_far_as_it_goes(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path).ready()
+    assert rig.arm() == OK
+    rig.run(5.0)
+    ((_, _, _, size),) = entries(rig)
+    assert size > 6000
+    request(rig.peer, 1, 0, size)
+    rig.run(1.0)
+    assert put_together(rig.peer.said("LOG_DATA"), size) == (tmp_path / "00001.bin").read_bytes()[:size]
+    assert rig.log.is_writing
+
+
+def test_logs_are_erased_unless_the_boat_is_armed(open_rig: OpenRig, tmp_path: Path) -> None:
+    fill(tmp_path, 100, 200)
+    rig = open_rig(tmp_path, config={"log.after_disarm_s": 0.1}).ready()
+    assert rig.arm() == OK
+    rig.run(0.1)
+    rig.peer.send(dialect.MAVLink_log_erase_message(*BOAT))
+    rig.run(0.1)
+    assert [file.number for file in rig.store.files] == [1, 2, 3]
+    assert "Logs are not erased while the boat is armed" in rig.peer.texts
+    rig.disarm()
+    rig.peer.send(dialect.MAVLink_log_erase_message(*BOAT))
+    rig.run(0.1)
+    assert not rig.store.files
+    assert entries(rig) == [(0, 0, 0, 0)]
+
+
+@pytest.mark.parametrize("target", [(0, 0), (1, 2), (2, 1)])
+def test_what_names_another_boat_or_none_changes_nothing(
+    open_rig: OpenRig, tmp_path: Path, target: tuple[int, int]
+) -> None:
+    fill(tmp_path, 100)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_log_erase_message(*target))
+    rig.peer.send(dialect.MAVLink_log_request_list_message(*target, 0, 0xFFFF))
+    rig.peer.send(dialect.MAVLink_log_request_data_message(*target, 1, 0, ALL))
+    rig.run(0.2)
+    assert len(rig.store.files) == 1
+    assert [m for m in rig.peer.listen() if m.get_type().startswith("LOG_")] == []
+
+
+def test_a_log_that_has_made_room_since_it_was_listed_ends_the_download(
+    open_rig: OpenRig, tmp_path: Path
+) -> None:
+    fill(tmp_path, 100, 200)
+    rig = open_rig(tmp_path)
+    rig.run(0.1)
+    entries(rig)
+    rig.store.erase()
+    chunk = rig.answer_to(dialect.MAVLink_log_request_data_message(*BOAT, 1, 0, ALL), "LOG_DATA")
+    assert chunk.count == 0
+
+
+class Desk:
+    """The service alone, with a worker that may be late and a link that may be full."""
+
+    def __init__(self, folder: Path, worker: InlineWorker | LateWorker) -> None:
+        rig = LogRig(folder, worker=worker)
+        self.worker = worker
+        self.outbox = Outbox()
+        self.service = LogService(
+            Address(*BOAT), rig.boat.vehicle, self.outbox, StatusTextService(self.outbox), rig.logbook
+        )
+
+    def ask(self, number: int, offset: int, count: int, now_s: float) -> None:
+        message = dialect.MAVLink_log_request_data_message(*BOAT, number, offset, count)
+        self.service.handle(message, Origin(1, PLANNER), now_s)
+
+    def sent(self) -> list[Message]:
+        return [out.message for out in self.outbox.take()]
+
+
+def test_nothing_is_sent_to_a_link_without_room_and_nothing_is_lost(tmp_path: Path) -> None:
+    (content,) = fill(tmp_path, 9_000)
+    desk = Desk(tmp_path, InlineWorker())
+    room = [0]
+    desk.outbox.room = lambda channel: room[0]
+    desk.ask(1, 0, ALL, 0.0)
+    chunks = desk.sent()
+    assert chunks == []
+    for tick in range(200):
+        room[0] = 0 if tick % 3 else 250
+        desk.service.tick(0.02 * tick, 0.0)
+        new = desk.sent()
+        assert len(new) <= (0 if tick % 3 else 3)
+        chunks += new
+    assert put_together(chunks, 9_000) == content
+    assert [chunk.ofs for chunk in chunks] == list(range(0, 9_001, 90))
+
+
+def test_a_medium_that_is_slow_to_read_delays_the_download_not_the_tick(tmp_path: Path) -> None:
+    (content,) = fill(tmp_path, 300_000)
+    worker = LateWorker()
+    desk = Desk(tmp_path, worker)
+    desk.ask(1, 0, ALL, 0.0)
+    chunks = []
+    for tick in range(400):
+        desk.service.tick(0.02 * tick, 0.0)
+        chunks += desk.sent()
+        if tick % 10 == 0:
+            assert len(worker.jobs) <= 3
+            worker.work()
+    assert put_together(chunks, 300_000) == content
+
+
+asks = st.tuples(
+    st.integers(0, 4),
+    st.integers(0, 12_000),
+    st.one_of(st.integers(0, 12_000), st.just(ALL)),
+    st.integers(0, 30),
+)
+
+
+@settings(max_examples=100)
+@given(asks=st.lists(asks, max_size=40), seed=st.integers(0, 99))
+def test_whatever_is_asked_for_every_chunk_is_true_and_it_ends(
+    tmp_path_factory: pytest.TempPathFactory, asks: list[tuple[int, int, int, int]], seed: int
+) -> None:
+    folder = tmp_path_factory.mktemp("logs")
+    contents = fill(folder, 0, 900, 10_000)
+    contents.append(contents[-1])  # number 0 is the newest
+    desk = Desk(folder, InlineWorker())
+    now_s, most = 0.0, 0
+    chunks: list[Message] = []
+    for number, offset, count, ticks in asks:
+        desk.ask(number, offset, count, now_s)
+        chunks += desk.sent()
+        most += min(max(10_000 - offset, 0), count) // CHUNK_BYTES + 3
+        for _ in range(ticks):
+            desk.service.tick(now_s, 0.0)
+            now_s += 0.02
+            new = desk.sent()
+            assert len(new) <= 200
+            chunks += new
+    for _ in range(200):
+        desk.service.tick(now_s, 0.0)
+        now_s += 0.02
+        chunks += desk.sent()
+    desk.service.tick(now_s, 0.0)
+    assert desk.sent() == []
+    assert len(chunks) <= most
+    for chunk in chunks:
+        if chunk.id <= 3:
+            whole = contents[chunk.id - 1]
+            assert bytes(chunk.data[: chunk.count]) == whole[chunk.ofs : chunk.ofs + chunk.count]
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.4])
+def test_a_patient_station_gets_the_whole_log_over_a_link_that_loses(tmp_path: Path, loss: float) -> None:
+    """As QGroundControl does it: part by part, missing chunks asked for after a silence."""
+    (content,) = fill(tmp_path, 200 * CHUNK_BYTES + 17)
+    desk, dice = Desk(tmp_path, InlineWorker()), random.Random(7)
+    held: dict[int, bytes] = {}
+    now_s, silent_since_s = 0.0, -1.0
+    wanted = set(range(0, len(content), CHUNK_BYTES))
+    for _ in range(30_000):
+        missing = sorted(wanted - held.keys())
+        if not missing:
+            break
+        if now_s - silent_since_s > 0.5:
+            silent_since_s = now_s
+            last = next((a for a, b in pairwise([*missing, ALL]) if b != a + CHUNK_BYTES), missing[-1])
+            if dice.random() >= loss:
+                desk.ask(1, missing[0], last + CHUNK_BYTES - missing[0], now_s)
+        desk.service.tick(now_s, 0.0)
+        for chunk in desk.sent():
+            if dice.random() >= loss:
+                held[chunk.ofs] = bytes(chunk.data[: chunk.count])
+                silent_since_s = now_s
+        now_s += 0.02
+    assert b"".join(held[offset] for offset in sorted(held)) == content

@@ -1,0 +1,133 @@
+"""Telemetry logs of links, read back by pymavlink."""
+
+from pathlib import Path
+
+import pytest
+from boat_rig import BOAT, PLANNER
+from hypothesis import given
+from hypothesis import strategies as st
+from log_rig import OpenRig
+from pymavlink import mavutil
+
+from companion.log.store import LogFile
+from companion.log.telemetry import loggable
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import dialect
+from companion.mavlink.framing import SIGNATURE_LENGTH
+
+pytest_plugins = ("log_fixtures",)
+
+KEY = bytes(range(32))
+
+
+def signed(message: object) -> bytes:
+    """A frame as pymavlink signs it."""
+    writer = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
+    writer.signing.secret_key = KEY
+    writer.signing.link_id = 1
+    writer.signing.timestamp = 1
+    writer.signing.sign_outgoing = True
+    return bytes(message.pack(writer))  # type: ignore[attr-defined]
+
+
+def read_tlog(path: Path) -> list[object]:
+    """Every message of a telemetry log."""
+    link = mavutil.mavlink_connection(str(path))
+    messages = []
+    while (message := link.recv_match()) is not None:
+        messages.append(message)
+    link.close()
+    return messages
+
+
+def telemetry(files: tuple[LogFile, ...]) -> list[str]:
+    return [file.name for file in files if file.name.endswith(".tlog")]
+
+
+def test_what_both_sides_said_is_in_the_links_log_with_its_time(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path, keeps_telemetry=True)
+    rig.run(0.5)
+    rig.peer.heartbeat()
+    rig.run(2.0)
+    rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148.0)
+    rig.boat.close()
+    (name,) = telemetry(rig.store.files)
+    messages = read_tlog(tmp_path / name)
+    heard = [(m.get_srcSystem(), m.get_type()) for m in messages]  # type: ignore[attr-defined]
+    assert (1, "HEARTBEAT") in heard
+    assert (1, "ATTITUDE") in heard
+    assert (
+        heard.index((255, "HEARTBEAT")) < heard.index((255, "COMMAND_LONG")) < heard.index((1, "COMMAND_ACK"))
+    )
+    assert not any(kind == "BAD_DATA" for _, kind in heard)
+    times = [m._timestamp for m in messages]  # type: ignore[attr-defined]
+    assert times == sorted(times)
+    assert times[-1] == pytest.approx(rig.boat._snapshot(rig.now_s).unix_s, abs=0.1)
+
+
+def test_each_link_has_a_log_of_its_own_that_ends_with_it(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path, keeps_telemetry=True)
+    other = rig.connect(PLANNER)
+    rig.run(1.0)
+    assert len(telemetry(rig.store.files)) == 2
+    other.link.close()
+    rig.run(0.1)
+    rig.store.erase()
+    assert len(telemetry(rig.store.files)) == 1  # that of the link which is still there
+
+
+def test_no_more_than_so_many_are_kept_at_a_time(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path, keeps_telemetry=True)
+    for number in range(30):
+        rig.connect(Address(100 + number, 1))
+    rig.run(0.2)
+    assert len(telemetry(rig.store.files)) == 16
+
+
+def test_there_are_none_unless_asked_for(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path)
+    rig.run(1.0)
+    assert telemetry(rig.store.files) == []
+
+
+@given(seq=st.integers(0, 65535), text=st.binary(max_size=50))
+def test_a_signature_is_taken_off_and_the_frame_stays_whole(seq: int, text: bytes) -> None:
+    for message in (
+        dialect.MAVLink_mission_current_message(seq, 5, 1, 1),
+        dialect.MAVLink_statustext_message(6, text),
+    ):
+        frame = signed(message)
+        clean = loggable(frame)
+        assert len(clean) == len(frame) - SIGNATURE_LENGTH
+        assert frame[-SIGNATURE_LENGTH:] not in clean
+        (received,) = Decoder(datagram=True).feed(clean)
+        assert (received.message.get_type(), received.sender) == (message.get_type(), Address(255, 190))
+        assert clean[10:-2] == frame[10 : -2 - SIGNATURE_LENGTH]
+
+
+def test_an_unsigned_frame_is_logged_as_it_is() -> None:
+    frame = Encoder(Address(1, 1)).encode(dialect.MAVLink_mission_current_message(1, 5, 1, 1))
+    assert loggable(frame) == frame
+    old = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(dialect.MAVLink(None), force_mavlink1=True)
+    assert loggable(bytes(old)) == bytes(old)
+
+
+def test_a_key_is_never_logged(open_rig: OpenRig, tmp_path: Path) -> None:
+    setup = dialect.MAVLink_setup_signing_message(*BOAT, KEY, 5)
+    assert loggable(signed(setup)) == b""
+    rig = open_rig(tmp_path, keeps_telemetry=True)
+    rig.run(0.1)
+    rig.peer.send(setup)
+    rig.run(0.5)
+    rig.boat.close()
+    for file in rig.store.files:
+        assert KEY[:8] not in (tmp_path / file.name).read_bytes()
+
+
+def test_an_unknown_signed_message_loses_its_signature_only() -> None:
+    frame = bytearray(signed(dialect.MAVLink_statustext_message(6, b"who?")))
+    frame[7:10] = (59_999).to_bytes(3, "little")
+    clean = loggable(bytes(frame))
+    assert clean[:-SIGNATURE_LENGTH] == frame[:-SIGNATURE_LENGTH]
+    assert clean[-SIGNATURE_LENGTH:] == bytes(SIGNATURE_LENGTH)
