@@ -4,9 +4,12 @@ from benchmarks.measure import Row, paired
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.signing import Guard, Signatory, Stamps
+from companion.mavlink.signing_key import SigningKey
 
 _COUNT = 2000
 _MICRO = 1e6 / _COUNT
+_KEY = SigningKey.from_passphrase("benchmark")
 
 
 def _messages() -> list[Message]:
@@ -21,7 +24,61 @@ def _messages() -> list[Message]:
 
 
 def rows() -> list[Row]:
-    """Encode and decode, CPU time a message."""
+    """Encode and decode, without signatures and with them, CPU time a message."""
+    return _plain_rows() + _signed_rows()
+
+
+def _guard() -> Guard:
+    return Guard(Signatory(_KEY, Stamps()), "required", 0)
+
+
+def _signing_peer() -> dialect.MAVLink:
+    peer = dialect.MAVLink(None, 1, 1)
+    peer.robust_parsing = True
+    peer.signing.secret_key, peer.signing.sign_outgoing, peer.signing.timestamp = _KEY.reveal(), True, 1
+    return peer
+
+
+def _signed_rows() -> list[Row]:
+    messages = _messages()
+    encoder, sealer = Encoder(Address(1, 1)), _guard()
+    sealed = [sealer.seal(encoder.encode(message)) for message in messages]
+    stream = b"".join(frame for frame in sealed if frame is not None)
+
+    def encode_and_seal() -> None:
+        guard = _guard()
+        for message in messages:
+            guard.seal(encoder.encode(message))
+
+    def pack_signed() -> None:
+        packer = _signing_peer()
+        for message in messages:
+            message.pack(packer)
+
+    def decode_and_verify() -> None:
+        guard = _guard()
+        assert (
+            sum(guard.admits(received.frame) for received in Decoder(datagram=False).feed(stream)) == _COUNT
+        )
+
+    def parse_signed() -> None:
+        parser = _signing_peer()
+        assert len(parser.parse_buffer(stream)) == parser.signing.goodsig_count == _COUNT
+
+    return [
+        paired("encode and sign a message", "µs", _MICRO, encode_and_seal, "pymavlink", pack_signed),
+        paired(
+            "decode a message from a stream and verify it",
+            "µs",
+            _MICRO,
+            decode_and_verify,
+            "pymavlink",
+            parse_signed,
+        ),
+    ]
+
+
+def _plain_rows() -> list[Row]:
     messages = _messages()
     encoder = Encoder(Address(1, 1))
     frames = [encoder.encode(message) for message in messages]
