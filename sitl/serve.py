@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
+from pathlib import Path
 
 import msgspec
 
@@ -12,6 +13,7 @@ from companion.clock import Clock
 from companion.config import BoatConfig, LinkConfig
 from companion.mavlink.signing import timestamp_at
 from companion.runner import Runner
+from companion.status_file import StatusFile
 from sitl.recorder import NO_LEG, Recorder
 from sitl.scenario import Scenario
 from sitl.world import World
@@ -33,6 +35,7 @@ class Server:
         speedup: float = 1.0,
         state_folder: str = "",
         record: bool = False,
+        status_path: Path | None = None,
         unix_offset_s: float = 0.0,
     ) -> None:
         """Open the ports. unix_offset_s: what to add to the clock for today's date, where links are signed.
@@ -57,6 +60,7 @@ class Server:
             logbook = open_log(config, state_folder)
             self.boat = Boat(config, self.world.hardware, ports, storage, logbook=logbook)
             undo.pop_all()
+        self._status = StatusFile(status_path, self.boat.channels) if status_path is not None else None
         self._runner = Runner(
             clock,
             TICK_S / speedup,
@@ -75,12 +79,16 @@ class Server:
             self._runner.run(should_stop)
         finally:
             self.boat.close()
+            if self._status is not None:
+                self._status.close()
 
     def _step(self, _: int) -> None:
         if self._unix_offset_s:  # the simulated receiver has a day of its own, and stations live today
             self.boat.signing.stamps.follow(timestamp_at(self._clock.now_s() + self._unix_offset_s))
         self.boat.load = self._runner.load
         self.boat.step(self.world.time_s)
+        if self._status is not None:
+            self._status.tick(self.world.time_s, self._runner.ticks, self._runner.load)
         truth = self.world.step(TICK_S)
         if self._record:
             self.recorder.record(truth, NO_LEG)

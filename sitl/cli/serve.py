@@ -43,6 +43,9 @@ def serve(
         typer.Option(help="ask for signatures on every link [required with --sign-key, else off]"),
     ] = None,
     csv: Csv = None,
+    status: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="write links and ticks in numbers here, as JSON")
+    ] = None,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
 ) -> None:
     """Run the boat in real time until Ctrl-C, for QGroundControl, MAVProxy, MAVSDK and any other station.
@@ -71,6 +74,7 @@ def serve(
         speedup=speedup,
         state_folder="" if state is None else str(state),
         record=csv is not None,
+        status_path=status,
         unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
     )
     names = ", ".join(server.port_names) or "no link"
