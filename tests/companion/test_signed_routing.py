@@ -1,0 +1,164 @@
+"""Signing and forwarding: what passes between a link that is signed and one that is not."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.app import check_config, policy_of
+from companion.config import BoatConfig, LinkConfig, decode_config, load_toml
+from companion.errors import ConfigError
+from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import dialect
+from companion.mavlink.framing import build_frame
+from companion.mavlink.layout import LAYOUTS
+from companion.mavlink.signing import Guard, Signatory, Stamps, Verdict, is_signed, sign
+from companion.mavlink.signing_key import SigningKey
+from companion.router.channel import Channel
+from companion.router.channels import Channels
+from companion.router.policy import Policy
+
+OWN, STATION, OTHER_BOAT = Address(1, 1), Address(255, 190), Address(2, 1)
+KEY = SigningKey.from_passphrase("correct horse")
+HEARTBEAT = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+GUIDE = Path(__file__).parents[2] / "docs" / "signing.md"
+
+
+class Bridge:
+    """An open link for a station, and a signed one on which another boat is."""
+
+    def __init__(self) -> None:
+        near, self.station = memory_pair("station")
+        far, self.boat = memory_pair("boat")
+        self.channels = Channels([MemoryPort(near), MemoryPort(far)], OWN)
+        self.channels.accept()
+        self.signed = self.channels.open[2]
+        self.signed.protect(Guard(Signatory(KEY, Stamps()), "required", 2))
+
+    def pass_on(self) -> None:
+        """Let what has come be routed."""
+        list(self.channels.receive(0.0))
+
+
+def heartbeat(sender: Address) -> bytes:
+    return Encoder(sender).encode(HEARTBEAT)
+
+
+def one(link: MemoryLink) -> bytes:
+    (chunk,) = link.receive()
+    return chunk
+
+
+def test_an_unsigned_message_is_not_made_a_signed_one_on_its_way() -> None:
+    bridge = Bridge()
+    frame = heartbeat(STATION)
+    bridge.station.send(frame)
+    bridge.pass_on()
+    assert one(bridge.boat) == frame
+
+
+def test_a_signed_message_is_passed_on_to_the_bit() -> None:
+    bridge = Bridge()
+    frame = sign(heartbeat(OTHER_BOAT), KEY, 9, 77)
+    bridge.boat.send(frame)
+    bridge.pass_on()
+    assert one(bridge.station) == frame
+
+
+def test_what_is_refused_is_not_passed_on_and_teaches_no_way() -> None:
+    bridge = Bridge()
+    bridge.boat.send(heartbeat(OTHER_BOAT))
+    bridge.pass_on()
+    assert bridge.station.receive() == []
+    assert bridge.channels.router.routes.where(OTHER_BOAT) == []
+    assert bridge.signed.refused == 1
+
+
+def test_a_stranger_with_our_own_address_is_not_signed_for_either() -> None:
+    bridge = Bridge()
+    bridge.station.send(heartbeat(OWN))
+    bridge.pass_on()
+    assert bridge.boat.receive() == []
+
+
+def test_our_own_message_is_signed_on_the_signed_link_only() -> None:
+    bridge = Bridge()
+    bridge.channels.send(HEARTBEAT, None)
+    assert is_signed(one(bridge.boat))
+    assert not is_signed(one(bridge.station))
+
+
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), max_size=60))
+def test_whatever_overtakes_what_on_a_slow_link_the_timestamps_leave_in_order(
+    steps: list[tuple[bool, bool]],
+) -> None:
+    near, far = memory_pair("radio", queue_frames=3)
+    channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=100.0)))
+    channel.protect(Guard(Signatory(KEY, Stamps()), "required", 1))
+    peer, layout = Signatory(KEY, Stamps()), LAYOUTS[0]
+    own = build_frame(OWN, 0, layout, layout.pack(HEARTBEAT))
+    for number, (is_urgent, is_read) in enumerate(steps):
+        channel._emit(own, 0, 1, is_urgent, 0.05 * number)
+        channel.drain(0.05 * number)
+        if is_read:
+            assert {peer.check(frame) for frame in far.receive()} <= {Verdict.GOOD}
+
+
+def test_a_radio_s_budget_counts_the_signatures() -> None:
+    sent = []
+    for is_signed_link in (False, True):
+        near, far = memory_pair("radio")
+        channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=500.0)))
+        if is_signed_link:
+            channel.protect(Guard(Signatory(KEY, Stamps()), "required", 1))
+        own = heartbeat(OWN)
+        for tick in range(500):
+            channel._emit(own, 0, 1, False, 0.02 * tick)
+        sent.append(sum(map(len, far.receive())))
+    assert sent[1] == pytest.approx(sent[0], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("url", "trusted", "is_trusted"),
+    [
+        ("tcpin:127.0.0.1:5760", None, True),
+        ("udpin:[::1]:14550", None, True),
+        ("tcpin:localhost:5760", False, False),
+        ("tcpin:0.0.0.0:5760", None, False),
+        ("udpout:192.168.4.255:14550", None, False),
+        ("serial:/dev/ttyUSB0:57600", None, False),
+        ("serial:/dev/ttyACM0:115200", True, True),
+    ],
+)
+def test_loopback_is_trusted_with_keys_and_others_are_when_told(
+    url: str, trusted: bool | None, is_trusted: bool
+) -> None:
+    assert policy_of(LinkConfig(url=url, trusted=trusted), "links[0]").is_trusted is is_trusted
+
+
+def test_a_key_file_that_cannot_be_used_is_found_before_the_boat_sails(tmp_path: Path) -> None:
+    path = tmp_path / "radio.key"
+    link = LinkConfig(url="tcpin:127.0.0.1:5760", signing="required", key_file=str(path))
+    with pytest.raises(ConfigError, match=r"radio\.key: the signing key cannot be read"):
+        check_config(BoatConfig(links=(link,)))
+    path.write_text("a passphrase")
+    path.chmod(0o644)
+    with pytest.raises(ConfigError, match="chmod 600"):
+        check_config(BoatConfig(links=(link,)))
+
+
+def test_the_guide_s_configuration_is_one(tmp_path: Path) -> None:
+    blocks = [
+        block for block in GUIDE.read_text(encoding="utf-8").split("\n\n") if block.startswith("    links")
+    ]
+    (tmp_path / "boat.toml").write_text(blocks[0], encoding="utf-8")
+    config = decode_config(load_toml(tmp_path / "boat.toml"), "the guide")
+    policies = [policy_of(link, "links") for link in config.link_settings]
+    assert [(policy.is_radio, policy.is_trusted) for policy in policies] == [
+        (False, True),
+        (True, False),
+        (False, True),
+    ]
