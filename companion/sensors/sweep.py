@@ -33,19 +33,21 @@ class Sweep:
         """Whether nothing at all has been heard of late."""
         return self.latest is None or now_s - self.latest.time_s > STALE_S
 
-    def max_range_m(self) -> float:
-        """How far the latest ping would have reached."""
-        return 0.0 if self.latest is None else self.latest.max_range_m
+    def distances_cm(self, now_s: float) -> tuple[list[int], int]:
+        """OBSTACLE_DISTANCE's numbers, and the farthest that they reach.
 
-    def distances_cm(self, now_s: float) -> list[int]:
-        """OBSTACLE_DISTANCE's numbers: farthest + 1 where nothing was met, UNKNOWN_CM where nobody looked."""
-        clear_cm = min(round(100.0 * self.max_range_m()) + 1, UNKNOWN_CM - 1)
+        Farthest + 1 where nothing was met as far as that; UNKNOWN_CM where nobody looked, or not so far.
+        """
         oldest_s = now_s - STALE_S
-        return [
-            UNKNOWN_CM
-            if ping is None or ping.time_s < oldest_s
-            else clear_cm
-            if ping.range_m is None
-            else min(round(100.0 * ping.range_m), clear_cm)
-            for ping in self._pings
-        ]
+        fresh = [ping if ping is not None and ping.time_s >= oldest_s else None for ping in self._pings]
+        reach_m = max((ping.max_range_m for ping in fresh if ping is not None), default=0.0)
+        farthest_cm = min(round(100.0 * reach_m), UNKNOWN_CM - 2)
+        return [_distance_cm(ping, reach_m, farthest_cm) for ping in fresh], farthest_cm
+
+
+def _distance_cm(ping: SonarReading | None, reach_m: float, farthest_cm: int) -> int:
+    if ping is None:
+        return UNKNOWN_CM
+    if ping.range_m is not None:
+        return min(round(100.0 * ping.range_m), farthest_cm + 1)
+    return farthest_cm + 1 if ping.max_range_m >= reach_m else UNKNOWN_CM

@@ -90,13 +90,14 @@ def obstacle_distance(now: Snapshot) -> Message | None:
     sweep = now.sweep
     if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
         return None
+    distances, farthest_cm = sweep.distances_cm(now.now_s)
     return dialect.MAVLink_obstacle_distance_message(
         time_usec=now.boot_us,
         sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
-        distances=sweep.distances_cm(now.now_s),
+        distances=distances,
         increment=round(math.degrees(SECTOR_RAD)),
         min_distance=round(100.0 * sweep.latest.min_range_m),
-        max_distance=min(round(100.0 * sweep.max_range_m()), 0xFFFD),
+        max_distance=farthest_cm,
         increment_f=math.degrees(SECTOR_RAD),
         angle_offset=0.0,
         frame=dialect.MAV_FRAME_BODY_FRD,

@@ -1,0 +1,287 @@
+"""Commands of the workshop, as a station gives them to a boat in the water."""
+
+import math
+
+import pytest
+from boat_rig import FAILED, HOME_ITEM, OK, Peer, Rig, waypoint
+
+from companion.mavlink.dialect import dialect
+from companion.sensors.readings import HeadingReading
+
+CMD = dialect
+LEFT, RIGHT, BOTH, TURN = 3, 4, 1, 2
+PERCENT, PWM = 0, 1
+REJECTED_FOR_NOW, IN_PROGRESS, CANCELLED = 1, 5, 6
+
+
+class Gyro:
+    """A compass whose readings the test sets; every tick a new one."""
+
+    def __init__(self, heading_rad: float = 0.0, rate_rad_s: float | None = 0.0) -> None:
+        self.heading_rad = heading_rad
+        self.rate_rad_s = rate_rad_s
+        self.time_s = 0.0
+
+    def read(self) -> HeadingReading:
+        """The reading of now."""
+        self.time_s += 0.02
+        return HeadingReading(self.time_s - 0.02, self.heading_rad, self.rate_rad_s)
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+def motors(rig: Rig) -> tuple[float, float]:
+    return rig.world._motors.left, rig.world._motors.right
+
+
+def results(peer: Peer, number: int) -> list[int]:
+    return [int(ack.result) for ack in peer.said("COMMAND_ACK") if ack.command == number]
+
+
+def wants_restart(rig: Rig) -> bool:
+    return rig.boat.wants_restart
+
+
+def value(rig: Rig, name: str) -> float:
+    index = rig.boat.parameters.index_of(name)
+    assert index is not None
+    return rig.boat.parameters.value(rig.boat.parameters.rows[index])
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat that could be armed, with a mission."""
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(40.0, 0.0), waypoint(40.0, 40.0)])
+    return rig
+
+
+@pytest.mark.parametrize(
+    ("motor", "left", "right"), [(LEFT, 0.3, 0.0), (RIGHT, 0.0, 0.3), (BOTH, 0.3, 0.3), (TURN, 0.3, -0.3)]
+)
+def test_a_motor_turns_for_as_long_as_asked_and_no_other_does(
+    rig: Rig, motor: int, left: float, right: float
+) -> None:
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, motor, PERCENT, 30.0, 2.0) == OK
+    rig.run(1.9)
+    assert motors(rig) == pytest.approx((left, right))
+    assert not rig.boat.vehicle.armed
+    rig.run(0.2)
+    assert motors(rig) == (0.0, 0.0)
+    rig.run(5.0)
+    assert motors(rig) == (0.0, 0.0)
+
+
+def test_a_pulse_width_astern_turns_a_motor_astern(rig: Rig) -> None:
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PWM, 1250.0, 2.0) == OK
+    rig.run(1.0)
+    assert motors(rig) == pytest.approx((-0.5, 0.0))
+
+
+def test_a_motor_test_rises_no_faster_than_the_gate_allows(rig: Rig) -> None:
+    rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 100.0, 2.0)
+    rig.step()
+    assert motors(rig)[0] == pytest.approx(rig.config.motors.slew_per_s * 0.02)
+
+
+def test_no_motor_test_lasts_longer_than_half_a_minute(rig: Rig) -> None:
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PERCENT, 20.0, 1e6) == OK
+    rig.run(29.0)
+    assert motors(rig)[0] > 0.0
+    rig.run(1.5)
+    assert motors(rig) == (0.0, 0.0)
+
+
+def test_an_armed_boat_tests_no_motor(rig: Rig) -> None:
+    rig.arm()
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PERCENT, 20.0, 5.0) == FAILED
+    assert "Motor test: disarm first" in rig.peer.texts
+    rig.step(5)
+    assert motors(rig) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("number", "params"),
+    [
+        (CMD.MAV_CMD_DO_MOTOR_TEST, (LEFT, PERCENT, 0.0, 0.0)),
+        (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (0.0, 21196.0)),
+        (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,)),
+        (CMD.MAV_CMD_DO_SET_MODE, (1.0, 5.0)),
+        (CMD.MAV_CMD_DO_FLIGHTTERMINATION, (1.0,)),
+    ],
+)
+def test_anything_else_that_is_asked_ends_a_motor_test(
+    rig: Rig, number: int, params: tuple[float, ...]
+) -> None:
+    rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 20.0)
+    rig.run(1.0)
+    assert motors(rig) == (0.5, 0.5)
+    rig.ask(number, *params)
+    if not rig.boat.vehicle.armed:
+        assert motors(rig) == (0.0, 0.0)  # before the next tick
+    rig.step(15)
+    assert motors(rig) == (0.0, 0.0)
+
+
+def test_a_question_does_not_end_a_motor_test(rig: Rig) -> None:
+    rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 20.0)
+    rig.run(1.0)
+    rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, 148)
+    assert motors(rig) == (0.5, 0.5)
+
+
+def test_a_motor_test_ends_when_the_operator_falls_silent(rig: Rig) -> None:
+    rig.peer.heartbeat()
+    rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 25.0)
+    rig.run(3.0)
+    assert motors(rig) == (0.5, 0.5)
+    rig.run(3.0)
+    assert motors(rig) == (0.0, 0.0)
+
+
+def test_the_gyro_is_calibrated_in_a_while_and_its_bias_is_kept() -> None:
+    gyro = Gyro(rate_rad_s=0.02)
+    rig = Rig(compass=gyro)
+    rig.run(1.0)
+    rig.peer.forget()
+    rig.peer.command(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
+    rig.run(2.5)
+    assert set(results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)) == {IN_PROGRESS}
+    progress = [ack.progress for ack in rig.peer.said("COMMAND_ACK")]
+    assert progress == sorted(progress)
+    assert progress[-1] > 50
+    rig.run(1.0)
+    assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)[-1] == OK
+    assert "Gyro calibrated" in rig.peer.texts
+    assert value(rig, "INS_GYROFFS_Z") == pytest.approx(0.02, rel=1e-3)
+    rig.run(0.1)
+    assert rig.boat.nav is not None
+    assert rig.boat.nav.yaw_rate_rad_s == pytest.approx(0.0, abs=1e-6)
+    rig.reboot()
+    assert value(rig, "INS_GYROFFS_Z") == pytest.approx(0.02, rel=1e-3)
+
+
+def test_a_boat_that_turns_is_not_calibrated() -> None:
+    gyro = Gyro()
+    rig = Rig(compass=gyro)
+    rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
+    rig.run(1.0)
+    gyro.rate_rad_s = 0.5
+    rig.run(3.0)
+    assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)[-1] == FAILED
+    assert value(rig, "INS_GYROFFS_Z") == 0.0
+
+
+def test_a_compass_without_a_gyro_cannot_be_calibrated() -> None:
+    rig = Rig(compass=Gyro(rate_rad_s=None))
+    rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
+    rig.run(4.0)
+    assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)[-1] == FAILED
+
+
+def test_a_calibration_can_be_given_up_and_ends_when_the_boat_is_armed() -> None:
+    rig = Rig(compass=Gyro()).ready()
+    rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0) == CANCELLED
+    rig.peer.forget()
+    rig.run(5.0)
+    assert not results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)
+    rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
+    rig.arm()
+    rig.run(1.0)
+    assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION) == [CANCELLED]
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1) == REJECTED_FOR_NOW
+
+
+def test_the_compass_is_trimmed_to_the_heading_that_the_operator_gives() -> None:
+    rig = Rig(compass=Gyro(heading_rad=math.radians(100.0)))
+    rig.run(1.0)
+    assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, 90.0) == OK
+    rig.run(4.0)
+    assert rig.boat.nav is not None
+    assert math.degrees(rig.boat.nav.heading_rad) == pytest.approx(90.0, abs=0.1)
+    assert value(rig, "HDG_TRIM") == pytest.approx(-10.0, abs=0.01)
+    assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, 90.0) == OK
+    assert value(rig, "HDG_TRIM") == pytest.approx(-10.0, abs=0.01)
+
+
+def test_parameters_go_back_to_the_boats_file_and_stay_there(rig: Rig) -> None:
+    default = value(rig, "WP_RADIUS")
+    rig.boat.parameters.set("WP_RADIUS", default + 1.0)
+    rig.arm()
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_STORAGE, 2) == REJECTED_FOR_NOW
+    rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_STORAGE, 1) == OK
+    assert value(rig, "WP_RADIUS") == default + 1.0
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_STORAGE, 2) == OK
+    assert value(rig, "WP_RADIUS") == default
+    rig.reboot()
+    assert value(rig, "WP_RADIUS") == default
+
+
+def test_a_restart_is_asked_of_the_program_once_the_answer_is_out_and_never_while_armed(rig: Rig) -> None:
+    rig.arm()
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == FAILED
+    rig.run(2.0)
+    assert not wants_restart(rig)
+    rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == OK
+    rig.step()
+    assert not wants_restart(rig)
+    rig.run(1.0)
+    assert wants_restart(rig)
+    rig.reboot()
+    rig.step()
+    assert not wants_restart(rig)
+
+
+def test_flight_termination_disarms(rig: Rig) -> None:
+    rig.arm()
+    assert rig.ask(CMD.MAV_CMD_DO_FLIGHTTERMINATION, 1) == OK
+    assert not rig.boat.vehicle.armed
+    assert "Disarmed by flight termination" in rig.peer.texts
+
+
+def test_what_the_boat_does_not_have_is_refused_in_words(rig: Rig) -> None:
+    rig.ask(CMD.MAV_CMD_DO_SET_SERVO, 1, 1500)
+    assert "Servo: this boat has none" in rig.peer.texts
+
+
+def test_pause_keeps_station_and_continue_goes_on_with_what_was_paused(rig: Rig) -> None:
+    rig.arm()
+    rig.ask(CMD.MAV_CMD_MISSION_START)
+    rig.run(3.0)
+    assert rig.ask(CMD.MAV_CMD_DO_PAUSE_CONTINUE, 0) == OK
+    assert rig.mode == "LOITER"
+    assert rig.ask(CMD.MAV_CMD_DO_PAUSE_CONTINUE, 1) == OK
+    assert rig.mode == "AUTO"
+
+
+def test_a_resent_start_does_not_begin_the_mission_anew(rig: Rig) -> None:
+    rig.arm()
+    assert rig.ask(CMD.MAV_CMD_MISSION_START, 1) == OK
+    rig.run(0.5)
+    rig.boat.vehicle.progress.set_current(2)
+    assert rig.ask(CMD.MAV_CMD_MISSION_START, 1) == OK
+    assert rig.boat.vehicle.progress.current_seq == 2
+    rig.run(2.1)
+    assert rig.ask(CMD.MAV_CMD_MISSION_START, 1) == OK
+    assert rig.boat.vehicle.progress.current_seq == 1
+
+
+def test_a_start_repeated_after_something_else_happened_is_meant(rig: Rig) -> None:
+    rig.arm()
+    rig.ask(CMD.MAV_CMD_MISSION_START, 1)
+    rig.set_mode(4)
+    assert rig.ask(CMD.MAV_CMD_MISSION_START, 1) == OK
+    assert rig.mode == "AUTO"
+
+
+def test_pre_arm_checks_are_run_and_told_when_asked() -> None:
+    rig = Rig(config={"arming.battery_min_v": 50.0})
+    rig.run(1.0)
+    assert rig.ask(CMD.MAV_CMD_RUN_PREARM_CHECKS) == OK
+    assert any(text.startswith("PreArm: Battery") for text in rig.peer.texts)
+    rig.arm(force=True)
+    assert rig.ask(CMD.MAV_CMD_RUN_PREARM_CHECKS) == REJECTED_FOR_NOW

@@ -1,0 +1,363 @@
+"""Position, heading and obstacles from outside: what is taken, what is dropped, what the boat makes of it."""
+
+import math
+
+import pytest
+from boat_rig import BOAT, OK, Peer, Rig, Silent, waypoint
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.geo import LatLon, LocalFrame, Point
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.units import deg_to_e7, wrap_pi
+
+CAMERA = Address(1, 197)
+NAN = math.nan
+ORIGIN = LatLon(50.0, -1.2)
+NED, FRD, BODY_FRD = dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_FRD, dialect.MAV_FRAME_BODY_FRD
+ALONE: dict[str, object] = {"external.position": 2, "external.heading": 2}
+
+
+def set_origin(place: LatLon) -> Message:
+    message: Message = dialect.MAVLink_set_gps_global_origin_message(
+        1, deg_to_e7(place.lat_deg), deg_to_e7(place.lon_deg), 0
+    )
+    return message
+
+
+def vision(north_m: float, east_m: float, yaw_rad: float, stamp_us: int = 0) -> Message:
+    covariance = [4e-6, *[0.0] * 5, 4e-6, *[0.0] * 14]  # 2 mm
+    message: Message = dialect.MAVLink_vision_position_estimate_message(
+        stamp_us, north_m, east_m, 0.0, 0.0, 0.0, yaw_rad, covariance
+    )
+    return message
+
+
+def odometry(
+    x: float, y: float, yaw: float, vx: float, vy: float, rate: float, frame: int = NED, quality: int = 100
+) -> Message:
+    q = [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]
+    covariances = [NAN] + [0.0] * 20
+    message: Message = dialect.MAVLink_odometry_message(
+        0, frame, BODY_FRD, x, y, 0.0, q, vx, vy, 0.0, 0.0, 0.0, rate, covariances, covariances, 0, 0, quality
+    )
+    return message
+
+
+def gps_input(place: LatLon, fix_type: int = 3, yaw_cdeg: int = 0, **values: float) -> Message:
+    fields = {"hdop": 0.9, "vn": 1.0, "ve": 0.5, "horiz_accuracy": 0.4, **values}
+    message: Message = dialect.MAVLink_gps_input_message(
+        0,
+        0,
+        0,
+        0,
+        0,
+        fix_type,
+        deg_to_e7(place.lat_deg),
+        deg_to_e7(place.lon_deg),
+        0.0,
+        fields["hdop"],
+        1.0,
+        fields["vn"],
+        fields["ve"],
+        0.0,
+        0.1,
+        fields["horiz_accuracy"],
+        0.1,
+        14,
+        yaw_cdeg,
+    )
+    return message
+
+
+def blind(**config: object) -> tuple[Rig, Peer]:
+    """A boat with neither receiver nor compass, and the camera that stands in for both."""
+    rig = Rig(config={**ALONE, **config}, gnss=Silent(), compass=Silent(), sonar=None)
+    camera = rig.connect(CAMERA)
+    rig.peer.send(set_origin(ORIGIN))
+    rig.step()
+    return rig, camera
+
+
+def watch(rig: Rig, camera: Peer, seconds: float, *poses: Message) -> None:
+    """The camera says these at 25 Hz."""
+    for _ in range(round(seconds / 0.04)):
+        for pose in poses:
+            camera.send(pose)
+        rig.step(2)
+
+
+def test_a_local_pose_is_where_the_boat_is() -> None:
+    rig, camera = blind()
+    watch(rig, camera, 2.0, vision(3.0, -2.0, 1.0))
+    nav = rig.boat.nav
+    assert nav is not None
+    assert (nav.north_m, nav.east_m) == pytest.approx((3.0, -2.0), abs=1e-3)
+    assert nav.heading_rad == pytest.approx(1.0, abs=1e-3)
+    assert rig.boat.estimator.frame is not None
+    assert rig.boat.estimator.frame.origin == ORIGIN
+
+
+def test_the_origin_is_told_and_once_laid_is_not_moved() -> None:
+    rig, camera = blind()
+    (said,) = rig.peer.said("GPS_GLOBAL_ORIGIN")
+    assert (said.latitude, said.longitude) == (500_000_000, -12_000_000)
+    watch(rig, camera, 1.0, vision(0.0, 0.0, 0.0))
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_set_gps_global_origin_message(1, 510_000_000, 0, 0))
+    watch(rig, camera, 0.5, vision(0.0, 0.0, 0.0))
+    assert "Origin: laid already, not moved" in rig.peer.texts
+    assert rig.boat.vehicle.frame is not None
+    assert rig.boat.vehicle.frame.origin == ORIGIN
+
+
+def test_a_pose_without_an_origin_has_no_place() -> None:
+    rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())
+    camera = rig.connect(CAMERA)
+    watch(rig, camera, 1.0, vision(3.0, -2.0, 1.0))
+    assert rig.boat.nav is None
+    assert rig.boat.endpoint._pose.dropped == 25
+
+
+def test_the_configured_origin_and_direction_place_the_poses_of_a_pool() -> None:
+    origin: dict[str, object] = {"external.origin_lat_deg": 50.0, "external.origin_lon_deg": -1.2}
+    turn: dict[str, object] = {"external.north_rad": math.pi / 2}  # the pool's long side points east
+    rig = Rig(config={**ALONE, **origin, **turn}, gnss=Silent(), compass=Silent())
+    camera = rig.connect(CAMERA)
+    watch(rig, camera, 1.0, vision(3.0, -2.0, 0.1))
+    nav = rig.boat.nav
+    assert nav is not None
+    assert (nav.north_m, nav.east_m) == pytest.approx((2.0, 3.0), abs=1e-3)
+    assert nav.heading_rad == pytest.approx(math.pi / 2 + 0.1, abs=1e-3)
+
+
+def test_odometry_brings_velocity_and_yaw_rate_along() -> None:
+    rig, camera = blind()
+    yaw, surge, sway = math.pi / 2, 1.0, 0.2
+    watch(rig, camera, 1.0, odometry(1.0, 2.0, yaw, surge, sway, 0.1))
+    fix, heading = rig.boat.senses.fix, rig.boat.senses.heading
+    assert fix is not None
+    assert heading is not None
+    assert (fix.north_m_s, fix.east_m_s) == pytest.approx((-sway, surge), abs=1e-6)
+    assert heading.heading_rad == pytest.approx(yaw, abs=1e-6)
+    assert heading.yaw_rate_rad_s == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        vision(NAN, 0.0, 0.0),
+        vision(0.0, math.inf, 0.0),
+        vision(0.0, 0.0, NAN),
+        vision(1e6, 0.0, 0.0),
+        odometry(NAN, 0.0, 0.0, 0.0, 0.0, 0.0),
+        odometry(0.0, 0.0, NAN, 0.0, 0.0, 0.0),
+        odometry(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, quality=-1),
+        odometry(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, frame=dialect.MAV_FRAME_GLOBAL),
+        gps_input(LatLon(0.0, 0.0)),
+        gps_input(ORIGIN, fix_type=9),
+        gps_input(ORIGIN, hdop=NAN),
+        gps_input(ORIGIN, vn=math.inf),
+        gps_input(ORIGIN, horiz_accuracy=NAN),
+    ],
+)
+def test_what_is_no_pose_is_dropped_and_counted(pose: Message) -> None:
+    rig, camera = blind()
+    watch(rig, camera, 0.4, pose)
+    assert rig.boat.nav is None
+    assert rig.boat.senses.external.fix is None
+    assert rig.boat.endpoint._pose.dropped == 10
+    assert rig.boat.endpoint.faults == 0
+
+
+@given(
+    st.lists(st.floats(width=32), min_size=10, max_size=10),
+    st.lists(st.floats(width=32), min_size=4, max_size=4),
+    st.integers(0, 30),
+)
+@settings(max_examples=60)
+def test_no_odometry_makes_the_estimate_something_other_than_numbers(
+    values: list[float], q: list[float], frame: int
+) -> None:
+    rig, camera = blind()
+    x, y, z, vx, vy, vz, roll, pitch, rate, first = values
+    covariances = [first] * 21
+    camera.send(
+        dialect.MAVLink_odometry_message(
+            0, frame, BODY_FRD, x, y, z, q, vx, vy, vz, roll, pitch, rate, covariances, covariances
+        )
+    )
+    rig.step(10)
+    nav = rig.boat.nav
+    if nav is not None:
+        assert all(map(math.isfinite, (nav.north_m, nav.east_m, nav.heading_rad, nav.yaw_rate_rad_s)))
+    assert rig.boat.endpoint.faults == 0
+
+
+def test_nothing_from_outside_is_taken_unless_the_configuration_says_so() -> None:
+    rig = Rig().ready()
+    camera = rig.connect(CAMERA)
+    before = rig.boat.nav
+    watch(rig, camera, 1.0, vision(500.0, 500.0, 3.0), gps_input(LatLon(40.0, 10.0)))
+    nav = rig.boat.nav
+    assert nav is not None
+    assert before is not None
+    assert math.hypot(nav.north_m - before.north_m, nav.east_m - before.east_m) < 3.0
+    assert rig.boat.senses.external.fix is None
+
+
+def test_a_fallback_is_taken_only_while_the_receiver_is_silent() -> None:
+    rig = Rig(config={"external.position": 1}, gnss=Silent())
+    camera = rig.connect(CAMERA)
+    watch(rig, camera, 1.0, gps_input(ORIGIN))
+    assert rig.boat.nav is not None
+    assert rig.boat.nav.position_age_s < 0.1
+    healthy = Rig(config={"external.position": 1}).ready()
+    helper = healthy.connect(CAMERA)
+    watch(healthy, helper, 1.0, gps_input(LatLon(40.0, 10.0)))
+    fix = healthy.boat.senses.fix
+    assert fix is not None
+    assert fix.position.lat_deg == pytest.approx(50.0, abs=0.1)
+
+
+def test_a_source_that_falls_silent_leaves_the_estimate_to_age() -> None:
+    rig, camera = blind()
+    watch(rig, camera, 1.0, vision(0.0, 0.0, 0.0))
+    rig.run(4.0)
+    assert rig.boat.nav is not None
+    assert rig.boat.nav.position_age_s == pytest.approx(4.0, abs=0.1)
+    assert rig.boat.senses.fix is None
+    rig.set_mode(5)
+    assert rig.mode == "HOLD"
+
+
+def test_one_source_at_a_time_and_another_once_the_first_is_silent() -> None:
+    rig, camera = blind()
+    other = rig.connect(Address(1, 198))
+    watch(rig, camera, 0.5, vision(1.0, 0.0, 0.0))
+    for _ in range(10):
+        camera.send(vision(1.0, 0.0, 0.0))
+        other.send(vision(99.0, 0.0, 0.0))
+        rig.step(2)
+    assert rig.boat.nav is not None
+    assert rig.boat.nav.north_m == pytest.approx(1.0, abs=0.01)
+    rig.run(2.0)
+    watch(rig, other, 12.0, vision(99.0, 0.0, 0.0))
+    assert rig.boat.nav.north_m == pytest.approx(99.0, abs=0.5)
+
+
+def test_a_flood_of_poses_is_thinned_to_one_a_tick() -> None:
+    rig, camera = blind()
+    for _ in range(50):
+        for _ in range(20):
+            camera.send(vision(1.0, 0.0, 0.0))
+        rig.step()
+    assert rig.boat.endpoint._pose.dropped == 50 * 19
+
+
+def test_gps_input_stands_in_for_receiver_and_compass() -> None:
+    rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())
+    camera = rig.connect(CAMERA)
+    watch(rig, camera, 1.0, gps_input(ORIGIN, yaw_cdeg=9000))
+    shown = rig.peer.said("GPS_RAW_INT")[-1]
+    assert (shown.fix_type, shown.satellites_visible, shown.h_acc) == (3, 14, 400)
+    assert rig.boat.nav is not None
+    assert rig.boat.nav.heading_rad == pytest.approx(math.pi / 2, abs=1e-3)
+    assert not rig.boat.vehicle.arming_faults()
+
+
+def bins(rig: Rig) -> list[int]:
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) == OK
+    (message,) = rig.peer.said("OBSTACLE_DISTANCE")
+    assert message.frame == BODY_FRD
+    return list(message.distances)
+
+
+def obstacles(distances: list[int], frame: int = BODY_FRD) -> Message:
+    message: Message = dialect.MAVLink_obstacle_distance_message(0, 0, distances, 5, 20, 500, 5.0, 0.0, frame)
+    return message
+
+
+def test_obstacles_from_outside_are_told_on_bin_for_bin() -> None:
+    rig = Rig(config={"external.obstacles": True}, sonar=None).ready()
+    camera = rig.connect(CAMERA)
+    seen = [0xFFFF] * 72
+    seen[0], seen[18], seen[71] = 150, 501, 300
+    camera.send(obstacles(seen))
+    rig.step(2)
+    assert bins(rig) == seen
+    rig.run(4.0)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) != OK
+
+
+def test_obstacles_by_the_compass_are_turned_to_the_bow() -> None:
+    rig, camera = blind(**{"external.obstacles": True})
+    watch(rig, camera, 1.0, vision(0.0, 0.0, math.radians(90.0)))
+    seen = [0xFFFF] * 72
+    seen[18] = 200  # due east, which is ahead
+    camera.send(obstacles(seen, dialect.MAV_FRAME_GLOBAL))
+    rig.step(2)
+    assert bins(rig)[0] == 200
+
+
+@pytest.mark.parametrize(("orientation", "sector"), [(0, 0), (2, 18), (6, 54)])
+def test_a_ranger_says_what_is_in_its_direction(orientation: int, sector: int) -> None:
+    rig = Rig(config={"external.obstacles": True}, sonar=None).ready()
+    camera = rig.connect(CAMERA)
+    camera.send(dialect.MAVLink_distance_sensor_message(0, 20, 700, 321, 0, 3, orientation, 255))
+    rig.step(2)
+    told = bins(rig)
+    assert told[sector] == 321
+    assert told[(sector + 36) % 72] == 0xFFFF
+
+
+@pytest.mark.parametrize("orientation", [24, 25, 100])
+def test_a_ranger_that_looks_down_or_nowhere_sees_no_obstacle(orientation: int) -> None:
+    rig = Rig(config={"external.obstacles": True}, sonar=None).ready()
+    camera = rig.connect(CAMERA)
+    camera.send(dialect.MAVLink_distance_sensor_message(0, 20, 700, 321, 0, 3, orientation, 255))
+    rig.step(2)
+    assert rig.boat.senses.sweep.latest is None
+
+
+def test_the_pool_is_sailed_by_vision_alone() -> None:
+    rig = Rig("pool", config=ALONE, gnss=Silent(), compass=Silent())
+    camera = rig.connect(CAMERA)
+    place = rig.scenario.frame.origin
+    rig.peer.send(set_origin(place))
+
+    def sail(seconds: float) -> None:
+        for tick in range(round(seconds / 0.02)):
+            truth = rig.world.truth
+            if tick % 3 == 0:  # about 17 Hz, as a camera over a pool gives
+                camera.send(vision(truth.north_m, truth.east_m, wrap_pi(truth.heading_rad)))
+            rig.step()
+
+    sail(3.0)
+    start = rig.scenario.start
+    corners = [(start.north_m + 0.4, start.east_m), (start.north_m + 0.4, start.east_m - 0.4)]
+    home = waypoint(start.north_m, start.east_m, "pool")
+    rig.upload([home, *(waypoint(*corner, "pool") for corner in corners)])
+    sail(0.2)
+    assert rig.arm() == OK
+    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
+    nearest = [math.inf, math.inf]
+    for _ in range(120):
+        sail(0.5)
+        nearest = [min(best, rig.offset_m(*corner)) for best, corner in zip(nearest, corners, strict=True)]
+        if "Mission complete" in rig.peer.texts:
+            break
+    assert "Mission complete" in rig.peer.texts
+    assert max(nearest) < rig.config.guidance.waypoint_radius_m + 0.02
+
+
+def test_local_coordinates_are_those_of_the_pose_when_its_origin_was_given() -> None:
+    rig, camera = blind()
+    watch(rig, camera, 3.0, vision(5.0, 6.0, 0.0))
+    local = rig.peer.said("LOCAL_POSITION_NED")[-1]
+    assert (local.x, local.y) == pytest.approx((5.0, 6.0), abs=0.01)
+    there = rig.peer.said("GLOBAL_POSITION_INT")[-1]
+    north_m, east_m = LocalFrame(ORIGIN).to_local(LatLon(there.lat / 1e7, there.lon / 1e7))
+    assert Point(north_m, east_m) == pytest.approx((5.0, 6.0), abs=0.02)
+    assert tuple(BOAT) == (1, 1)
