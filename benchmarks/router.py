@@ -135,7 +135,8 @@ def _load(
 ) -> list[float]:
     """Send at an even pace; the delay in µs of each message that arrives."""
     now = time.perf_counter
-    sent_s, delays_us = [0.0] * len(frames), []
+    sent_s = [0.0] * len(frames)
+    delays_us: list[float] = []
     poll = select.poll()
     poll.register(station, select.POLLIN)
     began_s, at = now(), 0
