@@ -72,7 +72,7 @@ class StationClient:
                     return message
             if self.line.now_s >= give_up_s:
                 return None
-            if self.line.now_s - self._heartbeat_s >= _HEARTBEAT_S:
+            if self.line.now_s >= self._heartbeat_s + _HEARTBEAT_S:
                 self.heartbeat()
             self._unread.extend(self.line.listen(min(give_up_s, self._heartbeat_s + _HEARTBEAT_S)))
 
