@@ -21,7 +21,8 @@ from companion.vehicle.vehicle import Vehicle
 logger = logging.getLogger(__name__)
 
 _LOOK_S = 1.0
-_PAUSE_S = 10.0  # between two complaints, however many there are to make
+_KEY_PAUSE_S = 10.0  # between two lines about keys refused, however many come
+_PAUSE_S = 3.0  # between two about links: a planner that does not sign should hear why before it gives up
 _MAX_WARNINGS = 64
 
 
@@ -46,6 +47,7 @@ class SigningService:
         self._complained: set[int] = set()
         self._look_s = 0.0
         self._complain_s = 0.0
+        self._refuse_s = 0.0
 
     def open(self, channel: int) -> None:
         """A channel has come into being: from now on it is guarded. What is wrong with that is told once.
@@ -88,11 +90,9 @@ class SigningService:
     def tick(self, now_s: float, unix_s: float) -> None:
         """Keep the timestamps going; tell what is new."""
         self._store.tick(unix_s)
-        if now_s < self._look_s:
-            return
-        self._look_s = now_s + _LOOK_S
-        self._tell_saved()
-        if now_s >= self._complain_s:
+        if now_s >= self._look_s:
+            self._look_s = now_s + _LOOK_S
+            self._tell_saved()
             self._complain(now_s)
 
     def _tell_saved(self) -> None:
@@ -107,12 +107,14 @@ class SigningService:
 
     def _refuse(self, reason: str, now_s: float) -> None:
         self.refused += 1
-        if now_s >= self._complain_s:
-            self._complain_s = now_s + _PAUSE_S
+        if now_s >= self._refuse_s:
+            self._refuse_s = now_s + _KEY_PAUSE_S
             self._texts.tell([Notice(Severity.WARNING, f"Signing key refused: {reason}")])
 
     def _complain(self, now_s: float) -> None:
         """Say once for each link that messages were refused there: their sender may mean well."""
+        if now_s < self._complain_s:
+            return
         for number, channel in self._channels.items():
             if channel.guard is None or number in self._complained:
                 continue

@@ -38,6 +38,7 @@ class SigningStore:
         self._reserved = first
         self._key_saving: Saving | None = None
         self._is_closed = False
+        self.is_active = self.boat.key is not None  # whether there is any key, and so anything to do
         self._keep_ahead()
 
     def signatory(self, key_file: str) -> Signatory:
@@ -51,6 +52,7 @@ class SigningStore:
         if key_file not in self._of_files:
             key = read_key_file(Path(key_file).expanduser())
             self._of_files[key_file] = Signatory(key, self.stamps)
+            self.is_active = True
             self._keep_ahead()
         return self._of_files[key_file]
 
@@ -61,6 +63,7 @@ class SigningStore:
             self.stamps.seen = 0
         self.stamps.follow(first)
         self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
+        self.is_active = key is not None or bool(self._of_files)
         self._keep_ahead()
 
     def key_saved(self) -> str | None:
@@ -72,8 +75,9 @@ class SigningStore:
 
     def tick(self, unix_s: float) -> None:
         """Time goes by."""
-        self.stamps.clock = timestamp_at(unix_s)
-        self._keep_ahead()
+        if self.is_active:
+            self.stamps.clock = timestamp_at(unix_s)
+            self._keep_ahead()
 
     def close(self) -> None:
         """Put down where we are, before the storage is closed. May be called twice."""
@@ -82,7 +86,7 @@ class SigningStore:
         self._is_closed = True
 
     def _keep_ahead(self) -> None:
-        if self.boat.key is None and not self._of_files:
+        if not self.is_active:
             return
         stamps = self.stamps
         if self._saving is not None:

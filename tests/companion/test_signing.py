@@ -233,6 +233,13 @@ def test_a_link_that_asks_for_signatures_is_deaf_while_there_is_no_key() -> None
     assert mine.seal(frame()) == frame(), "but the boat can be seen"
 
 
+def test_a_link_that_accepts_is_open_while_there_is_no_key() -> None:
+    mine = guard("accept", key=None)
+    assert mine.admits(frame())
+    assert mine.admits(signed_at(NOW))
+    assert mine.seal(frame()) == frame()
+
+
 V1_HEARTBEAT = bytes.fromhex("fe09000101000a000000020351040348d9")
 
 

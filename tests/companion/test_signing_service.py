@@ -396,6 +396,16 @@ def test_a_link_that_is_not_safe_is_told_of_once(
     assert caplog.text.count(told) == 1 if told else "steer" not in caplog.text
 
 
+def test_two_strangers_both_hear_why_before_they_give_up() -> None:
+    rig = GuardedRig("required")
+    strangers = [rig.station(None), rig.station(None)]
+    rig.step()
+    for stranger in strangers:
+        stranger.heartbeat()
+    rig.run(5.0)
+    assert sum("messages refused" in text for text in strangers[1].texts) == 2
+
+
 @pytest.mark.parametrize(("key", "why"), [(None, "not signed"), (OTHER, "not signed with our key")])
 def test_refused_messages_are_told_of_once(key: SigningKey | None, why: str) -> None:
     rig = GuardedRig("required")
