@@ -5,7 +5,7 @@ itself as ours does; MAVSDK takes numbers from 0 for granted. So log k, the k-th
 newest can also be had as 0. A request for the whole list is answered with 0 to n-1, and 1 to n can each be
 asked for, which QGroundControl does for the one that it misses.
 
-Pace. What a tick may send is shared among the downloads under way, is less while the computer is busy, and
+Pace. What a tick may send is shared among the downloads under way, grows until the computer is busy, and
 stops where the link has no room. Files are read ahead by the log's worker. A station asks again for what it
 lost.
 """
@@ -25,8 +25,11 @@ from companion.vehicle.vehicle import Vehicle
 
 CHUNK_BYTES: Final = 90
 _FRAME_BYTES: Final = 12 + 7 + CHUNK_BYTES
-_CHUNKS_PER_TICK: Final = 200  # 0.9 MB/s at 50 Hz
-_LEAST_PER_TICK: Final = 16
+_MOST_PER_TICK: Final = 256  # chunks, of all downloads: 1.1 MB/s at 50 Hz
+_FIRST_PER_TICK: Final = 32
+_LEAST_PER_TICK: Final = 8
+_BUSY_LOAD: Final = 0.5  # the share of the tick beyond which the boat has better things to do
+_FASTER_BY, _SLOWER_BY = 4, 0.95  # a tick; the load is smoothed over about fifty
 _ENTRIES_PER_TICK: Final = 20
 _MOST_RANGES: Final = 32  # gaps that a station may ask for at a time
 _MOST_LISTED: Final = 4096
@@ -98,6 +101,7 @@ class LogService:
         self._listed: dict[int, tuple[LogFile, ...]] = {}  # by channel: what its numbers stand for
         self._entries: dict[int, deque[int]] = {}
         self._downloads: dict[int, _Download] = {}
+        self._per_tick: float = _FIRST_PER_TICK
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """Take one request. Only one that names this boat counts."""
@@ -125,12 +129,16 @@ class LogService:
         for channel in list(self._entries):
             self._send_entries(channel)
         if self._downloads:
-            free = max(1.0 - load, 0.0)
-            left = max(round(_CHUNKS_PER_TICK * free * free), _LEAST_PER_TICK)
-            share = max(left // len(self._downloads), 1)
+            if load < _BUSY_LOAD:
+                self._per_tick = min(self._per_tick + _FASTER_BY, _MOST_PER_TICK)
+            else:
+                self._per_tick = max(self._per_tick * _SLOWER_BY, _LEAST_PER_TICK)
+            share = max(int(self._per_tick) // len(self._downloads), 1)
             for channel, download in list(self._downloads.items()):
                 download.chunks_left = share
                 self._send_chunks(channel, download, now_s)
+        else:
+            self._per_tick = _FIRST_PER_TICK
 
     def _on_request_list(self, message: Message, channel: int) -> None:
         if self._store is None or not self._store.logs:

@@ -217,18 +217,19 @@ def test_two_stations_download_two_logs_side_by_side(open_rig: OpenRig, tmp_path
 def test_a_tick_sends_no_more_than_its_share_and_less_while_the_boat_is_busy(
     open_rig: OpenRig, tmp_path: Path
 ) -> None:
-    fill(tmp_path, 1_000_000)
+    fill(tmp_path, 3_000_000)
     rig = open_rig(tmp_path)
     rig.run(0.1)
     request(rig.peer, 1)
     sent = []
-    for load in (0.0,) * 5 + (0.5,) * 5 + (2.0,) * 5:
+    for load in (0.1,) * 80 + (0.9,) * 80:
         rig.boat.load = load
         rig.step()
         sent.append(sum(m.get_type() == "LOG_DATA" for m in rig.peer.listen()))
-    assert sent[1:5] == [200] * 4
-    assert sent[5:10] == [50] * 5
-    assert sent[10:] == [16] * 5
+    assert sent[:2] == [8 + 36, 40]  # the first tick hears the request, too
+    assert max(sent) == sent[79] == 256
+    assert sent[80:] == sorted(sent[80:], reverse=True)
+    assert sent[-1] == 8
 
 
 def test_the_log_under_way_can_be_downloaded_as_far_as_it_goes(open_rig: OpenRig, tmp_path: Path) -> None:
@@ -366,7 +367,7 @@ def test_whatever_is_asked_for_every_chunk_is_true_and_it_ends(
             desk.service.tick(now_s, 0.0)
             now_s += 0.02
             new = desk.sent()
-            assert len(new) <= 200
+            assert len(new) <= 256
             chunks += new
     for _ in range(200):
         desk.service.tick(now_s, 0.0)
