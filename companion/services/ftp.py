@@ -1,9 +1,10 @@
 """FILE_TRANSFER_PROTOCOL: the boat's files for stations, after the MAVLink guide, "File Transfer Protocol".
 
 Theory of operation. Virtual files are answered at once. What may wait for a disk is done by a worker, and
-answered when the worker is done; meanwhile the request is not begun again. A file that is written lives in
-memory until its session is closed, then replaces the old one whole; a session that breaks off leaves the old.
-A request that comes again, because its answer was lost, gets the same answer and is not carried out twice.
+answered when the worker is done; what comes for the same session meanwhile waits for its turn. A file that
+is written lives in memory until its session is closed, then replaces the old one whole; a session that breaks
+off leaves the old. A request that comes again, because its answer was lost, gets the same answer and is not
+carried out twice.
 
 Stations share what a tick has room for: requests beyond that are not answered, and will come again.
 """
@@ -16,15 +17,16 @@ from typing import Any, NamedTuple
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.services.ftp_bursts import Bursts
-from companion.services.ftp_frames import Opcode, Refusal, Request, nak, parse_request
+from companion.services.ftp_frames import SESSION_AT, Opcode, Refusal, Request, nak, parse_request
 from companion.services.ftp_operations import Operations, Reply
 from companion.services.ftp_sessions import Session, Station, Stations
 from companion.services.ftp_tree import FileTree, refusal_of
 from companion.services.outbox import Origin, Outbox
 
 _FRAME_BYTES = 280
-REQUESTS_PER_TICK = 96  # of all stations together
+REQUESTS_PER_TICK = 256  # of all stations together
 _MAX_JOBS = 64
+_MAX_QUEUED = 32  # of one station
 _EXPIRY_PERIOD_S = 1.0
 
 # Carried out anew when they are repeated: they change nothing, and their answers are the same
@@ -81,12 +83,10 @@ class FtpService:
             self.dropped += 1
             return
         self._requests_left -= 1
-        if request.raw in station.waiting:
-            return  # its answer is being worked on
-        if (reply := station.repeated(request, now_s)) is not None:
-            self._post(station, reply)
-            return
-        self._answer(station, request, lambda: self._operations.carry_out(station, request, now_s))
+        if station.is_busy(request.session):
+            self._queue(station, request)
+        else:
+            self._carry_out(station, request)
 
     def tick(self, now_s: float) -> None:
         """Answer what the worker has done, go on with bursts, close what nobody uses."""
@@ -96,6 +96,7 @@ class FtpService:
             job = self._jobs.popleft()
             job.station.waiting.discard(job.request.raw)
             self._answer(job.station, job.request, job.reply)
+            self._take_queued(job.station)
         if not self._stations:
             return
         self._bursts.tick(now_s)
@@ -113,13 +114,36 @@ class FtpService:
             self.forget(channel)
         self._worker.shutdown(wait=True)
 
+    def _queue(self, station: Station, request: Request) -> None:
+        """Stations send on without waiting for answers; what they send is carried out in its order."""
+        if request.raw in station.waiting or request in station.queued:
+            return
+        if len(station.queued) < _MAX_QUEUED:
+            station.queued.append(request)
+        else:
+            self.dropped += 1
+
+    def _take_queued(self, station: Station) -> None:
+        queued, station.queued = station.queued, deque()
+        for request in queued:
+            if station.is_busy(request.session):
+                station.queued.append(request)
+            else:
+                self._carry_out(station, request)
+
+    def _carry_out(self, station: Station, request: Request) -> None:
+        if (reply := station.repeated(request, self._now_s)) is not None:
+            self._post(station, reply)
+            return
+        self._answer(station, request, lambda: self._operations.carry_out(station, request, self._now_s))
+
     def _answer(self, station: Station, request: Request, carry_out: Callable[[], Reply]) -> None:
         """Send the reply, if it is there already, and keep it for a repeat."""
         opened = None
         try:
             reply = carry_out()
             if reply is not None and request.opcode in _OPENS:
-                opened = reply[2]
+                opened = reply[SESSION_AT]
         except Refusal as refusal:
             reply = nak(request, refusal)
         except OSError as error:

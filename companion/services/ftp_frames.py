@@ -10,7 +10,7 @@ from typing import NamedTuple
 from companion.mavlink.dialect import dialect
 
 DATA_BYTES = 239
-PAYLOAD_BYTES = 251
+SESSION_AT = 2  # where a request and a reply have their session
 # sequence, session, opcode, size, request's opcode, burst complete, padding, offset
 _HEADER = struct.Struct("<HBBBBBBI")
 _ACK: int = dialect.MAV_FTP_OPCODE_ACK

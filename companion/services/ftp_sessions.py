@@ -2,12 +2,12 @@
 
 import errno
 import math
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
-from companion.services.ftp_frames import Code, Refusal, Request
+from companion.services.ftp_frames import SESSION_AT, Code, Refusal, Request
 from companion.services.ftp_tree import Place, Reading
 from companion.services.outbox import Origin
 
@@ -17,7 +17,7 @@ MAX_SESSIONS = 8  # of one station
 MAX_UPLOAD_BYTES = 4 * 1024 * 1024
 MAX_UPLOADS_BYTES = 16 * 1024 * 1024  # of all stations together
 _REPEAT_S = 10.0  # a request that comes again within this is a repeat
-_REPEATS = 32
+_REPEATS = 64
 
 
 class Upload:
@@ -107,7 +107,12 @@ class Station:
     is_gone: bool = False
     sessions: dict[int, Session] = field(default_factory=dict)
     waiting: set[bytes] = field(default_factory=set)  # requests whose answer is being worked on
+    queued: deque[Request] = field(default_factory=deque)  # and what came for the same sessions since
     _answers: OrderedDict[bytes, Answer] = field(default_factory=OrderedDict)
+
+    def is_busy(self, number: int) -> bool:
+        """Whether a request for a session is being worked on: the next one has to wait for it."""
+        return any(raw[SESSION_AT] == number for raw in self.waiting)
 
     def session(self, number: int, now_s: float) -> Session:
         """An open session, in use now.

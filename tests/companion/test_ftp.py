@@ -462,6 +462,35 @@ def test_the_loop_never_waits_for_the_disk(tmp_path: Path) -> None:
     assert worker.is_shut
 
 
+def test_what_is_sent_without_waiting_for_answers_is_carried_out_in_order(tmp_path: Path) -> None:
+    worker = Slow()
+    served = Served(tmp_path, worker)
+    served.send(request_of(1, Opcode.CREATE_FILE, b"/files/a", session=3))
+    served.send(request_of(2, Opcode.WRITE_FILE, b"ab", session=3))
+    served.send(request_of(2, Opcode.WRITE_FILE, b"ab", session=3))
+    served.send(request_of(3, Opcode.WRITE_FILE, b"cd", session=3, offset=2))
+    served.send(request_of(4, Opcode.TERMINATE_SESSION, session=3))
+    served.send(request_of(5, Opcode.OPEN_FILE_RO, b"/files/a", session=3))
+    (other,) = served.send(request_of(6, Opcode.NONE, session=4))
+    assert other.sequence == 7
+    worker.work()
+    assert [(reply.sequence, reply.code) for reply in served.tick()] == [(2, None), (3, None), (4, None)]
+    worker.work()
+    assert [(reply.sequence, reply.code) for reply in served.tick()] == [(5, None)]
+    worker.work()
+    assert [(reply.sequence, reply.data) for reply in served.tick()] == [(6, b"\4\0\0\0")]
+    assert (tmp_path / "files" / "a").read_bytes() == b"abcd"
+
+
+def test_what_waits_its_turn_is_bounded(tmp_path: Path) -> None:
+    served = Served(tmp_path, Slow())
+    for number in range(100):
+        served.send(request_of(number, Opcode.LIST_DIRECTORY, b"/files"))
+    (station,) = served.service._stations
+    assert len(station.queued) == 32
+    assert served.service.dropped == 100 - 1 - 32
+
+
 def test_what_is_answered_late_goes_to_nobody_once_the_link_is_gone(tmp_path: Path) -> None:
     worker = Slow()
     served = Served(tmp_path, worker)
@@ -481,16 +510,16 @@ def test_jobs_for_the_disk_are_bounded(tmp_path: Path) -> None:
     served = Served(tmp_path, worker)
     for number in range(300):
         served.tick()
-        served.send(request_of(number, Opcode.LIST_DIRECTORY, b"/files"))
+        served.send(request_of(number, Opcode.LIST_DIRECTORY, b"/files", session=number % 256))
     assert len(worker.waiting) <= 64
     assert served.service.dropped > 200
 
 
 def test_requests_beyond_a_tick_are_dropped_and_the_next_tick_takes_more(served: Served) -> None:
-    answered = [served.send(request_of(number, Opcode.NONE)) for number in range(200)]
+    answered = [served.send(request_of(number, Opcode.NONE)) for number in range(2 * REQUESTS_PER_TICK)]
     assert sum(map(len, answered)) == REQUESTS_PER_TICK
     served.tick()
-    assert served.send(request_of(300, Opcode.NONE))
+    assert served.send(request_of(9999, Opcode.NONE))
 
 
 def test_requests_for_others_replies_and_scraps_are_passed_over(served: Served) -> None:

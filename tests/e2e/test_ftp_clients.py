@@ -1,0 +1,175 @@
+"""Files with the clients that people use: MAVProxy, MAVSDK and pymavlink's own, against the emulator."""
+
+import asyncio
+import json
+import time
+import zlib
+from pathlib import Path
+
+import pytest
+from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
+from mavsdk.asyncio.plugins.component_metadata import ComponentMetadataAsync
+from mavsdk.asyncio.plugins.ftp import FtpAsync
+from mavsdk.asyncio.plugins.param import ParamAsync
+from mavsdk.logging import log_subscribe
+from mavsdk.plugins.component_metadata import MetadataType
+from mavutil_station import OpenStation
+from programs import RunBoat, RunProgram
+from pymavlink.mavftp import MAVFTP, FtpError
+
+from companion.params_table import ROWS
+
+pytestmark = pytest.mark.realtime
+pytest_plugins = ("program_fixtures",)
+
+CONTENT = bytes(range(256)) * 100 + b"the end"
+LIST_S = 0.2  # the aim for all parameters over loopback
+ROOM_S = 2.0  # what a busy machine may take for it
+
+
+def tell(client: str, what: str, seconds: float) -> None:
+    print(f"{client}: {what} in {seconds * 1e3:.0f} ms")  # noqa: T201
+
+
+def mavlink_crc(content: bytes) -> int:
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
+    running_boat: RunBoat, run_program: RunProgram, tmp_path: Path
+) -> None:
+    state = tmp_path / "state"
+    boat = running_boat("open", "--state", str(state))
+    proxy = run_program("mavproxy.py", f"--master={boat.url}", "--state-basedir=.")
+    (proxy.room / "there.bin").write_bytes(CONTENT)
+    proxy.wait_for(rf"Received {len(ROWS)} parameters \(ftp\)")
+    proxy.say("param show HDG_KP")
+    assert float(proxy.wait_for(r"HDG_KP +([0-9.]+)")[1]) == 2.5
+    proxy.say("ftp list /")
+    proxy.wait_for(r"^ *D files$")
+    proxy.wait_for("Total size")
+    proxy.say("ftp put there.bin /files/there.bin")
+    proxy.wait_for(f"Sent file of length {len(CONTENT)}")
+    proxy.say("ftp crc /files/there.bin")
+    assert int(proxy.wait_for(r"crc: /files/there\.bin (0x[0-9a-f]+)")[1], 16) == mavlink_crc(CONTENT)
+    assert (state / "files" / "there.bin").read_bytes() == CONTENT
+    proxy.say("ftp list /files")
+    proxy.wait_for(rf"^ +there\.bin\t{len(CONTENT)}$")
+    proxy.say("ftp get /files/there.bin back.bin")
+    proxy.wait_for(f"Wrote {len(CONTENT)} bytes to back.bin")
+    assert (proxy.room / "back.bin").read_bytes() == CONTENT
+    proxy.say("ftp rm /files/there.bin")
+    proxy.say("ftp mkdir /files/sub")
+    proxy.say("ftp get /files/there.bin gone.bin")
+    proxy.wait_for("ftp open failed")
+    assert [path.name for path in (state / "files").iterdir()] == ["sub"]
+
+    (proxy.room / "new.parm").write_text("HDG_KP 3.5\nWP_RADIUS 4\n", encoding="ascii")
+    proxy.say("param ftpload new.parm")
+    proxy.wait_for("Sending 2 params")
+    said = len(proxy.out)
+    proxy.say("param fetch")
+    proxy.wait_for(rf"Received {len(ROWS)} parameters", after=said)
+    proxy.say("param show WP_RADIUS")
+    assert float(proxy.wait_for(r"WP_RADIUS +([0-9.]+)", after=said)[1]) == 4.0
+    assert "HDG_KP 3.5" in (state / "params.parm").read_text(encoding="ascii")
+    proxy.hang_up()
+    proxy.wait()
+    assert "Traceback" not in proxy.out + proxy.err
+
+
+async def move_files_with_mavsdk(port: int, here: Path, state: Path) -> None:
+    (here / "there.bin").write_bytes(CONTENT)
+    configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
+    async with Mavsdk(configuration) as mavsdk:
+        await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{port}")
+        system = await mavsdk.first_autopilot(10.0)
+        assert system is not None
+        ftp, param, metadata = FtpAsync(system), ParamAsync(system), ComponentMetadataAsync(system)
+        root = await ftp.list_directory("/")
+        assert {"files", "logs", "metadata"} <= {entry.name for entry in root.entries}
+        began_s = time.perf_counter()
+        async for _ in ftp.upload(str(here / "there.bin"), "/files"):
+            pass
+        tell("MAVSDK", f"upload of {len(CONTENT)} bytes", time.perf_counter() - began_s)
+        assert (state / "files" / "there.bin").read_bytes() == CONTENT
+        assert await ftp.are_files_identical(str(here / "there.bin"), "/files/there.bin")
+        (entry,) = (await ftp.list_directory("/files")).entries
+        assert (entry.name, entry.size_bytes) == ("there.bin", len(CONTENT))
+        for use_burst in (True, False):
+            back = here / f"burst-{use_burst}"
+            back.mkdir()
+            began_s = time.perf_counter()
+            async for _ in ftp.download("/files/there.bin", str(back), use_burst):
+                pass
+            tell("MAVSDK", f"download, burst {use_burst}", time.perf_counter() - began_s)
+            assert (back / "there.bin").read_bytes() == CONTENT
+        await ftp.create_directory("/files/sub")
+        await ftp.rename("/files/there.bin", "/files/sub/moved.bin")
+        assert (state / "files" / "sub" / "moved.bin").read_bytes() == CONTENT
+        await ftp.remove_file("/files/sub/moved.bin")
+        await ftp.remove_directory("/files/sub")
+        assert list((state / "files").iterdir()) == []
+
+        began_s = time.perf_counter()
+        parameters = await param.get_all_params()
+        seconds = time.perf_counter() - began_s
+        tell("MAVSDK", f"all {len(ROWS)} parameters", seconds)
+        assert len(parameters.int_params) + len(parameters.float_params) == len(ROWS)
+        assert seconds < ROOM_S
+
+        await metadata.request_autopilot_component()
+        async for update in metadata.subscribe_metadata_available():
+            if update.type == MetadataType.PARAMETER:
+                break
+        described = json.loads(update.json_metadata)
+        assert [entry["name"] for entry in described["parameters"]] == [row.name for row in ROWS]
+        for plugin in (ftp, param, metadata):
+            plugin.destroy()
+
+
+def test_mavsdk_moves_files_and_fetches_what_the_boat_says_of_its_parameters(
+    running_boat: RunBoat, tmp_path: Path
+) -> None:
+    log_subscribe(lambda *_: True)
+    here, state = tmp_path / "here", tmp_path / "state"
+    here.mkdir()
+    boat = running_boat("open", "--state", str(state))
+    asyncio.run(asyncio.wait_for(move_files_with_mavsdk(boat.port, here, state), 60.0))
+
+
+def test_pymavlink_fetches_parameters_and_moves_files(
+    running_boat: RunBoat, open_station: OpenStation, tmp_path: Path
+) -> None:
+    state = tmp_path / "state"
+    boat = running_boat("open", "--state", str(state))
+    station = open_station(boat.port)
+    station.drain()
+    began_s = time.perf_counter()
+    assert len(station.parameters()) == len(ROWS)
+    seconds = time.perf_counter() - began_s
+    tell("pymavlink", f"list of {len(ROWS)} parameters, aim {LIST_S * 1e3:.0f} ms,", seconds)
+    assert seconds < ROOM_S
+
+    client = MAVFTP(station.link, target_system=1, target_component=1)
+    values, defaults = tmp_path / "values.parm", tmp_path / "defaults.parm"
+    began_s = time.perf_counter()
+    client.cmd_getparams([str(values), str(defaults)])
+    assert client.process_ftp_reply("getparams", timeout=10).error_code == FtpError.Success
+    tell("pymavlink", "param.pck with defaults", time.perf_counter() - began_s)
+    assert len(values.read_text(encoding="ascii").splitlines()) == len(ROWS)
+    assert len(defaults.read_text(encoding="ascii").splitlines()) == len(ROWS)
+
+    there, back = tmp_path / "there.bin", tmp_path / "back.bin"
+    there.write_bytes(CONTENT)
+    client.cmd_put([str(there), "/files/there.bin"])
+    assert client.process_ftp_reply("CreateFile", timeout=10).error_code == FtpError.Success
+    assert (state / "files" / "there.bin").read_bytes() == CONTENT
+    client.cmd_get(["/files/there.bin", str(back)])
+    assert client.process_ftp_reply("OpenFileRO", timeout=10).error_code == FtpError.Success
+    assert back.read_bytes() == CONTENT
+    listed = client.cmd_list(["/files"])
+    assert listed.error_code == FtpError.Success
+    assert [(entry.name, entry.size_b) for entry in client.list_result] == [("there.bin", len(CONTENT))]
+    assert client.cmd_rm(["/files/there.bin"]).error_code == FtpError.Success
+    assert client.cmd_rm(["/files/there.bin"]).error_code == FtpError.FileNotFound
