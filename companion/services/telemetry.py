@@ -6,7 +6,6 @@ from collections.abc import Callable
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
 from companion.services import modes_info as modes
-from companion.services import component_metadata as metadata
 from companion.services import motion_messages as motion
 from companion.services import sensor_messages as sensor
 from companion.services import status_messages as status
@@ -40,8 +39,6 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
     metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
     _ID.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
-    metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
-    metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
     _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
     _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
