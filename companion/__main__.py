@@ -19,6 +19,7 @@ from companion.links_view import watch
 from companion.param_page import parameter_page
 from companion.params import Parameters
 from companion.params_table import ROWS
+from companion.restart import restart_program
 from companion.shutdown import Shutdown
 from companion.status_file import find_status, read_status
 from companion.storage import MemoryStorage
@@ -47,7 +48,9 @@ def run(
     )
     shutdown = Shutdown()
     shutdown.install()
-    run_boat(load_config(config), shutdown)
+    boat = run_boat(load_config(config), shutdown)
+    if boat.wants_restart and not shutdown():
+        restart_program()
 
 
 @app.command()

@@ -1,6 +1,7 @@
 """The composition root: the only file of the companion that picks concrete drivers."""
 
 import logging
+import os
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -28,6 +29,8 @@ from companion.storage import FolderStorage, MemoryStorage, Storage
 logger = logging.getLogger(__name__)
 
 Now = Callable[[], float]
+
+_MEMORY_EVERY = 50  # ticks between two looks at the computer's memory
 
 # where stale frames are to be dropped they wait in the channel, which knows their age, not in the driver
 _SHORT_QUEUE_BYTES = 512
@@ -142,7 +145,9 @@ def run_boat(
     clock: SystemClock | None = None,
     open_parts: Callable[[BoatConfig, Now], Hardware] = open_hardware,
 ) -> Boat:
-    """Run the boat until told to stop. Whatever happens, the motors are off when this returns or raises.
+    """Run the boat until told to stop, or until it `wants_restart`.
+
+    Whatever happens, the motors are off when this returns or raises.
 
     Raises:
         ConfigError, HardwareError, LinkError, StorageError: the boat could not be put together.
@@ -166,8 +171,10 @@ def run_boat(
         if status is not None:
             undo.callback(status.close)
 
-        def step(_: int) -> None:
+        def step(number: int) -> None:
             boat.load = runner.load
+            if number % _MEMORY_EVERY == 0:
+                boat.free_memory_bytes = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGESIZE")
             now_s = clock.now_s()
             boat.step(now_s)
             if status is not None:
@@ -186,7 +193,7 @@ def run_boat(
         )
         if logbook is not None and logbook.onboard is not None:
             logbook.onboard.timing = runner.ticks
-        runner.run(should_stop)
+        runner.run(lambda: should_stop() or boat.wants_restart)
         ticks = runner.ticks
         logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)
     return boat

@@ -74,9 +74,9 @@ class Server:
             logbook.onboard.timing = self._runner.ticks
 
     def run(self, should_stop: Callable[[], bool]) -> None:
-        """Run until told to stop, then close everything."""
+        """Run until told to stop, or until the boat `wants_restart`; then close everything."""
         try:
-            self._runner.run(should_stop)
+            self._runner.run(lambda: should_stop() or self.boat.wants_restart)
         finally:
             self.boat.close()
             if self._status is not None:

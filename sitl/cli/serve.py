@@ -10,6 +10,7 @@ import typer
 from companion.clock import SystemClock
 from companion.config import LinkConfig
 from companion.mavlink.signing import SigningPolicy
+from companion.restart import restart_program
 from companion.shutdown import Shutdown
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.serve import RECORD_EVERY, Server
@@ -85,3 +86,5 @@ def serve(
     if csv is not None:
         csv.parent.mkdir(parents=True, exist_ok=True)
         server.recorder.write_csv(csv, every=RECORD_EVERY)
+    if server.boat.wants_restart and not shutdown():
+        restart_program()
