@@ -10,7 +10,7 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.statustext import StatusTextService
 from companion.vehicle.notice import Notice, Severity
 
-_LIST_PER_TICK = 100  # where the line is fast; a slow one takes what it has room for
+_LIST_PER_TICK = 200  # where the line is fast; a slow one takes what it has room for
 _VALUE_BYTES = 37  # a PARAM_VALUE on the line
 _NAMED_REASONS = 3  # of a refused file; the others are only counted
 
