@@ -1,0 +1,80 @@
+"""Several stations with sticks: one has the helm, the others are ignored and told so once."""
+
+import pytest
+from boat_rig import BOAT, OK, PLANNER, QGC, Peer, Rig
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import dialect
+from companion.requests import ManualInput
+
+MAVPROXY = Address(255, 230)
+
+
+@pytest.fixture
+def rig() -> Rig:
+    rig = Rig().ready()
+    assert rig.set_mode(0) == OK
+    assert rig.arm() == OK
+    return rig
+
+
+def push(rig: Rig, peer: Peer, throttle: int) -> ManualInput:
+    peer.send(dialect.MAVLink_manual_control_message(1, 0, 0, throttle, 0, 0))
+    rig.receive()
+    return rig.boat.vehicle.conduct.sticks.latest
+
+
+def test_the_first_hand_has_the_helm_and_the_second_is_told_once(rig: Rig) -> None:
+    other = rig.connect(MAVPROXY)
+    rig.receive()
+    for _ in range(10):
+        assert push(rig, rig.peer, 500).throttle == 0.5
+        assert push(rig, other, -500).throttle == 0.5
+        rig.run(0.2)
+    assert [text for text in other.texts if "Helm" in text] == [
+        "Helm: 255/190 has it, your sticks are ignored"
+    ]
+    assert not any("Helm" in text for text in rig.peer.texts)
+
+
+def test_a_helm_that_nobody_holds_may_be_taken_over_which_everybody_hears(rig: Rig) -> None:
+    other = rig.connect(MAVPROXY)
+    push(rig, rig.peer, 500)
+    rig.run(rig.config.failsafe.manual_timeout_s + 0.1)
+    assert push(rig, other, -500).throttle == -0.5
+    said = "Helm: 255/230 has taken over from 255/190"
+    assert said in rig.peer.texts
+    assert said in other.texts
+    assert push(rig, rig.peer, 500).throttle == -0.5
+
+
+def test_a_hand_whose_link_closes_lets_go_at_once(rig: Rig) -> None:
+    other = rig.connect(MAVPROXY)
+    push(rig, rig.peer, 500)
+    rig.peer.link.close()
+    rig.receive()
+    assert push(rig, other, 300).throttle == 0.3
+
+
+def test_an_override_released_lets_go_at_once(rig: Rig) -> None:
+    other = rig.connect(MAVPROXY)
+    for steering, throttle in ((1500, 1800), (0, 0)):
+        rig.peer.send(
+            dialect.MAVLink_rc_channels_override_message(*BOAT, steering, 0, throttle, 0, 0, 0, 0, 0)
+        )
+    rig.receive()
+    assert push(rig, other, 300).throttle == 0.3
+
+
+def test_one_station_on_two_links_is_one_hand_and_hears_nothing(rig: Rig) -> None:
+    again = rig.connect(QGC)
+    push(rig, rig.peer, 500)
+    assert push(rig, again, 400).throttle == 0.5
+    assert not any("Helm" in text for text in again.texts)
+
+
+def test_somebody_who_is_not_the_operator_neither_gets_nor_blocks_the_helm() -> None:
+    rig = Rig(config={"identity.operator_system_id": 255}).ready()
+    planner = rig.connect(PLANNER)
+    assert push(rig, planner, 700).throttle == 0.0
+    assert push(rig, rig.peer, 500).throttle == 0.5

@@ -1,0 +1,72 @@
+import pytest
+from boat_rig import FAILED, OK, Rig
+
+from companion.mavlink.dialect import Message, dialect
+from companion.vehicle.modes import Mode
+
+REQUEST, AVAILABLE, CURRENT, MONITOR = 512, 435, 436, 437
+
+
+def modes(rig: Rig) -> list[Message]:
+    return rig.peer.said("AVAILABLE_MODES")
+
+
+def test_the_modes_are_asked_for_one_by_one_until_the_last() -> None:
+    rig = Rig()
+    rig.step()
+    found, index = {}, 0
+    while True:
+        index += 1
+        assert rig.ask(REQUEST, AVAILABLE, index) == OK
+        (one,) = modes(rig)
+        assert (one.mode_index, one.standard_mode) == (index, 0)
+        found[one.mode_name.rstrip("\0")] = one.custom_mode
+        if one.mode_index >= one.number_modes:
+            break
+    assert found == {mode.name: mode.value for mode in Mode}
+
+
+def test_index_zero_asks_for_all_of_them() -> None:
+    rig = Rig()
+    rig.step()
+    assert rig.ask(REQUEST, AVAILABLE, 0) == OK
+    assert [one.mode_index for one in modes(rig)] == list(range(1, len(Mode) + 1))
+
+
+@pytest.mark.parametrize("index", [-1.0, 13.0, 255.0, float("nan"), float("inf")])
+def test_an_index_that_there_is_not_fails_at_once(index: float) -> None:
+    rig = Rig()
+    rig.step()
+    assert rig.ask(REQUEST, AVAILABLE, index) == FAILED
+    assert not modes(rig)
+
+
+def test_the_mode_is_told_every_two_seconds_and_when_it_changes() -> None:
+    rig = Rig().ready()
+    rig.peer.forget()
+    rig.run(20.0)
+    assert len(rig.peer.said("CURRENT_MODE")) == pytest.approx(10, abs=1)
+    assert len(rig.peer.said("AVAILABLE_MODES_MONITOR")) == pytest.approx(10, abs=1)
+    rig.set_mode(5)
+    assert [(one.custom_mode, one.intended_custom_mode) for one in rig.peer.said("CURRENT_MODE")] == [(5, 5)]
+
+
+@pytest.mark.parametrize("message_id", [CURRENT, MONITOR])
+def test_they_can_be_asked_for(message_id: int) -> None:
+    rig = Rig()
+    rig.step()
+    assert rig.ask(REQUEST, message_id) == OK
+    rig.peer.listen()
+    assert message_id in [one.get_msgId() for one in rig.peer.heard]
+
+
+@pytest.mark.parametrize("mode", list(Mode))
+def test_the_heartbeat_says_whose_hand_it_is(mode: Mode) -> None:
+    rig = Rig().ready()
+    rig.boat.vehicle.mode = mode
+    rig.run(1.1)
+    beat = rig.peer.said("HEARTBEAT")[-1]
+    assert beat.custom_mode == mode
+    assert bool(beat.base_mode & dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED) is mode.is_by_hand
+    steers_itself = not mode.is_by_hand and mode is not Mode.HOLD
+    assert bool(beat.base_mode & dialect.MAV_MODE_FLAG_GUIDED_ENABLED) is steers_itself
