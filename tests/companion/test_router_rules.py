@@ -1,0 +1,199 @@
+"""What a link's rules keep back, what a slow line carries, and how links share the boat's time."""
+
+import pytest
+from boat_rig import BOAT, QGC
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.config import LinkConfig
+from companion.errors import ConfigError
+from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import Message, dialect
+from companion.router.budget import Budget
+from companion.router.channels import Channels
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Filter, Policy
+from companion.router.status import Reporter
+from companion.router.waiting import MAX_BYTES, WaitingRoom
+
+OTHER = Address(2, 1)
+ATTITUDE = dialect.MAVLINK_MSG_ID_ATTITUDE
+
+
+def attitude(number: int = 0) -> Message:
+    message: Message = dialect.MAVLink_attitude_message(number, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    return message
+
+
+def bridge(*policies: Policy) -> tuple[Channels, list[MemoryLink]]:
+    ports, far = [], []
+    for policy in policies:
+        near, end = memory_pair(policy.name)
+        ports.append(ConfiguredPort(MemoryPort(near), policy))
+        far.append(end)
+    channels = Channels(ports, BOAT)
+    channels.wanted = frozenset({dialect.MAVLINK_MSG_ID_HEARTBEAT})
+    channels.accept()
+    return channels, far
+
+
+def names(link: MemoryLink) -> list[str]:
+    decoder = Decoder(datagram=True)
+    return [r.message.get_type() for chunk in link.receive() for r in decoder.feed(chunk)]
+
+
+def plain(**setting: object) -> Policy:
+    return Policy(LinkConfig(url="", **setting))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("key", ["allow", "deny", "max_hz"])
+def test_a_message_that_does_not_exist_is_named_with_its_key(key: str) -> None:
+    setting = LinkConfig(url="", **{key: {"NO_SUCH": 1.0} if key == "max_hz" else ("NO_SUCH",)})  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match=rf"links\[2\]\.{key}: .*'NO_SUCH'"):
+        Policy(setting, "links[2]")
+
+
+def test_frames_are_forwarded_byte_for_byte_and_only_what_is_wanted_is_unpacked() -> None:
+    channels, (near, far) = bridge(plain(), plain())
+    encoder = Encoder(OTHER)
+    frames = [
+        encoder.encode(attitude()),
+        encoder.encode(dialect.MAVLink_heartbeat_message(11, 3, 0, 0, 4, 3)),
+    ]
+    unknown = bytes.fromhex("fd03000002020101ff7f6162631234")
+    for frame in (*frames, unknown):
+        near.send(frame)
+    assert [r.message.get_type() for _, r in channels.receive(0.0)] == ["HEARTBEAT"]
+    assert far.receive() == [*frames, unknown]
+    assert near.receive() == []
+    assert channels.open[2].forwarded == 3
+
+
+def test_what_is_denied_or_not_allowed_does_not_leave() -> None:
+    channels, (near, denying, allowing) = bridge(
+        plain(), plain(deny=("ATTITUDE",)), plain(allow=("ATTITUDE",))
+    )
+    encoder = Encoder(OTHER)
+    near.send(encoder.encode(attitude()))
+    near.send(encoder.encode(dialect.MAVLink_heartbeat_message(11, 3, 0, 0, 4, 3)))
+    list(channels.receive(0.0))
+    assert names(denying) == ["HEARTBEAT"]
+    assert names(allowing) == ["ATTITUDE"]
+    assert [channel.kept_back for channel in channels.open.values()] == [0, 1, 1]
+
+
+@given(st.floats(1.0, 50.0), st.floats(0.5, 20.0))
+def test_a_rate_cap_lets_no_more_through_and_hardly_less(sent_hz: float, cap_hz: float) -> None:
+    capped = Filter(plain(max_hz={"ATTITUDE": cap_hz}))
+    passed = sum(capped.passes(ATTITUDE, 2, number / sent_hz) for number in range(round(sent_hz * 20.0)))
+    expected = 20.0 * min(sent_hz, cap_hz)
+    assert passed <= expected + 2.0
+    assert passed >= 0.9 * expected - 1.0
+
+
+def test_a_rate_cap_counts_each_sender_on_its_own() -> None:
+    capped = Filter(plain(max_hz={"ATTITUDE": 1.0}))
+    assert [capped.passes(ATTITUDE, system, 0.0) for system in (2, 2, 3)] == [True, False, True]
+
+
+def test_telemetry_keeps_to_the_line_and_its_radio_slows_it_down() -> None:
+    def sent_in(seconds: float, budget: Budget, began_s: float) -> int:
+        sent = 0
+        for tick in range(round(seconds / 0.02)):
+            now_s = began_s + 0.02 * tick
+            while budget.may_send(now_s):
+                budget.spend(40, now_s)
+                sent += 40
+        return sent
+
+    budget = Budget(5000.0)
+    assert sent_in(10.0, budget, 0.0) == pytest.approx(50_000, rel=0.05)
+    for _ in range(3):
+        budget.on_radio_status(10)
+    assert sent_in(10.0, budget, 10.0) < 0.3 * 50_000
+    for _ in range(30):
+        budget.on_radio_status(95)
+    assert sent_in(10.0, budget, 20.0) == pytest.approx(50_000, rel=0.05)
+
+
+def test_answers_go_before_telemetry_and_what_is_stale_is_dropped() -> None:
+    taken: list[bytes] = []
+    is_full = True
+
+    def send(data: bytes) -> bool:
+        if not is_full:
+            taken.append(data)
+        return not is_full
+
+    room = WaitingRoom(send, None, stale_s=1.0)
+    room.put(b"old", False, 0.0)
+    room.put(b"telemetry", False, 0.9)
+    room.put(b"answer", True, 0.95)
+    assert not room.may_send(0.95)
+    is_full = False
+    room.drain(1.5)
+    assert taken == [b"answer", b"telemetry"]
+    assert (room.dropped, room.waiting_bytes) == (1, 0)
+
+
+@given(st.lists(st.tuples(st.integers(1, 280), st.booleans(), st.booleans()), max_size=300))
+def test_what_waits_is_bounded_and_nothing_is_lost_uncounted(
+    puts: list[tuple[int, bool, bool]],
+) -> None:
+    has_room, sent = False, 0
+
+    def send(data: bytes) -> bool:
+        nonlocal sent
+        sent += has_room
+        return has_room
+
+    room = WaitingRoom(send, None, stale_s=5.0)
+    for number, (size, is_urgent, opens) in enumerate(puts):
+        has_room = opens
+        room.put(bytes(size), is_urgent, 0.01 * number)
+        assert room.waiting_bytes <= 2 * MAX_BYTES
+    waiting = len(room._urgent.frames) + len(room._telemetry.frames)
+    assert sent + room.dropped + waiting == len(puts)
+
+
+def test_a_flood_on_one_link_leaves_the_others_their_turn() -> None:
+    channels, (flooding, quiet, _) = bridge(plain(), plain(), plain())
+    encoder = Encoder(OTHER)
+    for number in range(2000):
+        flooding.send(encoder.encode(attitude(number)))
+    quiet.send(Encoder(QGC).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)))
+    assert [number for number, _ in channels.receive(0.0)] == [2]
+    assert channels.taken < 300
+    assert channels.has_more, "the rest waits for its turn"
+    for _ in range(100):
+        list(channels.receive(0.0))
+    assert channels.taken == 2001
+    assert channels.open[3].forwarded == 2001
+
+
+def test_the_report_counts_and_gives_rates() -> None:
+    channels, (near, _) = bridge(plain(name="shore"), plain())
+    reporter = Reporter(channels)
+    reporter.report(0.0)
+    frame = Encoder(OTHER).encode(attitude())
+    near.send(frame)
+    list(channels.receive(0.5))
+    first, second = reporter.report(2.0).links
+    assert (first.name, first.frames_in, first.heard) == ("shore", 1, ("2/1",))
+    assert first.in_bytes_s == second.out_bytes_s == pytest.approx(len(frame) / 2.0)
+    assert second.forwarded == 1
+
+
+def test_memory_is_flat_over_many_frames() -> None:
+    channels, (near, far) = bridge(plain(), plain())
+    encoder = Encoder(OTHER)
+    router = channels.router
+    for number in range(20_000):
+        near.send(encoder.encode(attitude(number)))
+        if number % 50 == 0:
+            list(channels.receive(number * 1e-4))
+            far.receive()
+    assert len(router._seen._recent) + len(router._seen._older) <= 4096
+    assert not any(channel.waiting_bytes for channel in channels.open.values())
