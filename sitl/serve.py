@@ -109,4 +109,6 @@ def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
         manual_timeout_s=config.failsafe.manual_timeout_s * speedup,
     )
     mavlink = replace(config.mavlink, retry_s=config.mavlink.retry_s * speedup)
-    return replace(config, failsafe=failsafe, mavlink=mavlink)
+    modes = replace(config.modes, set_point_timeout_s=config.modes.set_point_timeout_s * speedup)
+    follow = replace(config.follow, timeout_s=config.follow.timeout_s * speedup)
+    return replace(config, failsafe=failsafe, mavlink=mavlink, modes=modes, follow=follow)
