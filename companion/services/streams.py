@@ -4,7 +4,7 @@ import math
 
 from companion.mavlink.dialect import dialect
 
-# REQUEST_DATA_STREAM's groups, as ArduPilot Rover fills them; HOME_POSITION is in none, and keeps its own rate
+# REQUEST_DATA_STREAM's groups, as ArduPilot Rover fills them; HOME_POSITION is in none: it keeps its own rate
 _ID = dialect
 GROUPS: dict[int, tuple[int, ...]] = {
     _ID.MAV_DATA_STREAM_RAW_SENSORS: (_ID.MAVLINK_MSG_ID_RAW_IMU, _ID.MAVLINK_MSG_ID_SCALED_IMU),
