@@ -21,6 +21,7 @@ logger = logging.getLogger(__name__)
 
 _RADIO_STATUS_IDS = (dialect.MAVLINK_MSG_ID_RADIO_STATUS, dialect.MAVLINK_MSG_ID_RADIO)
 _UNLIMITED_BYTES = 1 << 30
+_TICK_S = 0.02
 _FREE_PERCENT_AT = 6  # txbuf, behind two counters of errors and two signal strengths
 
 
@@ -124,10 +125,10 @@ class Channel:
         return self._room is None or self._room.may_send(now_s)
 
     def room_bytes(self, now_s: float) -> int:
-        """How much of a list or a file may go out now: on a line with a budget, a frame at a time."""
+        """How much of a list or a file may go out now: on a line with a budget, what a tick can carry."""
         if not self.may_send(now_s):
             return 0
-        return _UNLIMITED_BYTES if self._budget is None else 1
+        return _UNLIMITED_BYTES if self._budget is None else 1 + int(self.policy.bytes_s * _TICK_S)
 
     def send(self, message: Message, now_s: float = 0.0) -> None:
         """Send one message of our own, or drop it whole. Never raises."""
