@@ -76,6 +76,13 @@ class StationClient:
                 self.heartbeat()
             self._unread.extend(self.line.listen(min(give_up_s, self._heartbeat_s + _HEARTBEAT_S)))
 
+    def hear_one(self, name: str, timeout_s: float, **fields: float) -> Message | None:
+        """The next message of a type whose fields have these values."""
+        return self.hear(
+            lambda m: m.get_type() == name and all(getattr(m, key) == value for key, value in fields.items()),
+            timeout_s,
+        )
+
     def forget(self) -> None:
         """Let go of what has come and was not read."""
         self._unread.clear()

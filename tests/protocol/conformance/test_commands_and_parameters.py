@@ -63,7 +63,7 @@ def test_a_mode_is_changed_and_the_heartbeat_says_so_at_once(client: OpenClient,
         assert answer is not None
         assert answer.result == ACCEPTED
         began_s = station.line.now_s
-        assert station.hear(lambda m, mode=mode: m.get_type() == "HEARTBEAT" and m.custom_mode == mode, 1.3)
+        assert station.hear_one("HEARTBEAT", 1.3, custom_mode=mode)
         assert station.line.now_s - began_s < 0.5
 
 
