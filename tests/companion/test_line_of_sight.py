@@ -39,7 +39,6 @@ def test_lookahead_grows_with_speed_between_its_bounds(speed: float, expected: f
     assert lookahead_m(speed, 2.0, SETTING) == pytest.approx(expected)
 
 
-
 def test_a_proportional_course_closes_exponentially() -> None:
     """For small offsets ẏ = −v y / lookahead; the response lead makes the time constant longer by
     RESPONSE_S."""

@@ -58,7 +58,8 @@ def test_the_example_is_a_whole_boat_with_links_that_can_be_read() -> None:
     parts = config.parts
     drivers = [part.driver for part in (parts.motors, parts.gnss, parts.compass, parts.sonar, parts.battery)]
     assert "none" not in drivers
-    assert [parse_port_url(link).kind for link in config.links] == ["udpout", "tcpin"]
+    urls = [link if isinstance(link, str) else link.url for link in config.links]
+    assert [parse_port_url(url).kind for url in urls] == ["udpout", "tcpin"]
     assert config.storage.folder
 
 
