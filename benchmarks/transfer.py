@@ -17,17 +17,19 @@ _ROUNDS = 5
 
 
 def rows() -> list[Row]:
-    """Wall-clock seconds for 100 and 500 items each way."""
+    """Wall-clock seconds for 100, 500 and 5,000 items each way, and for the list of parameters."""
     note = "ArduPilot Rover's simulator is not installed from the registry; nothing to pair with"
     found: list[Row] = []
     with _boat() as url:
         vehicle = mavutil.mavlink_connection(url, source_system=245)
         vehicle.wait_heartbeat(timeout=10)
-        for count in (100, 500):
+        for count in (100, 500, 5000):
             up = [_upload(vehicle, count) for _ in range(_ROUNDS)]
             down = [_download(vehicle, count) for _ in range(_ROUNDS)]
             found.append(alone(f"upload {count} items, TCP loopback", "s", "less", up, note))
             found.append(alone(f"download {count} items, TCP loopback", "s", "less", down, note))
+        listed = [_parameters(vehicle) for _ in range(_ROUNDS)]
+        found.append(alone("the whole parameter list, TCP loopback", "s", "less", listed, note))
         vehicle.close()
     return found
 
@@ -74,3 +76,15 @@ def _download(vehicle: Any, count: int) -> float:  # noqa: ANN401  pymavlink is 
         assert item.seq == seq
     send.mission_ack_send(*target, 0, 0)
     return time.perf_counter() - began
+
+
+def _parameters(vehicle: Any) -> float:  # noqa: ANN401  pymavlink is untyped
+    began = time.perf_counter()
+    vehicle.mav.param_request_list_send(1, 1)
+    heard: set[int] = set()
+    while True:
+        value = vehicle.recv_match(type="PARAM_VALUE", blocking=True, timeout=5)
+        assert value is not None, "the boat fell silent"
+        heard.add(value.param_index)
+        if len(heard) == value.param_count:
+            return time.perf_counter() - began
