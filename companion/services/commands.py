@@ -8,7 +8,6 @@ import math
 from collections.abc import Callable
 
 from companion.mavlink.dialect import Message, dialect
-from companion.params import Parameters
 from companion.sensors.readings import HeadingReading
 from companion.services.command import (
     ACCEPTED,
@@ -26,6 +25,7 @@ from companion.services.commands_upkeep import UpkeepCommands
 from companion.services.commands_vehicle import Tell, VehicleCommands
 from companion.services.external_pose import ExternalPoseService
 from companion.services.outbox import Origin, Outbox
+from companion.services.parameters import ParameterService
 from companion.services.telemetry import TelemetryService
 from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
@@ -53,7 +53,7 @@ class CommandService:
         telemetry: TelemetryService,
         outbox: Outbox,
         motor_test: MotorTest,
-        parameters: Parameters,
+        parameters: ParameterService,
         tell: Tell,
         pose: ExternalPoseService,
     ) -> None:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 from companion import __version__
 from companion.mavlink.dialect import dialect
-from companion.params import Parameters
 from companion.sensors.readings import HeadingReading
 from companion.services.calibration import GyroCalibration
 from companion.services.command import (
@@ -19,6 +18,7 @@ from companion.services.command import (
     Command,
 )
 from companion.services.commands_vehicle import Tell
+from companion.services.parameters import ParameterService
 from companion.units import wrap_pi
 from companion.vehicle.motor_test import MotorTest, TestedMotor
 from companion.vehicle.notice import Notice, Severity
@@ -32,7 +32,9 @@ _TRIM, _BIAS = "HDG_TRIM", "INS_GYROFFS_Z"
 class UpkeepCommands:
     """The boat must be disarmed for all of them."""
 
-    def __init__(self, vehicle: Vehicle, motor_test: MotorTest, parameters: Parameters, tell: Tell) -> None:
+    def __init__(
+        self, vehicle: Vehicle, motor_test: MotorTest, parameters: ParameterService, tell: Tell
+    ) -> None:
         self.restart_due_s = math.inf
         self.calibration: GyroCalibration | None = None  # under way, or just ended
         self._heading: HeadingReading | None = None
@@ -63,7 +65,7 @@ class UpkeepCommands:
         if job.result is None:
             return None
         self.calibration = None
-        if job.result == ACCEPTED and (reason := self._parameters.set(_BIAS, job.bias_rad_s)):
+        if job.result == ACCEPTED and (reason := self._parameters.keep(_BIAS, job.bias_rad_s)):
             return self._say(FAILED, reason)
         return self._say(job.result, job.notice.text, job.notice.severity)
 
@@ -119,7 +121,7 @@ class UpkeepCommands:
         if self._heading is None:
             return self._say(FAILED, "Compass: no heading")
         trim_deg = math.degrees(wrap_pi(math.radians(command.p[0]) - self._heading.heading_rad))
-        if reason := self._parameters.set(_TRIM, trim_deg):
+        if reason := self._parameters.keep(_TRIM, trim_deg):
             return self._say(FAILED, reason)
         return self._say(ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
 

@@ -100,11 +100,11 @@ class Endpoint:
         self._pose = ExternalPoseService(
             external, vehicle, parameters, self.outbox, tell, self._time.to_own_clock
         )
+        self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._commands = CommandService(
-            vehicle, self._telemetry, self.outbox, motor_test, parameters, tell, self._pose
+            vehicle, self._telemetry, self.outbox, motor_test, self._listings, tell, self._pose
         )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
-        self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle, self._texts)
         self._guided = GuidedService(vehicle, self._texts)
         self._sightings = SightingService(vehicle)
@@ -226,6 +226,7 @@ class Endpoint:
         self._heartbeat.tick(now.now_s)
         self._modes.tick(now.now_s)
         self._missions.tick(now.now_s)
+        self._texts.tick()
         self._texts.tell(self._vehicle.take_notices())
         self._commands.tick(now.heading, now.now_s)
         self._time.tick(now.now_s)

@@ -23,6 +23,7 @@ from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.vehicle import Vehicle
 
 _MIN_SPACING_S = 0.015  # a pose a tick and no more
+_OBSTACLES_SPACING_S = 0.045
 _MAX_LATENCY_S = 0.5  # a stamp older than this is of another clock
 _FARTHEST_M = 20_000.0  # as far as the local frame is good
 _FASTEST_M_S = 30.0
@@ -59,6 +60,7 @@ class ExternalPoseService:
         self._to_own_clock = to_own_clock
         self._source: Address | None = None
         self._source_s = -math.inf
+        self._obstacles_s = -math.inf
         self.table: dict[int, Callable[[Message, Origin, float], None]] = {
             dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR: self._on_distance,
             dialect.MAVLINK_MSG_ID_GPS_INPUT: self._on_gps_input,
@@ -202,9 +204,11 @@ class ExternalPoseService:
         nav = self._vehicle.nav
         from_north = message.frame == dialect.MAV_FRAME_GLOBAL
         is_known = message.frame == dialect.MAV_FRAME_BODY_FRD or (from_north and nav is not None)
-        if not (self._setting.obstacles and is_known and abs(step_deg) <= 360.0 and abs(offset_deg) <= 360.0):
+        is_sane = is_known and abs(step_deg) <= 360.0 and abs(offset_deg) <= 360.0
+        if not (self._setting.obstacles and is_sane) or now_s - self._obstacles_s < _OBSTACLES_SPACING_S:
             self.dropped += 1
             return
+        self._obstacles_s = now_s
         turn_rad = -nav.heading_rad if from_north and nav is not None else 0.0
         count = len(message.distances) if step_deg == 0.0 else int(360.0 / abs(step_deg))
         for number, range_cm in enumerate(message.distances[:count]):

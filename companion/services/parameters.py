@@ -41,13 +41,22 @@ class ParameterService:
 
     def on_set(self, message: Message) -> None:
         """PARAM_SET: everyone hears the stored value, also when the change was refused."""
-        name = _name(message.param_id)
-        reason = self._parameters.set(name, message.param_value)
-        if reason:
+        if reason := self.keep(_name(message.param_id), message.param_value):
             self._texts.tell([Notice(Severity.WARNING, reason)])
+
+    def keep(self, name: str, value: float) -> str:
+        """Change one; everyone hears the stored value. Returns why not, empty when done."""
+        reason = self._parameters.set(name, value)
         index = self._parameters.index_of(name)
         if index is not None:
             self._outbox.broadcast(self._value(index))
+        return reason
+
+    def reset(self) -> None:
+        """Go back to the boat's file; everyone hears the values that have changed."""
+        before = self._values()
+        self._parameters.reset()
+        self._tell_changes(before)
 
     def take_file(self, file: bytes) -> None:
         """A packed file sets many at once; everyone hears the values that have changed.
@@ -60,12 +69,9 @@ class ParameterService:
         except PackError as error:
             self._texts.tell([Notice(Severity.WARNING, f"Parameter file refused: {error}")])
             raise Refusal(Code.FAIL) from None
-        rows = self._parameters.rows
-        before = [self._parameters.value(row) for row in rows]
+        before = self._values()
         reasons = self._parameters.set_many(values)
-        for index, row in enumerate(rows):
-            if self._parameters.value(row) != before[index]:
-                self._outbox.broadcast(self._value(index))
+        self._tell_changes(before)
         told = reasons[:_NAMED_REASONS]
         if len(reasons) > len(told):
             told.append(f"{len(reasons) - len(told)} more parameters refused")
@@ -91,6 +97,14 @@ class ParameterService:
             self._outbox.send_bulk(channel, self._value(queue.popleft()), _VALUE_BYTES)
         if not queue:
             del self._listing[channel]
+
+    def _values(self) -> list[float]:
+        return [self._parameters.value(row) for row in self._parameters.rows]
+
+    def _tell_changes(self, before: list[float]) -> None:
+        for index, (old, new) in enumerate(zip(before, self._values(), strict=True)):
+            if new != old:
+                self._outbox.broadcast(self._value(index))
 
     def _value(self, index: int) -> Message:
         row = self._parameters.rows[index]

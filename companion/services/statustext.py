@@ -4,26 +4,40 @@ from collections.abc import Callable, Iterable, Iterator
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
-from companion.vehicle.notice import Notice
+from companion.vehicle.notice import Notice, Severity
 
 _CHUNK_BYTES = 50
 
+# Lines at once, and lines a tick: a station that provokes refusals by the thousand must not drown the others
+_MOST, _PER_TICK = 40.0, 0.2
+_RESERVED = 20.0  # for what is severe
+
 
 class StatusTextService:
-    """Tells every station what the vehicle has to say, and remembers nothing."""
+    """Tells every station what the vehicle has to say, but not more than somebody could read."""
 
     def __init__(self, outbox: Outbox) -> None:
         self._outbox = outbox
         self._next_id = 1
+        self.dropped = 0
+        self._left = _MOST
         self.listener: Callable[[Notice], object] | None = None  # whoever keeps a log
 
     def tell(self, notices: Iterable[Notice]) -> None:
-        """Send lines to everyone."""
+        """Send lines to everyone; what is too much is dropped and counted, the least severe first."""
         for notice in notices:
             if self.listener is not None:
                 self.listener(notice)
+            if self._left < (1.0 if notice.severity <= Severity.ERROR else 1.0 + _RESERVED):
+                self.dropped += 1
+                continue
+            self._left -= 1.0
             for message in self._chunks(notice):
                 self._outbox.broadcast(message)
+
+    def tick(self) -> None:
+        """Let a little more out."""
+        self._left = min(self._left + _PER_TICK, _MOST)
 
     def tell_one(self, channel: int, notice: Notice) -> None:
         """Send a line to whoever listens on one channel."""

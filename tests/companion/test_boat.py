@@ -86,7 +86,7 @@ def test_a_compass_that_falls_silent_stops_a_boat_that_steers_by_it() -> None:
     rig.run(5.0)
     assert rig.world._motors.left > 0.1
     stuck = Stuck(rig.world._compass.read())
-    rig.boat._hardware = dataclasses.replace(rig.hardware, compass=stuck)
+    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=stuck)
     rig.run(rig.config.motors.estimate_timeout_s + 0.1)
     assert rig.boat.command.reason == "heading is stale"
     assert rig.boat.helm.heading_pid is None  # nothing is learned, and nothing told, of a loop that is open

@@ -154,6 +154,7 @@ def test_the_gyro_is_calibrated_in_a_while_and_its_bias_is_kept() -> None:
     rig.run(1.0)
     assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)[-1] == OK
     assert "Gyro calibrated" in rig.peer.texts
+    assert [said.param_id for said in rig.peer.said("PARAM_VALUE")] == ["INS_GYROFFS_Z"]
     assert value(rig, "INS_GYROFFS_Z") == pytest.approx(0.02, rel=1e-3)
     rig.run(0.1)
     assert rig.boat.nav is not None
@@ -215,6 +216,7 @@ def test_parameters_go_back_to_the_boats_file_and_stay_there(rig: Rig) -> None:
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_STORAGE, 1) == OK
     assert value(rig, "WP_RADIUS") == default + 1.0
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_STORAGE, 2) == OK
+    assert [said.param_id for said in rig.peer.said("PARAM_VALUE")] == ["WP_RADIUS"]
     assert value(rig, "WP_RADIUS") == default
     rig.reboot()
     assert value(rig, "WP_RADIUS") == default

@@ -41,3 +41,17 @@ def test_two_long_lines_have_two_ids() -> None:
 def test_what_is_not_ascii_is_replaced_not_raised() -> None:
     (message,) = told("Kurs 90° → Süd")
     assert message.text == "Kurs 90? ? S?d"
+
+
+def test_a_flood_of_lines_is_held_back_and_leaves_room_for_what_is_severe() -> None:
+    outbox = Outbox()
+    texts = StatusTextService(outbox)
+    texts.tell([Notice(Severity.WARNING, "refused")] * 1000)
+    assert len(outbox.take()) == 20
+    texts.tell([Notice(Severity.CRITICAL, "Failsafe: battery low")])
+    assert len(outbox.take()) == 1
+    assert texts.dropped == 980
+    for _ in range(50):
+        texts.tick()
+        texts.tell([Notice(Severity.WARNING, "refused")] * 10)
+    assert len(outbox.take()) == pytest.approx(9, abs=1)  # of those, one makes up for the severe one
