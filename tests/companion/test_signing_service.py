@@ -198,11 +198,12 @@ def test_no_message_of_the_dialect_gets_in_unsigned() -> None:
 
 
 def test_what_was_recorded_cannot_be_played_again_by_another_link_or_after_a_restart() -> None:
-    rig = guarded()
+    rig = GuardedRig("required")
+    rig.run(1.0)
     friend = rig.station(KEY, Address(254, 190))
     for message in STATE_CHANGING[:4]:
         friend.send(message)
-    rig.step(2)
+        rig.step(2)
     assert isinstance(friend.link, SealedLink)
     recorded = list(friend.link.sent)
     for _ in range(2):
