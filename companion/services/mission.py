@@ -62,6 +62,7 @@ class MissionService:
         self._texts = texts
         self._clearing: _Clearing | None = None
         self._current_said = 0
+        self._busy: list[MissionList] = []  # something is under way that time can change
         self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
         for one in self._lists.values():
             if one.load_fault:
@@ -91,6 +92,8 @@ class MissionService:
             self._acknowledge(origin, MissionResult.UNSUPPORTED, message.mission_type)
             return
         one = self._lists[MissionType(message.mission_type)]
+        if one not in self._busy:
+            self._busy.append(one)
         if name in _UPLOAD or (name == "MISSION_ACK" and one.upload_channel == origin.channel):
             self._receive(one, message, origin, now_s)
         if name == "MISSION_REQUEST_PARTIAL_LIST":
@@ -104,22 +107,30 @@ class MissionService:
         """Retries, time-outs, and lists whose writing has ended."""
         if self._clearing is not None:
             self._finish_clearing(self._clearing)
-        for one in self._lists.values():
-            if one.saving is not None:
-                self._finish_saving(one, now_s)
-            if one.receiver.state is not State.IDLE:
-                one.receiver.tick(now_s)
-                self._after_receiver(one, now_s)
-            for channel, sender in one.senders.items():
-                if sender.state is not State.IDLE:
-                    sender.tick(now_s)
-                    self._post(sender, channel)
-            if one.parts:
-                self._send_parts(one)
-        for seq in self._vehicle.progress.take_reached():
-            self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
-        if self._vehicle.progress.current_seq != self._current_said:
+        for one in self._busy:
+            self._tick_list(one, now_s)
+        if self._busy:
+            self._busy = [one for one in self._busy if not one.is_idle]
+        progress = self._vehicle.progress
+        if progress.reached:
+            for seq in progress.take_reached():
+                self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
+        if progress.current_seq != self._current_said:
             self._tell_current()
+
+    def _tick_list(self, one: MissionList, now_s: float) -> None:
+        if one.saving is not None:
+            self._finish_saving(one, now_s)
+        if one.receiver.state is not State.IDLE:
+            one.receiver.tick(now_s)
+            self._after_receiver(one, now_s)
+        for channel, sender in list(one.senders.items()):
+            sender.tick(now_s)
+            self._post(sender, channel)
+            if sender.state is State.IDLE:
+                del one.senders[channel]
+        if one.parts:
+            self._send_parts(one)
 
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has gone: an upload on it has broken off, and others need not wait for its time-out."""
@@ -195,7 +206,7 @@ class MissionService:
                 self._tell(Severity.WARNING, f"{_title(one)} stored, but this boat does not act on it yet")
             return
         self._vehicle.take_mission(one.steps)
-        skipped = [seq for seq, entry in enumerate(one.entries) if isinstance(entry.step, Skip)]
+        skipped = [seq for seq, step in enumerate(one.steps) if type(step) is Skip]
         if skipped:
             what = command_name(one.entries[skipped[0]].item.command)
             more = f", and {len(skipped) - 1} more" if len(skipped) > 1 else ""

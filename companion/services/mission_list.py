@@ -8,7 +8,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.items import Fault, MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed
+from companion.mavlink.transfer import Completed, State
 from companion.services.area_items import check_fence, check_fence_item, check_rally_item
 from companion.services.mission_items import check_jumps, to_step
 from companion.services.mission_store import encode_item, load_items, save_lines
@@ -38,6 +38,7 @@ class MissionList:
     def __init__(self, own: Address, mission_type: MissionType, config: BoatConfig, storage: Storage) -> None:
         self.type = mission_type
         self.entries: tuple[Entry, ...] = ()
+        self.steps: tuple[Step, ...] = ()  # what the vehicle makes of them
         self.upload_channel = 0
         self.senders: dict[int, Sender] = {}
         self.parts: dict[int, Part] = {}
@@ -60,12 +61,12 @@ class MissionList:
     @property
     def items(self) -> tuple[MissionItem, ...]:
         """What it holds."""
-        return tuple(entry.item for entry in self.entries)
+        return tuple([entry.item for entry in self.entries])
 
     @property
-    def steps(self) -> tuple[Step, ...]:
-        """What the vehicle makes of them."""
-        return tuple(entry.step for entry in self.entries)
+    def is_idle(self) -> bool:
+        """Whether nothing is under way that time could change."""
+        return not (self.senders or self.parts or self.saving) and self.receiver.state is State.IDLE
 
     def sender(self, channel: int) -> Sender:
         """The machine for downloads on a channel."""
@@ -93,6 +94,7 @@ class MissionList:
     def swap_in(self) -> None:
         """The medium has it: from now on it is the list."""
         self.entries, self._arrived = self._arrived, ()
+        self.steps = tuple([entry.step for entry in self.entries])
 
     def drop(self) -> None:
         """The medium does not take it: the old list stays."""
@@ -112,7 +114,8 @@ class MissionList:
             fault = self._check_whole(self._arriving)
             self.load_fault = fault.text if fault else ""
         if not self.load_fault:
-            self.entries = tuple(self._arriving)
+            self._arrived = tuple(self._arriving)
+            self.swap_in()
         self._arriving = []
 
     def _check(self, seq: int, item: MissionItem) -> Fault | None:

@@ -9,16 +9,17 @@ from companion.vehicle.leg import Leg
 class Passage:
     """target: where to, None once it is reached. station: where to stay without a target."""
 
-    __slots__ = ("_leg", "station", "target")
+    __slots__ = ("_intent", "_leg", "station", "target")
 
     def __init__(self) -> None:
         self.target: LatLon | None = None
         self.station: LatLon | None = None
         self._leg: Leg | None = None
+        self._intent: KeepStation | None = None  # of the station
 
     def stay(self, at: LatLon | None) -> None:
         """Keep station at a place, None: wherever the boat is at the next tick."""
-        self.target, self.station, self._leg = None, at, None
+        self.target, self.station, self._leg, self._intent = None, at, None, None
 
     def go(self, to: LatLon | None) -> None:
         """Sail there from wherever the boat is."""
@@ -35,4 +36,6 @@ class Passage:
             self.stay(self.target)
         if self.station is None:
             self.station = frame.to_global(nav.point)
-        return KeepStation(frame.to_local(self.station))
+        if self._intent is None:
+            self._intent = KeepStation(frame.to_local(self.station))
+        return self._intent
