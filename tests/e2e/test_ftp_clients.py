@@ -118,10 +118,14 @@ async def move_files_with_mavsdk(port: int, here: Path, state: Path) -> None:
         assert len(parameters.int_params) + len(parameters.float_params) == len(ROWS)
         assert seconds < ROOM_S
 
+        updates = metadata.subscribe_metadata_available()
+        first = asyncio.ensure_future(anext(updates))  # it listens before it asks: the answer comes at once
+        await asyncio.sleep(0)
         await metadata.request_autopilot_component()
-        async for update in metadata.subscribe_metadata_available():
-            if update.type == MetadataType.PARAMETER:
-                break
+        update = await first
+        while update.type != MetadataType.PARAMETER:
+            update = await anext(updates)
+        await updates.aclose()
         described = json.loads(update.json_metadata)
         assert [entry["name"] for entry in described["parameters"]] == [row.name for row in ROWS]
         for plugin in (ftp, param, metadata):
