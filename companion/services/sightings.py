@@ -11,6 +11,7 @@ from companion.vehicle.vehicle import Vehicle
 
 _UNKNOWN_HEADING = 0xFFFF
 _STILL_M_S = 0.2  # slower than this, a course over ground is no heading
+_WHOLE_SYSTEMS = frozenset((dialect.MAV_COMP_ID_AUTOPILOT1, dialect.MAV_COMP_ID_MISSIONPLANNER))
 _HAS_VELOCITY = 1 << 1  # FOLLOW_TARGET.est_capabilities: position, velocity, acceleration, attitude
 _HAS_ATTITUDE = 1 << 3
 
@@ -30,8 +31,8 @@ class SightingService:
         self._see(message, origin, north_m_s, east_m_s, heading if known & _HAS_ATTITUDE else None)
 
     def on_global_position(self, message: Message, origin: Origin) -> None:
-        """GLOBAL_POSITION_INT of another vehicle."""
-        if origin.address.component != dialect.MAV_COMP_ID_AUTOPILOT1:
+        """GLOBAL_POSITION_INT of another vehicle, or of a ground station whose operator walks about."""
+        if origin.address.component not in _WHOLE_SYSTEMS:
             return
         heading = None if message.hdg == _UNKNOWN_HEADING else math.radians(message.hdg * 0.01)
         self._see(message, origin, message.vx * 0.01, message.vy * 0.01, heading)

@@ -6,9 +6,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config import BoatConfig
-from companion.vehicle.intent import FollowLeg, Intent, KeepStation
+from companion.vehicle.intent import FollowLeg, HoldHeading, Intent, KeepStation
 from companion.vehicle.mission_progress import MissionProgress
-from companion.vehicle.mission_steps import Home, Jump, Mission, ReturnHome, SetSpeed, Step, Wait, Waypoint
+from companion.vehicle.mission_steps import (
+    AfterDelay,
+    GoRound,
+    HandOver,
+    Home,
+    Jump,
+    LimitHandOver,
+    Mission,
+    MoveHome,
+    ReturnHome,
+    Sailed,
+    SetSpeed,
+    Skip,
+    Step,
+    Turn,
+    Wait,
+    Waypoint,
+    WithinDistance,
+)
+from companion.vehicle.places import Offset
 
 A, B, C = Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)), Waypoint(place(0.0, 50.0))
 PLACES = {"A": (50.0, 0.0), "B": (50.0, 50.0), "C": (0.0, 50.0)}
@@ -195,7 +214,12 @@ def test_a_mission_without_anything_to_sail_is_over_at_once(mission: Mission) ->
 
 
 steps = st.one_of(
-    st.sampled_from([A, B, C, ReturnHome(), Home()]),
+    st.sampled_from([A, B, C, ReturnHome(), Home(), Skip(), MoveHome(None), HandOver(False)]),
+    st.builds(GoRound, st.just(A.position), st.floats(0.1, 3.0), st.floats(0.0, 30.0), st.booleans()),
+    st.builds(Waypoint, st.builds(Offset, st.floats(-9.0, 9.0), st.floats(-9.0, 9.0))),
+    st.builds(Turn, st.floats(-7.0, 7.0), st.booleans()),
+    st.builds(AfterDelay, st.floats(0.0, 3.0)),
+    st.builds(WithinDistance, st.floats(0.0, 30.0)),
     st.builds(Wait, st.floats(0.0, 3.0)),
     st.builds(SetSpeed, st.floats(0.0, 3.0)),
     st.builds(Jump, st.integers(1, 8), st.integers(-1, 3)),
@@ -207,6 +231,71 @@ def test_any_mission_stays_within_itself_and_reports_only_its_own_items(mission:
     progress = begun(*mission)
     reached = visit(progress, 60)
     assert 0 <= progress.current_seq <= progress.last_seq == 8
-    assert all(isinstance(progress.mission[seq], Waypoint | Wait) for seq in reached)
+    assert all(isinstance(progress.mission[seq], Sailed) for seq in reached)
     if not any(isinstance(step, Jump) for step in mission):
         assert reached == sorted(set(reached))
+
+
+def test_what_waits_for_a_condition_is_done_in_the_course_of_the_leg_and_dropped_at_its_end() -> None:
+    progress = begun(A, WithinDistance(20.0), SetSpeed(1.0), AfterDelay(9.0), SetSpeed(0.5), B)
+    leg_at(progress, 50.0, 0.0)
+    assert progress.current_seq == 6
+    assert leg_at(progress, 50.0, 20.0, 5.0).speed_m_s == CRUISE_M_S
+    leg_at(progress, 50.0, 31.0, 10.0)
+    assert leg_at(progress, 50.0, 32.0, 11.0).speed_m_s == 1.0
+    at(progress, 50.0, 50.0, 12.0)
+    assert progress.finished
+    assert progress.speed_m_s == 1.0
+
+
+def test_an_item_made_current_drops_what_waited() -> None:
+    progress = begun(AfterDelay(5.0), SetSpeed(1.0), A, B)
+    leg_at(progress, 0.0, 0.0)
+    progress.set_current(4)
+    assert leg_at(progress, 0.0, 0.0, 10.0).speed_m_s == CRUISE_M_S
+
+
+@pytest.mark.parametrize(("limit", "ends_s"), [((5.0, 0.0), 5.0), ((0.0, 10.0), 3.0), ((0.0, 0.0), None)])
+def test_a_hand_over_ends_by_its_limit_or_not_at_all(
+    limit: tuple[float, float], ends_s: float | None
+) -> None:
+    progress = begun(LimitHandOver(*limit), HandOver(True), B)
+    ended = None
+    for now_s in range(60):
+        at(progress, 4.0 * now_s, 0.0, float(now_s))
+        if not progress.is_handed_over:
+            ended = now_s
+            break
+    assert ended == ends_s
+
+
+def test_a_turn_that_the_wind_does_not_allow_ends_in_time() -> None:
+    progress = begun(Turn(2.0), B)
+    for now_s in range(30):
+        assert isinstance(at(progress, 0.0, 0.0, float(now_s)), HoldHeading)
+    leg_at(progress, 0.0, 0.0, 31.0)
+
+
+def test_homes_are_handed_to_the_owner() -> None:
+    there = place(50.0, 0.0)
+    progress = begun(MoveHome(there), MoveHome(None), B)
+    leg_at(progress, 0.0, 0.0)
+    assert progress.take_homes() == [there, None]
+    assert progress.take_homes() == []
+
+
+def test_a_new_mission_goes_on_only_where_the_way_to_here_is_the_same() -> None:
+    progress = begun(A, B, C)
+    leg_at(progress, 0.0, 0.0)
+    leg = leg_at(progress, 50.0, 0.0)
+    assert leg.next_end == pytest.approx(PLACES["C"], abs=1e-3)
+    assert progress.replace((Home(), A, B))
+    leg = leg_at(progress, 50.0, 5.0)
+    assert leg.start == pytest.approx(PLACES["A"], abs=1e-3)
+    assert leg.next_end is None
+    assert not progress.replace((Home(), B, A))
+    assert progress.current_seq == 1
+    assert leg_at(progress, 50.0, 5.0).start == (50.0, 5.0)
+    assert not progress.replace(())
+    assert progress.finished is False
+    assert progress.current_seq == 0
