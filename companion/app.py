@@ -8,8 +8,9 @@ from pathlib import Path
 
 from companion.boat import TICK_S, Boat
 from companion.clock import SystemClock
-from companion.config import BoatConfig, LinkConfig
+from companion.config import BoatConfig, CompassPart, LinkConfig
 from companion.errors import ConfigError
+from companion.hal.absent import Absent
 from companion.hal.battery import open_ina219
 from companion.hal.compass import open_bno055, open_nmea_compass
 from companion.hal.gnss import open_nmea_gnss
@@ -23,6 +24,7 @@ from companion.mavlink.signing_key import read_key_file
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.runner import Runner
+from companion.sensors.external import Use
 from companion.status_file import StatusFile, status_path
 from companion.storage import FolderStorage, MemoryStorage, Storage
 
@@ -48,9 +50,17 @@ def check_config(config: BoatConfig) -> None:
             read_key_file(Path(link.key_file).expanduser())
     if not config.links:
         raise ConfigError("links: a boat without a link cannot be reached; expected at least one")
-    for name in ("motors", "gnss", "compass"):
-        if getattr(config.parts, name).driver == "none":
-            raise ConfigError(f"parts.{name}.driver: the boat cannot sail without; expected a driver")
+    parts, external = config.parts, config.external
+    if parts.motors.driver == "none":
+        raise ConfigError("parts.motors.driver: the boat cannot sail without; expected a driver")
+    for name, driver, use in (
+        ("gnss", parts.gnss.driver, external.position),
+        ("compass", parts.compass.driver, external.heading),
+    ):
+        if driver == "none" and use == Use.NEVER:
+            raise ConfigError(
+                f"parts.{name}.driver: the boat cannot sail without; expected a driver, or [external] instead"
+            )
 
 
 def policy_of(link: LinkConfig, key: str) -> Policy:
@@ -93,13 +103,9 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         motors = WatchedMotors(open_l298n(parts.motors, now), now, config.motors.command_timeout_s)
         undo.callback(motors.close)
         motors.start()
-        gnss: Gnss = open_nmea_gnss(parts.gnss, now)
+        gnss: Gnss = Absent() if parts.gnss.driver == "none" else open_nmea_gnss(parts.gnss, now)
         undo.callback(gnss.close)
-        compass: Compass = (
-            open_bno055(parts.compass, now)
-            if parts.compass.driver == "bno055"
-            else open_nmea_compass(parts.compass, now)
-        )
+        compass = open_compass(parts.compass, now)
         undo.callback(compass.close)
         sonar: Sonar | None = None
         if parts.sonar.driver != "none":
@@ -111,6 +117,21 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(battery.close)
         undo.pop_all()
     return Hardware(motors, gnss, compass, sonar, battery)
+
+
+def open_compass(part: CompassPart, now: Now) -> Compass:
+    """Open the heading sensor that the configuration names.
+
+    Raises:
+        HardwareError: it does not answer.
+    """
+    match part.driver:
+        case "bno055":
+            return open_bno055(part, now)
+        case "nmea":
+            return open_nmea_compass(part, now)
+        case "none":
+            return Absent()
 
 
 def open_storage(folder: str) -> Storage:

@@ -111,4 +111,5 @@ def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
     mavlink = replace(config.mavlink, retry_s=config.mavlink.retry_s * speedup)
     modes = replace(config.modes, set_point_timeout_s=config.modes.set_point_timeout_s * speedup)
     follow = replace(config.follow, timeout_s=config.follow.timeout_s * speedup)
-    return replace(config, failsafe=failsafe, mavlink=mavlink, modes=modes, follow=follow)
+    external = replace(config.external, timeout_s=config.external.timeout_s * speedup)
+    return replace(config, failsafe=failsafe, mavlink=mavlink, modes=modes, follow=follow, external=external)

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from boat_rig import Rig
 
-from companion.app import check_config, open_hardware, open_ports, open_storage, run_boat
+from companion.app import check_config, open_compass, open_hardware, open_ports, open_storage, run_boat
 from companion.boat import Boat
-from companion.config import BoatConfig, decode_config
+from companion.config import BoatConfig, CompassPart, decode_config
 from companion.errors import ConfigError, HardwareError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
 from companion.storage import MemoryStorage
@@ -72,6 +72,26 @@ def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: dict[str, 
     with pytest.raises(ConfigError, match=words):
         run_boat(decode_config(tree, "test"), lambda: False, open_parts=parts.open)
     assert parts.hardware is None  # no hardware is touched for a configuration that is wrong
+
+
+def test_a_boat_that_is_told_where_it_is_needs_neither_receiver_nor_compass() -> None:
+    tree = {"links": ["udpin::14550"], "parts": {**PARTS, "gnss": {}, "compass": {}}}
+    external = {"position": 2, "heading": 2}
+    check_config(decode_config({**tree, "external": external}, "test"))
+    with pytest.raises(ConfigError, match=r"parts\.compass\.driver"):
+        check_config(decode_config({**tree, "external": {"position": 2}}, "test"))
+
+
+def test_a_heading_sensor_that_is_not_there_says_nothing() -> None:
+    assert open_compass(CompassPart(), lambda: 0.0).read() is None
+
+
+def test_it_ends_when_a_station_asks_for_a_restart(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Boat, "wants_restart", property(lambda boat: boat.free_memory_bytes > 0))
+    parts = Parts()
+    boat = run_boat(config("udpin:127.0.0.1:0"), after(10_000), open_parts=parts.open)
+    assert boat.wants_restart
+    assert "close" in parts.events
 
 
 def test_the_motors_are_let_go_when_it_is_told_to_stop() -> None:
