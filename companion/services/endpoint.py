@@ -256,8 +256,8 @@ class Endpoint:
             self._vehicle.operator.heard(now_s)
 
     def _on_system_time(self, message: Message, origin: Origin, now_s: float) -> None:
-        # Another vehicle's autopilot tells its date to everybody, true or not
-        if origin.address.component != dialect.MAV_COMP_ID_AUTOPILOT1 and self._is_operator(origin):
+        # Another vehicle tells its date to everybody, true or not
+        if self.roles.of(origin.address) in (Role.OPERATOR, Role.PLANNER):
             self._time.on_system_time(message, now_s)
 
     def _on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:

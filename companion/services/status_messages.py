@@ -55,17 +55,13 @@ def sys_status(now: Snapshot) -> Message:
         health |= dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
     else:
         enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
-    present, battery = _PRESENT, now.battery
-    if battery is not None:
-        bit = dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-        present, enabled = present | bit, enabled | bit
-        if not vehicle.battery_watch.is_low:
-            health |= bit
+    fitted, well = _optional_parts(now)
+    battery = now.battery
     current_a = battery.current_a if battery is not None else None
     return dialect.MAVLink_sys_status_message(
-        onboard_control_sensors_present=present,
-        onboard_control_sensors_enabled=enabled,
-        onboard_control_sensors_health=health,
+        onboard_control_sensors_present=_PRESENT | fitted,
+        onboard_control_sensors_enabled=enabled | fitted,
+        onboard_control_sensors_health=health | well,
         load=round(clamp(now.load * 1000.0, 0.0, 1000.0)),
         voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),
         current_battery=-1 if current_a is None else round(current_a * 100.0),
@@ -77,6 +73,24 @@ def sys_status(now: Snapshot) -> Message:
         errors_count3=0,
         errors_count4=0,
     )
+
+
+def _optional_parts(now: Snapshot) -> tuple[int, int]:
+    """The bits of parts that not every boat has, and of those among them that are well."""
+    fitted = well = 0
+    if now.battery is not None:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+        if not now.vehicle.battery_watch.is_low:
+            well |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+    if now.heading is not None and now.heading.yaw_rate_rad_s is not None:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
+        if now.now_s - now.heading.time_s <= now.config.motors.estimate_timeout_s:
+            well |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    if now.sweep is not None and now.sweep.latest is not None:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+        if not now.sweep.is_empty(now.now_s):
+            well |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+    return fitted, well
 
 
 def battery_status(now: Snapshot) -> Message | None:

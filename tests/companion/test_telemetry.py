@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import pytest
@@ -163,3 +164,16 @@ def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
 def test_the_date_is_told_once_the_receiver_knows_it(rig: Rig) -> None:
     message = latest(rig, "SYSTEM_TIME")
     assert message.time_boot_ms / 1000.0 == pytest.approx(rig.now_s, abs=1.1)
+
+
+def test_gyro_and_sonar_are_well_while_they_answer() -> None:
+    rig = Rig("lake").ready()
+    bits = dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO | dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+    rig.run(2.0)
+    status = latest(rig, "SYS_STATUS")
+    assert status.onboard_control_sensors_present & bits == bits
+    assert status.onboard_control_sensors_health & bits == bits
+    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=Silent(), sonar=None)
+    rig.run(5.0)
+    status = latest(rig, "SYS_STATUS")
+    assert not status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY

@@ -111,9 +111,10 @@ def date(rig: Rig) -> float:
     return float(message.time_unix_usec * 1e-6 - message.time_boot_ms * 1e-3)
 
 
-def tell_date(rig: Rig, unix_s: float, address: Address = QGC) -> None:
+def tell_date(rig: Rig, unix_s: float, address: Address = QGC, mav_type: int = dialect.MAV_TYPE_GCS) -> None:
     peer = rig.peer if address == rig.peer.address else rig.connect(address)
     rig.step()
+    peer.heartbeat(mav_type)
     peer.send(dialect.MAVLink_system_time_message(round(unix_s * 1e6), 0))
     rig.step(2)
 
@@ -135,8 +136,10 @@ def test_a_date_that_cannot_be_is_not_believed(unix_s: float) -> None:
 
 def test_another_vehicles_date_is_not_ours() -> None:
     rig = Rig(gnss=Silent())
-    tell_date(rig, NOON_2026, Address(2, 1))
+    tell_date(rig, NOON_2026, Address(2, 1), dialect.MAV_TYPE_SURFACE_BOAT)
     assert rig.boat.endpoint.unix_offset_s is None
+    tell_date(rig, NOON_2026, Address(1, 191), dialect.MAV_TYPE_ONBOARD_CONTROLLER)
+    assert rig.boat.endpoint.unix_offset_s is not None
 
 
 def test_the_satellites_date_goes_before_a_stations() -> None:
