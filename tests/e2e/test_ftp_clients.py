@@ -14,7 +14,7 @@ from mavsdk.asyncio.plugins.param import ParamAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.component_metadata import MetadataType
 from mavutil_station import OpenStation
-from programs import RunBoat, RunProgram
+from programs import RunBoat, RunProgram, until
 from pymavlink.mavftp import MAVFTP, FtpError
 
 from companion.params_table import ROWS
@@ -57,12 +57,13 @@ def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
     proxy.wait_for(rf"^ +there\.bin\t{len(CONTENT)}$")
     proxy.say("ftp get /files/there.bin back.bin")
     proxy.wait_for(f"Wrote {len(CONTENT)} bytes to back.bin")
-    assert (proxy.room / "back.bin").read_bytes() == CONTENT
+    until(lambda: (proxy.room / "back.bin").read_bytes() == CONTENT)  # it says so before it has flushed it
     proxy.say("ftp rm /files/there.bin")
+    until(lambda: not (state / "files" / "there.bin").exists())
     proxy.say("ftp mkdir /files/sub")
+    until((state / "files" / "sub").is_dir)
     proxy.say("ftp get /files/there.bin gone.bin")
     proxy.wait_for("ftp open failed")
-    assert [path.name for path in (state / "files").iterdir()] == ["sub"]
 
     (proxy.room / "new.parm").write_text("HDG_KP 3.5\nWP_RADIUS 4\n", encoding="ascii")
     proxy.say("param ftpload new.parm")
