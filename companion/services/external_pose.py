@@ -102,7 +102,8 @@ class ExternalPoseService:
             else float(message.horiz_accuracy)
         )
         numbers = [hdop, *(one for one in (north_m_s, east_m_s, accuracy) if one is not None)]
-        if place is None or message.fix_type > 6 or not _all_below(numbers, 1000.0):
+        is_sane = _all_below(numbers, 1000.0) and hdop >= 0.0 and (accuracy is None or accuracy >= 0.0)
+        if place is None or message.fix_type > 6 or not is_sane:
             self.dropped += 1
             return
         if not self._admits(origin.address, self._external.fix, now_s):
@@ -281,4 +282,7 @@ def _bearing_of(message: Message) -> float | None:
 
 
 def _unix_s(week: int, week_ms: int) -> float | None:
-    return _GPS_EPOCH_UNIX_S + week * _WEEK_S + week_ms / 1e3 - _LEAP_S if week > 2000 else None
+    """The date, None where the week is not one from 2024 to 2099."""
+    if not 2295 <= week < 6260:
+        return None
+    return _GPS_EPOCH_UNIX_S + week * _WEEK_S + week_ms / 1e3 - _LEAP_S

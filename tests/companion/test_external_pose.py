@@ -158,6 +158,8 @@ def test_odometry_brings_velocity_and_yaw_rate_along() -> None:
         gps_input(LatLon(0.0, 0.0)),
         gps_input(ORIGIN, fix_type=9),
         gps_input(ORIGIN, hdop=NAN),
+        gps_input(ORIGIN, hdop=-1.0),
+        gps_input(ORIGIN, horiz_accuracy=-1.0),
         gps_input(ORIGIN, vn=math.inf),
         gps_input(ORIGIN, horiz_accuracy=NAN),
     ],
@@ -361,3 +363,29 @@ def test_local_coordinates_are_those_of_the_pose_when_its_origin_was_given() -> 
     north_m, east_m = LocalFrame(ORIGIN).to_local(LatLon(there.lat / 1e7, there.lon / 1e7))
     assert Point(north_m, east_m) == pytest.approx((5.0, 6.0), abs=0.02)
     assert tuple(BOAT) == (1, 1)
+
+
+@pytest.mark.parametrize(("week", "is_believed"), [(2400, True), (0, False), (65535, False)])
+def test_the_date_of_gps_input_is_believed_where_it_can_be(week: int, is_believed: bool) -> None:
+    rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())
+    camera = rig.connect(CAMERA)
+    fix = gps_input(ORIGIN)
+    fix.time_week, fix.time_week_ms = week, 1000  # type: ignore[attr-defined]
+    watch(rig, camera, 1.0, fix)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_SYSTEM_TIME) == OK
+    told_s = rig.peer.said("SYSTEM_TIME")[-1].time_unix_usec * 1e-6
+    assert told_s == (pytest.approx(315964800 + 2400 * 604800 - 17, abs=0.1) if is_believed else 0.0)
+
+
+def test_a_delayed_pose_is_placed_when_it_was_taken_where_the_clocks_are_known() -> None:
+    rig, camera = blind()
+    rig.until(lambda: bool(camera.said("TIMESYNC")), 11.0)  # the boat asks every ten seconds
+    (question,) = camera.said("TIMESYNC")
+    camera.send(dialect.MAVLink_timesync_message(question.ts1 + 500 * 10**9, question.ts1))
+    rig.step(2)
+    stamp_us = round((rig.now_s - 0.2 + 500.0) * 1e6)
+    camera.send(vision(1.0, 1.0, 0.0, stamp_us))
+    rig.step(2)
+    fix = rig.boat.senses.external.fix
+    assert fix is not None
+    assert fix.time_s == pytest.approx(rig.now_s - 0.24, abs=0.03)
