@@ -7,7 +7,7 @@ from companion.boat import TICK_S, Boat
 from companion.hal.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
-from companion.mavlink.dialect import dialect
+from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
@@ -47,9 +47,9 @@ class _Radio:
         self.now_s = 0.0
         self.carried = 0
 
-    def send(self, message: object) -> None:
+    def send(self, message: Message) -> None:
         """From the station."""
-        frame = self._encoder.encode(message)  # type: ignore[arg-type]  any message of the dialect
+        frame = self._encoder.encode(message)
         self.carried += len(frame)
         self._up.send(frame, self.now_s)
 
@@ -83,7 +83,8 @@ class _Radio:
 
 def _transfers(talks: bool) -> tuple[list[float], list[float]]:
     """Shares and seconds of an upload and a download."""
-    radio, over = _Radio(), []
+    radio = _Radio()
+    over: list[Completed] = []
     sender = Sender(_STATION, MissionType.MISSION, retry_s=3.0)
     receiver = Receiver(_STATION, MissionType.MISSION, retry_s=3.0)
     if not talks:

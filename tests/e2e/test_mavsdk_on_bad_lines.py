@@ -1,0 +1,93 @@
+"""MAVSDK's real client on lines that lose, delay, double and reorder: transfers end, plans stay whole."""
+
+import asyncio
+import time
+from collections.abc import Awaitable, Iterator
+from typing import TypeVar
+
+import pytest
+from lossy_relay import LossyRelay
+from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
+from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
+from mavsdk.logging import log_subscribe
+from mavsdk.plugins.mission_raw import MissionItem as RawItem
+from mavsdk.plugins.mission_raw import MissionRawError
+from mavutil_station import Place, zigzag
+from programs import RunningBoat, start_boat
+
+from sitl.channel import Quality
+
+pytestmark = pytest.mark.realtime
+
+OLD, NEW = zigzag(5), zigzag(30, north_e7=2000)
+
+
+@pytest.fixture(scope="module")
+def boat(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoat]:
+    """One boat for all."""
+    log_subscribe(lambda *_: True)
+    running = start_boat(tmp_path_factory.mktemp("bad-lines") / "boat", "open")
+    yield running
+    running.program.close()
+
+
+def raw(places: list[Place]) -> list[RawItem]:
+    return [
+        RawItem(seq, place.frame, place.command, int(seq == 0), 1, 0.0, 0.0, 0.0, 0.0, place.lat_e7,
+                place.lon_e7, 0.0, 0)
+        for seq, place in enumerate(places)
+    ]  # fmt: skip
+
+
+def places_of(items: list[RawItem]) -> list[Place]:
+    return [Place(item.command, item.frame, item.x, item.y) for item in items][1:]
+
+
+Result = TypeVar("Result")
+
+
+async def tried(job: Awaitable[Result]) -> tuple[bool, Result | None]:
+    """Whether a transfer came about, and what it brought."""
+    try:
+        return True, await job
+    except MissionRawError as error:
+        print(f"MAVSDK gave up: {str(error).partition(';')[0]}")  # noqa: T201
+        return False, None
+
+
+async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> None:
+    configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
+    async with Mavsdk(configuration) as mavsdk:
+        await mavsdk.add_any_connection(f"udpout://127.0.0.1:{old_relay.port}")
+        system = await mavsdk.first_autopilot(10.0)
+        assert system is not None
+        missions = MissionRawAsync(system)
+        await missions.upload_mission(raw(OLD))
+        missions.destroy()
+    async with Mavsdk(configuration) as mavsdk:
+        await mavsdk.add_any_connection(f"udpout://127.0.0.1:{relay.port}")
+        system = await mavsdk.first_autopilot(30.0)
+        assert system is not None
+        missions = MissionRawAsync(system)
+        began_s = time.monotonic()
+        uploaded, _ = await tried(missions.upload_mission(raw(NEW)))
+        print(f"{loss:.0%} loss: uploaded {uploaded} in {time.monotonic() - began_s:.1f} s")  # noqa: T201
+        _, read = await tried(missions.download_mission())
+        relay.improve()
+        await asyncio.sleep(1.0)
+        held = places_of(await missions.download_mission())
+        assert held == NEW[1:] or (not uploaded and held == OLD[1:])
+        assert read is None or places_of(read) in (OLD[1:], NEW[1:])
+        assert uploaded or loss > 0.05
+        missions.destroy()
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.2, 0.4])
+def test_a_plan_arrives_whole_or_not_at_all(boat: RunningBoat, loss: float) -> None:
+    clean = LossyRelay(boat.port, Quality(), 1)
+    relay = LossyRelay(boat.port, Quality(loss, delay_s=0.02, jitter_s=0.03, duplication=0.05), 3)
+    try:
+        asyncio.run(asyncio.wait_for(transfer(relay, clean, loss), 90.0))
+    finally:
+        relay.close()
+        clean.close()
