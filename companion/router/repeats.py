@@ -37,4 +37,6 @@ class Repeats:
         is_overdue = now_s >= self._turn_s + self._half_s
         self._older = {} if is_overdue else self._recent
         self._recent = {}
-        self._turn_s = now_s + self._half_s
+        # counted from when the turn was due, so that a turn that comes late makes no memory longer
+        is_due = now_s >= self._turn_s and not is_overdue
+        self._turn_s = (self._turn_s if is_due else now_s) + self._half_s

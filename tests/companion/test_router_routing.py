@@ -1,7 +1,7 @@
 """Where frames go: rules of the MAVLink guide, repeats, reboots, floods of addresses, downloads."""
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.mavlink.address import Address
@@ -119,6 +119,7 @@ def test_a_frame_that_another_link_has_brought_is_dropped_and_one_said_twice_is_
 
 
 @given(st.lists(st.tuples(st.integers(1, 3), st.integers(0, 30), st.floats(0.0, 0.4)), max_size=200))
+@example([(2, 0, 0.0), (1, 0, 0.1875), (1, 0, 0.25), (1, 0, 0.125)])
 def test_no_frame_is_passed_on_for_two_links_within_half_a_window(
     seen: list[tuple[int, int, float]],
 ) -> None:
