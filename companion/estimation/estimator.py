@@ -1,15 +1,16 @@
 """The estimator: from whatever fix and heading are at hand to the boat's motion now.
 
-The local frame is laid at the first good fix and never moved. Readings are recognised by their time stamp,
-so the same one may be handed in at every tick; one stamped later than now waits until its time has come.
-What is not finite, or goes back in time, is left out and ages the estimate instead.
+The local frame is laid at the first good fix, or where a station has chosen if that is near, and never moved.
+Readings are recognised by their time stamp, so the same one may be handed in at every tick; one stamped
+later than now waits until its time has come. What is not finite, far out of the frame, or goes back in time, is left
+out and ages the estimate instead.
 """
 
 import math
 
 from companion.estimation.heading import HeadingFilter
 from companion.estimation.position import PositionFilter
-from companion.geo import LocalFrame
+from companion.geo import LocalFrame, Point
 from companion.sensors.readings import GnssFix, HeadingReading
 from companion.state import NavState
 
@@ -20,6 +21,7 @@ MAX_SIGMA_M = 1000.0  # what lies beyond these four is a fault of the part; comp
 MAX_SPEED_M_S = 100.0
 MAX_HEADING_RAD = 100.0
 MAX_RATE_RAD_S = 50.0
+MAX_OFFSET_M = 100_000.0  # from the frame's origin: its projection holds no farther
 
 
 class Estimator:
@@ -78,10 +80,17 @@ class Estimator:
             if not abs(fix.north_m_s) + abs(fix.east_m_s) <= MAX_SPEED_M_S:
                 return
         if self.frame is None:
-            self.frame = self.frame_to_lay or LocalFrame(fix.position)
-        self._position.update(
-            fix.time_s, self.frame.to_local(fix.position), max(sigma_m, MIN_SIGMA_M), velocity
-        )
+            chosen = self.frame_to_lay
+            if chosen is None or not _is_near(chosen.to_local(fix.position)):
+                chosen = LocalFrame(fix.position)
+            self.frame = chosen
+        at = self.frame.to_local(fix.position)
+        if _is_near(at):
+            self._position.update(fix.time_s, at, max(sigma_m, MIN_SIGMA_M), velocity)
+
+
+def _is_near(at: Point) -> bool:
+    return math.hypot(at.north_m, at.east_m) <= MAX_OFFSET_M
 
 
 def _take_heading(compass: HeadingFilter, reading: HeadingReading) -> None:

@@ -232,3 +232,22 @@ def test_whatever_the_sensors_say_the_estimate_stays_finite(
         assert all(math.isfinite(value) for value in motion)
         assert nav.position_age_s >= 0.0
         assert nav.heading_age_s >= 0.0
+
+
+def test_a_frame_chosen_on_another_continent_is_not_laid() -> None:
+    estimator, fix = Estimator(), GnssFix(0.0, LatLon(50.0, -1.2), 3, 12, 0.8)
+    estimator.frame_to_lay = LocalFrame(LatLon(73.9, -166.7))
+    nav = estimator.update(fix, None, 0.0)
+    assert nav is not None
+    assert estimator.frame is not None
+    assert estimator.frame.origin == fix.position
+    assert nav.point == Point(pytest.approx(0.0, abs=1e-6), pytest.approx(0.0, abs=1e-6))
+
+
+def test_a_fix_on_another_continent_ages_the_estimate_and_moves_nothing() -> None:
+    estimator = Estimator()
+    estimator.update(GnssFix(0.0, LatLon(50.0, -1.2), 3, 12, 0.8), None, 0.0)
+    nav = estimator.update(GnssFix(1.0, LatLon(-33.9, 151.2), 3, 12, 0.8), None, 1.0)
+    assert nav is not None
+    assert nav.point == Point(0.0, 0.0)
+    assert nav.position_age_s == 1.0
