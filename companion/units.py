@@ -7,6 +7,8 @@ TAU = 2.0 * math.pi
 
 def wrap_pi(angle_rad: float) -> float:
     """Wrap an angle into [−π, π)."""
+    if -math.pi <= angle_rad < math.pi:
+        return angle_rad
     return (angle_rad + math.pi) % TAU - math.pi
 
 

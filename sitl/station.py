@@ -9,8 +9,9 @@ from collections.abc import Sequence
 
 from companion.hal.interfaces import Link
 from companion.mavlink.address import Address
-from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.finder import FrameFinder
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
@@ -18,9 +19,22 @@ from companion.mavlink.transfer import Completed, Failed
 OWN = Address(245, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)
 _HEARTBEAT_S = 1.0
 
+# What a station of this kind acts on; telemetry besides is counted and left packed
+_HEARD = frozenset(
+    {
+        dialect.MAVLINK_MSG_ID_SYS_STATUS,
+        dialect.MAVLINK_MSG_ID_STATUSTEXT,
+        dialect.MAVLINK_MSG_ID_COMMAND_ACK,
+        dialect.MAVLINK_MSG_ID_MISSION_ACK,
+        dialect.MAVLINK_MSG_ID_MISSION_REQUEST,
+        dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
+        dialect.MAVLINK_MSG_ID_MISSION_ITEM_REACHED,
+    }
+)
+
 
 class Station:
-    """Uploads, commands, and keeps the latest message of each type that it has heard."""
+    """Uploads, commands, and keeps the latest message of each type that it acts on."""
 
     def __init__(self, link: Link, boat: Address) -> None:
         self.boat = boat
@@ -30,7 +44,7 @@ class Station:
         self.uploaded: bool | None = None  # None while an upload is under way
         self.refusal = ""
         self._link = link
-        self._decoder = Decoder(datagram=link.is_datagram)
+        self._finder = FrameFinder(link.is_datagram)
         self._encoder = Encoder(OWN)
         self._sender = Sender(OWN, MissionType.MISSION)
         self._acks: dict[int, int] = {}
@@ -58,8 +72,9 @@ class Station:
     def step(self, now_s: float) -> None:
         """Hear what has come, answer, keep the heartbeat going."""
         for chunk in self._link.receive():
-            for received in self._decoder.feed(chunk):
-                self._hear(received.message, received.sender, now_s)
+            for frame in self._finder.feed(chunk):
+                if frame.message_id in _HEARD and frame.layout is not None:
+                    self._hear(frame.layout.unpack(frame.payload), frame.sender, now_s)
         self._sender.tick(now_s)
         for message in self._sender.take_outbox():
             self.send(message)
