@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.boat import TICK_S, Boat
 from companion.clock import SystemClock
-from companion.config import BoatConfig, CompassPart, LinkConfig
+from companion.config import BoatConfig, LinkConfig
 from companion.errors import ConfigError
 from companion.hal.absent import Absent
 from companion.hal.battery import open_ina219
@@ -21,6 +21,7 @@ from companion.hal.ultrasonic import open_ultrasonic
 from companion.hal.watched_motors import WatchedMotors
 from companion.log.logbook import Logbook, open_logbook
 from companion.mavlink.signing_key import read_key_file
+from companion.parts import CompassPart
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.runner import Runner

@@ -15,29 +15,8 @@ import msgspec
 from msgspec import Meta
 
 from companion.errors import ConfigError
-
-Share = Annotated[float, Meta(ge=0.0, le=1.0)]
-NonNegative = Annotated[float, Meta(ge=0.0)]
-Positive = Annotated[float, Meta(gt=0.0)]
-SystemId = Annotated[int, Meta(ge=1, le=255)]
-Count = Annotated[int, Meta(ge=0)]
-
-
-_FLOAT32_MAX = 3.4028234663852886e38  # all that a MAVLink parameter can carry
-
-
-class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A table of the TOML file.
-
-    Raises:
-        ValueError: a number that is not finite; names the field.
-    """
-
-    def __post_init__(self) -> None:
-        for name in self.__struct_fields__:
-            value = getattr(self, name)
-            if isinstance(value, float) and not abs(value) <= _FLOAT32_MAX:
-                raise ValueError(f"{name} = {value}: expected a finite number")
+from companion.parts import Parts
+from companion.section import NonNegative, Positive, Section, Share, SystemId
 
 
 class LinkConfig(Section, frozen=True):
@@ -55,7 +34,7 @@ class LinkConfig(Section, frozen=True):
     trusted: bool | None = None  # whether SETUP_SIGNING may come over it; unless said, loopback may
     radio: bool | None = None  # a slow line that reports on itself; unless said, a serial line is one
     max_bytes_s: NonNegative = 0.0  # 0: a radio's is worked out from its baud rate, others have no limit
-    max_hz: dict[str, Positive] = {}
+    max_hz: dict[str, Positive] = msgspec.field(default_factory=dict)
     allow: tuple[str, ...] = ()  # nothing but these
     deny: tuple[str, ...] = ()
     stale_s: NonNegative = 0.0  # drop what has waited longer for room; 0: 1 s on a radio, else do not wait
@@ -237,68 +216,6 @@ class Log(Section, frozen=True):
     quota_mb: Annotated[float, Meta(ge=1.0)] = 1000.0  # of all logs together; the oldest are removed first
     min_free_mb: NonNegative = 200.0  # no log is begun with less room on the medium
     tlog: bool = False  # every frame of every link
-
-
-class L298N(Section, frozen=True):
-    """Pins in BCM numbers."""
-
-    driver: Literal["l298n", "none"] = "none"
-    left_forward: int = 5
-    left_backward: int = 6
-    left_enable: int = 12
-    right_forward: int = 20
-    right_backward: int = 21
-    right_enable: int = 13
-    pwm_hz: Annotated[int, Meta(ge=50, le=10000)] = 1000  # lgpio goes no higher
-    dead_time_s: NonNegative = 0.02
-    left_reversed: bool = False
-    right_reversed: bool = False
-
-
-class GnssPart(Section, frozen=True):
-    """An NMEA 0183 receiver."""
-
-    driver: Literal["nmea", "none"] = "none"
-    port: str = "/dev/serial0"
-    baud: Positive = 9600
-
-
-class CompassPart(Section, frozen=True):
-    """A heading sensor: NMEA 0183 sentences, or a BNO055 on I²C. The correction is added to what it says."""
-
-    driver: Literal["nmea", "bno055", "none"] = "none"
-    port: str = "/dev/ttyUSB0"
-    baud: Positive = 4800
-    correction_rad: float = 0.0
-
-
-class SonarPart(Section, frozen=True):
-    """HC-SR04 style ranger, fixed or on a sweeping servo."""
-
-    driver: Literal["hcsr04", "none"] = "none"
-    trigger: int = 23
-    echo: int = 24
-    servo: int = -1  # −1: fixed ahead
-    sweep_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.pi
-    step_rad: Positive = math.radians(15.0)
-    max_range_m: Positive = 4.0
-
-
-class BatteryPart(Section, frozen=True):
-    """Battery monitor."""
-
-    driver: Literal["ina219", "none"] = "none"
-    address: int = 0x40
-
-
-class Parts(Section, frozen=True):
-    """Which driver moves which part of this boat."""
-
-    motors: L298N = L298N()
-    gnss: GnssPart = GnssPart()
-    compass: CompassPart = CompassPart()
-    sonar: SonarPart = SonarPart()
-    battery: BatteryPart = BatteryPart()
 
 
 class BoatConfig(Section, frozen=True):

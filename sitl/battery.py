@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from companion.config import NonNegative, Positive, Section, Share
+from companion.section import NonNegative, Positive, Section, Share
 
 # Open-circuit voltage of one cell at 0, 10 … 100 % charge: the shape common to LiPo cells at rest, flat in
 # the middle and steep at the empty end.

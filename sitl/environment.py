@@ -2,7 +2,7 @@
 
 import math
 
-from companion.config import NonNegative, Section
+from companion.section import NonNegative, Section
 
 
 class Environment(Section, frozen=True):

@@ -17,9 +17,10 @@ from typing import Annotated, Any
 import shapely
 from msgspec import Meta, field
 
-from companion.config import BoatConfig, Section, decode_config, load_toml
+from companion.config import BoatConfig, decode_config, load_toml
 from companion.errors import ConfigError
 from companion.geo import LatLon, LocalFrame, Point, bearing_rad, distance_m
+from companion.section import Section
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.scenario import decode_scenario
 from mission_tools.maps.source import RouteDefaults

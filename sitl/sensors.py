@@ -12,8 +12,8 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from companion.config import NonNegative, Positive, Section
 from companion.geo import LocalFrame, Point
+from companion.section import NonNegative, Positive, Section
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
 from companion.units import wrap_pi
 from sitl.shore import Shore

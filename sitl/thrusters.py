@@ -19,7 +19,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from companion.config import NonNegative, Positive, Section, Share
+from companion.section import NonNegative, Positive, Section, Share
 
 
 class ThrusterParameters(Section, frozen=True):

@@ -24,7 +24,7 @@ hull never gains energy.
 
 import math
 
-from companion.config import NonNegative, Positive, Section
+from companion.section import NonNegative, Positive, Section
 
 LONGEST_STEP_S = 0.05
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Protocol
 
-from companion import config
+from companion import parts
 from companion.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.optional import import_optional
@@ -61,7 +61,7 @@ class Ina219Battery:
         self._background.close()
 
 
-def open_ina219(part: config.BatteryPart, now: Callable[[], float]) -> Ina219Battery:
+def open_ina219(part: parts.BatteryPart, now: Callable[[], float]) -> Ina219Battery:
     """The monitor on the Pi's I²C bus, being read.
 
     Raises:

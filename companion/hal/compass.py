@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Protocol
 
-from companion import config
+from companion import parts
 from companion.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.interfaces import Port
@@ -41,7 +41,7 @@ class NmeaCompass:
             self._latest = reading
 
 
-def open_nmea_compass(part: config.CompassPart, now: Callable[[], float]) -> NmeaCompass:
+def open_nmea_compass(part: parts.CompassPart, now: Callable[[], float]) -> NmeaCompass:
     """The compass on its port, being read.
 
     Raises:
@@ -111,7 +111,7 @@ class Bno055Compass:
         self._background.close()
 
 
-def open_bno055(part: config.CompassPart, now: Callable[[], float]) -> Bno055Compass:
+def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Compass:
     """The part on the Pi's I²C bus, being read.
 
     Raises:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from companion import config
+from companion import parts
 from companion.hal.interfaces import Port
 from companion.hal.nmea_part import NmeaPart, open_nmea_port
 from companion.sensors.nmea import Sentence
@@ -31,7 +31,7 @@ class NmeaGnss:
             self._latest = fix
 
 
-def open_nmea_gnss(part: config.GnssPart, now: Callable[[], float]) -> NmeaGnss:
+def open_nmea_gnss(part: parts.GnssPart, now: Callable[[], float]) -> NmeaGnss:
     """The receiver on its port, being read.
 
     Raises:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Protocol
 
-from companion import config
+from companion import parts
 from companion.errors import HardwareError
 from companion.hal.optional import import_optional
 from companion.units import clamp
@@ -160,7 +160,7 @@ class L298N:
             self._is_closed = True
 
 
-def open_l298n(pins: config.L298N, now: Callable[[], float], pin_factory: object = None) -> L298N:
+def open_l298n(pins: parts.L298N, now: Callable[[], float], pin_factory: object = None) -> L298N:
     """The bridge on the Pi's own pins. `pin_factory` is gpiozero's; None takes the machine's.
 
     A reversed motor has its legs swapped here, once.

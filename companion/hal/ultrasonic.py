@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any, Protocol
 
-from companion import config
+from companion import parts
 from companion.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.optional import import_optional
@@ -203,7 +203,7 @@ class Ultrasonic:
 
 
 def open_ultrasonic(
-    part: config.SonarPart, now: Callable[[], float], pin_factory: object = None
+    part: parts.SonarPart, now: Callable[[], float], pin_factory: object = None
 ) -> Ultrasonic:
     """The ranger, and its servo if it has one, on the Pi's own pins; pinging.
 

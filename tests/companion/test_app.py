@@ -9,9 +9,10 @@ from boat_rig import Rig
 
 from companion.app import check_config, open_compass, open_hardware, open_ports, open_storage, run_boat
 from companion.boat import Boat
-from companion.config import BoatConfig, CompassPart, decode_config
+from companion.config import BoatConfig, decode_config
 from companion.errors import ConfigError, HardwareError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
+from companion.parts import CompassPart
 from companion.storage import MemoryStorage
 
 PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from mock_pi import LEGS, PINS, MockPi
 
 from companion.boat import TICK_S, Boat
-from companion.config import BoatConfig, Parts
+from companion.config import BoatConfig
 from companion.hal.memory import MemoryPort, memory_pair
 from companion.mavlink.dialect import dialect
+from companion.parts import Parts
 from companion.services.manual_control import ManualControlService
 from companion.storage import MemoryStorage
 

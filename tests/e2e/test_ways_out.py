@@ -17,9 +17,10 @@ from programs import until
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.app import run_boat
-from companion.config import BoatConfig, CompassPart, GnssPart, Parts
+from companion.config import BoatConfig
 from companion.errors import LinkError
 from companion.hal.interfaces import Hardware
+from companion.parts import CompassPart, GnssPart, Parts
 from companion.shutdown import Shutdown
 
 pytestmark = pytest.mark.realtime

@@ -7,7 +7,7 @@ import types
 import pytest
 from hardware_twins import HandClock
 
-from companion import config
+from companion import parts
 from companion.errors import HardwareError
 from companion.hal.battery import Ina219Battery, open_ina219
 from companion.hal.compass import Bno055Compass, open_bno055
@@ -146,8 +146,8 @@ def test_the_factories_read_the_parts_on_the_bus_they_find(monkeypatch: pytest.M
     ina219 = types.SimpleNamespace(INA219=lambda *arguments: made(FakeIna219(), *arguments))
     monkeypatch.setitem(sys.modules, "adafruit_bno055", bno055)
     monkeypatch.setitem(sys.modules, "adafruit_ina219", ina219)
-    open_bno055(config.CompassPart(driver="bno055"), HandClock()).close()
-    open_ina219(config.BatteryPart(driver="ina219", address=0x41), HandClock()).close()
+    open_bno055(parts.CompassPart(driver="bno055"), HandClock()).close()
+    open_ina219(parts.BatteryPart(driver="ina219", address=0x41), HandClock()).close()
     assert asked == [("bus",), ("bus", 0x41)]
 
 
@@ -156,7 +156,7 @@ def test_a_missing_library_or_a_silent_part_is_told_in_one_line(monkeypatch: pyt
     with pytest.raises(
         HardwareError, match=r"BNO055: the Python module 'board' is missing; install mavboat\[pi\]"
     ):
-        open_bno055(config.CompassPart(), HandClock())
+        open_bno055(parts.CompassPart(), HandClock())
 
     def nobody() -> object:
         raise ValueError("No I2C device at address: 0x40")
@@ -164,4 +164,4 @@ def test_a_missing_library_or_a_silent_part_is_told_in_one_line(monkeypatch: pyt
     monkeypatch.setitem(sys.modules, "board", types.SimpleNamespace(I2C=nobody))
     monkeypatch.setitem(sys.modules, "adafruit_ina219", types.SimpleNamespace())
     with pytest.raises(HardwareError, match="INA219: nothing usable at I²C address 0x40"):
-        open_ina219(config.BatteryPart(), HandClock())
+        open_ina219(parts.BatteryPart(), HandClock())

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from hardware_twins import HandClock, PtyLine, eventually
 
-from companion import config
+from companion import parts
 from companion.errors import LinkError
 from companion.hal.compass import NmeaCompass, open_nmea_compass
 from companion.hal.gnss import NmeaGnss, open_nmea_gnss
@@ -88,7 +88,7 @@ def test_a_closed_part_lets_its_port_go() -> None:
 @pytest.mark.realtime
 def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) -> None:
     line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
-    gnss = open_nmea_gnss(config.GnssPart(driver="nmea", port=line.device), clock)
+    gnss = open_nmea_gnss(parts.GnssPart(driver="nmea", port=line.device), clock)
     line.say(epoch(0)[:30])
     line.say(epoch(0)[30:] + epoch(1, satellites=7))
     eventually(lambda: (fix := gnss.read()) is not None and fix.satellites == 7)
@@ -110,7 +110,7 @@ def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) ->
 @pytest.mark.realtime
 def test_a_compass_on_a_serial_line_is_read_by_its_own_thread(tmp_path: Path) -> None:
     line = PtyLine(tmp_path / "ttyCOMPASS")
-    part = config.CompassPart(driver="nmea", port=line.device, correction_rad=0.5)
+    part = parts.CompassPart(driver="nmea", port=line.device, correction_rad=0.5)
     compass = open_nmea_compass(part, HandClock())
     line.say(b"\xff\xff" + sentence("HEHDT,0.0,T"))
     eventually(lambda: compass.read() is not None)
@@ -122,12 +122,12 @@ def test_a_compass_on_a_serial_line_is_read_by_its_own_thread(tmp_path: Path) ->
 
 
 def test_a_receiver_may_also_be_on_the_network() -> None:
-    gnss = open_nmea_gnss(config.GnssPart(driver="nmea", port="udpin:127.0.0.1:0"), HandClock())
+    gnss = open_nmea_gnss(parts.GnssPart(driver="nmea", port="udpin:127.0.0.1:0"), HandClock())
     gnss.close()
     assert gnss.read() is None
 
 
 def test_a_receiver_that_is_missing_is_named() -> None:
     with pytest.raises(LinkError, match="there is no device /dev/ttyNONE"):
-        open_nmea_gnss(config.GnssPart(driver="nmea", port="/dev/ttyNONE"), HandClock())
+        open_nmea_gnss(parts.GnssPart(driver="nmea", port="/dev/ttyNONE"), HandClock())
     assert "companion.hal.gnss" in sys.modules

@@ -13,7 +13,7 @@ from hardware_twins import HandClock, eventually
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion import config
+from companion import parts
 from companion.errors import HardwareError
 from companion.hal.ultrasonic import (
     PING_PERIOD_S,
@@ -25,7 +25,7 @@ from companion.hal.ultrasonic import (
 )
 from companion.sensors.readings import SonarReading
 
-PART = config.SonarPart(driver="hcsr04")
+PART = parts.SonarPart(driver="hcsr04")
 SOUND_M_S = speed_of_sound_m_s(15.0)
 
 
@@ -194,7 +194,7 @@ def test_the_default_sweep_covers_half_the_horizon_in_thirteen_directions() -> N
 
 @pytest.mark.realtime
 def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Bench) -> None:
-    part = config.SonarPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
+    part = parts.SonarPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
     servo: Any = bench.factory.pin(18)
     bench.twin.echo_s = 2.0 * 2.0 / SOUND_M_S
     sonar = open_ultrasonic(part, HandClock(), bench.factory)
@@ -216,7 +216,7 @@ def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Ben
 
 
 def test_pins_that_cannot_be_opened_are_given_back(bench: Bench) -> None:
-    clash = config.SonarPart(driver="hcsr04", servo=PART.trigger)
+    clash = parts.SonarPart(driver="hcsr04", servo=PART.trigger)
     with pytest.raises(HardwareError, match="sonar: the pins cannot be opened"):
         open_ultrasonic(clash, HandClock(), bench.factory)
     open_ultrasonic(PART, HandClock(), bench.factory).close()

@@ -1,0 +1,29 @@
+"""What every table of a TOML file has in common: strict keys, finite numbers, and the usual ranges."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+Positive = Annotated[float, Meta(gt=0.0)]
+SystemId = Annotated[int, Meta(ge=1, le=255)]
+Count = Annotated[int, Meta(ge=0)]
+
+
+_FLOAT32_MAX = 3.4028234663852886e38  # all that a MAVLink parameter can carry
+
+
+class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A table of the TOML file.
+
+    Raises:
+        ValueError: a number that is not finite; names the field.
+    """
+
+    def __post_init__(self) -> None:
+        for name in self.__struct_fields__:
+            value = getattr(self, name)
+            if isinstance(value, float) and not abs(value) <= _FLOAT32_MAX:
+                raise ValueError(f"{name} = {value}: expected a finite number")
