@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import codec, emulator, loop, planner, radio, router, transfer
+from benchmarks import codec, emulator, loop, memory, planner, radio, router, transfer
 from benchmarks.measure import Row
 
 PAGE = Path("docs/benchmarks.md")
@@ -22,6 +22,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "transfer": transfer.rows,
     "radio": radio.rows,
     "router": router.rows,
+    "memory": memory.rows,
     "loop": loop.rows,
 }
 

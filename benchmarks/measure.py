@@ -70,6 +70,8 @@ def alone(question: str, unit: str, better: str, values: Sequence[float], note: 
 
 
 def spread(values: Sequence[float]) -> float:
-    """Half the distance between the quartiles."""
+    """Half the distance between the quartiles; 0 for a single value."""
+    if len(values) < 2:
+        return 0.0
     low, _, high = statistics.quantiles(values, n=4)
     return 0.5 * (high - low)

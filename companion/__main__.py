@@ -34,6 +34,13 @@ app = typer.Typer(
 ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
 
 
+@app.callback()
+def options(
+    debug: Annotated[bool, typer.Option("--debug", help="A traceback with every error.")] = False,
+) -> None:
+    """What goes before the command; --debug is looked for where errors end."""
+
+
 @app.command()
 def run(
     config: ConfigFile,
@@ -101,11 +108,19 @@ def version() -> None:
 
 def main() -> None:
     """Entry point. What a person can mend is one line and an exit code."""
+    is_debug = "--debug" in sys.argv
     try:
         app()
     except BoatError as error:
+        if is_debug:
+            raise
         sys.stderr.write(f"boat-companion: {error}\n")
         sys.exit(error.exit_code)
+    except Exception as error:
+        if is_debug:
+            raise
+        sys.stderr.write(f"boat-companion: unexpected {error!r}: please report it, with what --debug says\n")
+        sys.exit(1)
 
 
 if __name__ == "__main__":
