@@ -2,8 +2,8 @@
 
 The local frame is laid at the first good fix, or where a station has chosen if that is near, and never moved.
 Readings are recognised by their time stamp, so the same one may be handed in at every tick; one stamped
-later than now waits until its time has come. What is not finite, far out of the frame, or goes back in time, is
-left out and ages the estimate instead.
+later than now waits until its time has come. What is not finite, far out of the frame, or goes back in time,
+is left out and ages the estimate instead.
 """
 
 import math
