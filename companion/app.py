@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
+from companion import garbage
 from companion.boat import TICK_S, Boat
 from companion.clock import SystemClock
 from companion.config import BoatConfig, LinkConfig
@@ -215,6 +216,7 @@ def run_boat(
         )
         if logbook is not None and logbook.onboard is not None:
             logbook.onboard.timing = runner.ticks
+        garbage.settle()
         runner.run(lambda: should_stop() or boat.wants_restart)
         ticks = runner.ticks
         logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)

@@ -188,7 +188,8 @@ class External(Section, frozen=True):
 class Mavlink(Section, frozen=True):
     """Timers of the protocol machines. They run on the boat's clock."""
 
-    retry_s: Positive = 0.5  # a lost mission item is asked for again after this
+    retry_s: Positive = 0.5  # what we have offered, and nobody has asked for, is offered again after this
+    item_retry_s: Positive = 0.25  # a lost mission item is asked for again after this, as the guide has it
     retries: Annotated[int, Meta(ge=1)] = 10
     stream_hz: NonNegative = 4.0  # telemetry before anyone has asked for rates
 

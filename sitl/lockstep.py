@@ -4,13 +4,18 @@ Time is counted in ticks, so a run is a function of the scenario, its seed and w
 """
 
 from companion.boat import COMPONENT_ID, TICK_S, Boat
+from companion.config import LinkConfig
 from companion.hal.memory import MemoryPort, memory_pair
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
 from companion.storage import MemoryStorage, Storage
 from sitl.scenario import Scenario
 from sitl.station import Station
 from sitl.world import World
+
+_STREAM_HZ = 2.0  # half the usual telemetry: this station reads results, it watches no instruments
 
 
 class Lockstep:
@@ -24,7 +29,7 @@ class Lockstep:
         self.boat = Boat(
             scenario.vehicle,
             self.world.hardware,
-            [MemoryPort(near)],
+            [ConfiguredPort(MemoryPort(near), Policy(LinkConfig(url="memory", stream_hz=_STREAM_HZ)))],
             storage or MemoryStorage(),
             logbook=logbook,
         )

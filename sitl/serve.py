@@ -108,7 +108,11 @@ def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
         gcs_timeout_s=config.failsafe.gcs_timeout_s * speedup,
         manual_timeout_s=config.failsafe.manual_timeout_s * speedup,
     )
-    mavlink = replace(config.mavlink, retry_s=config.mavlink.retry_s * speedup)
+    mavlink = replace(
+        config.mavlink,
+        retry_s=config.mavlink.retry_s * speedup,
+        item_retry_s=config.mavlink.item_retry_s * speedup,
+    )
     modes = replace(config.modes, set_point_timeout_s=config.modes.set_point_timeout_s * speedup)
     follow = replace(config.follow, timeout_s=config.follow.timeout_s * speedup)
     external = replace(config.external, timeout_s=config.external.timeout_s * speedup)

@@ -15,6 +15,8 @@ from companion.services.mission_store import encode_item, load_items, save_lines
 from companion.storage import Saving, Storage
 from companion.vehicle.mission_steps import Home, Step
 
+_ITEM_RETRIES = 2  # times mavlink.retries: items are asked for twice as often, for as long
+
 
 class Entry(NamedTuple):
     """An item, what the vehicle makes of it (Home in lists that are not sailed), and its line on disk."""
@@ -55,7 +57,9 @@ class MissionList:
             MissionType.RALLY: config.mission.max_rally_items,
         }[mission_type]
         timers = config.mavlink
-        self.receiver = Receiver(own, mission_type, timers.retry_s, timers.retries, self.most, self._check)
+        self.receiver = Receiver(
+            own, mission_type, timers.item_retry_s, _ITEM_RETRIES * timers.retries, self.most, self._check
+        )
         self._load()
 
     @property

@@ -7,6 +7,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
+from companion import garbage
 from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
@@ -81,6 +82,7 @@ def _run(sailing: Sailing, timeout: float | None, console: Console) -> Result:
         def tell(time_s: float, seq: int) -> None:
             progress.update(task, completed=seq - 1, description=f"{time_s:.0f} s, item {seq}")
 
+        garbage.settle()
         return sailing.run(timeout, tell)
 
 

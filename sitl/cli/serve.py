@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from companion import garbage
 from companion.clock import SystemClock
 from companion.config import LinkConfig
 from companion.mavlink.signing import SigningPolicy
@@ -82,6 +83,7 @@ def serve(
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
     typer.echo("boat-sitl: ready; Ctrl-C ends")
     sys.stdout.flush()
+    garbage.settle()
     server.run(shutdown)
     if csv is not None:
         csv.parent.mkdir(parents=True, exist_ok=True)

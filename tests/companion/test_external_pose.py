@@ -261,7 +261,7 @@ def test_a_flood_of_poses_is_thinned_to_one_a_tick() -> None:
 def test_gps_input_stands_in_for_receiver_and_compass() -> None:
     rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())
     camera = rig.connect(CAMERA)
-    watch(rig, camera, 1.0, gps_input(ORIGIN, yaw_cdeg=9000))
+    watch(rig, camera, 2.0, gps_input(ORIGIN, yaw_cdeg=9000))
     shown = rig.peer.said("GPS_RAW_INT")[-1]
     assert (shown.fix_type, shown.satellites_visible, shown.h_acc) == (3, 14, 400)
     assert rig.boat.nav is not None
