@@ -19,6 +19,9 @@ from sitl.channel import Quality
 
 pytestmark = pytest.mark.realtime
 
+USABLE_LOSS = 0.05  # up to here a transfer must come about
+TRIES = 3
+
 OLD, NEW = zigzag(5), zigzag(30, north_e7=2000)
 
 
@@ -69,8 +72,12 @@ async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> Non
         system = await mavsdk.first_autopilot(30.0)
         assert system is not None
         missions = MissionRawAsync(system)
-        began_s = time.monotonic()
-        uploaded, _ = await tried(missions.upload_mission(raw(NEW)))
+        began_s, uploaded = time.monotonic(), False
+        # MAVSDK does not ask again for a final acknowledgement that was lost: a person tries once more
+        for _ in range(TRIES if loss <= USABLE_LOSS else 1):
+            uploaded, _ = await tried(missions.upload_mission(raw(NEW)))
+            if uploaded:
+                break
         print(f"{loss:.0%} loss: uploaded {uploaded} in {time.monotonic() - began_s:.1f} s")  # noqa: T201
         _, read = await tried(missions.download_mission())
         relay.improve()
@@ -78,7 +85,7 @@ async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> Non
         held = places_of(await missions.download_mission())
         assert held == NEW[1:] or (not uploaded and held == OLD[1:])
         assert read is None or places_of(read) in (OLD[1:], NEW[1:])
-        assert uploaded or loss > 0.05
+        assert uploaded or loss > USABLE_LOSS
         missions.destroy()
 
 
