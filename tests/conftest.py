@@ -24,3 +24,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="URL",
         help="a vehicle to test, such as tcp:127.0.0.1:5760 (as pymavlink takes it)",
     )
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests against the wall clock share their machine with whatever else runs there: each may be tried
+    again, and says so in the report. Tests in simulated time get no second chance.
+    """
+    for item in items:
+        if item.get_closest_marker("realtime") is not None:
+            item.add_marker(pytest.mark.flaky(reruns=2))
