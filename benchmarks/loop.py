@@ -6,9 +6,7 @@ for all telemetry at full rate and no longer reads its TCP socket.
 
 import contextlib
 import os
-import signal
 import socket
-import subprocess
 import sys
 import tempfile
 import time
@@ -16,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.measure import Row
+from benchmarks.served_boat import Process, served_boat
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
@@ -102,22 +101,13 @@ def _trouble(stations: list[_Station], flood: socket.socket, seconds: float) -> 
 
 
 @contextlib.contextmanager
-def _boat(status: Path) -> Iterator[tuple["subprocess.Popen[str]", int, int]]:
+def _boat(status: Path) -> Iterator[tuple[Process, int, int]]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         udp = free.getsockname()[1]
-    program = str(Path(sys.executable).with_name("boat-sitl"))
-    arguments = ["--tcp", "0", "--no-udp", "--link", f"udpin:127.0.0.1:{udp}", "--status", str(status)]
-    process = subprocess.Popen(
-        [program, "serve", "open", *arguments], stdout=subprocess.PIPE, text=True, cwd=status.parent
-    )
-    try:
-        assert process.stdout is not None
-        tcp = int(process.stdout.readline().partition("tcpin:127.0.0.1:")[2].partition(",")[0])
+    arguments = ["--link", f"udpin:127.0.0.1:{udp}", "--status", str(status)]
+    with served_boat(*arguments, cwd=status.parent) as (process, tcp):
         yield process, tcp, udp
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(timeout=10)
 
 
 def _settled(status: Path) -> BoatStatus:

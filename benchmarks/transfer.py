@@ -1,17 +1,12 @@
 """How fast does a mission go up and down over TCP loopback, with a plain pymavlink client?"""
 
-import contextlib
-import signal
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from pymavlink import mavutil
 
 from benchmarks.measure import Row, alone
+from benchmarks.served_boat import served_boat
 
 _ROUNDS = 5
 
@@ -20,8 +15,8 @@ def rows() -> list[Row]:
     """Wall-clock seconds for 100, 500 and 5,000 items each way, and for the list of parameters."""
     note = "ArduPilot Rover's simulator is not installed from the registry; nothing to pair with"
     found: list[Row] = []
-    with _boat() as url:
-        vehicle = mavutil.mavlink_connection(url, source_system=245)
+    with served_boat() as (_, port):
+        vehicle = mavutil.mavlink_connection(f"tcp:127.0.0.1:{port}", source_system=245)
         vehicle.wait_heartbeat(timeout=10)
         for count in (100, 500, 5000):
             up = [_upload(vehicle, count) for _ in range(_ROUNDS)]
@@ -32,20 +27,6 @@ def rows() -> list[Row]:
         found.append(alone("the whole parameter list, TCP loopback", "s", "less", listed, note))
         vehicle.close()
     return found
-
-
-@contextlib.contextmanager
-def _boat() -> Iterator[str]:
-    program = str(Path(sys.executable).with_name("boat-sitl"))
-    process = subprocess.Popen(
-        [program, "serve", "open", "--tcp", "0", "--no-udp"], stdout=subprocess.PIPE, text=True
-    )
-    try:
-        assert process.stdout is not None
-        yield "tcp:" + process.stdout.readline().rsplit("tcpin:", 1)[1].strip()
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(timeout=10)
 
 
 def _upload(vehicle: Any, count: int) -> float:  # noqa: ANN401  pymavlink is untyped

@@ -47,11 +47,6 @@ class Lockstep:
         self.station.step(now_s)
         self.world.step(TICK_S)
 
-    def run_until(self, time_s: float) -> None:
-        """Step until simulated time has come."""
-        while self.time_s < time_s:
-            self.step()
-
     def close(self) -> None:
         """Let everything go."""
         self.boat.close()

@@ -3,25 +3,12 @@ import json
 from pathlib import Path
 
 import pytest
+from asked_figures import ASKED
 
 from sitl.__main__ import run_program
 from sitl.cli.arguments import with_json_told_apart
 from sitl.world import Truth
 
-ASKED = {
-    "sim_seconds",
-    "cpu_seconds",
-    "real_time_factor",
-    "planned_length_m",
-    "path_length_m",
-    "time_s",
-    "cross_track_rms_m",
-    "cross_track_max_m",
-    "min_clearance_m",
-    "waypoints_reached",
-    "final_mode",
-    "state_hash",
-}
 EXTRA = {"scenario", "seed", "completed", "groundings", "waypoints"}
 
 WPL = """QGC WPL 110
