@@ -4,17 +4,33 @@ They are made anew every tick, so they are msgspec structs: frozen dataclasses w
 to make.
 """
 
+from enum import IntFlag
+
 from msgspec import Struct
 
 from companion.geo import Point
+
+
+class EstimateFault(IntFlag):
+    """What is wrong with what the estimate is made of; 0 is nothing."""
+
+    GNSS_LOST = 1  # no fix, or silent
+    GNSS_FROZEN = 2  # the same position again and again while the boat moves
+    GNSS_JUMPING = 4  # fixes far from where the boat can be
+    COMPASS_LOST = 8  # silent, or the same reading again and again
+    COMPASS_OFF = 16  # disagrees with the course made good
+    POSITION_LOST = 32  # dead reckoning has gone on for too long to sail by
+    HEADING_LOST = 64  # nothing says any more where the bow points
 
 
 class NavState(Struct, frozen=True, gc=False):
     """The boat's best knowledge of its own motion, in the local frame.
 
     heading_rad: where the bow points, 0 = north, clockwise positive, in [−π, π).
-    north_m_s, east_m_s: over ground. position_age_s and heading_age_s: how old the last accepted
-    measurement is; infinite before the first.
+    north_m_s, east_m_s, surge_m_s, sway_m_s: over ground. position_age_s and heading_age_s: how old the last
+    accepted measurement is; infinite before the first. set_north_m_s, set_east_m_s: how water and wind carry
+    the boat over ground (the current, with the leeway in it). position_sigma_m: one standard deviation, per
+    axis. faults: bits of EstimateFault, a plain integer because it is made anew every tick.
     """
 
     time_s: float
@@ -28,6 +44,10 @@ class NavState(Struct, frozen=True, gc=False):
     sway_m_s: float
     position_age_s: float
     heading_age_s: float
+    set_north_m_s: float = 0.0
+    set_east_m_s: float = 0.0
+    position_sigma_m: float = 0.0
+    faults: int = 0
 
     @property
     def point(self) -> Point:
