@@ -96,8 +96,8 @@ class Recorder:
         )
         return out
 
-    def metrics(self, planned: Sequence[Point], shore: Shore) -> TrackMetrics:
-        """The figures of the run so far.
+    def metrics(self, planned: Sequence[Point], shore: Shore, sailed: int | None = None) -> TrackMetrics:
+        """The figures of the run so far. sailed: only the first so many ticks count for time and length.
 
         Raises:
             ValueError: nothing was recorded, or a recorded leg is not in the plan.
@@ -110,8 +110,8 @@ class Recorder:
         clearance = min(shore.clearances_m(at[:, 1].tolist(), at[:, 0].tolist()))
         aground = rows[:, _GROUNDED] > 0.0
         return TrackMetrics(
-            time_s=float(rows[-1, 0] - rows[0, 0]),
-            path_length_m=float(np.hypot(*np.diff(at, axis=0).T).sum()),
+            time_s=float(rows[:sailed][-1, 0] - rows[0, 0]),
+            path_length_m=float(np.hypot(*np.diff(at[:sailed], axis=0).T).sum()),
             cross_track_rms_m=math.sqrt(float(np.mean(cross * cross))) if len(cross) else None,
             cross_track_max_m=float(np.abs(cross).max()) if len(cross) else None,
             min_clearance_m=None if math.isinf(clearance) else clearance,

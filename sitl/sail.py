@@ -1,5 +1,6 @@
 """One mission from boot to its end, in lockstep: upload, arm, sail, measure."""
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,9 +15,11 @@ from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
 from companion.vehicle.places import locate
 from companion.vehicle.vehicle import Vehicle
+from sitl.beliefs import Beliefs
 from sitl.lockstep import Lockstep
 from sitl.recorder import NO_LEG, Recorder
 from sitl.scenario import Scenario
+from sitl.timeline import Timeline
 
 _BOOT_S = 60.0  # longest wait for the boat to become armable
 _UPLOAD_S = 60.0
@@ -51,7 +54,9 @@ class Result:
 
 
 class Sailing:
-    """A run under way. `recorder` holds the truth of every tick since the mission began."""
+    """A run under way. `recorder` holds the truth of every tick since the mission began, `beliefs` what the
+    boat believed meanwhile, `timeline` what happened since boot.
+    """
 
     def __init__(
         self, scenario: Scenario, items: Sequence[MissionItem], logbook: Logbook | None = None
@@ -60,14 +65,23 @@ class Sailing:
         self.scenario = scenario
         self.items = tuple(items)
         self.recorder = Recorder()
+        self.beliefs = Beliefs(scenario.frame)
+        self.timeline = Timeline()
         self.planned: list[Point] = []
         self.lockstep = Lockstep(scenario, logbook=logbook)
         self._leg_of_seq: dict[int, int] = {}
+        self._sailed: int | None = None  # ticks before the mission was over
 
-    def run(self, timeout_s: float | None = None, tell: Callable[[float, int], None] | None = None) -> Result:
+    def run(
+        self,
+        timeout_s: float | None = None,
+        tell: Callable[[float, int], None] | None = None,
+        linger_s: float = 0.0,
+    ) -> Result:
         """Sail the mission to its end.
 
         timeout_s: simulated seconds after the start; by default a multiple of the planned time.
+        linger_s: how long to watch a boat that has ended its mission, or has left it, within that time.
         tell: called about once a simulated second with the time and the current item.
 
         Raises:
@@ -78,10 +92,10 @@ class Sailing:
         started_s = self.lockstep.time_s
         planned_m = sum(distance_m(a, b) for a, b in zip(self.planned, self.planned[1:], strict=False))
         limit_s = timeout_s or _BOOT_S + _SLACK * planned_m / self.scenario.vehicle.speed.cruise_m_s
-        completed = self._sail(started_s + limit_s, tell)
+        completed = self._sail(started_s + limit_s, tell, linger_s)
         cpu_s = time.process_time() - began_s
         lockstep = self.lockstep
-        metrics = self.recorder.metrics(self.planned, lockstep.world.shore)
+        metrics = self.recorder.metrics(self.planned, lockstep.world.shore, self._sailed)
         result = Result(
             scenario=self.scenario.title,
             seed=self.scenario.seed,
@@ -138,22 +152,36 @@ class Sailing:
         while not is_so():
             if self.lockstep.time_s > deadline_s:
                 raise SailError(f"{failure} within {limit_s:g} simulated seconds")
-            self.lockstep.step()
+            self._step()
 
-    def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None) -> bool:
+    def _step(self) -> None:
+        self.lockstep.step()
+        self.timeline.tick(self.lockstep)
+
+    def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None, linger_s: float) -> bool:
         """Whether the mission was sailed to its end, the way home included where an item asks for that."""
-        lockstep = self.lockstep
-        vehicle, progress, world = lockstep.boat.vehicle, lockstep.boat.vehicle.progress, lockstep.world
+        lockstep, world = self.lockstep, self.lockstep.world
         record, legs = self.recorder.record, self._leg_of_seq
         ticks_per_second = round(1.0 / TICK_S)
-        while _is_under_way(vehicle) and lockstep.time_s < deadline_s:
-            lockstep.step()
-            record(world.truth, legs.get(progress.current_seq, NO_LEG))
+        ended_s = math.nan
+        while lockstep.time_s < deadline_s:
+            boat = lockstep.boat
+            if _is_under_way(boat.vehicle):
+                ended_s, self._sailed = math.nan, None
+            elif math.isnan(ended_s):
+                ended_s, self._sailed = lockstep.time_s, len(self.recorder)
+            if lockstep.time_s - ended_s >= linger_s:
+                break
+            self._step()
+            seq = boat.vehicle.progress.current_seq
+            record(world.truth, legs.get(seq, NO_LEG) if math.isnan(ended_s) else NO_LEG)
+            self.beliefs.tick(boat, world.time_s)
             if tell is not None and world.tick % ticks_per_second == 0:
-                tell(lockstep.time_s, progress.current_seq)
+                tell(lockstep.time_s, seq)
         for _ in range(ticks_per_second):  # let the last telegrams arrive
-            lockstep.step()
-        return progress.finished and not _is_under_way(vehicle)
+            self._step()
+        vehicle = lockstep.boat.vehicle
+        return vehicle.progress.finished and not _is_under_way(vehicle)
 
     def ending(self) -> str:
         """How the run ended, for a person: the boat's last words."""

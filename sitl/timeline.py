@@ -1,0 +1,77 @@
+"""What happened when in a run: modes, arming, the boat's words, waypoints, the shore, late commands."""
+
+from typing import NamedTuple
+
+from companion.geo import Point
+from sitl.lockstep import Lockstep
+from sitl.sim_hal import SimMotors
+
+MOST_EVENTS = 5000
+
+
+class Event(NamedTuple):
+    """One thing that happened. kind is mode, arming, text, waypoint, touch, fault or motors."""
+
+    time_s: float
+    kind: str
+    text: str
+
+
+class Timeline:
+    """Watches a lockstep run, tick by tick, and writes down what changes. Full, it only counts."""
+
+    __slots__ = ("_armed", "_grounded", "_mode", "_reached", "_texts", "events", "late_commands", "touched")
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self.events: list[Event] = []
+        self.touched: list[str] = []  # what the hull has touched, in order, each once
+        self.late_commands = 0  # ticks on which a motor was driven though the boat was not armed
+        self._mode = ""
+        self._armed = False
+        self._grounded = False
+        self._texts = 0
+        self._reached = 0
+
+    def tick(self, lockstep: Lockstep) -> None:
+        """To be called after each step."""
+        boat, station, truth = lockstep.boat, lockstep.station, lockstep.world.truth
+        vehicle = boat.vehicle
+        if vehicle.mode.name != self._mode:
+            self._mode = vehicle.mode.name
+            self._add(truth.time_s, "mode", self._mode)
+        if vehicle.armed is not self._armed:
+            self._armed = vehicle.armed
+            self._add(truth.time_s, "arming", "armed" if vehicle.armed else "disarmed")
+        if len(station.texts) != self._texts:
+            for text in station.texts[self._texts :]:
+                self._add(truth.time_s, "text", text)
+            self._texts = len(station.texts)
+        if len(station.reached) != self._reached:
+            for seq in station.reached[self._reached :]:
+                self._add(truth.time_s, "waypoint", f"item {seq} reached")
+            self._reached = len(station.reached)
+        if truth.grounded is not self._grounded:
+            self._grounded = truth.grounded
+            if truth.grounded:
+                self._touch(lockstep)
+        if not vehicle.armed and _is_driven(lockstep):
+            if self.late_commands == 0:
+                self._add(truth.time_s, "motors", "driven though disarmed")
+            self.late_commands += 1
+
+    def _touch(self, lockstep: Lockstep) -> None:
+        truth = lockstep.world.truth
+        what = lockstep.world.scenario.chart.nearest_feature(Point(truth.north_m, truth.east_m))
+        self._add(truth.time_s, "touch", what)
+        if what not in self.touched:
+            self.touched.append(what)
+
+    def _add(self, time_s: float, kind: str, text: str) -> None:
+        if len(self.events) < MOST_EVENTS:
+            self.events.append(Event(time_s, kind, text))
+
+
+def _is_driven(lockstep: Lockstep) -> bool:
+    motors = lockstep.world.hardware.motors
+    return isinstance(motors, SimMotors) and bool(motors.left or motors.right)

@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+from boat_rig import HOME_ITEM, scenario, waypoint
+
+from companion.vehicle.modes import Mode
+from sitl.beliefs import EVERY_S, Belief
+from sitl.lockstep import Lockstep
+from sitl.sail import Sailing
+from sitl.timeline import MOST_EVENTS, Timeline
+
+ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
+WALLED = (
+    'map={water=[[-9,-9],[9,-9],[9,9],[-9,9]], obstacles=[{name="Rock", circle={centre=[0,6],radius_m=1}}]}'
+)
+
+
+def test_a_run_says_when_the_boat_was_armed_changed_its_mode_and_reached_its_waypoints() -> None:
+    sailing = Sailing(scenario("open"), ITEMS)
+    sailing.run()
+    told = [(event.kind, event.text) for event in sailing.timeline.events if event.kind != "text"]
+    assert told == [
+        ("mode", "HOLD"),
+        ("arming", "armed"),
+        ("mode", "AUTO"),
+        ("waypoint", "item 1 reached"),
+        ("mode", "LOITER"),
+        ("waypoint", "item 2 reached"),
+    ]
+    times = [event.time_s for event in sailing.timeline.events]
+    assert times == sorted(times)
+    assert "Mission complete" in [event.text for event in sailing.timeline.events]
+
+
+def test_a_touch_is_told_with_what_was_touched() -> None:
+    lockstep = Lockstep(scenario("open", WALLED, "boat.heading_deg=0"))
+    timeline = Timeline()
+    lockstep.boat.vehicle.armed = True
+    lockstep.world.hardware.motors.write(1.0, 1.0)
+    for _ in range(600):
+        lockstep.world.step(0.02)
+        timeline.tick(lockstep)
+    assert timeline.touched == ["Rock"]
+
+
+def test_a_motor_that_is_driven_though_the_boat_is_disarmed_is_counted_and_told_once() -> None:
+    lockstep = Lockstep(scenario("open"))
+    timeline = Timeline()
+    lockstep.world.hardware.motors.write(0.1, 0.0)
+    for _ in range(3):
+        timeline.tick(lockstep)
+    lockstep.world.hardware.motors.stop()
+    timeline.tick(lockstep)
+    assert timeline.late_commands == 3
+    assert [event.kind for event in timeline.events] == ["mode", "motors"]
+
+
+def test_a_full_timeline_takes_no_more() -> None:
+    lockstep = Lockstep(scenario("open"))
+    timeline = Timeline()
+    lockstep.station.texts.extend(["again"] * (MOST_EVENTS + 10))
+    timeline.tick(lockstep)
+    assert len(timeline.events) == MOST_EVENTS
+
+
+def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> None:
+    sailing = Sailing(scenario("open", "environment.current_m_s=0.3"), ITEMS)
+    result = sailing.run()
+    rows = sailing.beliefs.rows
+    column = {name: rows[:, index] for index, name in enumerate(Belief._fields)}
+    assert len(rows) == pytest.approx(result.time_s / EVERY_S, abs=3)
+    assert np.allclose(np.diff(column["time_s"]), EVERY_S)
+    truth = {round(row[0], 3): row for row in sailing.recorder.rows.tolist()}
+    for time_s, north_m in zip(column["time_s"], column["north_m"], strict=True):
+        assert truth[round(time_s, 3)][1] == pytest.approx(north_m, abs=2.0)
+    assert column["armed"].all()
+    assert set(column["mode"]) <= {float(Mode.AUTO), float(Mode.LOITER)}
+    assert np.nanmax(column["demand_speed_m_s"]) > 1.0
+
+
+def test_echoes_lie_where_the_boat_took_them_to_be() -> None:
+    lockstep = Lockstep(scenario("open", WALLED, "boat.heading_deg=0", "boat.start=[0.0, 3.0]"))
+    sailing = Sailing(lockstep.world.scenario, ITEMS)
+    for _ in range(300):
+        lockstep.step()
+        sailing.beliefs.tick(lockstep.boat, lockstep.time_s)
+    north_m, east_m = sailing.beliefs.echoes[:, 1], sailing.beliefs.echoes[:, 2]
+    assert len(north_m) > 10
+    rock = np.abs(np.hypot(north_m - 6.0, east_m) - 1.0)
+    assert np.median(rock) < 1.0
+
+
+def test_a_boat_that_has_left_its_mission_is_watched_for_as_long_as_was_asked() -> None:
+    short, long = Sailing(scenario("open"), ITEMS), Sailing(scenario("open"), ITEMS)
+    ended, watched = short.run(), long.run(linger_s=10.0)
+    assert watched.sim_seconds == pytest.approx(ended.sim_seconds + 10.0, abs=0.1)
+    assert watched.time_s == pytest.approx(ended.time_s)
+    assert watched.path_length_m == pytest.approx(ended.path_length_m)
+    assert watched.completed
