@@ -6,6 +6,7 @@ from companion.config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
 from companion.estimation.estimator import Estimator
+from companion.guidance.headway import Headway
 from companion.guidance.pilot import Pilot
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
@@ -76,6 +77,7 @@ class Boat:
         self.pilot = Pilot()
         self.helm = Helm()
         self.gate = Gate()
+        self.headway = Headway()
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
         self.free_memory_bytes = 0  # of the computer; the program's to say
         self.command: MotorCommand = STOPPED
@@ -186,6 +188,7 @@ class Boat:
         )
         if command.reason:
             self.helm.reset()
+        self.headway.update(self.demand, command, nav, config, TICK_S)
         return command
 
     def _test_motor(self, now_s: float) -> MotorCommand:

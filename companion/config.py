@@ -17,6 +17,7 @@ from msgspec import Meta
 from companion.errors import ConfigError
 from companion.parts import Parts
 from companion.section import NonNegative, Positive, Section, Share, SystemId
+from companion.settings.handling import Handling
 
 
 class LinkConfig(Section, frozen=True):
@@ -82,6 +83,7 @@ class Guidance(Section, frozen=True):
     """Line of sight, corners and station keeping."""
 
     waypoint_radius_m: Positive = 2.0
+    corner_radius_m: Positive = 1.5  # of the arc round a corner, where that passes within waypoint_radius_m
     lookahead_m: Positive = 4.0
     accel_m_s2: Positive = 0.4  # used to slow down for a corner or the end
     corner_accel_m_s2: Positive = 0.5  # centripetal: how hard a corner may be taken
@@ -228,6 +230,7 @@ class BoatConfig(Section, frozen=True):
     speed: Speed = Speed()
     motors: Motors = Motors()
     guidance: Guidance = Guidance()
+    handling: Handling = Handling()
     mission: Mission = Mission()
     modes: Modes = Modes()
     follow: Follow = Follow()

@@ -59,13 +59,15 @@ class Demand(Struct, frozen=True, gc=False):
     """What guidance asks of the control loops.
 
     cross_track_m: how far the boat is to the right of its line, for telemetry and metrics only.
-    distance_m: to the end of the leg or the station.
+    distance_m: to the end of the leg or the station. yaw_rate_rad_s: how fast heading_rad is about to turn,
+    clockwise positive, for the heading loop to go along with.
     """
 
     heading_rad: float
     speed_m_s: float
     cross_track_m: float = 0.0
     distance_m: float = 0.0
+    yaw_rate_rad_s: float = 0.0
 
 
 class PidOutput(Struct, frozen=True, gc=False):

@@ -1,0 +1,116 @@
+"""Courses that show how well a boat keeps its line: the ones on which other autopilots have been measured.
+
+    straight    200 m north
+    zigzag      five right angles, alternately to starboard and to port, on legs of 50 m
+    square      50 m a side, to starboard, back to where it began
+
+What is measured comes from the truth. The *cross-track error* is the distance to the line of the leg being
+sailed, so that a corner that is cut counts with how far inside it the boat was. The *path error* is the
+distance to the nearest place of the whole planned line. The *overshoot* of a corner is how far the boat goes
+beyond the new leg, seen from the inside of the corner, while it sails the first OVERSHOOT_M of it. A run's
+overshoot is that of its worst corner.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from companion.geo import Line, LocalFrame, Point
+from companion.units import wrap_pi
+from mission_tools.mission import Mission
+from mission_tools.route import mission_along
+from sitl.recorder import Recorder
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+OVERSHOOT_M = 20.0  # of the new leg, within which a corner is sailed out
+
+COURSES: dict[str, tuple[Point, ...]] = {
+    "straight": (Point(0.0, 0.0), Point(200.0, 0.0)),
+    "zigzag": (
+        Point(0.0, 0.0),
+        Point(50.0, 0.0),
+        Point(50.0, 50.0),
+        Point(100.0, 50.0),
+        Point(100.0, 100.0),
+        Point(150.0, 100.0),
+        Point(150.0, 150.0),
+    ),
+    "square": (Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0), Point(0.0, 50.0), Point(0.0, 0.0)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """How well a line was kept, in metres. overshoot_m is None where there is no corner."""
+
+    rms_m: float
+    percentile_95_m: float
+    max_m: float
+    path_rms_m: float
+    path_max_m: float
+    overshoot_m: float | None
+
+
+def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
+    """A course laid out from where the boat lies.
+
+    Raises:
+        KeyError: no such course.
+    """
+    points = [Point(start.north_m + at.north_m, start.east_m + at.east_m) for at in COURSES[name]]
+    return mission_along([frame.to_global(point) for point in points])
+
+
+def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
+    """The figures of a run along a planned line; None when no leg was sailed."""
+    cross = np.abs(recorder.cross_track_m(planned))
+    if not len(cross):
+        return None
+    off = _off_path_m(recorder, planned)
+    return Tracking(
+        rms_m=math.sqrt(float(np.mean(cross * cross))),
+        percentile_95_m=float(np.percentile(cross, 95.0)),
+        max_m=float(cross.max()),
+        path_rms_m=math.sqrt(float(np.mean(off * off))),
+        path_max_m=float(off.max()),
+        overshoot_m=max(overshoots_m(recorder, planned), default=None),
+    )
+
+
+def overshoots_m(recorder: Recorder, planned: Sequence[Point]) -> list[float]:
+    """How far the boat went beyond each corner's new leg, 0 where it did not; corners in order.
+
+    Only corners that were reached are counted.
+    """
+    beyond: dict[int, float] = {}
+    lines = [Line(a, b) for a, b in pairwise(planned)]
+    turns = [wrap_pi(b.course_rad - a.course_rad) for a, b in pairwise(lines)]
+    for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True):
+        if leg < 1 or turns[leg - 1] == 0.0:
+            continue
+        along_m, cross_m = lines[leg].along_and_cross_track_m(at)
+        if along_m <= OVERSHOOT_M:
+            outside_m = -math.copysign(cross_m, cross_m * turns[leg - 1])
+            beyond[leg] = max(beyond.get(leg, 0.0), outside_m)
+    return [beyond[leg] for leg in sorted(beyond)]
+
+
+def _off_path_m(recorder: Recorder, planned: Sequence[Point]) -> "NDArray[np.float64]":
+    """Distance to the nearest place of the planned line, at every tick that had a leg."""
+    sailed = recorder.legs >= 0
+    at = np.asarray(recorder.track(), dtype=np.float64)[sailed]
+    nearest = np.full(len(at), np.inf)
+    for start, end in pairwise(np.asarray(planned, dtype=np.float64)):
+        along = end - start
+        length_2 = float(along @ along)
+        off = at - start
+        share = np.clip(off @ along / length_2, 0.0, 1.0) if length_2 > 0.0 else np.zeros(len(at))
+        foot = off - share[:, None] * along
+        nearest = np.minimum(nearest, np.hypot(foot[:, 0], foot[:, 1]))
+    return nearest
