@@ -62,18 +62,24 @@ class Shore:
         )
 
     def range_m(
-        self, east_m: float, north_m: float, bearings_rad: Sequence[float], max_range_m: float
+        self,
+        east_m: float,
+        north_m: float,
+        bearings_rad: Sequence[float],
+        max_range_m: float,
+        grazing: float = 0.0,
     ) -> float:
         """The nearest echo of a fan of rays from one point; infinite when there is none within max_range_m.
 
         The bearings come in clockwise order and span less than a half turn; max_range_m is within reach.
+        grazing: sine of the angle between ray and shore below which the shore mirrors a ray away.
         """
         segments = self.near(east_m, north_m)
         if not segments:
             return math.inf
         rays = [(math.sin(bearing), math.cos(bearing)) for bearing in bearings_rad]
         (first_east, first_north), (last_east, last_north) = rays[0], rays[-1]
-        nearest = math.inf
+        nearest = [math.inf] * len(rays)
         for at_east, at_north, d_east, d_north in segments:
             to_east, to_north = at_east - east_m, at_north - north_m
             # Most segments lie wholly to one side of the fan.
@@ -84,13 +90,17 @@ class Shore:
             if side > 0.0 and side + d_east * last_north - d_north * last_east > 0.0:
                 continue
             area = to_east * d_north - to_north * d_east
-            for ray_east, ray_north in rays:
+            for ray, (ray_east, ray_north) in enumerate(rays):
                 across = ray_east * d_north - ray_north * d_east
                 if across != 0.0 and 0.0 <= (to_east * ray_north - to_north * ray_east) / across <= 1.0:
                     distance = area / across
-                    if 0.0 <= distance < nearest:
-                        nearest = distance
-        return nearest if nearest <= max_range_m else math.inf
+                    if 0.0 <= distance < abs(nearest[ray]):
+                        is_mirrored = abs(across) < grazing * math.hypot(d_east, d_north)
+                        nearest[ray] = (
+                            -distance if is_mirrored else distance
+                        )  # lost, yet nothing behind it echoes
+        echo = min((distance for distance in nearest if distance >= 0.0), default=math.inf)
+        return echo if echo <= max_range_m else math.inf
 
     def room_m(self, east_m: float, north_m: float) -> float:
         """Distance to the nearest shore, or the reach where that is less."""

@@ -1,14 +1,14 @@
 """The boat's hardware, simulated: what `companion.hal.interfaces` asks for, over a world in memory.
 
-Motors and battery monitor are here; receiver, compass and sonar, which have models of their own, are
-in `sensors`.
+The motors' inputs are here; receiver, compass, sonar and battery monitor are in `sensors`.
 """
 
 import math
 
-from companion.sensors.readings import BatteryReading
 from companion.units import clamp
-from sitl.sensors import TIME_SLACK_S
+from sitl.sensors import SimBattery
+
+__all__ = ["SimBattery", "SimMotors"]
 
 
 class SimMotors:
@@ -34,28 +34,3 @@ class SimMotors:
     def close(self) -> None:
         """Stop."""
         self.stop()
-
-
-class SimBattery:
-    """The monitor of the simulated pack."""
-
-    __slots__ = ("_latest", "_next", "_rate_hz")
-
-    def __init__(self, rate_hz: float) -> None:
-        """Start without a reading."""
-        self._rate_hz = rate_hz
-        self._latest: BatteryReading | None = None
-        self._next = 0
-
-    def sense(self, now_s: float, voltage_v: float, current_a: float) -> None:
-        """Sample when due."""
-        if now_s + TIME_SLACK_S >= self._next / self._rate_hz:
-            self._next += 1
-            self._latest = BatteryReading(now_s, voltage_v, current_a)
-
-    def read(self) -> BatteryReading | None:
-        """The latest reading."""
-        return self._latest
-
-    def close(self) -> None:
-        """Nothing to let go."""

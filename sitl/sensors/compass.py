@@ -1,0 +1,176 @@
+"""The magnetic compass with its yaw gyro."""
+
+import math
+
+import msgspec
+
+from companion.section import NonNegative, Positive, Section
+from companion.sensors.readings import HeadingReading
+from companion.units import wrap_pi
+from sitl.sensors.fault import SensorFault
+from sitl.sensors.sampling import TIME_SLACK_S, generator
+
+
+class CompassSettings(Section, frozen=True):
+    """A magnetic compass with a yaw gyro, clockwise positive.
+
+    The compass is off by white noise and by the deviation that calibration has left over, after Archibald
+    Smith's coefficients: a constant A (bias_deg), a semicircular part by hard iron, which turns once with the
+    heading, and a quadrantal part by soft iron, which turns twice. The motors' leads act as hard iron that
+    grows with their current. The *_at_deg are the headings where a part is zero and rising.
+    The gyro is off by white noise, a fixed bias and its random walk (the deviation after a minute).
+    """
+
+    rate_hz: Positive = 50.0
+    noise_deg: NonNegative = 0.8
+    bias_deg: float = 1.0
+    hard_iron_deg: NonNegative = 0.0
+    hard_iron_at_deg: float = 60.0
+    soft_iron_deg: NonNegative = 0.0
+    soft_iron_at_deg: float = 20.0
+    motor_deg_per_a: NonNegative = 0.0
+    motor_at_deg: float = -30.0
+    gyro_noise_deg_s: NonNegative = 0.3
+    gyro_bias_deg_s: float = 0.1
+    gyro_walk_deg_s: NonNegative = 0.0
+
+
+class SimCompass:
+    """Compass and gyro, read once per period. They fail apart: `fault` is the compass's."""
+
+    __slots__ = (
+        "_bias_rad",
+        "_count",
+        "_due_s",
+        "_gyro_bias",
+        "_gyro_noise",
+        "_gyro_walk",
+        "_hard_at_rad",
+        "_hard_rad",
+        "_is_magnetic",
+        "_latest",
+        "_motor_at_rad",
+        "_motor_rad_per_a",
+        "_noise_rad",
+        "_random",
+        "_rate_hz",
+        "_sampled",
+        "_soft_at_rad",
+        "_soft_rad",
+        "clock_offset_s",
+        "fault",
+        "gyro_fault",
+    )
+
+    def __init__(self, settings: CompassSettings, seed: int) -> None:
+        """Start without a reading."""
+        self.fault: SensorFault[HeadingReading] | None = None
+        self.gyro_fault: SensorFault[HeadingReading] | None = None
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        radians = math.radians
+        self._random = generator(seed, "compass")
+        self._rate_hz = settings.rate_hz
+        self._noise_rad, self._bias_rad = radians(settings.noise_deg), radians(settings.bias_deg)
+        self._hard_rad, self._hard_at_rad = (
+            radians(settings.hard_iron_deg),
+            radians(settings.hard_iron_at_deg),
+        )
+        self._soft_rad, self._soft_at_rad = (
+            radians(settings.soft_iron_deg),
+            radians(settings.soft_iron_at_deg),
+        )
+        self._motor_rad_per_a = radians(settings.motor_deg_per_a)
+        self._motor_at_rad = radians(settings.motor_at_deg)
+        self._is_magnetic = bool(self._hard_rad or self._soft_rad or self._motor_rad_per_a)
+        self._gyro_noise = radians(settings.gyro_noise_deg_s)
+        self._gyro_bias = radians(settings.gyro_bias_deg_s)
+        self._gyro_walk = radians(settings.gyro_walk_deg_s) / math.sqrt(60.0 * settings.rate_hz)
+        self._latest: HeadingReading | None = None
+        self._sampled: HeadingReading | None = None
+        self._count, self._due_s = 0, 0.0
+
+    def sense(
+        self, now_s: float, heading_rad: float, yaw_rate_rad_s: float, motor_current_a: float = 0.0
+    ) -> None:
+        """Sample when due."""
+        if now_s + TIME_SLACK_S < self._due_s:
+            return
+        self._count += 1
+        self._due_s = self._count / self._rate_hz
+        gauss = self._random.gauss
+        heard_rad = heading_rad + self._bias_rad + gauss(0.0, self._noise_rad)
+        if self._is_magnetic:
+            heard_rad += self._deviation_rad(heading_rad, motor_current_a)
+        if self._gyro_walk:
+            self._gyro_bias += gauss(0.0, self._gyro_walk)
+        reading = HeadingReading(
+            now_s + self.clock_offset_s,
+            wrap_pi(heard_rad),
+            yaw_rate_rad_s + self._gyro_bias + gauss(0.0, self._gyro_noise),
+        )
+        if self.fault is None and self.gyro_fault is None:
+            self._latest = self._sampled = reading
+        else:
+            spoilt = self._spoilt(reading, now_s)
+            if spoilt is not None:
+                self._latest = spoilt
+
+    def _deviation_rad(self, heading_rad: float, motor_current_a: float) -> float:
+        sin = math.sin
+        return (
+            self._hard_rad * sin(heading_rad - self._hard_at_rad)
+            + self._soft_rad * sin(2.0 * (heading_rad - self._soft_at_rad))
+            + self._motor_rad_per_a * motor_current_a * sin(heading_rad - self._motor_at_rad)
+        )
+
+    def _spoilt(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
+        spoilt: HeadingReading | None = reading
+        if self.gyro_fault is not None:
+            spoilt = self._spoil_rate(reading, self.gyro_fault)
+        if self.fault is not None and spoilt is not None:
+            spoilt = self._spoil_heading(spoilt, self.fault, now_s)
+        return spoilt
+
+    def _spoil_rate(self, reading: HeadingReading, fault: SensorFault[HeadingReading]) -> HeadingReading:
+        size_rad_s, rate = math.radians(fault.size), reading.yaw_rate_rad_s or 0.0
+        heard: float | None = rate
+        match fault.kind:
+            case "off":
+                heard = None
+            case "stuck":
+                held = fault.held = fault.held or self._sampled or reading
+                heard = held.yaw_rate_rad_s
+            case "garbage":
+                heard = fault.random.uniform(-size_rad_s, size_rad_s)
+            case _:
+                heard = rate + size_rad_s
+        return msgspec.structs.replace(reading, yaw_rate_rad_s=heard)
+
+    def _spoil_heading(
+        self, reading: HeadingReading, fault: SensorFault[HeadingReading], now_s: float
+    ) -> HeadingReading | None:
+        replace, heading_rad = msgspec.structs.replace, reading.heading_rad
+        match fault.kind:
+            case "stuck":
+                held = fault.held = fault.held or self._sampled or reading
+                return replace(reading, heading_rad=held.heading_rad)
+            case "garbage":
+                return replace(reading, heading_rad=fault.random.uniform(-math.pi, math.pi))
+            case "wrong":
+                return replace(reading, heading_rad=wrap_pi(heading_rad + math.radians(fault.size)))
+            case "drift":
+                off_rad = math.radians(fault.size) * (now_s - fault.since_s)
+                return replace(reading, heading_rad=wrap_pi(heading_rad + off_rad))
+            case _:
+                return fault.in_time(reading, now_s)
+
+    def read(self) -> HeadingReading | None:
+        """The latest reading."""
+        return self._latest
+
+    def restart(self) -> None:
+        """Forget what was read: the boat's computer begins anew."""
+        self._latest = None
+
+    def close(self) -> None:
+        """Nothing to let go."""

@@ -1,0 +1,62 @@
+"""What is wrong with a sensor, as far as it is the same for all of them: readings that fail to come in time.
+
+What a fault does to a reading's value is each sensor's own affair, in its own file.
+"""
+
+import random
+from collections import deque
+from typing import Generic, TypeVar
+
+import msgspec
+
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+
+R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading)
+
+_LONGEST_QUEUE = 1024
+
+
+class SensorFault(Generic[R]):
+    """One fault of one sensor, from since_s on.
+
+    kind: `off` puts out nothing; `slow` only every size-th reading; `delayed` each reading size seconds late,
+    stamped when it comes, as a driver that knows of no delay stamps it; `intermittent` nothing in the first
+    half of every size seconds. Any other kind spoils values: there size means what the catalogue of faults
+    says, and bearing_rad is a direction over ground.
+    """
+
+    __slots__ = ("_seen", "_under_way", "bearing_rad", "held", "kind", "random", "since_s", "size")
+
+    def __init__(
+        self, kind: str, size: float, bearing_rad: float, since_s: float, numbers: random.Random
+    ) -> None:
+        self.kind = kind
+        self.size = size
+        self.bearing_rad = bearing_rad
+        self.since_s = since_s
+        self.random = numbers
+        self.held: R | None = None  # the last good reading, for what is stuck
+        self._seen = 0
+        self._under_way: deque[tuple[float, R]] = deque(maxlen=_LONGEST_QUEUE)
+
+    def in_time(self, reading: R, now_s: float) -> R | None:
+        """What the sensor puts out at this sample's time; None for nothing."""
+        match self.kind:
+            case "off":
+                return None
+            case "slow":
+                self._seen += 1
+                return reading if self._seen % max(1, round(self.size)) == 0 else None
+            case "intermittent":
+                return None if (now_s - self.since_s) % self.size < 0.5 * self.size else reading
+            case "delayed":
+                return self._late(reading, now_s)
+            case _:
+                return reading
+
+    def _late(self, reading: R, now_s: float) -> R | None:
+        self._under_way.append((now_s, reading))
+        arrived: R | None = None
+        while self._under_way and now_s >= self._under_way[0][0] + self.size:
+            arrived = self._under_way.popleft()[1]
+        return None if arrived is None else msgspec.structs.replace(arrived, time_s=reading.time_s)

@@ -1,0 +1,201 @@
+"""The satellite receiver, or what stands in for one."""
+
+import math
+import random
+from collections import deque
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from companion.geo import LocalFrame, Point
+from companion.section import NonNegative, Positive, Section
+from companion.sensors.readings import GnssFix
+from sitl.sensors.fault import SensorFault
+from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator
+from sitl.shore import Shore
+
+_MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
+_JAMMED_NOISE_M = 8.0  # when the jammer is about to win
+_NO_FIX = 1  # GPS_FIX_TYPE_NO_FIX
+
+
+class GnssSettings(Section, frozen=True):
+    """A satellite receiver, or what stands in for one.
+
+    Position error is white noise plus a first-order Gauss-Markov wander of the given deviation and
+    correlation time, per axis. Near the shore, trees and walls add reflections: a further, faster wander of
+    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away. A fix carries the
+    time it was valid for and arrives latency_s later.
+    """
+
+    rate_hz: Positive = 5.0
+    noise_m: NonNegative = 0.10
+    wander_m: NonNegative = 0.15
+    wander_s: Positive = 60.0
+    velocity_noise_m_s: NonNegative = 0.05
+    multipath_m: NonNegative = 0.0
+    multipath_reach_m: Positive = 4.0
+    latency_s: NonNegative = 0.1
+    fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
+    satellites: Annotated[int, Meta(ge=0, le=60)] = 12
+    hdop: Positive = 0.9
+
+
+class SimGnss:
+    """The receiver: a queue of fixes on their way, and the latest that has arrived."""
+
+    __slots__ = (
+        "_count",
+        "_drive_m",
+        "_due_s",
+        "_frame",
+        "_keep",
+        "_latest",
+        "_multipath",
+        "_random",
+        "_sampled",
+        "_settings",
+        "_under_way",
+        "_wander_e",
+        "_wander_n",
+        "clock_offset_s",
+        "fault",
+    )
+
+    def __init__(
+        self, settings: GnssSettings, frame: LocalFrame, seed: int, shore: Shore | None = None
+    ) -> None:
+        """Start without a fix, the wander in its steady state."""
+        self.fault: SensorFault[GnssFix] | None = None
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        self._settings = settings
+        self._frame = frame
+        self._random = generator(seed, "gnss")
+        # The wander's share that lasts to the next fix, and the noise that keeps its deviation what it is.
+        self._keep = math.exp(-1.0 / (settings.rate_hz * settings.wander_s))
+        self._drive_m = settings.wander_m * math.sqrt(1.0 - self._keep * self._keep)
+        self._under_way: deque[tuple[float, GnssFix]] = deque(maxlen=1024)
+        self._latest: GnssFix | None = None
+        self._sampled: GnssFix | None = None
+        self._count, self._due_s = 0, 0.0
+        self._wander_n = self._random.gauss(0.0, settings.wander_m)
+        self._wander_e = self._random.gauss(0.0, settings.wander_m)
+        self._multipath: _Multipath | None = None
+        if shore is not None and settings.multipath_m:
+            self._multipath = _Multipath(settings, shore, generator(seed, "gnss.multipath"))
+
+    def sense(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
+        """Sample when due; deliver what has travelled long enough."""
+        if now_s + TIME_SLACK_S >= self._due_s:
+            self._count += 1
+            self._due_s = self._count / self._settings.rate_hz
+            self._sample(now_s, north_m, east_m, north_m_s, east_m_s)
+        under_way = self._under_way
+        while under_way and now_s + TIME_SLACK_S >= under_way[0][0]:
+            self._latest = under_way.popleft()[1]
+
+    def _sample(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
+        fix: GnssFix | None = self._fix(now_s, north_m, east_m, north_m_s, east_m_s)
+        if self.fault is None:
+            self._sampled = fix
+        elif fix is not None:
+            fix = self._spoilt(fix, self.fault, now_s)
+        if fix is not None:
+            self._under_way.append((now_s + self._settings.latency_s, fix))
+
+    def _fix(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> GnssFix:
+        settings, gauss = self._settings, self._random.gauss
+        self._wander_n = self._keep * self._wander_n + gauss(0.0, self._drive_m)
+        self._wander_e = self._keep * self._wander_e + gauss(0.0, self._drive_m)
+        heard_n = north_m + self._wander_n + gauss(0.0, settings.noise_m)
+        heard_e = east_m + self._wander_e + gauss(0.0, settings.noise_m)
+        if self._multipath is not None:
+            off_n, off_e = self._multipath.error_m(north_m, east_m)
+            heard_n, heard_e = heard_n + off_n, heard_e + off_e
+        return GnssFix(
+            time_s=now_s + self.clock_offset_s,
+            position=self._frame.to_global(Point(heard_n, heard_e)),
+            fix_type=settings.fix_type,
+            satellites=settings.satellites,
+            hdop=settings.hdop,
+            north_m_s=north_m_s + gauss(0.0, settings.velocity_noise_m_s),
+            east_m_s=east_m_s + gauss(0.0, settings.velocity_noise_m_s),
+            horizontal_accuracy_m=math.hypot(settings.noise_m, settings.wander_m) * math.sqrt(2.0),
+            unix_time_s=EPOCH_UNIX_S + now_s,
+        )
+
+    def _spoilt(self, fix: GnssFix, fault: SensorFault[GnssFix], now_s: float) -> GnssFix | None:
+        """What the fault makes of a fix. A receiver that is fooled is as sure of itself as ever."""
+        replace, since_s = msgspec.structs.replace, now_s - fault.since_s
+        match fault.kind:
+            case "stuck":
+                held = fault.held = fault.held or self._sampled or fix
+                return replace(held, time_s=fix.time_s, unix_time_s=fix.unix_time_s)
+            case "no_fix":
+                return replace(fix, fix_type=_NO_FIX, satellites=2, hdop=99.0, north_m_s=None, east_m_s=None)
+            case "garbage":
+                uniform = fault.random.uniform
+                return self._moved(fix, uniform(-fault.size, fault.size), uniform(-fault.size, fault.size))
+            case "wrong":
+                return self._pulled(fix, fault, fault.size)
+            case "drift":
+                return self._pulled(fix, fault, fault.size * since_s)
+            case "jammed" if since_s < fault.size:
+                share, gauss = since_s / fault.size, fault.random.gauss
+                noise_m = _JAMMED_NOISE_M * share
+                noisy = self._moved(fix, gauss(0.0, noise_m), gauss(0.0, noise_m))
+                fault.held = replace(
+                    noisy,
+                    satellites=max(4, round(fix.satellites * (1.0 - 0.6 * share))),
+                    hdop=fix.hdop * (1.0 + 4.0 * share),
+                    horizontal_accuracy_m=noise_m + (fix.horizontal_accuracy_m or 0.0),
+                )
+                return fault.held
+            case "jammed":
+                held = replace(fault.held or fix, fix_type=_NO_FIX, satellites=2, hdop=99.0)
+                return replace(
+                    held, time_s=fix.time_s, unix_time_s=fix.unix_time_s, north_m_s=None, east_m_s=None
+                )
+            case _:
+                return fault.in_time(fix, now_s)
+
+    def _pulled(self, fix: GnssFix, fault: SensorFault[GnssFix], by_m: float) -> GnssFix:
+        return self._moved(fix, by_m * math.cos(fault.bearing_rad), by_m * math.sin(fault.bearing_rad))
+
+    def _moved(self, fix: GnssFix, north_m: float, east_m: float) -> GnssFix:
+        here = self._frame.to_local(fix.position)
+        there = self._frame.to_global(Point(here.north_m + north_m, here.east_m + east_m))
+        return msgspec.structs.replace(fix, position=there)
+
+    def read(self) -> GnssFix | None:
+        """The latest fix that has arrived."""
+        return self._latest
+
+    def restart(self) -> None:
+        """Forget what was read: the boat's computer begins anew."""
+        self._latest = None
+        self._under_way.clear()
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+class _Multipath:
+    """Reflections off the shore: a wander whose deviation grows towards the water's edge."""
+
+    __slots__ = ("_drive", "_east", "_keep", "_north", "_random", "_reach_m", "_shore", "_size_m")
+
+    def __init__(self, settings: GnssSettings, shore: Shore, numbers: random.Random) -> None:
+        self._shore, self._random = shore, numbers
+        self._size_m, self._reach_m = settings.multipath_m, settings.multipath_reach_m
+        self._keep = math.exp(-1.0 / (settings.rate_hz * _MULTIPATH_S))
+        self._drive = math.sqrt(1.0 - self._keep * self._keep)
+        self._north, self._east = numbers.gauss(0.0, 1.0), numbers.gauss(0.0, 1.0)
+
+    def error_m(self, north_m: float, east_m: float) -> tuple[float, float]:
+        """The error of the next fix, north and east."""
+        self._north = self._keep * self._north + self._drive * self._random.gauss(0.0, 1.0)
+        self._east = self._keep * self._east + self._drive * self._random.gauss(0.0, 1.0)
+        size_m = self._size_m * max(0.0, 1.0 - self._shore.room_m(east_m, north_m) / self._reach_m)
+        return size_m * self._north, size_m * self._east

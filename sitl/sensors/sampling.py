@@ -1,0 +1,11 @@
+"""When sensors sample, and where their random numbers come from."""
+
+import random
+
+EPOCH_UNIX_S = 1_767_225_600.0  # the simulated day is 1 January 2026, so that runs do not depend on the date
+TIME_SLACK_S = 1e-6  # a sample that is due this soon is taken now: tick × dt need not hit a period exactly
+
+
+def generator(seed: int, name: str) -> random.Random:
+    """A sensor's own random numbers."""
+    return random.Random(f"{seed}/{name}")  # a string is hashed whole, and the same way in every process

@@ -1,0 +1,173 @@
+"""The ultrasonic ranger, swept by a servo."""
+
+import math
+from collections import deque
+from typing import Annotated, Protocol
+
+import msgspec
+from msgspec import Meta
+
+from companion.section import NonNegative, Positive, Section, Share
+from companion.sensors.readings import SonarReading
+from sitl.sensors.fault import SensorFault
+from sitl.sensors.sampling import TIME_SLACK_S, generator
+from sitl.shore import Shore
+
+CONE_RAYS = (-1.0, 0.0, 1.0)
+_SPRAY_M = 0.6  # water thrown up by the bow comes no further
+
+
+class SonarSettings(Section, frozen=True):
+    """An ultrasonic ranger on a servo that sweeps to and fro over sweep_deg about the bow.
+
+    A surface that is met at more than specular_deg from square throws the sound away like a mirror: smooth
+    walls from about 30°, stones and reeds hardly ever (90 loses nothing). spray_per_m is the share of pings
+    that meet spray instead, per metre of wave height. ghost_share of the pings hear an echo by a detour, or
+    of an earlier ping: a range where nothing is.
+    """
+
+    fitted: bool = True
+    ping_s: Positive = 0.06
+    sweep_deg: Annotated[float, Meta(ge=0.0, le=360.0)] = 180.0
+    step_deg: Positive = 15.0
+    cone_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 15.0
+    specular_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
+    min_range_m: NonNegative = 0.02
+    max_range_m: Positive = 4.0
+    noise_m: NonNegative = 0.01
+    spray_per_m: NonNegative = 0.0
+    ghost_share: Share = 0.0
+
+
+class MovingObstacles(Protocol):
+    """What moves about on the water."""
+
+    def range_m(
+        self, east_m: float, north_m: float, bearings_rad: list[float], max_range_m: float, time_s: float
+    ) -> float:
+        """The nearest echo of a fan of rays from one point, infinite when there is none in range."""
+
+
+class SimSonar:
+    """The swept ranger. Its cone is a fan of three rays of which the nearest echo counts."""
+
+    __slots__ = (
+        "_bearings_rad",
+        "_count",
+        "_due_s",
+        "_fan_rad",
+        "_grazing",
+        "_last_range_m",
+        "_movers",
+        "_pings",
+        "_random",
+        "_settings",
+        "_shore",
+        "clock_offset_s",
+        "fault",
+    )
+
+    def __init__(
+        self, settings: SonarSettings, shore: Shore, seed: int, movers: MovingObstacles | None = None
+    ) -> None:
+        """Start at the sweep's port end."""
+        self.fault: SensorFault[SonarReading] | None = None
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        self._settings = settings
+        self._shore = shore
+        self._movers = movers
+        self._random = generator(seed, "sonar")
+        self._fan_rad = tuple(0.5 * math.radians(settings.cone_deg) * side for side in CONE_RAYS)
+        self._grazing = math.cos(math.radians(settings.specular_deg)) if settings.specular_deg < 90.0 else 0.0
+        self._bearings_rad = sweep_bearings_rad(settings)
+        self._pings: deque[SonarReading] = deque(maxlen=64)  # nobody reading must not cost memory
+        self._last_range_m: float | None = None
+        self._count, self._due_s = 0, 0.0
+
+    def sense(
+        self, now_s: float, north_m: float, east_m: float, heading_rad: float, wave_m: float = 0.0
+    ) -> None:
+        """Ping when due. wave_m: the height of the waves."""
+        if now_s + TIME_SLACK_S < self._due_s:
+            return
+        settings = self._settings
+        bearing = self._bearings_rad[self._count % len(self._bearings_rad)]
+        self._count += 1
+        self._due_s = self._count * settings.ping_s
+        ahead = heading_rad + bearing
+        echo_m = self._echo_m([ahead + side for side in self._fan_rad], north_m, east_m, now_s)
+        heard_m = None if echo_m is None else echo_m + self._random.gauss(0.0, settings.noise_m)
+        if settings.ghost_share or settings.spray_per_m:
+            heard_m = self._disturbed(heard_m, wave_m)
+        if heard_m is not None:
+            heard_m = min(max(heard_m, settings.min_range_m), settings.max_range_m)
+        ping = SonarReading(
+            now_s + self.clock_offset_s, bearing, heard_m, settings.min_range_m, settings.max_range_m
+        )
+        if self.fault is None:
+            self._last_range_m = heard_m
+            self._pings.append(ping)
+        else:
+            spoilt = self._spoilt(ping, self.fault, now_s)
+            if spoilt is not None:
+                self._pings.append(spoilt)
+
+    def _echo_m(self, rays_rad: list[float], north_m: float, east_m: float, now_s: float) -> float | None:
+        max_range_m = self._settings.max_range_m
+        nearest_m = self._shore.range_m(east_m, north_m, rays_rad, max_range_m, self._grazing)
+        if self._movers is not None:
+            moving_m = self._movers.range_m(east_m, north_m, rays_rad, max_range_m, now_s)
+            nearest_m = min(nearest_m, moving_m)
+        return nearest_m if nearest_m <= max_range_m else None
+
+    def _disturbed(self, heard_m: float | None, wave_m: float) -> float | None:
+        """A fixed number of draws a ping: what one ping meets does not depend on another."""
+        settings = self._settings
+        sprayed, ghostly, where = self._random.random(), self._random.random(), self._random.random()
+        if sprayed < settings.spray_per_m * wave_m:
+            near_m = settings.min_range_m + where * _SPRAY_M
+            return near_m if heard_m is None else min(near_m, heard_m)
+        if ghostly < settings.ghost_share:
+            return settings.min_range_m + where * (settings.max_range_m - settings.min_range_m)
+        return heard_m
+
+    def _spoilt(
+        self, ping: SonarReading, fault: SensorFault[SonarReading], now_s: float
+    ) -> SonarReading | None:
+        replace = msgspec.structs.replace
+        match fault.kind:
+            case "stuck":
+                return replace(ping, range_m=self._last_range_m)
+            case "deaf":
+                return replace(ping, range_m=None)
+            case "garbage":
+                return replace(ping, range_m=fault.random.uniform(ping.min_range_m, ping.max_range_m))
+            case "wrong":
+                if ping.range_m is None:
+                    return ping
+                off_m = ping.range_m + fault.size
+                return replace(ping, range_m=min(max(off_m, ping.min_range_m), ping.max_range_m))
+            case _:
+                return fault.in_time(ping, now_s)
+
+    def read(self) -> list[SonarReading]:
+        """The pings since the last call, oldest first."""
+        if not self._pings:
+            return []
+        pings = list(self._pings)
+        self._pings.clear()
+        return pings
+
+    def restart(self) -> None:
+        """Forget what was heard: the boat's computer begins anew."""
+        self._pings.clear()
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+def sweep_bearings_rad(settings: SonarSettings) -> tuple[float, ...]:
+    """One full sweep to and fro: from port to starboard and back, each end once."""
+    steps = math.floor(settings.sweep_deg / settings.step_deg + 1e-9)
+    out = [math.radians(settings.step_deg * (step - 0.5 * steps)) for step in range(steps + 1)]
+    return tuple(out + out[-2:0:-1])
