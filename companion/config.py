@@ -17,6 +17,7 @@ from msgspec import Meta
 from companion.errors import ConfigError
 from companion.parts import Parts
 from companion.section import NonNegative, Positive, Section, Share, SystemId
+from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
 
 
@@ -235,6 +236,7 @@ class BoatConfig(Section, frozen=True):
     modes: Modes = Modes()
     follow: Follow = Follow()
     failsafe: Failsafe = Failsafe()
+    fence: FenceSetting = FenceSetting()
     arming: Arming = Arming()
     battery: Battery = Battery()
     trim: Trim = Trim()

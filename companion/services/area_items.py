@@ -3,9 +3,12 @@
 import math
 from collections.abc import Sequence
 
+from companion.geo import LatLon
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult
 from companion.services.mission_items import command_name, global_position
+from companion.units import e7_to_deg
+from companion.vehicle.fence import FenceArea, FenceCircle, FencePolygon
 
 _POLYGONS = frozenset(
     (
@@ -14,6 +17,12 @@ _POLYGONS = frozenset(
     )
 )
 _CIRCLES = frozenset((dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION))
+_INCLUSIONS = frozenset(
+    (
+        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+        dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+    )
+)
 _RETURN_POINT = dialect.MAV_CMD_NAV_FENCE_RETURN_POINT
 _FEWEST_VERTICES = 3
 
@@ -56,6 +65,32 @@ def check_fence(items: Sequence[MissionItem]) -> Fault | None:
     if len(returns) > 1:
         return Fault(MissionResult.INVALID, f"item {returns[1]}: a second return point")
     return None
+
+
+def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
+    """What a whole list encloses and shuts out. Only for items that have passed both checks."""
+    areas: list[FenceArea] = []
+    seq = 0
+    while seq < len(items):
+        first = items[seq]
+        is_inclusion = first.command in _INCLUSIONS
+        vertices = int(first.param1) if first.command in _POLYGONS else 1
+        if first.command in _POLYGONS:
+            places = tuple([_position(item) for item in items[seq : seq + vertices]])
+            areas.append(FencePolygon(places, is_inclusion))
+        elif first.command in _CIRCLES:
+            areas.append(FenceCircle(_position(first), first.param1, is_inclusion))
+        seq += vertices
+    return areas
+
+
+def rally_points(items: Sequence[MissionItem]) -> list[LatLon]:
+    """The places of a rally list whose items have passed their check."""
+    return [_position(item) for item in items]
+
+
+def _position(item: MissionItem) -> LatLon:
+    return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
 
 
 def _fault_of(item: MissionItem) -> Fault | None:

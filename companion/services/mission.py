@@ -14,6 +14,7 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, State, Transfer
 from companion.requests import SetCurrentItem
+from companion.services.area_items import fence_areas
 from companion.services.guided import on_guided_item
 from companion.services.mission_items import command_name
 from companion.services.mission_list import MissionList, Part
@@ -68,6 +69,7 @@ class MissionService:
             if one.load_fault:
                 logger.warning("the stored %s is not taken: %s", one.type.name.lower(), one.load_fault)
         vehicle.take_mission(self._lists[MissionType.MISSION].steps)
+        vehicle.take_fence(fence_areas(self.items(MissionType.FENCE)))
 
     def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
         """What the boat holds of a kind."""
@@ -201,7 +203,10 @@ class MissionService:
 
     def _swap_in(self, one: MissionList) -> None:
         one.swap_in()
-        if one.type is not MissionType.MISSION:
+        if one.type is MissionType.FENCE:
+            self._vehicle.take_fence(fence_areas(one.items))
+            return
+        if one.type is MissionType.RALLY:
             if one.entries:
                 self._tell(Severity.WARNING, f"{_title(one)} stored, but this boat does not act on it yet")
             return

@@ -1,5 +1,7 @@
 """The vehicle: mode, arming, home, mission and failsafes. Requests go in, an intent comes out each tick."""
 
+from collections.abc import Sequence
+
 from companion.config import BoatConfig
 from companion.geo import LatLon, LocalFrame
 from companion.requests import (
@@ -23,6 +25,7 @@ from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults
 from companion.vehicle.conduct import Conduct, station_of
 from companion.vehicle.failsafe import RETREATS, Action, Alarm, BatteryWatch, OperatorWatch
+from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
 from companion.vehicle.modes import Mode, mode_from_number
@@ -41,6 +44,7 @@ class Vehicle:
         self.mode = Mode.HOLD
         self.armed = False
         self.home: LatLon | None = None
+        self.fence = Fence()
         self.conduct = Conduct()
         self.progress = self.conduct.progress
         self.operator = OperatorWatch()
@@ -74,6 +78,7 @@ class Vehicle:
         self.nav, self.frame, self.fix, self.battery, self._now_s = nav, frame, fix, battery, now_s
         if self.home is None and nav is not None and frame is not None:
             self.home = frame.to_global(nav.point)
+        self.fence.lay(frame, self.home, self.config.fence)
 
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""
@@ -157,6 +162,11 @@ class Vehicle:
         elif self.mode is Mode.AUTO and self.armed:
             what = f"goes on with item {self.progress.current_seq}" if goes_on else "begins at item 1"
             self._tell(Severity.INFO, f"New mission {what}")
+
+    def take_fence(self, areas: Sequence[FenceArea]) -> None:
+        """Swap in a new fence; it counts at once."""
+        self.fence.take(areas)
+        self.fence.lay(self.frame, self.home, self.config.fence)
 
     def enter(self, mode: Mode, why: str = "") -> Outcome:
         """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""

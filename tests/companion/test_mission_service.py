@@ -171,12 +171,11 @@ def test_a_list_of_a_kind_that_does_not_exist_is_refused_at_once() -> None:
     assert (answer.type, answer.mission_type) == (dialect.MAV_MISSION_UNSUPPORTED, 7)
 
 
-def test_fence_and_rally_are_kept_and_the_operator_is_told_that_they_do_nothing_yet() -> None:
+def test_a_fence_counts_at_once_and_a_bad_rally_point_is_refused() -> None:
     rig = Rig()
     rig.step()
     assert isinstance(rig.upload(FENCE, mission_type=MissionType.FENCE), Completed)
-    rig.step()
-    assert "Fence stored, but this boat does not act on it yet" in rig.peer.texts
+    assert rig.boat.vehicle.fence.uploaded
     outcome = rig.upload(
         [MissionItem(frame=3, command=5100, x=2_000_000_000)], mission_type=MissionType.RALLY
     )
