@@ -97,11 +97,14 @@ class Scenario:
         return self.chart.frame
 
 
-def load_scenario(source: str, overrides: Sequence[str] = (), case: str | None = None) -> Scenario:
+def load_scenario(
+    source: str, overrides: Sequence[str] = (), case: str | None = None, over: Sequence[Layer] = ()
+) -> Scenario:
     """Read a scenario.
 
     source: an installed scenario's name (`lake`, `pool`, `open`), a TOML file, or a GeoJSON map, on which the
     lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of [[cases]].
+    over: further layers between the file and the overrides.
 
     Raises:
         ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
@@ -109,7 +112,7 @@ def load_scenario(source: str, overrides: Sequence[str] = (), case: str | None =
         MissionToolsError: the map cannot be used, or there is no such case.
     """
     path, own = _find(source)
-    layers = [own, parse_overrides(overrides)]
+    layers = [own, *over, parse_overrides(overrides)]
     layers.insert(0, _boat_layer(layers, path.parent))
     tree = decode(layers, Tree)
     waters = decode_scenario(merge(layers), path)
