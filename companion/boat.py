@@ -68,6 +68,7 @@ class Boat:
             channels=self.channels.open,
             motor_test=self.motor_test,
             external=self.senses.external,
+            look=self.look,
         )
         if logbook is not None:
             logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
@@ -130,10 +131,9 @@ class Boat:
         intent = self.vehicle.decide()
         self.command = self._steer(intent, now_s)
         self._hardware.motors.write(self.command.left, self.command.right)
-        now = self._snapshot(now_s)
         if self._logbook is not None:
-            self._logbook.tick(now, self.channels)
-        self.endpoint.tick(now)
+            self._logbook.tick(self.look(), self.channels)
+        self.endpoint.tick(now_s, self._unix_s, self.senses.compass, self.load)
         self._flush()
 
     @property
@@ -204,11 +204,17 @@ class Boat:
             dt_s=TICK_S,
         )
 
-    def _snapshot(self, now_s: float) -> Snapshot:
+    @property
+    def _unix_s(self) -> float:
+        """The date, 0 while it is not known."""
+        return self._now_s + self._unix_offset_s if self._unix_offset_s else 0.0
+
+    def look(self) -> Snapshot:
+        """Everything there is to tell of the present tick."""
         senses = self.senses
         return Snapshot(
-            now_s=now_s,
-            unix_s=now_s + self._unix_offset_s if self._unix_offset_s else 0.0,
+            now_s=self._now_s,
+            unix_s=self._unix_s,
             config=self.parameters.config,
             vehicle=self.vehicle,
             nav=self.nav,

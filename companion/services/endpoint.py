@@ -15,6 +15,7 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.params import Parameters
 from companion.router.channel import Channel
 from companion.sensors.external import ExternalSensors
+from companion.sensors.readings import HeadingReading
 from companion.services.commands import CommandService
 from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp import FtpService
@@ -31,9 +32,8 @@ from companion.services.roles import Role, Roles
 from companion.services.sightings import SightingService
 from companion.services.signing import SigningService
 from companion.services.signing_store import SigningStore
-from companion.services.snapshot import Snapshot
 from companion.services.statustext import StatusTextService
-from companion.services.telemetry import MaySend, TelemetryService, always
+from companion.services.telemetry import Look, MaySend, TelemetryService, always
 from companion.services.time_sync import TimeService
 from companion.storage import FolderStorage, Storage
 from companion.vehicle.motor_test import MotorTest
@@ -62,6 +62,8 @@ _LOGS = (
     dialect.MAVLINK_MSG_ID_LOG_ERASE,
 )
 
+_UPKEEP_S = 0.1  # what nobody waits for is looked at this often
+
 Handler = Callable[[Message, Origin, float], None]
 
 
@@ -81,12 +83,16 @@ class Endpoint:
         channels: Mapping[int, Channel],
         motor_test: MotorTest,
         external: ExternalSensors,
+        look: Look,
     ) -> None:
-        """may_send: whether a channel has room for telemetry; answers do not ask."""
+        """may_send: whether a channel has room for telemetry; answers do not ask. look: takes stock of the
+        boat, for whoever has something to tell of it.
+        """
         self.outbox = Outbox()
         self.ignored = 0  # messages that no service wanted
         self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log
         self._logged: set[str] = set()
+        self._upkeep_s = 0.0
         self._own = own
         self._vehicle = vehicle
         self._parameters = parameters
@@ -94,7 +100,7 @@ class Endpoint:
         if logbook is not None:
             self._texts.listener = logbook.note
         self._heartbeat = HeartbeatService(vehicle, self.outbox)
-        self._telemetry = TelemetryService(self.outbox, may_send)
+        self._telemetry = TelemetryService(self.outbox, look, may_send)
         self._time = TimeService(self.outbox)
         tell = self._texts.tell
         self._pose = ExternalPoseService(
@@ -208,10 +214,13 @@ class Endpoint:
         except Exception:
             self._count_fault(message.get_type())
 
-    def tick(self, now: Snapshot) -> None:
-        """Everything that happens by the clock. Never raises."""
+    def tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
+        """Everything that happens by the clock. Never raises.
+
+        unix_s: the date, 0 while it is not known. heading: as the part gave it. load: share of the tick used.
+        """
         try:
-            self._tick(now)
+            self._tick(now_s, unix_s, heading, load)
         except Exception:
             self._count_fault("tick")
 
@@ -221,19 +230,21 @@ class Endpoint:
             self._logged.add(where)
             logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
 
-    def _tick(self, now: Snapshot) -> None:
-        self._signing.tick(now.now_s, now.unix_s)
-        self._heartbeat.tick(now.now_s)
-        self._modes.tick(now.now_s)
-        self._missions.tick(now.now_s)
-        self._texts.tick()
-        self._texts.tell(self._vehicle.take_notices())
-        self._commands.tick(now.heading, now.now_s)
-        self._time.tick(now.now_s)
+    def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
+        self._heartbeat.tick(now_s)
+        self._missions.tick(now_s)
+        self._commands.tick(heading, now_s)
         self._listings.tick()
-        self._files.tick(now.now_s)
-        self._logs.tick(now.now_s, now.load)
-        self._telemetry.tick(now)
+        self._files.tick(now_s)
+        self._logs.tick(now_s, load)
+        if now_s >= self._upkeep_s:
+            self._upkeep_s = now_s + _UPKEEP_S
+            self._signing.tick(now_s, unix_s)
+            self._modes.tick(now_s)
+            self._time.tick(now_s)
+            self._texts.tick(_UPKEEP_S)
+        self._texts.tell(self._vehicle.take_notices())
+        self._telemetry.tick(now_s)
 
     def tell_changes(self) -> None:
         """What a message just handled has changed is told at once, not at the next tick."""

@@ -8,8 +8,8 @@ from companion.vehicle.notice import Notice, Severity
 
 _CHUNK_BYTES = 50
 
-# Lines at once, and lines a tick: a station that provokes refusals by the thousand must not drown the others
-_MOST, _PER_TICK = 40.0, 0.2
+# Lines at once, and lines a second: a station that provokes refusals by the thousand must not drown others
+_MOST, _PER_SECOND = 40.0, 10.0
 _RESERVED = 20.0  # for what is severe
 
 
@@ -35,9 +35,9 @@ class StatusTextService:
             for message in self._chunks(notice):
                 self._outbox.broadcast(message)
 
-    def tick(self) -> None:
-        """Let a little more out."""
-        self._left = min(self._left + _PER_TICK, _MOST)
+    def tick(self, dt_s: float) -> None:
+        """Let a little more out after dt_s."""
+        self._left = min(self._left + _PER_SECOND * dt_s, _MOST)
 
     def tell_one(self, channel: int, notice: Notice) -> None:
         """Send a line to whoever listens on one channel."""

@@ -104,6 +104,10 @@ class Streams:
         for message_id in (number for one in groups for number in GROUPS.get(one, ())):
             self.set_interval(message_id, interval_s, now_s)
 
+    def has_due(self, now_s: float) -> bool:
+        """Whether there is anything to send now."""
+        return now_s + _SLACK_S >= self._next_s
+
     def due(self, now_s: float) -> list[int]:
         """The messages to send now."""
         now_s += _SLACK_S

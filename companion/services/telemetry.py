@@ -58,6 +58,9 @@ _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little
 MaySend = Callable[[int, float], bool]
 """Whether a channel has room for telemetry now."""
 
+Look = Callable[[], Snapshot | None]
+"""Takes stock of the boat."""
+
 
 def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
     """On every channel."""
@@ -67,11 +70,12 @@ def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
 class TelemetryService:
     """Sends what is due on each channel; where there is no room, it all waits and becomes slower alike."""
 
-    def __init__(self, outbox: Outbox, may_send: MaySend = always) -> None:
+    def __init__(self, outbox: Outbox, look: Look, may_send: MaySend = always) -> None:
+        """look: what the boat knows now, None before its first step. Asked only when something is due."""
         self._outbox = outbox
+        self._look = look
         self._may_send = may_send
         self._streams: dict[int, Streams] = {}
-        self._latest: Snapshot | None = None
 
     def open(self, channel: int, stream_hz: float) -> None:
         """A channel has opened."""
@@ -87,16 +91,17 @@ class TelemetryService:
         return message_id in BUILDERS or message_id in INDEXED
 
     def build_all(self, message_id: int, which: float) -> list[Message]:
-        """What answers a request as of the latest tick; none when there is nothing to say yet.
+        """What answers a request as of now; none when there is nothing to say yet.
 
         which: the request's second parameter, an index where the message has one.
         """
-        if self._latest is None:
+        now = self._look()
+        if now is None:
             return []
         if (build_indexed := INDEXED.get(message_id)) is not None:
-            return build_indexed(self._latest, which)
+            return build_indexed(now, which)
         builder = BUILDERS.get(message_id)
-        message = None if builder is None else builder(self._latest)
+        message = None if builder is None else builder(now)
         return [] if message is None else [message]
 
     def set_interval_us(self, channel: int, message_id: int, interval_us: float, now_s: float) -> bool:
@@ -122,14 +127,17 @@ class TelemetryService:
             rate_hz = float(message.req_message_rate) if message.start_stop else 0.0
             streams.set_group(message.req_stream_id, rate_hz, now_s)
 
-    def tick(self, now: Snapshot) -> None:
+    def tick(self, now_s: float) -> None:
         """Send what is due. A message that several channels want is built once."""
-        self._latest = now
         built: dict[int, Message | None] = {}
+        now: Snapshot | None = None
         for channel, streams in self._streams.items():
-            if not self._may_send(channel, now.now_s):
+            if not streams.has_due(now_s) or not self._may_send(channel, now_s):
                 continue
-            for message_id in streams.due(now.now_s):
+            now = now or self._look()
+            if now is None:
+                return
+            for message_id in streams.due(now_s):
                 if message_id not in built:
                     built[message_id] = BUILDERS[message_id](now)
                 if (message := built[message_id]) is not None:

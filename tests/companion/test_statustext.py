@@ -52,6 +52,6 @@ def test_a_flood_of_lines_is_held_back_and_leaves_room_for_what_is_severe() -> N
     assert len(outbox.take()) == 1
     assert texts.dropped == 980
     for _ in range(50):
-        texts.tick()
+        texts.tick(0.02)
         texts.tell([Notice(Severity.WARNING, "refused")] * 10)
     assert len(outbox.take()) == pytest.approx(9, abs=1)  # of those, one makes up for the severe one
