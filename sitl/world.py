@@ -15,15 +15,17 @@ from typing import NamedTuple
 from companion.hal.interfaces import Hardware
 from companion.units import wrap_pi
 from sitl.battery import Pack
+from sitl.environment import Wind
 from sitl.scenario import Scenario
 from sitl.sensors import SimCompass, SimGnss, SimSonar
 from sitl.shore import Shore
 from sitl.sim_hal import SimBattery, SimMotors
 from sitl.thrusters import Thrusters
 from sitl.vessel import LONGEST_STEP_S, Vessel
+from sitl.windage import Windage
 
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
-STATE = struct.Struct("<q11d")
+STATE = struct.Struct("<q13d")
 
 
 class Truth(NamedTuple):
@@ -31,7 +33,8 @@ class Truth(NamedTuple):
 
     Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
     water, ahead and to starboard; north_m_s and east_m_s over ground; grounded: it touched the shore within
-    the last second.
+    the last second. Current and wind are the velocities of water and air over ground at the boat; the
+    commands are those that stand at the motors, −1..1; voltage and current are the pack's.
     """
 
     time_s: float
@@ -46,6 +49,14 @@ class Truth(NamedTuple):
     left_thrust_n: float
     right_thrust_n: float
     grounded: bool
+    current_north_m_s: float = 0.0
+    current_east_m_s: float = 0.0
+    wind_north_m_s: float = 0.0
+    wind_east_m_s: float = 0.0
+    left_command: float = 0.0
+    right_command: float = 0.0
+    voltage_v: float = 0.0
+    current_a: float = 0.0
 
 
 class World:
@@ -65,6 +76,8 @@ class World:
         self._vessel = Vessel(
             scenario.hull, scenario.start.north_m, scenario.start.east_m, scenario.heading_rad
         )
+        self.wind = Wind(scenario.environment, seed)
+        self._windage = Windage(scenario.hull.windage, scenario.hull.length_m)
         self._thrusters = Thrusters(scenario.thrusters)
         self._pack = Pack(scenario.battery)
         self._motors = SimMotors()
@@ -103,7 +116,12 @@ class World:
         north_m, east_m = vessel.north_m, vessel.east_m
         force_n, moment_nm = self._thrusters.step(motors.left, motors.right, dt_s)
         self._pack.step(self._thrusters.current_a(motors.left, motors.right), dt_s)
-        vessel.step(force_n, moment_nm, self._current_n, self._current_e, dt_s)
+        if self.wind.is_calm:
+            vessel.step(force_n, 0.0, moment_nm, self._current_n, self._current_e, dt_s)
+        else:
+            self.wind.step(self.time_s)
+            surge_n, sway_n, yaw_nm = self._wind_force()
+            vessel.step(force_n + surge_n, sway_n, moment_nm + yaw_nm, self._current_n, self._current_e, dt_s)
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
         if self._meets_shore(north_m, east_m):
             vessel.run_aground(north_m, east_m, self._current_n, self._current_e)
@@ -112,6 +130,13 @@ class World:
         self.truth = truth = self._observe(time_s)
         self._sense(truth)
         return truth
+
+    def _wind_force(self) -> tuple[float, float, float]:
+        """Surge force, sway force and yaw moment of the air that moves past the hull."""
+        truth, wind, heading = self.truth, self.wind, self._vessel.heading_rad
+        north_m_s, east_m_s = wind.north_m_s - truth.north_m_s, wind.east_m_s - truth.east_m_s
+        cos, sin = math.cos(heading), math.sin(heading)
+        return self._windage.force(north_m_s * cos + east_m_s * sin, east_m_s * cos - north_m_s * sin)
 
     def _meets_shore(self, north_m: float, east_m: float) -> bool:
         """Whether the way from there to where the hull is now touches the shore.
@@ -143,6 +168,14 @@ class World:
             self._thrusters.left.thrust_n,
             self._thrusters.right.thrust_n,
             time_s - self._touched_s < GROUNDED_S,
+            self._current_n,
+            self._current_e,
+            self.wind.north_m_s,
+            self.wind.east_m_s,
+            self._motors.left,
+            self._motors.right,
+            self._pack.voltage_v,
+            self._pack.current_a,
         )
 
     def _sense(self, truth: Truth) -> None:
@@ -169,4 +202,6 @@ class World:
             thrusters.right.shaft,
             self._pack.used_mah,
             self._pack.voltage_v,
+            self.wind.north_m_s,
+            self.wind.east_m_s,
         )

@@ -1,0 +1,151 @@
+"""Gusts and their force: strength, direction, symmetry, and what a boat does in them."""
+
+import math
+import statistics
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sitl.environment import Environment, Wind
+from sitl.environment.wind import PEAK_FACTOR
+from sitl.scenario import load_scenario
+from sitl.windage import AIR_KG_M3, Windage, WindageParameters
+from sitl.world import Truth, World
+
+DT_S = 0.02
+SPEED = st.floats(-15.0, 15.0)
+BOAT = WindageParameters()
+
+
+def speeds(wind: Wind, for_s: float) -> list[tuple[float, float]]:
+    out = []
+    for tick in range(round(for_s * 10)):
+        wind.step(tick / 10.0)
+        out.append((wind.north_m_s, wind.east_m_s))
+    return out
+
+
+@pytest.mark.parametrize(
+    ("from_deg", "north", "east"),
+    [(0.0, -6.0, 0.0), (90.0, 0.0, -6.0), (180.0, 6.0, 0.0), (225.0, 4.243, 4.243)],
+)
+def test_a_steady_wind_blows_from_where_it_is_said_to_come(
+    from_deg: float, north: float, east: float
+) -> None:
+    wind = Wind(Environment(wind_m_s=6.0, wind_from_deg=from_deg), seed=1)
+    assert set(speeds(wind, 5.0)) == {(wind.north_m_s, wind.east_m_s)}
+    assert [wind.north_m_s, wind.east_m_s] == pytest.approx([north, east], abs=1e-3)
+
+
+def test_gusts_peak_near_the_given_speed_within_ten_minutes_and_keep_the_mean() -> None:
+    weather = Environment(wind_m_s=5.0, wind_from_deg=0.0, gust_m_s=8.0)
+    runs = [speeds(Wind(weather, seed), 600.0) for seed in range(20)]
+    peaks = [max(math.hypot(*one) for one in run) for run in runs]
+    assert statistics.mean(peaks) == pytest.approx(8.0, abs=0.3)
+    assert max(peaks) < 10.0
+    assert statistics.mean(-north for run in runs for north, _ in run) == pytest.approx(5.0, abs=0.1)
+    assert abs(statistics.mean(east for run in runs for _, east in run)) < 0.1
+
+
+def test_gusts_forget_themselves_with_their_correlation_time() -> None:
+    wind = Wind(Environment(wind_m_s=5.0, gust_m_s=8.0, gust_s=4.0), seed=3)
+    along = [-north - 5.0 for north, _ in speeds(wind, 20_000.0)]
+    power = statistics.fmean(one * one for one in along)
+    for lag_s in (2.0, 4.0, 8.0):
+        steps = round(lag_s * 10)
+        product = statistics.fmean(one * other for one, other in zip(along, along[steps:], strict=False))
+        assert product / power == pytest.approx(math.exp(-lag_s / 4.0), abs=0.05)
+    assert math.sqrt(power) == pytest.approx(3.0 / PEAK_FACTOR, abs=0.05)
+
+
+def test_gusts_below_the_mean_are_refused() -> None:
+    with pytest.raises(ValueError, match="gust_m_s = 3: expected at least wind_m_s = 5"):
+        Environment(wind_m_s=5.0, gust_m_s=3.0)
+
+
+def test_a_headwind_pushes_back_and_a_beam_wind_aside_as_the_formula_says() -> None:
+    windage = Windage(BOAT, 1.0)
+    surge_n, sway_n, yaw_nm = windage.force(-8.0, 0.0)
+    assert surge_n == pytest.approx(-0.5 * AIR_KG_M3 * 0.8 * 0.05 * 64.0)
+    assert (sway_n, yaw_nm) == (0.0, 0.0)
+    surge_n, sway_n, yaw_nm = windage.force(0.0, 8.0)  # from port
+    assert sway_n == pytest.approx(0.5 * AIR_KG_M3 * 0.9 * 0.14 * 64.0)
+    assert (surge_n, yaw_nm) == (0.0, 0.0)
+
+
+def test_a_wind_over_the_bow_or_the_quarter_turns_the_hull_beam_on() -> None:
+    windage = Windage(BOAT, 1.0)
+    assert windage.force(-5.0, -5.0)[2] < 0.0  # from the starboard bow: the bow falls off to port
+    assert windage.force(5.0, -5.0)[2] > 0.0  # from the starboard quarter: the bow comes up to starboard
+
+
+def test_a_lateral_area_forward_of_amidships_makes_the_bow_fall_off() -> None:
+    ahead = Windage(WindageParameters(lever_m=0.1), 1.0)
+    _, sway_n, yaw_nm = ahead.force(0.0, 6.0)
+    assert yaw_nm == pytest.approx(0.1 * sway_n)
+
+
+@given(ahead=SPEED, starboard=SPEED)
+def test_the_force_is_mirrored_with_the_wind_and_grows_with_its_square(
+    ahead: float, starboard: float
+) -> None:
+    windage = Windage(BOAT, 1.0)
+    surge_n, sway_n, yaw_nm = windage.force(ahead, starboard)
+    assert windage.force(ahead, -starboard) == (surge_n, -sway_n, -yaw_nm)
+    quadruple = [4.0 * surge_n, 4.0 * sway_n, 4.0 * yaw_nm]
+    assert list(windage.force(2.0 * ahead, 2.0 * starboard)) == pytest.approx(quadruple, abs=1e-300)
+    assert surge_n * ahead + sway_n * starboard >= 0.0  # the air gives work, never takes it
+
+
+def drift(*settings: str, for_s: float, throttle: float = 0.0) -> Truth:
+    water = World(load_scenario("open", ["sensors.sonar.fitted=false", *settings]))
+    water.hardware.motors.write(throttle, throttle)
+    for _ in range(round(for_s / DT_S)):
+        water.step(DT_S)
+    return water.truth
+
+
+def test_a_boat_with_stopped_motors_drifts_downwind_at_a_few_percent_of_the_wind() -> None:
+    truth = drift("environment.wind_m_s=8", "environment.wind_from_deg=270", for_s=120.0)
+    assert 0.04 * 8.0 < truth.east_m_s < 0.07 * 8.0
+    assert (truth.wind_north_m_s, truth.wind_east_m_s) == pytest.approx((0.0, 8.0), abs=1e-9)
+
+
+def test_a_headwind_costs_speed_and_a_following_wind_gives_some() -> None:
+    ahead, calm, astern = (
+        drift("environment.wind_m_s=5", f"environment.wind_from_deg={deg}", for_s=5.0, throttle=0.6).surge_m_s
+        if deg is not None
+        else drift(for_s=5.0, throttle=0.6).surge_m_s
+        for deg in (0, None, 180)
+    )
+    assert ahead < calm - 0.1
+    assert astern > calm + 0.02
+
+
+def test_the_wind_over_ground_carries_no_boat_that_drifts_with_a_current_as_fast_as_it() -> None:
+    truth = drift(
+        "environment.wind_m_s=1", "environment.wind_from_deg=270",
+        "environment.current_m_s=1", "environment.current_to_deg=90", for_s=20.0,
+    )  # fmt: skip
+    assert truth.east_m_s == pytest.approx(1.0, abs=1e-9)
+    assert (truth.current_north_m_s, truth.current_east_m_s) == pytest.approx((0.0, 1.0), abs=1e-12)
+
+
+def test_the_same_seed_gives_the_same_gusts_and_another_one_others() -> None:
+    gusty = ("environment.wind_m_s=5", "environment.gust_m_s=8")
+    one = drift(*gusty, for_s=10.0)
+    assert drift(*gusty, for_s=10.0) == one
+    assert drift(*gusty, "seed=2", for_s=10.0) != one
+
+
+def test_another_wind_can_be_made_to_blow_at_run_time() -> None:
+    water = World(load_scenario("open"))
+    assert water.wind.is_calm
+    water.wind.blow(6.0, math.pi)
+    for _ in range(100):
+        water.step(DT_S)
+    assert water.truth.wind_north_m_s == pytest.approx(6.0)
+    assert water.truth.north_m_s > 0.0
+    water.wind.blow(0.0, 0.0)
+    assert water.wind.is_calm
