@@ -24,14 +24,33 @@ class Quality:
     duplication: float = 0.0
     bandwidth_bytes_s: float = 0.0
     backlog_s: float = 2.0
+    reordering: float = 0.0
+    reordering_s: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("loss", "duplication"):
+        for name in ("loss", "duplication", "reordering"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise ValueError(f"{name} {getattr(self, name)} is outside 0..1")
-        for name in ("delay_s", "jitter_s", "bandwidth_bytes_s", "backlog_s"):
+        for name in ("delay_s", "jitter_s", "bandwidth_bytes_s", "backlog_s", "reordering_s"):
             if not 0.0 <= getattr(self, name) < float("inf"):
                 raise ValueError(f"{name} {getattr(self, name)} is not a number from 0 up")
+
+    def with_(self, other: "Quality") -> "Quality":
+        """Two channels one after the other."""
+        return Quality(
+            loss=1.0 - (1.0 - self.loss) * (1.0 - other.loss),
+            delay_s=self.delay_s + other.delay_s,
+            jitter_s=self.jitter_s + other.jitter_s,
+            duplication=1.0 - (1.0 - self.duplication) * (1.0 - other.duplication),
+            bandwidth_bytes_s=min(self.bandwidth_bytes_s, other.bandwidth_bytes_s)
+            or max(self.bandwidth_bytes_s, other.bandwidth_bytes_s),
+            backlog_s=min(self.backlog_s, other.backlog_s),
+            reordering=1.0 - (1.0 - self.reordering) * (1.0 - other.reordering),
+            reordering_s=max(self.reordering_s, other.reordering_s),
+        )
+
+
+WHOLE = Quality()
 
 
 class Channel:
@@ -59,9 +78,12 @@ class Channel:
         lost, doubled, early, late = (self._random.random() for _ in range(4))
         if lost < quality.loss:
             return
+        held_s = 0.0
+        if quality.reordering and self._random.random() < quality.reordering:
+            held_s = quality.reordering_s
         for share in (early, late) if doubled < quality.duplication else (early,):
             self._sent += 1
-            arrival_s = now_s + quality.delay_s + share * quality.jitter_s
+            arrival_s = now_s + held_s + quality.delay_s + share * quality.jitter_s
             heapq.heappush(self._in_flight, (arrival_s, self._sent, data))
 
     def receive(self, now_s: float) -> list[bytes]:

@@ -1,0 +1,139 @@
+"""What a fault does to each part of the boat. A part has one fault at a time, or None when it is well."""
+
+import math
+from typing import Any, Protocol
+
+from sitl.channel import WHOLE, Quality
+from sitl.computer import Computer
+from sitl.faults.catalogue import FaultSetting
+from sitl.sensors import SensorFault, SimBattery, SimCompass, SimGnss, SimSonar, generator
+from sitl.sim_hal import SimMotors
+
+
+class Part(Protocol):
+    """Something that can fail."""
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
+        """Have this fault from now on, or none."""
+
+
+class Shaft(Protocol):
+    """A thruster, as far as faults reach it: the gain of its command, and how much weed hangs on it, 0..1."""
+
+    gain: float
+    weed: float
+
+
+class SensorPart:
+    """A sensor whose own file knows what a fault does to it."""
+
+    def __init__(self, sensor: SimGnss | SimCompass | SimSonar | SimBattery, seed: int) -> None:
+        self._sensor: Any = sensor
+        self._seed = seed
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
+        """Have this fault from now on, or none."""
+        self._sensor.fault = sensor_fault(fault, now_s, self._seed)
+
+
+class GyroPart:
+    """The gyro that sits with the compass and fails apart from it."""
+
+    def __init__(self, compass: SimCompass, seed: int) -> None:
+        self._compass = compass
+        self._seed = seed
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
+        """Have this fault from now on, or none."""
+        self._compass.gyro_fault = sensor_fault(fault, now_s, self._seed)
+
+
+def sensor_fault(fault: FaultSetting | None, now_s: float, seed: int) -> "SensorFault[Any] | None":
+    """A fault as sensors know it, with random numbers of its own."""
+    if fault is None:
+        return None
+    numbers = generator(seed, f"fault/{fault.what}/{fault.kind}")
+    return SensorFault(fault.kind, fault.amount, math.radians(fault.towards_deg), now_s, numbers)
+
+
+class MotorPart:
+    """One motor with its propeller."""
+
+    def __init__(self, shaft: Shaft) -> None:
+        self._shaft = shaft
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Have this fault from now on, or none."""
+        gain, weed = 1.0, 0.0
+        if fault is not None:
+            match fault.kind:
+                case "off" | "intermittent":
+                    gain = 0.0
+                case "wrong" | "slow":
+                    gain = fault.amount
+                case _:
+                    weed = fault.amount
+        self._shaft.gain, self._shaft.weed = gain, weed
+
+
+class ComputerPart:
+    """The computer's power. Without it the motors stop; with it back, the program begins."""
+
+    def __init__(self, computer: Computer, motors: SimMotors) -> None:
+        self._computer = computer
+        self._motors = motors
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
+        """Lose power, or have it again."""
+        if fault is not None:
+            self._computer.lose_power()
+            self._motors.stop()
+        elif not self._computer.has_power:
+            self._computer.begin(now_s)
+
+
+class ClockPart:
+    """The computer's clock: it jumps when the fault begins, and back when it ends."""
+
+    def __init__(self, computer: Computer) -> None:
+        self._computer = computer
+        self._jump_s = 0.0
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Jump."""
+        jump_s = 0.0 if fault is None else fault.amount
+        self._computer.set_clock_offset(self._computer.clock_offset_s + jump_s - self._jump_s)
+        self._jump_s = jump_s
+
+
+class DiskPart:
+    """The medium that the boat stores on."""
+
+    def __init__(self, computer: Computer) -> None:
+        self._computer = computer
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Be full, or have room again."""
+        self._computer.disk_is_full = fault is not None
+
+
+class LinkPart:
+    """All links of the boat at once, as one radio carries them."""
+
+    def __init__(self, computer: Computer) -> None:
+        self._computer = computer
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Carry as badly as the fault says, on top of what the scenario's links do."""
+        quality = WHOLE
+        if fault is not None:
+            match fault.kind:
+                case "slow":
+                    quality = Quality(bandwidth_bytes_s=fault.amount)
+                case "delayed":
+                    quality = Quality(delay_s=fault.amount)
+                case "lossy":
+                    quality = Quality(loss=fault.amount)
+                case _:
+                    quality = Quality(loss=1.0)
+        self._computer.link_quality = quality
