@@ -4,6 +4,7 @@ The program that runs on it is the companion's own `Boat`; `Lockstep` and `Serve
 and build it anew, over the same storage, when `boots` has gone up.
 """
 
+from collections.abc import Sequence
 from typing import Protocol
 
 from sitl.channel import WHOLE, Quality
@@ -23,7 +24,7 @@ class Computer:
 
     __slots__ = ("_drivers", "boots", "clock_offset_s", "disk_is_full", "has_power", "link_quality")
 
-    def __init__(self, drivers: tuple[Clocked, ...] = ()) -> None:
+    def __init__(self, drivers: Sequence[Clocked] = ()) -> None:
         """Running, at time zero."""
         self._drivers = drivers
         self.boots = 1

@@ -39,7 +39,7 @@ class LinkSettings(Section, frozen=True):
     outages: Annotated[tuple[tuple[float, float], ...], Meta(max_length=_MOST_OUTAGES)] = ()
 
     def __post_init__(self) -> None:
-        super(LinkSettings, self).__post_init__()  # noqa: UP008  (msgspec makes the class anew)
+        super().__post_init__()
         for from_s, to_s in self.outages:
             if not 0.0 <= from_s < to_s:
                 raise ValueError(f"outages: [{from_s}, {to_s}]: expected a begin from 0 up and a later end")

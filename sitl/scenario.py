@@ -26,7 +26,10 @@ from mission_tools.maps.scenario import decode_scenario
 from mission_tools.maps.source import RouteDefaults
 from sitl.battery import BatteryParameters
 from sitl.environment import Environment
+from sitl.faults.catalogue import FaultSetting
 from sitl.layers import Layer, decode, explain, merge, parse_overrides
+from sitl.link import LinkSettings
+from sitl.movers import MoverSettings
 from sitl.sensors import Sensors
 from sitl.thrusters import ThrusterParameters
 from sitl.vessel import VesselParameters
@@ -67,6 +70,9 @@ class Tree(Section, frozen=True):
     environment: Environment = Environment()
     battery: BatteryParameters = BatteryParameters()
     sensors: Sensors = Sensors()
+    link: LinkSettings = LinkSettings()
+    movers: tuple[MoverSettings, ...] = ()
+    faults: tuple[FaultSetting, ...] = ()
     vehicle: Table = field(default_factory=dict)
 
 
@@ -90,6 +96,9 @@ class Scenario:
     sensors: Sensors
     environment: Environment
     vehicle: BoatConfig
+    link: LinkSettings
+    movers: tuple[MoverSettings, ...]
+    faults: tuple[FaultSetting, ...]
 
     @property
     def frame(self) -> LocalFrame:
@@ -133,6 +142,9 @@ def load_scenario(
         sensors=tree.sensors,
         environment=tree.environment,
         vehicle=_vehicle(tree.vehicle, layers),
+        link=tree.link,
+        movers=tree.movers,
+        faults=tree.faults,
     )
 
 

@@ -39,15 +39,19 @@ class ThrusterParameters(Section, frozen=True):
 
 
 class Thruster:
-    """One motor with its propeller. shaft is its speed as a share of full speed ahead, −1..1."""
+    """One motor with its propeller. shaft is its speed as a share of full speed ahead, −1..1.
 
-    __slots__ = ("_blend", "_dt_s", "_parameters", "shaft", "thrust_n")
+    gain multiplies the command (0 is a dead motor, −1 a reversed one); weed, 0..1, holds the propeller.
+    """
+
+    __slots__ = ("_blend", "_dt_s", "_parameters", "gain", "shaft", "thrust_n", "weed")
 
     def __init__(self, parameters: ThrusterParameters) -> None:
         """Start at rest."""
         self._parameters = parameters
         self._dt_s = self._blend = 0.0
         self.shaft = self.thrust_n = 0.0
+        self.gain, self.weed = 1.0, 0.0
 
     def step(self, command: float, dt_s: float) -> None:
         """Hold a command for dt_s."""
@@ -56,8 +60,10 @@ class Thruster:
         if command == 0.0 and abs(self.shaft) < 1e-9:  # a stopped motor costs nothing, and must not underflow
             self.shaft = self.thrust_n = 0.0
             return
-        self.shaft += self._blend * (steady_shaft(self._parameters, command) - self.shaft)
-        self.thrust_n = self._parameters.max_thrust_n * self.shaft * abs(self.shaft)
+        free = 1.0 - self.weed
+        steady = steady_shaft(self._parameters, command * self.gain) * free
+        self.shaft += self._blend * (steady - self.shaft)
+        self.thrust_n = self._parameters.max_thrust_n * free * self.shaft * abs(self.shaft)
         if self.shaft < 0.0:
             self.thrust_n *= self._parameters.astern_share
 

@@ -12,14 +12,13 @@ import math
 import struct
 from typing import NamedTuple
 
-from companion.hal.interfaces import Hardware
 from companion.units import wrap_pi
 from sitl.battery import Pack
+from sitl.electronics import Electronics
 from sitl.environment import Wind
+from sitl.movers import Movers
 from sitl.scenario import Scenario
-from sitl.sensors import SimCompass, SimGnss, SimSonar
 from sitl.shore import Shore
-from sitl.sim_hal import SimBattery, SimMotors
 from sitl.thrusters import Thrusters
 from sitl.vessel import LONGEST_STEP_S, Vessel
 from sitl.windage import Windage
@@ -64,9 +63,9 @@ class World:
 
     def __init__(self, scenario: Scenario) -> None:
         """Put the boat at its start, at rest through the water, motors stopped, sensors sampled once."""
-        sensors, seed = scenario.sensors, scenario.seed
+        seed = scenario.seed
         self.scenario = scenario
-        self.shore = Shore(scenario.chart, max(1.0, sensors.sonar.max_range_m))
+        self.shore = Shore(scenario.chart, max(1.0, scenario.sensors.sonar.max_range_m))
         self.tick = 0
         self.groundings = 0
         self._room_m = 0.0
@@ -80,20 +79,25 @@ class World:
         self._windage = Windage(scenario.hull.windage, scenario.hull.length_m)
         self._thrusters = Thrusters(scenario.thrusters)
         self._pack = Pack(scenario.battery)
-        self._motors = SimMotors()
-        self._gnss = SimGnss(sensors.gnss, scenario.frame, seed)
-        self._compass = SimCompass(sensors.compass, seed)
-        self._sonar = SimSonar(sensors.sonar, self.shore, seed) if sensors.sonar.fitted else None
-        self._battery = SimBattery(scenario.battery.rate_hz)
-        self.hardware = Hardware(self._motors, self._gnss, self._compass, self._sonar, self._battery)
+        self.movers = Movers(scenario.movers)
+        self.electronics = Electronics(
+            scenario, self.shore, self.movers, self._thrusters.left, self._thrusters.right
+        )
+        self.hardware = self.electronics.hardware
+        self._motors = self.electronics.motors
         self._since_tick, self._since_s, self._dt_s = 0, 0.0, math.nan
         self.truth = self._observe(0.0)
-        self._sense(self.truth)
+        self.electronics.sense(self.truth)
 
     @property
     def time_s(self) -> float:
         """Simulated time since the start."""
         return self.truth.time_s
+
+    @property
+    def clock_s(self) -> float:
+        """What the clock of the boat's computer shows."""
+        return self.truth.time_s + self.electronics.computer.clock_offset_s
 
     @property
     def used_mah(self) -> float:
@@ -123,12 +127,12 @@ class World:
             surge_n, sway_n, yaw_nm = self._wind_force()
             vessel.step(force_n + surge_n, sway_n, moment_nm + yaw_nm, self._current_n, self._current_e, dt_s)
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
-        if self._meets_shore(north_m, east_m):
+        if self._meets_shore(north_m, east_m) or (self.movers and self._meets_mover(time_s)):
             vessel.run_aground(north_m, east_m, self._current_n, self._current_e)
             self.groundings += not self.truth.grounded
             self._touched_s = time_s
         self.truth = truth = self._observe(time_s)
-        self._sense(truth)
+        self.electronics.sense(truth)
         return truth
 
     def _wind_force(self) -> tuple[float, float, float]:
@@ -151,6 +155,9 @@ class World:
             return True
         self._room_m = self.shore.room_m(vessel.east_m, vessel.north_m)
         return False
+
+    def _meets_mover(self, time_s: float) -> bool:
+        return self.movers.gap_m(self._vessel.east_m, self._vessel.north_m, time_s) <= 0.0
 
     def _observe(self, time_s: float) -> Truth:
         vessel = self._vessel
@@ -177,14 +184,6 @@ class World:
             self._pack.voltage_v,
             self._pack.current_a,
         )
-
-    def _sense(self, truth: Truth) -> None:
-        now_s, north_m, east_m, heading_rad = truth.time_s, truth.north_m, truth.east_m, truth.heading_rad
-        self._gnss.sense(now_s, north_m, east_m, truth.north_m_s, truth.east_m_s)
-        self._compass.sense(now_s, heading_rad, truth.yaw_rate_rad_s)
-        if self._sonar is not None:
-            self._sonar.sense(now_s, north_m, east_m, heading_rad)
-        self._battery.sense(now_s, self._pack.voltage_v, self._pack.current_a)
 
     def state_bytes(self) -> bytes:
         """The physical state, packed: equal bytes mean an equal future, for equal commands and seed."""

@@ -107,7 +107,7 @@ class FaultSetting(Section, frozen=True):
     towards_deg: float = 90.0
 
     def __post_init__(self) -> None:
-        super(FaultSetting, self).__post_init__()  # noqa: UP008  (msgspec makes the class anew)
+        super().__post_init__()
         kinds = CATALOGUE.get(self.what)
         if kinds is None:
             raise ValueError(f"what = {self.what!r}: expected one of {', '.join(CATALOGUE)}")

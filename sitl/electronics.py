@@ -1,0 +1,83 @@
+"""Everything aboard that takes current and may fail: sensors, motor inputs, computer; and how they fail."""
+
+from typing import TYPE_CHECKING
+
+from companion.hal.interfaces import Hardware
+from sitl.computer import Clocked, Computer
+from sitl.faults.parts import (
+    ClockPart,
+    ComputerPart,
+    DiskPart,
+    GyroPart,
+    LinkPart,
+    MotorPart,
+    Part,
+    SensorPart,
+    Shaft,
+)
+from sitl.faults.schedule import Faults
+from sitl.movers import Movers
+from sitl.scenario import Scenario
+from sitl.sensors import SimBattery, SimCompass, SimGnss, SimSonar
+from sitl.shore import Shore
+from sitl.sim_hal import SimMotors
+
+if TYPE_CHECKING:
+    from sitl.world import Truth
+
+
+class Electronics:
+    """What is between the water and the boat's program."""
+
+    __slots__ = (
+        "_battery",
+        "_compass",
+        "_gnss",
+        "_sonar",
+        "computer",
+        "faults",
+        "hardware",
+        "motors",
+    )
+
+    def __init__(self, scenario: Scenario, shore: Shore, movers: Movers, left: Shaft, right: Shaft) -> None:
+        """left and right: what the motors turn."""
+        sensors, seed = scenario.sensors, scenario.seed
+        self.motors = SimMotors()
+        self._gnss = SimGnss(sensors.gnss, scenario.frame, seed, shore)
+        self._compass = SimCompass(sensors.compass, seed)
+        self._sonar: SimSonar | None = None
+        if sensors.sonar.fitted:
+            self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
+        self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
+        drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
+        if self._sonar is not None:
+            drivers.append(self._sonar)
+        self.computer = Computer(drivers)
+        parts: dict[str, Part] = {
+            "gnss": SensorPart(self._gnss, seed),
+            "compass": SensorPart(self._compass, seed),
+            "gyro": GyroPart(self._compass, seed),
+            "battery": SensorPart(self._battery, seed),
+            "motor_left": MotorPart(left),
+            "motor_right": MotorPart(right),
+            "link": LinkPart(self.computer),
+            "computer": ComputerPart(self.computer, self.motors),
+            "clock": ClockPart(self.computer),
+            "disk": DiskPart(self.computer),
+        }
+        if self._sonar is not None:
+            parts["sonar"] = SensorPart(self._sonar, seed)
+        self.faults = Faults(parts, scenario.faults)
+        self.hardware = Hardware(self.motors, self._gnss, self._compass, self._sonar, self._battery)
+
+    def sense(self, truth: "Truth", wave_m: float = 0.0) -> None:
+        """Let what is due fail or be well again, then sample what is due. wave_m: the waves' height."""
+        now_s, north_m, east_m, heading_rad = truth.time_s, truth.north_m, truth.east_m, truth.heading_rad
+        if now_s >= self.faults.due_s:
+            self.faults.step(now_s)
+        self._gnss.sense(now_s, north_m, east_m, truth.north_m_s, truth.east_m_s)
+        self._compass.sense(now_s, heading_rad, truth.yaw_rate_rad_s, truth.current_a)
+        if self._sonar is not None:
+            self._sonar.sense(now_s, north_m, east_m, heading_rad, wave_m)
+        self._battery.sense(now_s, truth.voltage_v, truth.current_a)
