@@ -9,6 +9,7 @@ from companion.errors import BoatError
 from mission_tools.cli.exit import run_app
 from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
+from sitl.cli.campaign import campaign
 from sitl.cli.sail import sail
 from sitl.cli.serve import serve
 
@@ -32,6 +33,7 @@ def options(
 
 app.command()(serve)
 app.command()(sail)
+app.command()(campaign)
 
 
 def run_program(arguments: list[str]) -> int:

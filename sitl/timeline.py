@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 from companion.geo import Point
 from sitl.lockstep import Lockstep
-from sitl.sim_hal import SimMotors
 
 MOST_EVENTS = 5000
 
@@ -55,7 +54,7 @@ class Timeline:
             self._grounded = truth.grounded
             if truth.grounded:
                 self._touch(lockstep)
-        if not vehicle.armed and _is_driven(lockstep):
+        if not vehicle.armed and (truth.left_command or truth.right_command):
             if self.late_commands == 0:
                 self._add(truth.time_s, "motors", "driven though disarmed")
             self.late_commands += 1
@@ -70,8 +69,3 @@ class Timeline:
     def _add(self, time_s: float, kind: str, text: str) -> None:
         if len(self.events) < MOST_EVENTS:
             self.events.append(Event(time_s, kind, text))
-
-
-def _is_driven(lockstep: Lockstep) -> bool:
-    motors = lockstep.world.hardware.motors
-    return isinstance(motors, SimMotors) and bool(motors.left or motors.right)

@@ -47,8 +47,10 @@ def test_a_motor_that_is_driven_though_the_boat_is_disarmed_is_counted_and_told_
     timeline = Timeline()
     lockstep.world.hardware.motors.write(0.1, 0.0)
     for _ in range(3):
+        lockstep.world.step(0.02)
         timeline.tick(lockstep)
     lockstep.world.hardware.motors.stop()
+    lockstep.world.step(0.02)
     timeline.tick(lockstep)
     assert timeline.late_commands == 3
     assert [event.kind for event in timeline.events] == ["mode", "motors"]

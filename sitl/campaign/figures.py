@@ -1,0 +1,39 @@
+"""The figures of a run that a campaign tabulates. Nothing here depends on the machine or its clock."""
+
+import dataclasses
+
+from companion.vehicle.mission_steps import Waypoint
+from sitl.courses import tracking
+from sitl.sail import Result, Sailing
+from sitl.stationing import station_figures
+
+Figure = float | int | str | bool | None
+Figures = dict[str, Figure]
+
+_OF_THE_MACHINE = frozenset(("cpu_seconds", "real_time_factor"))
+_OF_THE_RUN = frozenset(("scenario", "seed"))  # columns of the run already
+
+
+def figures_of(sailing: Sailing, result: Result) -> Figures:
+    """What `boat-sitl sail` measures, and besides: tracking, station keeping, conduct."""
+    out: Figures = {
+        name: value
+        for name, value in dataclasses.asdict(result).items()
+        if name not in _OF_THE_MACHINE | _OF_THE_RUN
+    }
+    kept = tracking(sailing.recorder, sailing.planned) if len(sailing.planned) > 1 else None
+    if kept is not None:
+        out["path_rms_m"], out["path_max_m"] = kept.path_rms_m, kept.path_max_m
+        out["overshoot_m"] = kept.overshoot_m
+    if _stays(sailing):
+        out.update(station_figures(sailing.recorder, sailing.planned[-1]))
+    out["touches"] = len(sailing.timeline.touched)
+    out["late_commands"] = sailing.timeline.late_commands
+    out["armed_at_end"] = sailing.lockstep.boat.vehicle.armed
+    return out
+
+
+def _stays(sailing: Sailing) -> bool:
+    """Whether the mission ends with keeping station for a while."""
+    last = sailing.lockstep.boat.vehicle.progress.mission[-1]
+    return isinstance(last, Waypoint) and last.hold_s > 0.0

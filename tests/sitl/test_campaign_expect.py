@@ -1,0 +1,60 @@
+from typing import Any
+
+import pytest
+
+from sitl.campaign.expect import Expectation, Statistic, judge
+
+TABLE: list[dict[str, Any]] = [
+    {"course": "straight", "seed": 1, "rms": 0.1, "done": True, "over": None},
+    {"course": "straight", "seed": 2, "rms": 0.3, "done": True, "over": None},
+    {"course": "zigzag", "seed": 1, "rms": 0.5, "done": False, "over": 0.2},
+]
+
+
+@pytest.mark.parametrize(
+    ("of", "value"), [("mean", 0.3), ("median", 0.3), ("smallest", 0.1), ("largest", 0.5), ("deviation", 0.2)]
+)
+def test_statistics_are_over_all_runs(of: Statistic, value: float) -> None:
+    (verdict,) = judge([Expectation(figure="rms", of=of, at_most=value + 1e-9)], TABLE)
+    assert verdict.value == pytest.approx(value)
+    assert verdict.is_met
+    assert not judge([Expectation(figure="rms", of=of, at_most=value - 1e-6)], TABLE)[0].is_met
+
+
+def test_where_picks_runs_and_each_judges_every_group() -> None:
+    (picked,) = judge([Expectation(figure="rms", where={"course": "straight"}, at_most=0.2)], TABLE)
+    assert picked.runs == 2
+    assert picked.value == pytest.approx(0.2)
+    assert picked.group == "course straight"
+    each = judge([Expectation(figure="rms", each="course", at_most=0.4)], TABLE)
+    assert [(verdict.group, verdict.is_met) for verdict in each] == [
+        ("course straight", True),
+        ("course zigzag", False),
+    ]
+    among = judge([Expectation(figure="rms", where={"seed": [1, 7]}, at_most=1.0)], TABLE)
+    assert among[0].runs == 2
+
+
+def test_a_share_of_completed_runs_is_the_mean_of_yes_and_no() -> None:
+    (verdict,) = judge([Expectation(figure="done", at_least=1.0)], TABLE)
+    assert verdict.value == pytest.approx(2 / 3)
+    assert not verdict.is_met
+
+
+def test_a_run_without_the_figure_is_no_run_that_meets_it() -> None:
+    (verdict,) = judge([Expectation(figure="over", at_most=1.0)], TABLE)
+    assert (verdict.value, verdict.missing, verdict.is_met) == (None, 2, False)
+
+
+def test_an_expectation_over_no_run_is_not_met() -> None:
+    (verdict,) = judge([Expectation(figure="rms", where={"course": "circle"}, at_most=1.0)], TABLE)
+    assert (verdict.runs, verdict.is_met, verdict.group) == (0, False, "no run is like this")
+
+
+def test_both_bounds_hold() -> None:
+    def met(low: float, high: float) -> bool:
+        return judge([Expectation(figure="rms", at_least=low, at_most=high)], TABLE)[0].is_met
+
+    assert met(0.2, 0.4)
+    assert not met(0.35, 0.4)
+    assert not met(0.2, 0.25)

@@ -1,0 +1,103 @@
+"""What a campaign's file means, and what is said of one that cannot be used."""
+
+from pathlib import Path
+
+import pytest
+
+from companion.errors import ConfigError
+from sitl.campaign.campaign import Campaign, load_campaign
+
+EXAMPLES = sorted(Path("examples/campaigns").glob("*.toml"))
+
+
+def campaign(folder: Path, text: str) -> Campaign:
+    path = folder / "c.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_campaign(path)
+
+
+def test_runs_are_the_product_of_voyages_grid_and_seeds(tmp_path: Path) -> None:
+    plan = campaign(
+        tmp_path,
+        """
+        [run]
+        course = ["straight", "square"]
+        seeds = 2
+        first_seed = 101
+        settings.environment.current_m_s = 0.5
+        [grid]
+        environment.current_to_deg = [0.0, 90.0]
+        """,
+    )
+    assert [(run.course, run.factors["environment.current_to_deg"], run.seed) for run in plan.runs] == [
+        (course, to_deg, seed)
+        for course in ("straight", "square")
+        for to_deg in (0.0, 90.0)
+        for seed in (101, 102)
+    ]
+    assert [run.number for run in plan.runs] == list(range(1, 9))
+    assert plan.runs[2].settings == {"environment": {"current_m_s": 0.5, "current_to_deg": 90.0}}
+    assert plan.factors == ("environment.current_to_deg",)
+
+
+def test_every_draw_of_a_sample_has_seeds_of_its_own(tmp_path: Path) -> None:
+    plan = campaign(
+        tmp_path,
+        """
+        [run]
+        seeds = 3
+        [grid]
+        boat.model = ["lake", "pool"]
+        [sample]
+        count = 4
+        settings.environment.current_m_s = [0.0, 1.0]
+        settings.environment.current_to_deg = { choose = [0.0, 180.0] }
+        """,
+    )
+    lake = [run for run in plan.runs if run.factors["boat.model"] == "lake"]
+    assert sorted(run.seed for run in lake) == list(range(1, 13))
+    assert len({run.factors["environment.current_m_s"] for run in lake}) == 4
+
+
+def test_scenarios_and_missions_lie_beside_the_file(tmp_path: Path) -> None:
+    plan = campaign(tmp_path, 'run = {scenario=["lake", "a/b.toml"], mission="m.plan"}')
+    assert [run.scenario for run in plan.runs] == ["lake", str(tmp_path / "a" / "b.toml")]
+    assert {run.mission for run in plan.runs} == {str(tmp_path / "m.plan")}
+
+
+def test_the_fingerprint_changes_with_the_runs_and_with_the_files_they_name(tmp_path: Path) -> None:
+    (tmp_path / "m.plan").write_text("{}")
+    first = campaign(tmp_path, 'run.mission = "m.plan"').fingerprint
+    assert campaign(tmp_path, '# a remark\nrun.mission = "m.plan"').fingerprint == first
+    assert campaign(tmp_path, 'run.mission = "m.plan"\nrun.seeds = 2').fingerprint != first
+    (tmp_path / "m.plan").write_text("{} ")
+    assert campaign(tmp_path, 'run.mission = "m.plan"').fingerprint != first
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('run.course = "figure of eight"', "run.course: no course 'figure of eight': expected straight,"),
+        ('run = {course = "straight", mission = "a.plan"}', "either a course or a mission"),
+        ("grid.environment.current_m_s = 0.5", "grid.environment.current_m_s: expected a list of values"),
+        ("sample = {count = 2, settings.a.b = 3}", "sample.settings.a.b: expected \\[low, high\\]"),
+        ("sample = {count = 2, settings.a.b = [3, 1]}", "the low end comes first"),
+        ("sample = {count = 0}", "c.toml: sample.count: .*>= 1"),
+        ("run.seeds = 0", "c.toml: run.seeds: "),
+        ("runs = 3", "c.toml: runs: no such setting"),
+        ("[[expect]]\nfigure = 'time_s'", "figure time_s: expected at_least or at_most"),
+        ("[[expect]]\nfigure = 'time_s'\nat_most = 1\nof = 'mode'", "of: .*'mode'"),
+        ("run.seeds = 1000001", "1000001 runs are more than 1000000"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_told_in_one_line(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(ConfigError, match=words) as caught:
+        campaign(tmp_path, text)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_can_be_used(path: Path) -> None:
+    plan = load_campaign(path)
+    assert len(plan.runs) >= 20
+    assert plan.expect

@@ -1,0 +1,195 @@
+"""Campaigns sailed: outcomes, workers, resumption, the table."""
+
+import csv
+import importlib.util
+import json
+from pathlib import Path
+
+import pytest
+
+from companion.errors import ConfigError
+from sitl.__main__ import run_program
+from sitl.campaign.campaign import load_campaign
+from sitl.campaign.ledger import NAME, Ledger
+from sitl.campaign.run import Outcome, Run, sail_run
+from sitl.campaign.table import tabulate, write_csv
+from sitl.campaign.workers import cluster_crew, local_crew
+
+SHORT = """
+[run]
+mission = "short.waypoints"
+seeds = 4
+[grid]
+environment.current_m_s = [0.0, 0.2]
+[[expect]]
+figure = "completed"
+at_least = {share}
+"""
+WPL = """QGC WPL 110
+0\t1\t0\t16\t0\t0\t0\t0\t50.0\t-1.2\t0\t1
+1\t0\t3\t16\t0\t0\t0\t0\t50.0001\t-1.2\t50\t1
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    (tmp_path / "short.waypoints").write_text(WPL, encoding="utf-8")
+    (tmp_path / "short.toml").write_text(SHORT.format(share=1.0), encoding="utf-8")
+    return tmp_path / "short.toml"
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as table:
+        return list(csv.DictReader(table))
+
+
+def test_a_campaign_is_tabulated_judged_and_done(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = file.parent / "out"
+    assert run_program(["campaign", str(file), "-o", str(out), "--workers", "2", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["ended"] == {"completed": 8}
+    assert said["expectations"][0]["is_met"] is True
+    table = rows(out / "runs.csv")
+    assert [row["run"] for row in table] == [str(n) for n in range(1, 9)]
+    assert {row["environment.current_m_s"] for row in table} == {"0", "0.2"}
+    assert all(float(row["cross_track_rms_m"]) < 2.0 and row["late_commands"] == "0" for row in table)
+    assert "cpu_seconds" not in table[0]
+
+
+def test_the_table_is_the_same_to_the_byte_whoever_sails_the_runs(file: Path) -> None:
+    plan = load_campaign(file)
+    alone = sorted((sail_run(run) for run in plan.runs), key=lambda outcome: outcome.number)
+    with local_crew(2) as crew:
+        shared = sorted(crew.sail(reversed(plan.runs)), key=lambda outcome: outcome.number)
+    paths = file.parent / "alone.csv", file.parent / "shared.csv"
+    for outcomes, path in zip((alone, shared), paths, strict=True):
+        write_csv(tabulate(plan, outcomes), path)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_an_interrupted_campaign_goes_on_where_it_stopped(
+    file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sailed: list[int] = []
+
+    class Crew:
+        def __init__(self, most: int) -> None:
+            self.most = most
+
+        def __enter__(self) -> "Crew":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def sail(self, runs: list[Run]) -> object:
+            for run in runs[: self.most]:
+                sailed.append(run.number)
+                yield sail_run(run)
+            if self.most < len(runs):
+                raise KeyboardInterrupt
+
+    out = file.parent / "out"
+    monkeypatch.setattr("sitl.cli.campaign.local_crew", lambda _: Crew(3))
+    assert run_program(["campaign", str(file), "-o", str(out)]) == 130
+    assert "3 of 8 runs are kept" in capsys.readouterr().out
+    with (out / NAME).open("ab") as ledger:
+        ledger.write(b'{"number":4,"ended":"comp')  # what a power cut leaves
+    monkeypatch.setattr("sitl.cli.campaign.local_crew", lambda _: Crew(99))
+    assert run_program(["campaign", str(file), "-o", str(out)]) == 0
+    assert sailed == list(range(1, 9))
+    resumed = (out / "runs.csv").read_bytes()
+    assert run_program(["campaign", str(file), "-o", str(file.parent / "afresh")]) == 0
+    assert (file.parent / "afresh" / "runs.csv").read_bytes() == resumed
+
+
+def test_the_runs_of_another_campaign_are_not_taken_for_this_ones(file: Path) -> None:
+    out = file.parent / "out"
+    Ledger(out, load_campaign(file)).close()
+    file.write_text(SHORT.format(share=1.0) + "\n[sample]\ncount = 2\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match="holds the runs of another campaign: remove it"):
+        Ledger(out, load_campaign(file))
+    (out / NAME).write_text("something else\n")
+    with pytest.raises(ConfigError, match="not a campaign's runs"):
+        Ledger(out, load_campaign(file))
+
+
+def test_an_expectation_that_is_not_met_is_exit_code_one(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file.write_text(SHORT.format(share=1.5), encoding="utf-8")
+    assert run_program(["campaign", str(file), "-o", str(file.parent / "out"), "--workers", "1"]) == 1
+    captured = capsys.readouterr()
+    assert "1 of 1 expectations are not met" in captured.err
+    assert "NOT MET" in captured.out
+
+
+def test_a_run_that_fails_is_a_result_with_its_reason(file: Path) -> None:
+    bad_key = sail_run(
+        Run(number=1, scenario="open", seed=1, course="straight", settings={"hul": 1}, source="x")
+    )
+    assert (bad_key.ended, bad_key.why) == ("error", "x: hul: no such setting")
+    no_mission = sail_run(Run(number=2, scenario="open", seed=1, mission=str(file.parent / "none.plan")))
+    assert no_mission.ended == "error"
+    assert "none.plan" in no_mission.why
+    low = {"vehicle": {"arming": {"battery_min_v": 50.0}}}
+    refused = sail_run(Run(number=3, scenario="open", seed=1, course="straight", settings=low))
+    assert refused.ended == "refused"
+    assert "armable" in refused.why
+
+
+def test_a_defect_is_a_result_with_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stumble(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("a defect")
+
+    monkeypatch.setattr("sitl.campaign.run.load_scenario", stumble)
+    outcome = sail_run(Run(number=1, scenario="open", seed=1, course="straight"))
+    assert outcome.ended == "error"
+    assert "ZeroDivisionError: a defect" in outcome.traceback
+
+
+def test_a_run_that_does_not_arrive_says_where_it_was() -> None:
+    outcome = sail_run(Run(number=1, scenario="open", seed=1, course="straight", timeout_s=5.0))
+    assert outcome.ended == "not completed"
+    assert outcome.why.startswith("at item 1 of 1 in AUTO")
+    assert outcome.figures["completed"] is False
+
+
+def test_station_keeping_has_figures_of_its_own() -> None:
+    settings = {"environment": {"current_m_s": 0.3}}
+    outcome = sail_run(Run(number=1, scenario="open", seed=2, course="station", settings=settings))
+    assert outcome.ended == "completed"
+    assert outcome.figures["station_s"] == pytest.approx(600.0, abs=15.0)
+    share = outcome.figures["station_near_share"]
+    assert isinstance(share, float)
+    assert 0.5 < share <= 1.0
+
+
+def test_a_failed_run_has_a_row_with_what_there_is_to_say(file: Path) -> None:
+    plan = load_campaign(file)
+    failed = Outcome(number=1, ended="error", why="no such thing")
+    table = tabulate(plan, [failed, sail_run(plan.runs[1])])
+    assert (table[0]["ended"], table[0]["completed"], table[0]["why"]) == ("error", False, "no such thing")
+    assert table[0]["time_s"] is None
+    assert set(table[0]) == set(table[1])
+
+
+@pytest.mark.skipif(importlib.util.find_spec("distributed") is not None, reason="Dask is installed")
+def test_without_dask_a_scheduler_is_told_what_to_install() -> None:
+    with (
+        pytest.raises(ConfigError, match="pip install 'mavboat\\[cluster\\]'"),
+        cluster_crew("tcp://127.0.0.1:1"),
+    ):
+        pass
+
+
+def test_a_dask_cluster_sails_the_same_runs(file: Path) -> None:
+    distributed = pytest.importorskip("distributed", reason="Dask is not installed: the extra `cluster`")
+    plan = load_campaign(file)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        cluster_crew(cluster.scheduler_address) as crew,
+    ):
+        outcomes = sorted(crew.sail(plan.runs), key=lambda outcome: outcome.number)
+    alone = [sail_run(run) for run in plan.runs]
+    assert [(o.ended, o.figures) for o in outcomes] == [(o.ended, o.figures) for o in alone]
