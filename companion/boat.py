@@ -6,6 +6,7 @@ from companion.config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
 from companion.estimation.estimator import Estimator
+from companion.guidance.fence_brake import FenceBrake
 from companion.guidance.headway import Headway
 from companion.guidance.pilot import Pilot
 from companion.hal.interfaces import Hardware, Port
@@ -76,6 +77,7 @@ class Boat:
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
         self.pilot = Pilot()
+        self.fence_brake = FenceBrake(self.vehicle.conduct.notices)
         self.helm = Helm()
         self.gate = Gate()
         self.headway = Headway()
@@ -174,7 +176,8 @@ class Boat:
         if self.motor_test.is_running:
             return self._test_motor(now_s)
         config, nav = self.parameters.config, self.nav
-        steered = self.pilot.update(intent, nav, config, TICK_S)
+        steered = self.pilot.update(self.fence_brake.hold(intent), nav, config, TICK_S)
+        steered = self.fence_brake.limit(steered, intent, nav, self.vehicle.fence, config, TICK_S)
         self.demand = steered if isinstance(steered, Demand) else None
         thrust = self.helm.update(steered, nav, config, TICK_S)
         command = self.gate.check(

@@ -14,6 +14,11 @@ from companion.geo import LatLon, LocalFrame, Point
 from companion.settings.fence import AREAS_KIND, CIRCLE_KIND, FenceSetting
 from companion.vehicle.fence_lines import Area, Disc, Ring
 
+_PROJECTIONS = 20
+_SLACK_M = 1e-3
+_ON_LINE_M = 1e-6
+_STEP_M = 0.5  # ahead, to see whether a course leads back
+
 
 @dataclass(frozen=True, slots=True)
 class FencePolygon:
@@ -102,16 +107,45 @@ class Fence:
 
         Outside, it is how far the boat is beyond the line that it is furthest beyond.
         """
-        north_m, east_m = point
+        margin_m = self._margin_m(point.north_m, point.east_m)
+        self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
+        return margin_m
+
+    def inside(self, point: Point, margin_m: float) -> Point:
+        """The nearest place with so much margin, or with as much as is found; the point itself if it has it.
+
+        From the line that leaves the least, straight into the water, then from the next (the method of
+        successive projection, L. M. Bregman, Soviet Mathematics 6, 1965). What turns up is the nearest place
+        where one line is in the way, and close to it in a corner.
+        """
+        best, most = point, self._margin_m(point.north_m, point.east_m)
+        at = point
+        for _ in range(_PROJECTIONS if self.is_active else 0):
+            if most >= margin_m:
+                break
+            at = _moved_inside(self._tightest(at), at, margin_m + _SLACK_M)
+            if (found := self._margin_m(at.north_m, at.east_m)) > most:
+                best, most = at, found
+        return best
+
+    def _tightest(self, point: Point) -> Area:
+        """The area that leaves the least margin."""
+        tightest, least = self.areas[0], math.inf
+        for area in self.areas:
+            distance_m = area.distance_m(point.north_m, point.east_m)
+            inside = area.contains(point.north_m, point.east_m) is area.is_inclusion
+            if (signed := distance_m if inside else -distance_m) < least:
+                tightest, least = area, signed
+        return tightest
+
+    def _margin_m(self, north_m: float, east_m: float) -> float:
         beyond, nearest = -1.0, math.inf
         for area in self.areas:
             if area.contains(north_m, east_m) is not area.is_inclusion:
                 beyond = max(beyond, area.distance_m(north_m, east_m))
             elif beyond < 0.0 and _may_be_within(area, north_m, east_m, nearest):
                 nearest = area.distance_m(north_m, east_m, nearest)
-        margin_m = nearest if beyond < 0.0 else -beyond
-        self._anchor_n, self._anchor_e, self._anchor_m = north_m, east_m, margin_m
-        return margin_m
+        return nearest if beyond < 0.0 else -beyond
 
     def is_outside(self, point: Point) -> bool:
         """Whether the boat is beyond a line."""
@@ -134,11 +168,14 @@ class Fence:
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         """How far one can go along a course before the line, at most reach_m.
 
-        Outside there is no line to stop at any more: the room is reach_m whichever way.
+        Outside, there is reach_m of room on a course that leads nearer to the allowed water, else none.
         """
-        if not self.is_within(point, reach_m) or self.is_outside(point):
+        if not self.is_within(point, reach_m):
             return reach_m
         ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
+        if self._anchor_m < 0.0 and self.is_outside(point):
+            ahead_m = self._margin_m(point.north_m + _STEP_M * ahead_n, point.east_m + _STEP_M * ahead_e)
+            return reach_m if ahead_m > self.margin_m(point) else 0.0
         room_m = reach_m
         for area in self.areas:
             if _may_be_within(area, point.north_m, point.east_m, room_m):
@@ -153,6 +190,22 @@ class Fence:
             return False
         ahead_n, ahead_e = north / length_m, east / length_m
         return any(area.crossing_m(start, ahead_n, ahead_e, length_m) < length_m for area in self.areas)
+
+
+def _moved_inside(area: Area, at: Point, margin_m: float) -> Point:
+    """From the nearest point of its line straight into the allowed water."""
+    line = area.nearest(at.north_m, at.east_m)
+    north, east = at.north_m - line.north_m, at.east_m - line.east_m
+    away_m = math.hypot(north, east)
+    if away_m < _ON_LINE_M:  # which way is inside cannot be seen from here
+        bearings = [math.pi * eighth / 4.0 for eighth in range(8)]
+        around = [
+            Point(at.north_m + math.cos(b) * _SLACK_M, at.east_m + math.sin(b) * _SLACK_M) for b in bearings
+        ]
+        insides = [near for near in around if area.contains(near.north_m, near.east_m) is area.is_inclusion]
+        return max(insides, key=lambda near: area.distance_m(near.north_m, near.east_m), default=at)
+    side = margin_m if area.contains(at.north_m, at.east_m) is area.is_inclusion else -margin_m
+    return Point(line.north_m + side * north / away_m, line.east_m + side * east / away_m)
 
 
 def _may_be_within(area: Area, north_m: float, east_m: float, reach_m: float) -> bool:

@@ -146,8 +146,13 @@ def test_the_room_ends_at_the_line_ahead_only() -> None:
     assert fence.room_m(here, math.radians(60.0), 20.0) == pytest.approx(10.0, abs=0.01)
 
 
-def test_outside_the_fence_no_way_is_barred() -> None:
-    assert laid(square(50.0)).room_m(Point(51.0, 0.0), 0.0, 20.0) == 20.0
+def test_outside_the_fence_only_the_way_back_is_open() -> None:
+    fence = laid(square(50.0))
+    outside = Point(51.0, 0.0)
+    assert fence.room_m(outside, math.pi, 20.0) == 20.0
+    assert fence.room_m(outside, 0.75 * math.pi, 20.0) == 20.0
+    assert fence.room_m(outside, 0.0, 20.0) == 0.0
+    assert fence.room_m(outside, 0.25 * math.pi, 20.0) == 0.0
 
 
 def test_the_circle_round_home_counts_when_it_is_asked_for() -> None:
