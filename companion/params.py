@@ -12,7 +12,7 @@ MAVProxy and Mission Planner read as a parameter file.
 import logging
 import math
 import struct
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -57,12 +57,26 @@ class Row:
             raise ConfigError(f"parameter name {self.name!r} must have 1 to 16 characters")
 
 
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """A parameter over something outside the configuration: `turn` is called with each new value."""
+
+    row: Row
+    turn: Callable[[float], None]
+
+
 class Parameters:
     """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
 
-    def __init__(self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage) -> None:
+    def __init__(
+        self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage, knobs: Sequence[Knob] = ()
+    ) -> None:
+        """knobs: further parameters, which the hardware brings along."""
+        if knobs:
+            rows = tuple(sorted((*rows, *(knob.row for knob in knobs)), key=lambda row: row.name))
         self.config = config
         self.rows = rows
+        self._knobs = {knob.row.name: knob.turn for knob in knobs}
         self._storage = storage
         self._index = {row.name: index for index, row in enumerate(rows)}
         self._kept = {row.name: row.default for row in rows if not row.path}
@@ -128,6 +142,8 @@ class Parameters:
             value = float(round(value))
         if not row.path:
             self._kept[name] = value
+            if name in self._knobs:
+                self._knobs[name](value)
             return ""
         try:
             self.config = with_value(self.config, row.path, self._field_value(row, value))

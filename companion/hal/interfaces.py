@@ -10,12 +10,14 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
+from companion.params import Knob
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
 
 __all__ = [
     "Battery",
     "BatteryReading",
     "Compass",
+    "FaultInjector",
     "Gnss",
     "GnssFix",
     "Hardware",
@@ -129,15 +131,29 @@ class Port(Protocol):
         """Close, with every link that came out of it. May be called twice."""
 
 
+class FaultInjector(Protocol):
+    """Hardware that can be broken on purpose, to see what the boat makes of it."""
+
+    def inject(self, unit: int, failure: int, instance: int) -> str | None:
+        """Let a part fail, or be well again with failure 0; the numbers are MAVLink's FAILURE_UNIT and
+        FAILURE_TYPE, instance 0 is all of a kind. What was done, in words; None if that cannot be done."""
+
+
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """Everything a boat is built from. Sonar and battery monitor may be missing."""
+    """Everything a boat is built from. Sonar and battery monitor may be missing.
+
+    faults and knobs are for hardware that is more than it seems: what can break it, and parameters that it
+    brings along.
+    """
 
     motors: Motors
     gnss: Gnss
     compass: Compass
     sonar: Sonar | None = None
     battery: Battery | None = None
+    faults: FaultInjector | None = None
+    knobs: tuple[Knob, ...] = ()
 
     def close(self) -> None:
         """Stop the motors first, then let every part go, also when one of them raises."""

@@ -7,6 +7,7 @@ station sends again because the answer was lost is not done a second time where 
 import math
 from collections.abc import Callable
 
+from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.readings import HeadingReading
 from companion.services.command import (
@@ -20,6 +21,7 @@ from companion.services.command import (
     from_int,
     from_long,
 )
+from companion.services.commands_faults import FaultCommands
 from companion.services.commands_messages import MessageCommands
 from companion.services.commands_upkeep import UpkeepCommands
 from companion.services.commands_vehicle import Tell, VehicleCommands
@@ -56,6 +58,7 @@ class CommandService:
         parameters: ParameterService,
         tell: Tell,
         pose: ExternalPoseService,
+        faults: FaultInjector | None = None,
     ) -> None:
         self._vehicle = vehicle
         self._outbox = outbox
@@ -66,6 +69,7 @@ class CommandService:
             **self._questions,
             **self._upkeep.table,
             **VehicleCommands(vehicle, tell).table,
+            **FaultCommands(faults, tell).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
         self._done: Command | None = None  # the latest of those not to be done twice

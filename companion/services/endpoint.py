@@ -7,6 +7,7 @@ and a fault in handling one is logged once for its kind and never reaches the co
 import logging
 from collections.abc import Callable, Mapping
 
+from companion.hal.interfaces import FaultInjector
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
@@ -84,6 +85,7 @@ class Endpoint:
         motor_test: MotorTest,
         external: ExternalSensors,
         look: Look,
+        faults: FaultInjector | None = None,
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers do not ask. look: takes stock of the
         boat, for whoever has something to tell of it.
@@ -108,7 +110,7 @@ class Endpoint:
         )
         self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._commands = CommandService(
-            vehicle, self._telemetry, self.outbox, motor_test, self._listings, tell, self._pose
+            vehicle, self._telemetry, self.outbox, motor_test, self._listings, tell, self._pose, faults
         )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle, self._texts)
