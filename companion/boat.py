@@ -48,7 +48,7 @@ class Boat:
         unix_offset_s: float = 0.0,
         logbook: Logbook | None = None,
     ) -> None:
-        self.parameters = Parameters(config, ROWS, storage)
+        self.parameters = Parameters(config, ROWS, storage, hardware.knobs)
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.motor_test = MotorTest(self.vehicle)
@@ -69,6 +69,7 @@ class Boat:
             channels=self.channels.open,
             motor_test=self.motor_test,
             external=self.senses.external,
+            faults=hardware.faults,
             look=self.look,
         )
         if logbook is not None:
