@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import msgspec
 import shapely
 from msgspec import Meta, field
 
@@ -30,6 +31,7 @@ from sitl.faults.catalogue import FaultSetting
 from sitl.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.link import LinkSettings
 from sitl.movers import MoverSettings
+from sitl.random_world import RandomWater, random_world
 from sitl.sensors import Sensors
 from sitl.thrusters import ThrusterParameters
 from sitl.vessel import VesselParameters
@@ -73,7 +75,15 @@ class Tree(Section, frozen=True):
     link: LinkSettings = LinkSettings()
     movers: tuple[MoverSettings, ...] = ()
     faults: tuple[FaultSetting, ...] = ()
+    random: RandomWater | None = None
     vehicle: Table = field(default_factory=dict)
+
+
+class Dice(msgspec.Struct, frozen=True):
+    """What a random world is drawn from; everything else is looked at afterwards."""
+
+    random: RandomWater | None = None
+    seed: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +121,9 @@ def load_scenario(
 ) -> Scenario:
     """Read a scenario.
 
-    source: an installed scenario's name (`lake`, `pool`, `open`), a TOML file, or a GeoJSON map, on which the
-    lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of [[cases]].
-    over: further layers between the file and the overrides.
+    source: an installed scenario's name (`lake`, `pool`, `open`, `random`), a TOML file, or a GeoJSON map, on
+    which the lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of
+    [[cases]]. over: further layers between the file and the overrides.
 
     Raises:
         ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
@@ -122,7 +132,7 @@ def load_scenario(
     """
     path, own = _find(source)
     layers = [own, *over, parse_overrides(overrides)]
-    layers.insert(0, _boat_layer(layers, path.parent))
+    layers = [_boat_layer(layers, path.parent), *_drawn(layers), *layers]
     tree = decode(layers, Tree)
     waters = decode_scenario(merge(layers), path)
     if case is not None:
@@ -184,6 +194,17 @@ def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:
             )
         )
     return Layer(path.name, load_toml(path))
+
+
+def _drawn(layers: Sequence[Layer]) -> list[Layer]:
+    """The random world that the layers ask for, if they ask for one."""
+    dice = decode(layers, Dice)
+    if dice.random is None:
+        return []
+    try:
+        return [Layer("random", random_world(dice.random, dice.seed))]
+    except ValueError as error:
+        raise ConfigError(f"{layers[0].name}: {error}") from None
 
 
 def _vehicle(tree: Table, layers: Sequence[Layer]) -> BoatConfig:

@@ -24,12 +24,13 @@ def write(folder: Path, text: str) -> str:
     return str(file)
 
 
-def test_the_three_installed_scenarios_load() -> None:
-    assert scenario_names() == ["lake", "open", "pool"]
+def test_the_installed_scenarios_load() -> None:
+    assert scenario_names() == ["lake", "open", "pool", "random"]
     assert [load_scenario(name).title for name in scenario_names()] == [
         "Mill pond",
         "Open water",
         "The paper's pool",
+        "Random water",
     ]
 
 

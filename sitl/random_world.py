@@ -1,0 +1,173 @@
+"""Waters, weather and mishaps drawn at random from a seed: a scenario's table [random].
+
+What is drawn lies under the scenario's own tables, which may still say otherwise. Start and goal lie in one
+piece of free water, so that there is always a way between them that keeps the clearance.
+"""
+
+import math
+from random import Random
+from typing import Annotated, Any
+
+import shapely
+from msgspec import Meta
+from shapely.geometry import Polygon
+
+from companion.section import Count, NonNegative, Positive, Section
+from sitl.faults.catalogue import CATALOGUE
+from sitl.sensors import generator
+
+Tree = dict[str, Any]
+Place = tuple[float, float]  # east and north, metres
+
+_SPARE_M = 1.0  # of clearance at start and goal beyond what is asked for
+_TRIES = 20  # at a world, each with an islet less
+_PAIRS = 200  # at start and goal in one world
+_STARTS_S = (8.0, 60.0)  # when a fault begins
+_LASTS_S = (5.0, 60.0)
+_PASSING = frozenset(("computer",))  # without power for good, there is nothing left to watch
+
+
+class RandomWater(Section, frozen=True):
+    """How large and how crowded the water, how strong current and gusts at most, and whether a part fails.
+
+    distance_m: from start to goal as the crow flies, least and most.
+    """
+
+    across_m: Annotated[float, Meta(ge=30.0, le=5000.0)] = 200.0
+    islands: Count = 8
+    rafts: Count = 5
+    rocks: Count = 8
+    distance_m: tuple[float, float] = (90.0, 150.0)
+    clearance_m: Positive = 4.0
+    current_m_s: NonNegative = 1.0
+    gust_m_s: NonNegative = 8.0
+    fault: bool = False
+
+
+def random_world(settings: RandomWater, seed: int) -> Tree:
+    """The tables [map], [route], [environment] and, where asked for, [[faults]].
+
+    Raises:
+        ValueError: no water of the asked size has room for a way of the asked length.
+    """
+    random = generator(seed, "world")
+    tree = _waters(settings, random) | {"environment": _weather(settings, generator(seed, "weather"))}
+    if settings.fault:
+        tree["faults"] = [_fault(generator(seed, "mishap"))]
+    return tree
+
+
+def _waters(settings: RandomWater, random: Random) -> Tree:
+    low_m, high_m = settings.distance_m
+    for attempt in range(_TRIES):
+        crowd = 1.0 - attempt / _TRIES
+        shore = _blob(random, 0.0, 0.0, 0.5 * settings.across_m, 0.12, 72)
+        things = [
+            *(_thing("island", n, _islet(random, shore)) for n in range(round(crowd * settings.islands))),
+            *(_thing("raft", n, _raft(random, shore)) for n in range(round(crowd * settings.rafts))),
+            *(_thing("obstacle", n, _rock(random, shore)) for n in range(round(crowd * settings.rocks))),
+        ]
+        solid = shapely.union_all([Polygon(thing["polygon"]) for thing in things])
+        free = Polygon(shore).difference(solid).buffer(-(settings.clearance_m + _SPARE_M))
+        largest = max(shapely.get_parts(free), key=lambda part: part.area, default=Polygon())
+        ends = None if largest.is_empty else _ends(random, largest, low_m, high_m)
+        if ends is not None:
+            return {
+                "map": {"name": "Random water", "water": shore, "obstacles": things},
+                "route": {"start": ends[0], "goal": ends[1], "clearance_m": settings.clearance_m},
+            }
+    raise ValueError(
+        f"random: no way of {low_m:g} to {high_m:g} m in a water {settings.across_m:g} m across: "
+        "expected a shorter distance_m, a larger across_m or a smaller clearance_m"
+    )
+
+
+def _ends(random: Random, free: Polygon, low_m: float, high_m: float) -> tuple[Place, Place] | None:
+    """Start and goal, if possible with something between them."""
+    found = None
+    for _ in range(_PAIRS):
+        start, goal = _place(random, free), _place(random, free)
+        if low_m <= math.dist(start, goal) <= high_m:
+            found = start, goal
+            if not free.covers(shapely.LineString(found)):
+                break
+    return found
+
+
+def _weather(settings: RandomWater, random: Random) -> Tree:
+    gust_m_s = random.uniform(0.0, settings.gust_m_s)
+    return {
+        "current_m_s": random.uniform(0.0, settings.current_m_s),
+        "current_to_deg": random.uniform(0.0, 360.0),
+        "wind_m_s": random.uniform(0.4, 0.8) * gust_m_s,
+        "gust_m_s": gust_m_s,
+        "wind_from_deg": random.uniform(0.0, 360.0),
+    }
+
+
+def _fault(random: Random) -> Tree:
+    """One fault of any part, of any kind, of the usual size; for a while or for good."""
+    what = random.choice(sorted(CATALOGUE))
+    kind = random.choice(sorted(CATALOGUE[what]))
+    fault: Tree = {"what": what, "kind": kind, "at_s": random.uniform(*_STARTS_S)}
+    for_s, towards_deg = random.uniform(*_LASTS_S), random.uniform(0.0, 360.0)
+    if random.random() < 0.5 or what in _PASSING:
+        fault["for_s"] = for_s
+    return fault | {"towards_deg": towards_deg}
+
+
+def _thing(kind: str, number: int, polygon: list[Place]) -> Tree:
+    named = {"island": "Islet", "raft": "Raft", "obstacle": "Rock"}[kind]
+    return {"name": f"{named} {number + 1}", "kind": kind, "polygon": polygon}
+
+
+def _islet(random: Random, shore: list[Place]) -> list[Place]:
+    east_m, north_m = _place(random, Polygon(shore))
+    return _blob(random, east_m, north_m, random.uniform(3.0, 9.0), 0.2, 24)
+
+
+def _rock(random: Random, shore: list[Place]) -> list[Place]:
+    east_m, north_m = _place(random, Polygon(shore))
+    return _blob(random, east_m, north_m, random.uniform(0.4, 1.5), 0.15, 10)
+
+
+def _raft(random: Random, shore: list[Place]) -> list[Place]:
+    east_m, north_m = _place(random, Polygon(shore))
+    length_m, width_m, angle = (
+        random.uniform(3.0, 7.0),
+        random.uniform(1.5, 3.0),
+        random.uniform(0.0, math.pi),
+    )
+    cos, sin = math.cos(angle), math.sin(angle)
+    corners = [(0.5 * a * length_m, 0.5 * b * width_m) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    return [_rounded(east_m + x * cos - y * sin, north_m + x * sin + y * cos) for x, y in corners]
+
+
+def _blob(
+    random: Random, east_m: float, north_m: float, radius_m: float, roughness: float, corners: int
+) -> list[Place]:
+    """A wobbly outline: a radius with a few harmonics, so that it never crosses itself."""
+    waves = [
+        (order, random.uniform(0.3, 1.0) * roughness * 2.0 / order, random.uniform(0.0, 2.0 * math.pi))
+        for order in range(2, 7)
+    ]
+    outline = []
+    for corner in range(corners):
+        angle = 2.0 * math.pi * corner / corners
+        wobble = sum(size * math.cos(order * angle + phase) for order, size, phase in waves)
+        reach_m = radius_m * max(0.3, 1.0 + wobble)
+        outline.append(_rounded(east_m + reach_m * math.cos(angle), north_m + reach_m * math.sin(angle)))
+    return outline
+
+
+def _place(random: Random, area: Polygon) -> Place:
+    """A point of an area, each as likely as the next."""
+    west, south, east, north = area.bounds
+    while True:
+        place = _rounded(random.uniform(west, east), random.uniform(south, north))
+        if shapely.contains_xy(area, *place):
+            return place
+
+
+def _rounded(east_m: float, north_m: float) -> Place:
+    return round(east_m, 2), round(north_m, 2)
