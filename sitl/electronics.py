@@ -1,9 +1,13 @@
 """Everything aboard that takes current and may fail: sensors, motor inputs, computer; and how they fail."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from companion.hal.interfaces import Hardware
+from companion.params import Knob
 from sitl.computer import Clocked, Computer
+from sitl.faults.injection import Injection
+from sitl.faults.knobs import FaultKnobs
 from sitl.faults.parts import (
     ClockPart,
     ComputerPart,
@@ -40,8 +44,16 @@ class Electronics:
         "motors",
     )
 
-    def __init__(self, scenario: Scenario, shore: Shore, movers: Movers, left: Shaft, right: Shaft) -> None:
-        """left and right: what the motors turn."""
+    def __init__(
+        self,
+        scenario: Scenario,
+        shore: Shore,
+        movers: Movers,
+        left: Shaft,
+        right: Shaft,
+        knobs: Sequence[Knob] = (),
+    ) -> None:
+        """left and right: what the motors turn. knobs: parameters of the world around."""
         sensors, seed = scenario.sensors, scenario.seed
         self.motors = SimMotors()
         self._gnss = SimGnss(sensors.gnss, scenario.frame, seed, shore)
@@ -69,13 +81,23 @@ class Electronics:
         if self._sonar is not None:
             parts["sonar"] = SensorPart(self._sonar, seed)
         self.faults = Faults(parts, scenario.faults)
-        self.hardware = Hardware(self.motors, self._gnss, self._compass, self._sonar, self._battery)
+        injection = Injection(self.faults)
+        self.hardware = Hardware(
+            self.motors,
+            self._gnss,
+            self._compass,
+            self._sonar,
+            self._battery,
+            faults=injection,
+            knobs=(*FaultKnobs(self.faults, injection, scenario.frame).knobs, *knobs),
+        )
 
     def sense(self, truth: "Truth", wave_m: float = 0.0) -> None:
         """Let what is due fail or be well again, then sample what is due. wave_m: the waves' height."""
         now_s, north_m, east_m, heading_rad = truth.time_s, truth.north_m, truth.east_m, truth.heading_rad
+        self.faults.now_s = now_s
         if now_s >= self.faults.due_s:
-            self.faults.step(now_s)
+            self.faults.step()
         self._gnss.sense(now_s, north_m, east_m, truth.north_m_s, truth.east_m_s)
         self._compass.sense(now_s, heading_rad, truth.yaw_rate_rad_s, truth.current_a)
         if self._sonar is not None:
