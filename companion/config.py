@@ -55,9 +55,9 @@ class Heading(Section, frozen=True):
     Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad.
     """
 
-    kp: NonNegative = 2.5
+    kp: NonNegative = 4.0
     ki: NonNegative = 0.15
-    kd: NonNegative = 1.8
+    kd: NonNegative = 2.0
     max_steering: Share = 1.0
 
 
@@ -66,7 +66,7 @@ class Speed(Section, frozen=True):
 
     cruise_m_s: Positive = 2.0
     cruise_throttle: Share = 0.6
-    kp: NonNegative = 0.8  # share of full throttle per m/s
+    kp: NonNegative = 2.0  # share of full throttle per m/s
     ki: NonNegative = 0.2
     max_throttle: Share = 1.0
 

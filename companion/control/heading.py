@@ -3,7 +3,7 @@
 from companion.config import Heading
 from companion.control.pid import Pid
 from companion.state import PidOutput
-from companion.units import wrap_pi
+from companion.units import clamp, wrap_pi
 
 
 class HeadingControl:
@@ -19,20 +19,31 @@ class HeadingControl:
         self._pid.reset()
 
     def update(
-        self, demand_rad: float, heading_rad: float, yaw_rate_rad_s: float, setting: Heading, dt_s: float
+        self,
+        demand_rad: float,
+        heading_rad: float,
+        yaw_rate_rad_s: float,
+        setting: Heading,
+        dt_s: float,
+        demand_rate_rad_s: float = 0.0,
+        feed_forward: float = 0.0,
     ) -> PidOutput:
         """Steering share, −max_steering..max_steering, positive to starboard.
 
         Angles are from north, clockwise; yaw_rate_rad_s is the measured rate, clockwise positive.
+        demand_rate_rad_s: how fast the demand itself turns, which the derivative then does not brake.
+        feed_forward: the steering that such a turn takes; it is counted in the output's p.
         """
         limit = setting.max_steering
-        return self._pid.update(
+        base = clamp(feed_forward, -limit, limit)
+        pid = self._pid.update(
             setting.kp,
             setting.ki,
             setting.kd,
             wrap_pi(demand_rad - heading_rad),
-            -yaw_rate_rad_s,
+            demand_rate_rad_s - yaw_rate_rad_s,
             dt_s,
-            -limit,
-            limit,
+            -limit - base,
+            limit - base,
         )
+        return PidOutput(base + pid.p, pid.i, pid.d, base + pid.total, pid.saturated)

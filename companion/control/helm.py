@@ -1,5 +1,7 @@
 """The helm: closes the heading and speed loops, or lets the operator's hand through."""
 
+import math
+
 from companion.config import BoatConfig
 from companion.control.heading import HeadingControl
 from companion.control.mixer import mix
@@ -42,10 +44,20 @@ class Helm:
         return mix(demand.throttle, demand.steering) if isinstance(demand, Drive) else _NO_THRUST
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
+        turn = demand.yaw_rate_rad_s
         heading = self._heading.update(
-            demand.heading_rad, nav.heading_rad, nav.yaw_rate_rad_s, config.heading, dt_s
+            demand.heading_rad,
+            nav.heading_rad,
+            nav.yaw_rate_rad_s,
+            config.heading,
+            dt_s,
+            turn,
+            turn / config.handling.turn_rate_rad_s if turn else 0.0,
+        )
+        set_along = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(
+            nav.heading_rad
         )
         room = 1.0 - abs(heading.total)
-        speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room)
+        speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, set_along)
         self.heading_pid, self.speed_pid = heading, speed
         return mix(speed.total, heading.total)

@@ -20,7 +20,7 @@ def feed_forward(speed_m_s: float, setting: Speed) -> float:
 
 
 class SpeedControl:
-    """Holds a speed along the bow, over ground: a current ahead or astern ends up in the integral."""
+    """Holds a speed along the bow, over ground: what is not known of the set ends up in the integral."""
 
     __slots__ = ("_pid",)
 
@@ -32,14 +32,21 @@ class SpeedControl:
         self._pid.reset()
 
     def update(
-        self, demand_m_s: float, surge_m_s: float, setting: Speed, dt_s: float, room: float = 1.0
+        self,
+        demand_m_s: float,
+        surge_m_s: float,
+        setting: Speed,
+        dt_s: float,
+        room: float = 1.0,
+        set_m_s: float = 0.0,
     ) -> PidOutput:
         """Throttle share; astern it is limited to ASTERN_SHARE of what is allowed ahead.
 
         room is the share that steering leaves to throttle, 0..1: the integral must not wind up on what the
-        mixer will take away. The feed-forward is counted in the output's p.
+        mixer will take away. set_m_s is the part of the water's set along the bow, as far as it is known: the
+        feed-forward is for the rest. It is counted in the output's p.
         """
-        base = feed_forward(demand_m_s, setting)
+        base = feed_forward(demand_m_s - set_m_s, setting)
         high = min(setting.max_throttle, room)
         low = -min(setting.max_throttle * ASTERN_SHARE, room)
         # The PI works inside what the feed-forward leaves, whose span must contain 0.

@@ -1,7 +1,7 @@
 """Whether the boat gets on: the thrust is high, time passes, and the way made good is nought.
 
-Two things look alike over ground: a boat that the water carries back as fast as it sails, and one that something
-holds. They are told apart by the set that was known while the boat still made way: where full thrust against
+Over ground two things look alike: a boat that the water carries back as fast as it sails, and one that is
+held. They are told apart by the set that was known while the boat still made way: where full thrust against
 that set would leave headway, the water is not to blame.
 """
 

@@ -29,11 +29,17 @@ def lookahead_m(speed_m_s: float, cruise_m_s: float, setting: Guidance) -> float
     return setting.lookahead_m * clamp(speed_m_s / cruise_m_s, low, high)
 
 
-def desired_course_rad(leg_rad: float, cross_track_m: float, cross_speed_m_s: float, ahead_m: float) -> float:
+def desired_course_rad(
+    leg_rad: float,
+    cross_track_m: float,
+    cross_speed_m_s: float,
+    ahead_m: float,
+    response_s: float = RESPONSE_S,
+) -> float:
     """Course over ground that closes on the leg: (12.78) with Kp = 1/lookahead (12.79). Not wrapped.
 
     Both cross-track error and its rate are positive to starboard of the leg. The error is the one that the
-    boat will have RESPONSE_S from now: that damps the approach, and makes no difference once the boat lies
+    boat will have response_s from now: that damps the approach, and makes no difference once the boat lies
     on the leg.
     """
-    return leg_rad - math.atan((cross_track_m + RESPONSE_S * cross_speed_m_s) / ahead_m)
+    return leg_rad - math.atan((cross_track_m + response_s * cross_speed_m_s) / ahead_m)

@@ -2,18 +2,18 @@
 
 import math
 
-import msgspec
-
 from companion.config import BoatConfig
 from companion.geo import Line, Point, distance_m
 from companion.guidance.circle import circle_course_rad, circle_speed_m_s
+from companion.guidance.corner import SHARPEST_RAD, Corner, corner_between
+from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.drift import Drift
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
-from companion.guidance.speed_profile import leg_speed_m_s, steered_speed_m_s, turn_lead_m
+from companion.guidance.speed_profile import corner_speed_m_s, leg_speed_m_s, steered_speed_m_s
 from companion.guidance.station_keeping import StationKeeping
 from companion.guidance.turning import Turning
 from companion.state import Demand, NavState
-from companion.units import wrap_pi
+from companion.units import clamp, wrap_pi
 from companion.vehicle.intent import (
     Drive,
     FollowCircle,
@@ -27,19 +27,23 @@ from companion.vehicle.intent import (
 )
 
 _STOP = Stop()
+_GLIMPSE_S = 0.1  # over which the coming turn of the heading is measured
+_LOST_RADII = 1.5  # of a waypoint: this far off its arc, a corner is done with
 
 
 class Pilot:
-    """Guidance's memory: drift, anchor line, turn, and the corner that an early turn has missed."""
+    """Guidance's memory: the corners about the present leg, anchor line, turn."""
 
-    __slots__ = ("_missed", "_station", "_station_point", "_turning", "drift")
+    __slots__ = ("_ahead", "_astern", "_leg", "_station", "_station_point", "_turning", "drift")
 
     def __init__(self) -> None:
         self.drift = Drift()
+        self._leg: FollowLeg | None = None
+        self._ahead: Corner | None = None  # at the end of the leg
+        self._astern: Corner | None = None  # the one that led onto it, until it is sailed out
         self._station = StationKeeping()
         self._station_point: Point | None = None
         self._turning = Turning()
-        self._missed: Point | None = None
 
     def update(
         self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float
@@ -52,6 +56,8 @@ class Pilot:
             self.drift.update(nav, dt_s)
         if not isinstance(intent, KeepStation):
             self._station_point = None
+        if not isinstance(intent, FollowLeg):
+            self._leg = self._ahead = self._astern = None
         if not isinstance(intent, HoldTurn):
             self._turning.reset()
         if isinstance(intent, Stop | Drive):
@@ -85,12 +91,29 @@ class Pilot:
         config: BoatConfig,
         cross_track_m: float = 0.0,
         distance_m: float = 0.0,
+        next_course_rad: float | None = None,
     ) -> Demand:
-        """Hold the bow against the drift so that the boat goes that way over ground."""
-        water_speed = max(self.drift.water_speed_m_s(nav), config.guidance.min_speed_m_s)
-        heading = wrap_pi(self.drift.heading_for_course_rad(course_rad, water_speed))
-        speed = steered_speed_m_s(speed_m_s, wrap_pi(heading - nav.heading_rad), config.guidance)
-        return Demand(heading, speed, cross_track_m, distance_m)
+        """Point the bow so that the boat goes that way over ground.
+
+        next_course_rad: the course wanted _GLIMPSE_S later, where it turns.
+        """
+        set_n, set_e = self._set(nav)
+        slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
+        heading, water = course_to_steer(course_rad, speed_m_s, set_n, set_e, slow, top)
+        yaw_rate = 0.0
+        if next_course_rad is not None:
+            later, _ = course_to_steer(next_course_rad, speed_m_s, set_n, set_e, slow, top)
+            fastest = config.handling.turn_rate_rad_s
+            yaw_rate = clamp(wrap_pi(later - heading) / _GLIMPSE_S, -fastest, fastest)
+        heading = wrap_pi(heading)
+        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
+        along_bow = set_n * math.cos(nav.heading_rad) + set_e * math.sin(nav.heading_rad)
+        return Demand(heading, water + along_bow, cross_track_m, distance_m, yaw_rate)
+
+    def _set(self, nav: NavState) -> tuple[float, float]:
+        if nav.set_north_m_s or nav.set_east_m_s:
+            return nav.set_north_m_s, nav.set_east_m_s
+        return self.drift.north_m_s, self.drift.east_m_s
 
     def _keep(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         last = self._station_point
@@ -100,34 +123,58 @@ class Pilot:
         return self._station.update(point, nav, config.guidance, config.speed.cruise_m_s, dt_s)
 
     def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Demand:
-        setting = config.guidance
-        if leg.radius_m > 0.0:
-            setting = msgspec.structs.replace(setting, waypoint_radius_m=leg.radius_m)
-        here, end = nav.point, leg.end
-        line = aim = leg.line if leg.line.length_m > 1e-6 else Line(here, end)
-        along, cross_track = line.along_and_cross_track_m(here)
-        to_go, aim_cross = line.length_m - along, cross_track
-        ground_speed = math.hypot(nav.north_m_s, nav.east_m_s)
-        turn: float | None = None
-        if leg.next_line is not None:
-            turn = wrap_pi(leg.next_line.course_rad - line.course_rad)
-            if to_go < turn_lead_m(turn, ground_speed, setting) and self._is_closing(end, nav):
-                aim = leg.next_line
-                _, aim_cross = aim.along_and_cross_track_m(here)
-        cross_speed = aim.cross_speed_m_s(nav.north_m_s, nav.east_m_s)
-        ahead = lookahead_m(ground_speed, config.speed.cruise_m_s, setting)
-        wanted = desired_course_rad(aim.course_rad, aim_cross, cross_speed, ahead)
-        speed = leg_speed_m_s(leg.speed_m_s, to_go, turn, setting)
-        return self._make_good(wanted, speed, nav, config, cross_track, math.hypot(to_go, cross_track))
+        if leg is not self._leg:
+            self._begin(leg, config)
+        setting, handling = config.guidance, config.handling
+        here = nav.point
+        line = leg.line if leg.line.length_m > 1e-6 else Line(here, leg.end)
+        along_line, cross_track = line.along_and_cross_track_m(here)
+        to_go = line.length_m - along_line
+        ground = math.hypot(nav.north_m_s, nav.east_m_s)
+        speed = self._speed_m_s(leg, to_go, config)
+        ahead = lookahead_m(ground, config.speed.cruise_m_s, setting)
+        distance = math.hypot(to_go, cross_track)
+        path = self._astern or self._ahead
+        if path is None:
+            cross_speed = line.cross_speed_m_s(nav.north_m_s, nav.east_m_s)
+            course = desired_course_rad(line.course_rad, cross_track, cross_speed, ahead, handling.yaw_time_s)
+            return self._make_good(course, speed, nav, config, cross_track, distance)
+        along, cross = path.along_and_cross_track_m(here)
+        if path is self._astern:
+            if along > path.length_m or abs(cross) > _LOST_RADII * setting.waypoint_radius_m:
+                self._astern = None
+            else:
+                speed = min(speed, corner_speed_m_s(path.radius_m, config))
+        tangent = path.course_rad(along)
+        cross_speed = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
+        preview = along + handling.slip_m + handling.yaw_time_s * ground
+        correction = desired_course_rad(0.0, cross, cross_speed, ahead, handling.yaw_time_s)
+        course = path.course_rad(preview)
+        later = path.course_rad(preview + _GLIMPSE_S * ground)
+        return self._make_good(
+            course + correction, speed, nav, config, cross_track, distance, later + correction
+        )
 
-    def _is_closing(self, end: Point, nav: NavState) -> bool:
-        """Whether a turn begun early may go on.
+    def _begin(self, leg: FollowLeg, config: BoatConfig) -> None:
+        """Take up a leg: the corner that lay ahead is the one that leads onto it, if it does."""
+        last, line = self._leg, leg.line
+        if last is None or last.start != leg.start or last.end != leg.end:
+            corner = self._ahead
+            leads_on = corner is not None and (corner.next_line.start, corner.next_line.end) == (
+                line.start,
+                line.end,
+            )
+            self._astern = corner if leads_on else None
+        radius = leg.radius_m or config.guidance.waypoint_radius_m
+        onward = leg.next_line
+        self._ahead = None if onward is None else corner_between(line, onward, radius, config)
+        self._leg = leg
 
-        Once it carries the boat away from the corner before the mission has gone on to the next leg, the
-        rest of this leg is sailed without: else a small waypoint could be passed by for ever.
-        """
-        if end == self._missed:
-            return False
-        closing = (end.north_m - nav.north_m) * nav.north_m_s + (end.east_m - nav.east_m) * nav.east_m_s
-        self._missed = end if closing < 0.0 else None
-        return closing >= 0.0
+    def _speed_m_s(self, leg: FollowLeg, to_go_m: float, config: BoatConfig) -> float:
+        corner, onward = self._ahead, leg.next_line
+        if corner is not None:
+            allowed = corner_speed_m_s(corner.radius_m, config)
+            return leg_speed_m_s(leg.speed_m_s, to_go_m - corner.entry_m, allowed, config)
+        if onward is not None and abs(wrap_pi(onward.course_rad - leg.line.course_rad)) < SHARPEST_RAD:
+            return leg.speed_m_s
+        return leg_speed_m_s(leg.speed_m_s, to_go_m, 0.0, config)

@@ -2,55 +2,49 @@
 
 import math
 
-from companion.config import Guidance
+from companion.config import BoatConfig, Guidance
 
 REACTION_S = 1.0  # until throttle taken back shows in the speed
-TURN_TIME_S_PER_RAD = 0.75  # half of what the hull needs to turn by one radian
-CIRCLE_SHARE = 0.8  # of waypoint_radius_m: how near the corner a turn begun early must still pass
+TURN_SHARE = 0.7  # of the turn rate that full steering gives: the rest is left to correct with
 
 
-def corner_speed_m_s(turn_rad: float, setting: Guidance) -> float:
-    """Speed at which a corner can be rounded; infinite for no corner at all.
+def corner_speed_m_s(radius_m: float, config: BoatConfig) -> float:
+    """Speed at which an arc can be sailed.
 
-    The arc that leaves one leg and joins the next waypoint_radius_m from the corner has the radius
-    r = waypoint_radius_m / tan(|turn|/2); going round it at v takes the centripetal acceleration v²/r, which
-    may be corner_accel_m_s2. Never below min_speed_m_s. turn_rad is wrapped, −π..π.
+    Its centripetal acceleration v²/r may be corner_accel_m_s2, its turn rate v/r TURN_SHARE of what the
+    hull can do. Never below min_speed_m_s.
     """
-    half_tangent = math.tan(0.5 * min(abs(turn_rad), 3.0))
-    if half_tangent <= 0.0:
-        return math.inf
-    radius_m = setting.waypoint_radius_m / half_tangent
-    return max(math.sqrt(setting.corner_accel_m_s2 * radius_m), setting.min_speed_m_s)
+    setting = config.guidance
+    fastest = min(
+        math.sqrt(setting.corner_accel_m_s2 * radius_m),
+        TURN_SHARE * config.handling.turn_rate_rad_s * radius_m,
+    )
+    return max(fastest, setting.min_speed_m_s)
 
 
-def braking_speed_m_s(distance_m: float, end_speed_m_s: float, setting: Guidance) -> float:
+def braking_speed_m_s(
+    distance_m: float, end_speed_m_s: float, setting: Guidance, reaction_s: float = REACTION_S
+) -> float:
     """Highest speed from which the boat can be down to end_speed_m_s in distance_m.
 
-    It goes on at v for REACTION_S, then slows by a = accel_m_s2: v² = v_end² + 2 a (d − v t), solved for v.
+    It goes on at v for reaction_s, then slows by a = accel_m_s2: v² = v_end² + 2 a (d − v t), solved for v.
     """
-    delayed = setting.accel_m_s2 * REACTION_S
+    delayed = setting.accel_m_s2 * reaction_s
     room = 2.0 * setting.accel_m_s2 * max(distance_m, 0.0)
     speed = math.sqrt(delayed * delayed + end_speed_m_s * end_speed_m_s + room) - delayed
     return max(speed, end_speed_m_s)
 
 
-def leg_speed_m_s(
-    leg_speed_m_s: float, distance_m: float, turn_rad: float | None, setting: Guidance
-) -> float:
-    """Speed allowed on a leg whose end is distance_m ahead.
+def leg_speed_m_s(leg_speed_m_s: float, distance_m: float, end_speed_m_s: float, config: BoatConfig) -> float:
+    """Speed allowed on a leg where in distance_m no more than end_speed_m_s may be left.
 
-    turn_rad: the corner that follows, None for a stop at the end. The corner begins waypoint_radius_m before
-    the end, so that is where its speed must be reached. Never below min_speed_m_s, unless the leg's own speed
-    is lower: a boat without steerage way steers badly, and whoever gave the leg ends it.
+    Never below min_speed_m_s, unless the leg's own speed is lower: a boat without steerage way steers
+    badly, and whoever gave the leg ends it.
     """
-    if turn_rad is None:
-        allowed = braking_speed_m_s(distance_m, 0.0, setting)
-    else:
-        corner = corner_speed_m_s(turn_rad, setting)
-        if corner >= leg_speed_m_s:
-            return leg_speed_m_s
-        allowed = braking_speed_m_s(distance_m - setting.waypoint_radius_m, corner, setting)
-    return min(leg_speed_m_s, max(allowed, setting.min_speed_m_s))
+    if end_speed_m_s >= leg_speed_m_s:
+        return leg_speed_m_s
+    allowed = braking_speed_m_s(distance_m, end_speed_m_s, config.guidance, config.handling.surge_time_s)
+    return min(leg_speed_m_s, max(allowed, config.guidance.min_speed_m_s))
 
 
 def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, setting: Guidance) -> float:
@@ -64,18 +58,3 @@ def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, setting: Guida
     if error > pivot:
         return 0.0
     return min(speed_m_s, max(speed_m_s * 2.0 * (1.0 - error / pivot), setting.min_speed_m_s))
-
-
-def turn_lead_m(turn_rad: float, speed_m_s: float, setting: Guidance) -> float:
-    """How far before the end of a leg to begin turning onto the next.
-
-    The arc at the corner speed leaves the leg r tan(|turn|/2) before the corner, and the hull needs
-    TURN_TIME_S_PER_RAD at the present speed to come round. Never so early that the arc, which passes the
-    corner at lead · tan(|turn|/4), would miss the waypoint's circle.
-    """
-    turn = min(abs(turn_rad), math.pi)
-    if turn < 1e-6:
-        return 0.0
-    radius_m = corner_speed_m_s(turn, setting) ** 2 / setting.corner_accel_m_s2
-    lead_m = radius_m * math.tan(0.5 * min(turn, 3.0)) + TURN_TIME_S_PER_RAD * turn * speed_m_s
-    return min(lead_m, CIRCLE_SHARE * setting.waypoint_radius_m / math.tan(0.25 * turn))

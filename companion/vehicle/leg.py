@@ -4,6 +4,8 @@ from companion.geo import Line, Point, distance_m
 from companion.state import NavState
 from companion.vehicle.intent import FollowLeg
 
+_LEVEL_M = 1e-6  # after a leg straight back the two are equal, but for rounding
+
 
 class Leg:
     """From where it began to `end`.
@@ -12,13 +14,15 @@ class Leg:
     0 the boat's own waypoint radius.
     """
 
-    __slots__ = ("_intent", "_line", "end", "next_end", "radius_m")
+    __slots__ = ("_intent", "_line", "_next_line", "_was_near", "end", "next_end", "radius_m")
 
     def __init__(
         self, start: Point, end: Point, next_end: Point | None = None, radius_m: float = 0.0
     ) -> None:
         self._line = Line(start, end)
+        self._next_line = None if next_end is None else Line(end, next_end)
         self._intent: FollowLeg | None = None
+        self._was_near = False
         self.end = end
         self.next_end = next_end
         self.radius_m = radius_m
@@ -26,17 +30,27 @@ class Leg:
     def turn_onto(self, next_end: Point | None) -> None:
         """The leg after it has become another one."""
         self.next_end, self._intent = next_end, None
+        self._next_line = None if next_end is None else Line(self.end, next_end)
 
     def has_ended(self, nav: NavState, own_radius_m: float) -> bool:
-        """Whether the boat is within the radius of the end, or has passed it within twice that.
+        """Whether the boat has been within the radius of the end, or has passed it within twice that.
 
-        A boat that was swept past further off aims at the end again, on a new line from where it is.
+        A corner is sailed to its middle, where the next leg is as near as this one, unless the boat leaves
+        the radius before. A boat that was swept past further off aims at the end again, on a new line from
+        where it is.
         """
         radius_m = self.radius_m or own_radius_m
-        if distance_m(nav.point, self.end) <= radius_m:
-            return True
         along_m, cross_m = self._line.along_and_cross_track_m(nav.point)
-        if along_m < self._line.length_m:
+        to_go_m = self._line.length_m - along_m
+        if distance_m(nav.point, self.end) <= radius_m:
+            if self._next_line is None:
+                return True
+            self._was_near = True
+            beyond_m, _ = self._next_line.along_and_cross_track_m(nav.point)
+            return beyond_m >= to_go_m - _LEVEL_M
+        if self._was_near:
+            return True
+        if to_go_m > 0.0:
             return False
         if abs(cross_m) <= 2.0 * radius_m:
             return True

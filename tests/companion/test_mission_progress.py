@@ -63,7 +63,8 @@ def test_home_is_never_sailed_and_the_first_leg_begins_at_the_boat() -> None:
 def test_the_next_leg_begins_at_the_waypoint_not_at_the_boat() -> None:
     progress = begun(A, B)
     leg_at(progress, 0.0, 0.0)
-    leg = leg_at(progress, 48.5, 0.5)
+    assert leg_at(progress, 48.5, 0.5).end == pytest.approx(PLACES["A"], abs=1e-3)  # nearer to the old leg
+    leg = leg_at(progress, 49.5, 0.6)
     assert leg.start == pytest.approx(PLACES["A"], abs=1e-3)
     assert leg.end == pytest.approx(PLACES["B"], abs=1e-3)
     assert leg.next_end is None
@@ -75,7 +76,17 @@ def test_a_waypoints_own_radius_counts_before_the_boats() -> None:
     progress = begun(Waypoint(A.position, radius_m=5.0), B)
     assert leg_at(progress, 0.0, 0.0).radius_m == 5.0
     leg_at(progress, 45.5, 0.0)
+    assert progress.current_seq == 1  # the corner is sailed to its middle
+    leg_at(progress, 47.0, 3.1)
     assert progress.current_seq == 2
+
+
+def test_a_corner_whose_circle_was_left_again_is_behind() -> None:
+    progress = begun(A, B)
+    leg_at(progress, 0.0, 0.0)
+    leg_at(progress, 48.5, 0.0)
+    leg_at(progress, 47.5, -1.0)
+    assert progress.take_reached() == [1]
 
 
 def test_a_waypoint_passed_close_by_counts_and_one_missed_by_far_is_aimed_at_again() -> None:

@@ -54,20 +54,43 @@ def test_it_slows_for_the_end_and_not_for_a_straight_junction() -> None:
 
 def test_it_turns_onto_the_next_leg_before_the_corner() -> None:
     assert _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=90.0)).heading_rad == pytest.approx(0.0)
-    early = _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=97.0))
+    early = _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=98.0))
     assert 0.2 < early.heading_rad < math.pi / 2
     assert early.cross_track_m == pytest.approx(0.0)  # still told of the leg it is on
 
 
-def test_an_early_turn_that_missed_its_corner_is_not_tried_again() -> None:
+def test_it_turns_with_the_arc_and_says_how_fast() -> None:
     pilot = Pilot()
-    close = replace(NORTHBOUND, north_m=98.0)
-    assert _demand(pilot, CORNER, close).heading_rad > 0.2
-    away = replace(close, north_m_s=-0.5, surge_m_s=-0.5)
-    assert _demand(pilot, CORNER, away).heading_rad == pytest.approx(0.0)
-    assert _demand(pilot, CORNER, close).heading_rad == pytest.approx(0.0)
-    other = FollowLeg(Point(0.0, 0.0), Point(100.0, 1.0), 2.0, Point(100.0, 50.0))
-    assert _demand(pilot, other, close).heading_rad > 0.2
+    assert _demand(pilot, CORNER, replace(NORTHBOUND, north_m=80.0)).yaw_rate_rad_s == 0.0
+    slow = replace(NORTHBOUND, north_m=98.5, north_m_s=0.6, surge_m_s=0.6)
+    demand = _demand(pilot, CORNER, slow)
+    assert demand.yaw_rate_rad_s == pytest.approx(0.6 / CONFIG.guidance.corner_radius_m)
+    assert demand.speed_m_s < 1.0
+
+
+def test_the_arc_is_sailed_out_on_the_next_leg_and_then_forgotten() -> None:
+    pilot = Pilot()
+    onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
+    middle = replace(
+        NORTHBOUND, north_m=99.56, east_m=0.44, heading_rad=math.pi / 4, north_m_s=0.4, east_m_s=0.4
+    )
+    _demand(pilot, CORNER, middle)
+    demand = _demand(pilot, onward, middle)
+    assert math.pi / 4 < demand.heading_rad < math.pi / 2
+    assert demand.speed_m_s < 1.0
+    beyond = replace(middle, north_m=100.0, east_m=10.0, heading_rad=math.pi / 2, north_m_s=0.0, east_m_s=0.6)
+    _demand(pilot, onward, beyond)
+    demand = _demand(pilot, onward, beyond)
+    assert demand.heading_rad == pytest.approx(math.pi / 2)
+    assert demand.speed_m_s == 2.0
+
+
+def test_a_leg_that_does_not_go_on_from_the_corner_owes_it_nothing() -> None:
+    pilot = Pilot()
+    near = replace(NORTHBOUND, north_m=98.5)
+    _demand(pilot, CORNER, near)
+    elsewhere = FollowLeg(Point(98.5, 0.0), Point(200.0, 0.0), 2.0)
+    assert _demand(pilot, elsewhere, near) == Demand(0.0, 2.0, 0.0, 101.5)
 
 
 def test_a_bow_that_points_elsewhere_turns_on_the_spot() -> None:

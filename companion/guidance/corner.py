@@ -1,0 +1,76 @@
+"""A corner between two legs, rounded on an arc that touches both.
+
+The arc of radius r leaves the first leg r tan(|turn|/2) before the corner, passes the corner at r
+(1/cos(|turn|/2) − 1), and joins the second leg as far behind it. Distances along the path count from where
+the arc begins: negative on the first leg, beyond `length_m` on the second one.
+"""
+
+import math
+
+from companion.config import BoatConfig
+from companion.geo import Line, Point
+from companion.units import clamp, wrap_pi
+
+CIRCLE_SHARE = 0.8  # of the waypoint's radius: how near the corner the arc must pass
+LEG_SHARE = 0.5  # of either leg that the arc may take
+SHARPEST_RAD = 2.4  # a sharper one is turned on the spot
+LEAST_TURN_RAD = 1e-3  # less is no corner
+
+
+class Corner:
+    """turn_rad is positive to starboard, in [−π, π)."""
+
+    __slots__ = ("_centre", "_entry_rad", "entry_m", "length_m", "line", "next_line", "radius_m", "turn_rad")
+
+    def __init__(self, line: Line, next_line: Line, radius_m: float) -> None:
+        self.line = line
+        self.next_line = next_line
+        self.radius_m = radius_m
+        self.turn_rad = turn = wrap_pi(next_line.course_rad - line.course_rad)
+        self.entry_m = radius_m * math.tan(0.5 * abs(turn))
+        self.length_m = radius_m * abs(turn)
+        c, s = math.cos(line.course_rad), math.sin(line.course_rad)
+        side_m = math.copysign(radius_m, turn)
+        corner = line.end
+        self._centre = Point(
+            corner.north_m - self.entry_m * c - side_m * s, corner.east_m - self.entry_m * s + side_m * c
+        )
+        self._entry_rad = line.course_rad - math.copysign(0.5 * math.pi, turn)  # from the centre to the entry
+
+    def along_and_cross_track_m(self, at: Point) -> tuple[float, float]:
+        """How far along the path its nearest place is, and how far to the right of it `at` lies."""
+        along, cross = self.line.along_and_cross_track_m(at)
+        along -= self.line.length_m - self.entry_m
+        if along <= 0.0:
+            return along, cross
+        beyond, beyond_cross = self.next_line.along_and_cross_track_m(at)
+        if beyond >= self.entry_m:
+            return self.length_m + beyond - self.entry_m, beyond_cross
+        north, east = at.north_m - self._centre.north_m, at.east_m - self._centre.east_m
+        turned = wrap_pi(math.atan2(east, north) - self._entry_rad)
+        turned = clamp(math.copysign(1.0, self.turn_rad) * turned, 0.0, abs(self.turn_rad))
+        inside = self.radius_m - math.hypot(north, east)
+        return self.radius_m * turned, math.copysign(1.0, self.turn_rad) * inside
+
+    def course_rad(self, along_m: float) -> float:
+        """The path's direction at a place along it. Not wrapped."""
+        share = clamp(along_m / self.length_m, 0.0, 1.0)
+        return self.line.course_rad + share * self.turn_rad
+
+
+def corner_between(line: Line, next_line: Line, radius_m: float, config: BoatConfig) -> Corner | None:
+    """The corner as it is to be sailed; None where the legs go straight on, nearly back, or one has no
+    length.
+
+    radius_m: how near the waypoint must be passed. The arc's own radius is the configured one where that
+    passes within CIRCLE_SHARE of the waypoint's, and takes no more than LEG_SHARE of the shorter leg.
+    """
+    turn = abs(wrap_pi(next_line.course_rad - line.course_rad))
+    shorter_m = min(line.length_m, next_line.length_m)
+    if not LEAST_TURN_RAD < turn < SHARPEST_RAD or shorter_m < 1e-6:
+        return None
+    half = 0.5 * turn
+    widest_m = min(
+        CIRCLE_SHARE * radius_m / (1.0 / math.cos(half) - 1.0), LEG_SHARE * shorter_m / math.tan(half)
+    )
+    return Corner(line, next_line, min(config.guidance.corner_radius_m, widest_m))

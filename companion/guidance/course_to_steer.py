@@ -1,0 +1,39 @@
+"""The course to steer: the velocity triangle of boat, water and ground.
+
+Velocity over ground = velocity through the water + set (current and leeway together). So to make good a
+course at a speed, the bow points along their difference with the set; this is the crab angle of T. I.
+Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, (12.106), from a set that
+is estimated.
+
+Why the set and not an integral of the cross-track error (12.108): the set shows in satellite velocity and
+compass within seconds and stays true through a corner, while an integral must learn it anew on every leg and
+overshoots while it does. The compass's own offset looks like a set that turns with the boat, so it leaves no
+steady cross-track error either.
+"""
+
+import math
+
+from companion.units import clamp
+
+MAX_CRAB_SINE = math.sin(1.0)  # beyond that crab angle little speed is left to go ahead with
+
+
+def course_to_steer(
+    course_rad: float,
+    speed_m_s: float,
+    set_north_m_s: float,
+    set_east_m_s: float,
+    slow_m_s: float,
+    top_m_s: float,
+) -> tuple[float, float]:
+    """Heading, not wrapped, and speed through the water that make good a course at a speed over ground.
+
+    The course goes before the speed: through the water the boat makes at most top_m_s, and ahead along the
+    course at least slow_m_s, so that the bow does not turn about where the set alone is faster than asked.
+    """
+    c, s = math.cos(course_rad), math.sin(course_rad)
+    limit = MAX_CRAB_SINE * top_m_s
+    across = clamp(set_north_m_s * s - set_east_m_s * c, -limit, limit)
+    room = math.sqrt(top_m_s * top_m_s - across * across)
+    ahead = clamp(speed_m_s - set_north_m_s * c - set_east_m_s * s, min(slow_m_s, room), room)
+    return course_rad + math.atan2(across, ahead), math.hypot(across, ahead)

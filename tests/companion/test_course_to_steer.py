@@ -1,0 +1,55 @@
+"""The velocity triangle: what is steered, with the set, is the course that was asked for."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.guidance.course_to_steer import course_to_steer
+from companion.units import wrap_pi
+
+courses = st.floats(-math.pi, math.pi)
+
+
+def made_good(heading_rad: float, water_m_s: float, set_north: float, set_east: float) -> tuple[float, float]:
+    north = water_m_s * math.cos(heading_rad) + set_north
+    east = water_m_s * math.sin(heading_rad) + set_east
+    return math.atan2(east, north), math.hypot(north, east)
+
+
+def test_still_water_asks_for_the_course_itself() -> None:
+    assert course_to_steer(0.7, 2.0, 0.0, 0.0, 0.4, 3.0) == pytest.approx((0.7, 2.0))
+
+
+@given(courses, st.floats(-0.7, 0.7), st.floats(-0.7, 0.7))
+def test_course_and_speed_are_made_good_within_the_boats_means(
+    course: float, set_north: float, set_east: float
+) -> None:
+    heading, water = course_to_steer(course, 1.7, set_north, set_east, 0.4, 3.0)
+    way, speed = made_good(heading, water, set_north, set_east)
+    assert wrap_pi(way - course) == pytest.approx(0.0, abs=1e-9)
+    assert speed == pytest.approx(1.7)
+
+
+@given(courses, st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), st.floats(0.0, 5.0))
+def test_the_course_goes_before_the_speed(
+    course: float, set_north: float, set_east: float, speed: float
+) -> None:
+    heading, water = course_to_steer(course, speed, set_north, set_east, 0.4, 3.0)
+    assert water <= 3.0 + 1e-9
+    assert math.cos(heading - course) > 0.0  # the bow never turns away from where the boat is to go
+    across = set_east * math.cos(course) - set_north * math.sin(course)
+    if abs(across) < 2.5:
+        offset = water * math.sin(heading - course) + across
+        assert offset == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_set_from_astern_faster_than_asked_still_leaves_steerage_way() -> None:
+    assert course_to_steer(0.0, 1.0, 1.5, 0.0, 0.4, 3.0) == pytest.approx((0.0, 0.4))
+
+
+def test_a_set_too_strong_to_cross_is_held_against_as_far_as_makes_sense() -> None:
+    heading, water = course_to_steer(0.0, 2.0, 0.0, 5.0, 0.4, 3.0)
+    assert heading == pytest.approx(-1.0)
+    assert water == pytest.approx(3.0)
