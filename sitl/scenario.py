@@ -26,6 +26,7 @@ from mission_tools.maps.chart import Chart
 from mission_tools.maps.scenario import decode_scenario
 from mission_tools.maps.source import RouteDefaults
 from sitl.battery import BatteryParameters
+from sitl.drive import ThrusterParameters
 from sitl.environment import Environment
 from sitl.faults.catalogue import FaultSetting
 from sitl.layers import Layer, decode, explain, merge, parse_overrides
@@ -33,7 +34,6 @@ from sitl.link import LinkSettings
 from sitl.movers import MoverSettings
 from sitl.random_world import RandomWater, random_world
 from sitl.sensors import Sensors
-from sitl.thrusters import ThrusterParameters
 from sitl.vessel import VesselParameters
 
 HERE = Path(__file__).parent

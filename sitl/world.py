@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 from companion.units import wrap_pi
 from sitl.battery import Pack
+from sitl.drive import Thrusters
 from sitl.electronics import Electronics
 from sitl.environment import Wind
 from sitl.movers import Movers
 from sitl.scenario import Scenario
 from sitl.shore import Shore
-from sitl.thrusters import Thrusters
 from sitl.vessel import LONGEST_STEP_S, Vessel
 from sitl.windage import Windage
 
@@ -118,8 +118,10 @@ class World:
         self.tick += 1
         motors, vessel = self._motors, self._vessel
         north_m, east_m = vessel.north_m, vessel.east_m
-        force_n, moment_nm = self._thrusters.step(motors.left, motors.right, dt_s)
-        self._pack.step(self._thrusters.current_a(motors.left, motors.right), dt_s)
+        force_n, moment_nm = self._thrusters.step(
+            motors.left, motors.right, self._pack.supply_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, dt_s
+        )
+        self._pack.step(self._thrusters.current_a, dt_s)
         if self.wind.is_calm:
             vessel.step(force_n, 0.0, moment_nm, self._current_n, self._current_e, dt_s)
         else:
@@ -197,8 +199,8 @@ class World:
             vessel.surge_m_s,
             vessel.sway_m_s,
             vessel.yaw_rate_rad_s,
-            thrusters.left.shaft,
-            thrusters.right.shaft,
+            thrusters.left.speed_rad_s,
+            thrusters.right.speed_rad_s,
             self._pack.used_mah,
             self._pack.voltage_v,
             self.wind.north_m_s,

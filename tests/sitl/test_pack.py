@@ -1,11 +1,11 @@
-"""The simulated battery pack and the current in the water."""
+"""The simulated battery pack."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.battery import CELL_V, BatteryParameters, Pack
-from sitl.environment import Environment
+from sitl.battery import CELL_V, CLIFF, BatteryParameters, Pack
+from sitl.drive import MotorParameters, PropellerParameters, Thruster, ThrusterParameters
 
 
 def test_a_full_pack_at_rest_shows_its_cells_less_the_idle_drop() -> None:
@@ -31,12 +31,30 @@ def test_load_sags_the_voltage_by_current_times_resistance() -> None:
     assert at_rest - pack.voltage_v == pytest.approx(0.8)
 
 
-def test_an_empty_pack_stays_empty() -> None:
-    pack = Pack(BatteryParameters(capacity_mah=10.0, idle_a=1.0, resistance_ohm=0.0))
-    for _ in range(100):
-        pack.step(0.0, 1.0)
-    assert pack.charge == 0.0
+def test_an_almost_empty_pack_sags_three_times_as_much() -> None:
+    def sag_v(charge: float) -> float:
+        pack = Pack(BatteryParameters(charge=charge, resistance_ohm=0.08, idle_a=0.0))
+        at_rest = pack.voltage_v
+        pack.step(5.0, 0.0)
+        return at_rest - pack.voltage_v
+
+    assert sag_v(0.2) == pytest.approx(0.4)
+    assert sag_v(1e-9) == pytest.approx(1.2)
+
+
+def test_a_pack_that_is_drawn_below_empty_falls_off_a_cliff_and_takes_the_computer_along() -> None:
+    pack = Pack(BatteryParameters(capacity_mah=1000.0, charge=0.0, idle_a=1.0, resistance_ohm=0.0))
     assert pack.voltage_v == pytest.approx(3 * CELL_V[0])
+    enough = not pack.is_browned_out
+    for _ in range(round(0.5 * CLIFF * 3600.0)):
+        pack.step(0.0, 1.0)
+    assert pack.voltage_v == pytest.approx(1.5 * CELL_V[0], rel=0.01)
+    assert enough
+    assert pack.is_browned_out
+    for _ in range(3600):
+        pack.step(0.0, 1.0)
+    assert (pack.charge, pack.voltage_v) == (0.0, 0.0)
+    assert pack.used_mah == pytest.approx(1000.0 * (1.0 + CLIFF))
 
 
 @given(charges=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)))
@@ -45,10 +63,22 @@ def test_less_charge_never_shows_more_voltage(charges: tuple[float, float]) -> N
     assert low <= high
 
 
-@pytest.mark.parametrize(
-    ("to_deg", "north", "east"), [(0.0, 0.5, 0.0), (90.0, 0.0, 0.5), (180.0, -0.5, 0.0), (270.0, 0.0, -0.5)]
-)
-def test_the_current_flows_to_where_it_is_said_to_flow(to_deg: float, north: float, east: float) -> None:
-    water = Environment(current_m_s=0.5, current_to_deg=to_deg)
-    assert water.current_north_m_s == pytest.approx(north, abs=1e-12)
-    assert water.current_east_m_s == pytest.approx(east, abs=1e-12)
+def test_a_worn_out_pack_under_two_stalled_motors_settles() -> None:
+    """0.5 Ω against 0.6 Ω: a voltage taken from the last step alone would swing between none and all."""
+    motor = MotorParameters(back_emf_v_s=0.008, resistance_ohm=1.2, inertia_kg_m2=1e-5, no_load_a=1e3)
+    propeller = PropellerParameters(
+        diameter_m=0.03,
+        thrust_coefficient=0.31,
+        torque_coefficient=0.06,
+        zero_thrust_advance=2.3,
+        zero_torque_advance=2.9,
+    )
+    shaft = Thruster(ThrusterParameters(apart_m=0.3, motor=motor, propeller=propeller))
+    pack = Pack(BatteryParameters(resistance_ohm=0.5, idle_a=0.0))
+    shown = []
+    for _ in range(100):
+        shaft.step(1.0, pack.supply_v, 0.0, 0.02)
+        pack.step(2.0 * shaft.current_a, 0.02)
+        shown.append(pack.voltage_v)
+    assert max(shown[50:]) - min(shown[50:]) < 0.05
+    assert 5.0 < shown[-1] < 10.0
