@@ -17,6 +17,7 @@ from msgspec import Meta
 from companion.errors import ConfigError
 from companion.parts import Parts
 from companion.section import NonNegative, Positive, Section, Share, SystemId
+from companion.settings.failsafe import Failsafe
 from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
 
@@ -128,21 +129,6 @@ class Follow(Section, frozen=True):
     offset_y_m: float = 0.0
     gain_per_s: Positive = 0.3  # speed added for each metre behind
     timeout_s: Positive = 3.0
-
-
-class Failsafe(Section, frozen=True):
-    """What happens when the operator goes silent or the pack runs low. Actions are Rover's FS_ACTION numbers:
-
-    0 nothing, 1 RTL, 2 HOLD, 3 SMART_RTL or RTL, 4 SMART_RTL or HOLD, 5 disarm, 6 LOITER or HOLD.
-    """
-
-    gcs_enabled: bool = True
-    gcs_timeout_s: Positive = 5.0
-    action: Annotated[int, Meta(ge=0, le=6)] = 6
-    manual_timeout_s: Positive = 1.0  # MANUAL_CONTROL and RC override go stale after this
-    battery_low_v: NonNegative = 10.2  # 0: off
-    battery_low_s: Positive = 10.0
-    battery_action: Annotated[int, Meta(ge=0, le=6)] = 1
 
 
 class Arming(Section, frozen=True):

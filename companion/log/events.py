@@ -12,6 +12,7 @@ from companion.mavlink.items import MissionItem
 from companion.params import Parameters
 from companion.services.snapshot import Snapshot
 from companion.units import deg_to_e7
+from companion.vehicle.failsafes.table import Condition
 from companion.vehicle.modes import Mode
 from companion.vehicle.vehicle import Vehicle
 
@@ -93,9 +94,9 @@ def _errors(now: Snapshot) -> Iterator[int]:
         yield _COMPASS
     if nav is None or nav.position_age_s > limit_s:
         yield _GNSS
-    if now.vehicle.battery_watch.is_low:
+    if now.vehicle.failsafes.pack_is_low:
         yield _BATTERY
-    if now.vehicle.operator.is_lost:
+    if now.vehicle.failsafes.is_active(Condition.OPERATOR_LOST):
         yield _OPERATOR
 
 

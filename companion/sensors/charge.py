@@ -1,6 +1,21 @@
-"""Counts the charge that has left the pack."""
+"""The pack's charge: counted as it leaves, and read from the voltage at rest."""
+
+from itertools import pairwise
 
 from companion.sensors.readings import BatteryReading
+from companion.units import clamp
+
+# Open-circuit voltage of a resting LiPo cell against the charge left: (share, volt)
+_LIPO_CURVE = (
+    (0.0, 3.27),
+    (0.05, 3.61),
+    (0.1, 3.69),
+    (0.2, 3.73),
+    (0.4, 3.79),
+    (0.6, 3.87),
+    (0.8, 4.02),
+    (1.0, 4.2),
+)
 
 _MAX_GAP_S = 2.0  # a monitor that was silent for longer says nothing about the time between
 
@@ -26,3 +41,11 @@ class ChargeCounter:
             if gap_s <= _MAX_GAP_S:
                 self.consumed_mah += 0.5 * (reading.current_a + last.current_a) * gap_s / 3.6
         self._last = reading
+
+
+def resting_share(cell_v: float) -> float:
+    """Share of its charge that a LiPo cell at rest has left, 0..1. Under load it reads a little low."""
+    for (low_share, low_v), (high_share, high_v) in pairwise(_LIPO_CURVE):
+        if cell_v < high_v:
+            return clamp(low_share + (high_share - low_share) * (cell_v - low_v) / (high_v - low_v), 0.0, 1.0)
+    return 1.0

@@ -25,11 +25,16 @@ class GnssFix(Struct, frozen=True, gc=False):
 
 
 class HeadingReading(Struct, frozen=True, gc=False):
-    """Where the bow points: radians from true north, clockwise; the rate too where the part has a gyro."""
+    """Where the bow points: radians from true north, clockwise; the rate too where the part has a gyro.
+
+    roll_rad (positive to starboard) and pitch_rad (bow up): where the part measures them.
+    """
 
     time_s: float
     heading_rad: float
     yaw_rate_rad_s: float | None = None
+    roll_rad: float | None = None
+    pitch_rad: float | None = None
 
 
 class SonarReading(Struct, frozen=True, gc=False):
@@ -48,3 +53,11 @@ class BatteryReading(Struct, frozen=True, gc=False):
     time_s: float
     voltage_v: float
     current_a: float | None = None
+
+
+class HullReading(Struct, frozen=True, gc=False):
+    """How it looks inside the hull: water, and the warmest thing that is measured. None: not measured."""
+
+    time_s: float
+    is_wet: bool | None = None
+    temperature_c: float | None = None

@@ -1,10 +1,10 @@
 """Telemetry of the boat's condition: one function per message, None while there is nothing true to say."""
 
 import math
-from itertools import pairwise
 
 from companion import __version__
 from companion.mavlink.dialect import Message, dialect
+from companion.sensors.charge import resting_share
 from companion.services.snapshot import Snapshot
 from companion.units import clamp, deg_to_e7, wrap_two_pi
 from companion.vehicle.modes import Mode
@@ -22,18 +22,6 @@ _PRESENT = (
     | _SENSOR.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
     | _SENSOR.MAV_SYS_STATUS_AHRS
     | _SENSOR.MAV_SYS_STATUS_PREARM_CHECK
-)
-
-# Open-circuit voltage of a resting LiPo cell against the charge left: (share, volt)
-_LIPO_CURVE = (
-    (0.0, 3.27),
-    (0.05, 3.61),
-    (0.1, 3.69),
-    (0.2, 3.73),
-    (0.4, 3.79),
-    (0.6, 3.87),
-    (0.8, 4.02),
-    (1.0, 4.2),
 )
 
 
@@ -80,7 +68,7 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
     fitted = well = 0
     if now.battery is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-        if not now.vehicle.battery_watch.is_low:
+        if not now.vehicle.failsafes.pack_is_low:
             well |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
     if now.heading is not None and now.heading.yaw_rate_rad_s is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
@@ -98,7 +86,7 @@ def battery_status(now: Snapshot) -> Message | None:
     battery = now.battery
     if battery is None:
         return None
-    is_low = now.vehicle.battery_watch.is_low
+    is_low = now.vehicle.failsafes.pack_is_low
     return dialect.MAVLink_battery_status_message(
         id=0,
         battery_function=dialect.MAV_BATTERY_FUNCTION_ALL,
@@ -117,12 +105,7 @@ def _battery_percent(now: Snapshot) -> int:
     """Charge left by the voltage of a cell, −1 without a monitor. Under load it reads a little low."""
     if now.battery is None:
         return -1
-    cell_v = now.battery.voltage_v / now.config.battery.cells
-    for (low_share, low_v), (high_share, high_v) in pairwise(_LIPO_CURVE):
-        if cell_v < high_v:
-            share = low_share + (high_share - low_share) * (cell_v - low_v) / (high_v - low_v)
-            return round(100.0 * clamp(share, 0.0, 1.0))
-    return 100
+    return round(100.0 * resting_share(now.battery.voltage_v / now.config.battery.cells))
 
 
 def system_time(now: Snapshot) -> Message:

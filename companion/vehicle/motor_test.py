@@ -1,7 +1,7 @@
 """The motor test: a disarmed boat turns one motor for a moment, on the bench or at the jetty.
 
 It goes through the gate like every other command, and ends by itself: after its time, or as soon as anything
-at all changes (arming, mode, a lost operator, a low pack). Whoever gives another command stops it too.
+at all changes (arming, mode, a failsafe). Whoever gives another command stops it too.
 """
 
 from enum import IntEnum
@@ -68,4 +68,4 @@ class MotorTest:
 
     def _situation(self) -> tuple[object, ...]:
         vehicle = self._vehicle
-        return vehicle.armed, vehicle.mode, vehicle.operator.is_lost, vehicle.battery_watch.is_low
+        return vehicle.armed, vehicle.mode, vehicle.failsafes.active

@@ -23,21 +23,32 @@ def top_speed_m_s(setting: Speed) -> float:
 class Sticks:
     """Remembers where they are, since when, and which way SIMPLE's stick points."""
 
-    __slots__ = ("_ahead_rad", "_at_s", "_heading_rad", "latest")
+    __slots__ = ("_ahead_rad", "_at_s", "_heading_rad", "_is_held", "latest")
 
     def __init__(self) -> None:
         self.latest = ManualInput(0.0, 0.0)
         self._at_s = -math.inf
+        self._is_held = False
         self._ahead_rad = 0.0
         self._heading_rad = 0.0
 
     def take(self, sticks: ManualInput, now_s: float) -> None:
         """They have been moved, or are still held."""
         self.latest, self._at_s = sticks, now_s
+        self._is_held = True
 
     def release(self) -> None:
         """Nobody holds them."""
         self._at_s = -math.inf
+        self._is_held = False
+
+    def let_go(self) -> None:
+        """They do not steer now: nobody is missed should they fall silent."""
+        self._is_held = False
+
+    def is_dropped(self, config: BoatConfig, now_s: float) -> bool:
+        """Whether somebody has held them to steer, and does no longer."""
+        return self._is_held and not self.is_fresh(config, now_s)
 
     def begin(self, nav: NavState | None) -> None:
         """A mode by hand begins: SIMPLE's stick takes the bow for ahead."""

@@ -4,36 +4,26 @@ from collections.abc import Sequence
 
 from companion.config import BoatConfig
 from companion.geo import LatLon, LocalFrame
-from companion.requests import (
-    ACCEPTED,
-    Arm,
-    ChangeMode,
-    ChangeSpeed,
-    Disarm,
-    GoTo,
-    ManualInput,
-    Outcome,
-    Request,
-    SetCurrentItem,
-    SetHome,
-    SetPoint,
-    Sighting,
-    StartMission,
-)
+from companion.requests import ACCEPTED, Outcome, Request
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults
+from companion.vehicle.clearing import Clearing
 from companion.vehicle.conduct import Conduct, station_of
-from companion.vehicle.failsafe import RETREATS, Action, Alarm, BatteryWatch, OperatorWatch
+from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
+from companion.vehicle.failsafes.estimate import lacks_heading, lacks_position
+from companion.vehicle.failsafes.failsafes import Alarm, Failsafes
+from companion.vehicle.failsafes.ladder import Move
 from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
-from companion.vehicle.modes import Mode, mode_from_number
+from companion.vehicle.modes import Mode
 from companion.vehicle.notice import Notice, Severity
+from companion.vehicle.orders import carry_out
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
-_NOT_GUIDED = Outcome(False, "not in GUIDED")
+_LIMP_SHARE = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
 class Vehicle:
@@ -47,8 +37,10 @@ class Vehicle:
         self.fence = Fence()
         self.conduct = Conduct()
         self.progress = self.conduct.progress
-        self.operator = OperatorWatch()
-        self.battery_watch = BatteryWatch()
+        self.failsafes = Failsafes(config, self.conduct.sticks)
+        self.operator = self.failsafes.signs.operator
+        self.planner = self.failsafes.signs.planner
+        self.clearing = Clearing()
         self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
         self.nav: NavState | None = None
         self.frame: LocalFrame | None = None
@@ -82,19 +74,17 @@ class Vehicle:
 
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""
-        for alarm in (
-            self.operator.update(self.config.failsafe, self._now_s),
-            self.battery_watch.update(self.config.failsafe, self.battery, self._now_s),
-        ):
-            if alarm is not None:
-                self._act_on(alarm)
+        if self.failsafes.is_due(self._now_s):
+            self._watch()
         if not self.armed:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s):
-                self._tell(Severity.CRITICAL, f"PreArm: {fault}")
+                self.tell(Severity.CRITICAL, f"PreArm: {fault}")
             return _STOP
         now = self._situation()
-        if now is not None and now.nav.position_age_s <= self.config.motors.estimate_timeout_s:
+        if now is not None and not lacks_position(now.nav, self.config.motors):
             self.conduct.record(self.mode, now)
+        if self.clearing.is_running:
+            return self.clearing.intent(self._now_s)
         if self.mode is Mode.MANUAL:
             return self.conduct.sticks.intent(self.mode, self.config, self._now_s)
         if self.mode is Mode.HOLD or now is None:
@@ -102,7 +92,7 @@ class Vehicle:
         intent = self.conduct.decide(self.mode, now)
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
-                self._set_home(position)
+                self.set_home(position)
             if self.progress.finished:
                 return self._end_mission(intent, now)
         return intent
@@ -119,38 +109,7 @@ class Vehicle:
 
     def request(self, request: Request) -> Outcome:
         """Carry out a request, at once or not at all."""
-        match request:
-            case ManualInput():
-                self.conduct.sticks.take(request, self._now_s)
-                return ACCEPTED
-            case SetPoint():
-                return self._hold(request)
-            case Sighting():
-                is_lead = self.conduct.following.sight(request, self.config.follow, self._now_s)
-                return ACCEPTED if is_lead else Outcome(False, "not the one to follow")
-            case Arm(force):
-                return self._arm(force)
-            case Disarm(reason):
-                return self._disarm(reason)
-            case ChangeMode(number):
-                mode = mode_from_number(number)
-                if mode is None:
-                    return self._refuse(f"Mode {number} is not available on this boat")
-                return self.enter(mode)
-            case StartMission(first_seq):
-                return self._start_mission(first_seq)
-            case SetCurrentItem():
-                return self._set_current(request)
-            case GoTo():
-                return self._go_to(request)
-            case ChangeSpeed(speed_m_s):
-                if self.mode is Mode.AUTO:
-                    self.progress.speed_m_s = speed_m_s
-                else:
-                    self.speed_m_s = speed_m_s
-                return ACCEPTED
-            case SetHome(position):
-                return self._set_home(position)
+        return carry_out(request, self, self._now_s)
 
     def take_mission(self, mission: Mission) -> None:
         """Swap in a new mission. In AUTO the boat sails on if nothing up to here has changed, else it goes
@@ -161,21 +120,32 @@ class Vehicle:
             self.enter(Mode.LOITER, "mission cleared")
         elif self.mode is Mode.AUTO and self.armed:
             what = f"goes on with item {self.progress.current_seq}" if goes_on else "begins at item 1"
-            self._tell(Severity.INFO, f"New mission {what}")
+            self.tell(Severity.INFO, f"New mission {what}")
 
     def take_fence(self, areas: Sequence[FenceArea]) -> None:
         """Swap in a new fence; it counts at once."""
         self.fence.take(areas)
         self.fence.lay(self.frame, self.home, self.config.fence)
 
+    def choose(self, mode: Mode) -> Outcome:
+        """Somebody chooses a mode: failsafes that are active leave it at that."""
+        outcome = self.enter(mode)
+        if outcome.accepted:
+            self.clearing.stop()
+            self.failsafes.overrule()
+        return outcome
+
     def enter(self, mode: Mode, why: str = "") -> Outcome:
         """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""
-        if mode.needs_position and (fault := self._position_fault() or self._mode_fault(mode)):
-            return self._refuse(f"{mode.name}: {fault}")
+        if mode.needs_position and (fault := self._estimate_fault() or self._mode_fault(mode)):
+            return self.refuse(f"{mode.name}: {fault}")
+        return self._enter(mode, why)
+
+    def _enter(self, mode: Mode, why: str) -> Outcome:
         if mode is not self.mode:
             self.mode = mode
             self.speed_m_s = None
-            self._tell(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
+            self.tell(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
             self.conduct.begin(mode, self._situation())
         return ACCEPTED
 
@@ -196,19 +166,20 @@ class Vehicle:
         speed_m_s = self.speed_m_s or self.config.speed.cruise_m_s
         return Situation(self.nav, self.frame, self.config, self.home, speed_m_s, self._now_s)
 
-    def _position_fault(self) -> str:
+    def _estimate_fault(self) -> str:
         """Why the boat cannot steer by its position; empty when it can."""
         if self.nav is None or self.frame is None:
             return "no position yet"
-        stale = self.nav.position_age_s > self.config.motors.estimate_timeout_s
-        return "position is stale" if stale else ""
+        if lacks_position(self.nav, self.config.motors):
+            return "position is stale"
+        return "no heading" if lacks_heading(self.nav, self.config.motors) else ""
 
     def _mode_fault(self, mode: Mode) -> str:
         now = self._situation()
         return "" if now is None or mode is self.mode else self.conduct.fault(mode, now)
 
     def _end_mission(self, intent: Intent, now: Situation) -> Intent:
-        self._tell(Severity.NOTICE, "Mission complete")
+        self.tell(Severity.NOTICE, "Mission complete")
         if self.progress.go_home:
             self.enter(Mode.RTL, "mission item")
             return self.conduct.decide(self.mode, now)
@@ -219,85 +190,91 @@ class Vehicle:
         self.conduct.passage.stay(station_of(intent, now))
         return intent
 
-    def _arm(self, force: bool) -> Outcome:
+    def arm(self, force: bool) -> Outcome:
         if self.armed:
             return ACCEPTED
         faults = [] if force else self.arming_faults()
         if faults:
             for fault in faults:
-                self._tell(Severity.CRITICAL, f"Arm: {fault}")
+                self.tell(Severity.CRITICAL, f"Arm: {fault}")
             return Outcome(False, faults[0])
         self.armed = True
         now = self._situation()
         if not self._home_is_chosen and now is not None:
             self.home = now.here
         self.conduct.sticks.release()
-        self.conduct.trail.begin(None if self._position_fault() or self.nav is None else self.nav.point)
+        self.conduct.trail.begin(None if self._estimate_fault() or self.nav is None else self.nav.point)
         self.conduct.begin(self.mode, now)
-        self._tell(Severity.INFO, "Armed")
+        self.tell(Severity.INFO, "Armed")
         return ACCEPTED
 
-    def _disarm(self, reason: str) -> Outcome:
+    def disarm(self, reason: str) -> Outcome:
         if self.armed:
             self.armed = False
-            self._tell(Severity.INFO, f"Disarmed {reason}")
+            self.clearing.stop()
+            self.tell(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 
-    def _start_mission(self, first_seq: int | None) -> Outcome:
-        if first_seq is not None and not self.progress.set_current(max(first_seq, 1)):
-            return self._refuse(f"Mission has no item {first_seq} (last is {self.progress.last_seq})")
-        return self.enter(Mode.AUTO)
-
-    def _set_current(self, request: SetCurrentItem) -> Outcome:
-        seq = self.progress.current_seq if request.seq is None else request.seq
-        is_named_or_over = request.seq is not None or self.progress.finished
-        if is_named_or_over and not self.progress.set_current(seq):
-            return self._refuse(f"Mission has no item {seq} (last is {self.progress.last_seq})")
-        if request.reset:
-            self.progress.forget_jumps()
-        return ACCEPTED
-
-    def _go_to(self, request: GoTo) -> Outcome:
-        if not self.conduct.is_guided(self.mode):
-            if not request.change_mode:
-                return self._refuse("Go to: not in GUIDED")
-            outcome = self.enter(Mode.GUIDED)
-            if not outcome.accepted:
-                return outcome
-        if request.speed_m_s is not None:
-            self.speed_m_s = request.speed_m_s
-        self.conduct.go(request.position)
-        return ACCEPTED
-
-    def _hold(self, set_point: SetPoint) -> Outcome:
-        if not self.conduct.is_guided(self.mode):
-            return _NOT_GUIDED
-        self.conduct.hold(set_point, self._now_s)
-        return ACCEPTED
-
-    def _set_home(self, position: LatLon | None) -> Outcome:
+    def set_home(self, position: LatLon | None) -> Outcome:
         if position is None:
             now = self._situation()
             if now is None:
-                return self._refuse("Home: no position yet")
+                return self.refuse("Home: no position yet")
             position = now.here
         self.home, self._home_is_chosen = position, True
         return ACCEPTED
 
-    def _tell(self, severity: int, text: str) -> None:
+    def tell(self, severity: int, text: str) -> None:
         self._notices.append(Notice(severity, text))
 
-    def _refuse(self, reason: str) -> Outcome:
-        self._tell(Severity.WARNING, reason)
+    def refuse(self, reason: str) -> Outcome:
+        self.tell(Severity.WARNING, reason)
         return Outcome(False, reason)
 
+    # Failsafes
+
+    def _watch(self) -> None:
+        """Let the failsafes look, and do what they ask."""
+        signs, nav = self.failsafes.signs, self.nav
+        signs.now_s, signs.config, signs.mode, signs.armed = self._now_s, self.config, self.mode, self.armed
+        signs.nav, signs.fix, signs.battery = nav, self.fix, self.battery
+        signs.is_guided = self.conduct.is_guided(self.mode)
+        signs.home = None if self.home is None or self.frame is None else self.frame.to_local(self.home)
+        for alarm in self.failsafes.update(self.clearing.is_running):
+            self._act_on(alarm)
+
     def _act_on(self, alarm: Alarm) -> None:
-        self._tell(Severity.CRITICAL, f"Failsafe: {alarm.text}")
-        if alarm.action is Action.DISARM:
-            self._disarm("by failsafe")
-        elif not self.armed or self.mode is Mode.HOLD or alarm.action is Action.NONE:
+        action, row = alarm.action, alarm.ladder.row
+        if alarm.move is Move.ENDS:
+            if alarm.text:
+                self.tell(Severity.NOTICE, f"Failsafe over: {alarm.text}")
             return
-        elif alarm.action is Action.LOITER_OR_HOLD and self.mode in (Mode.RTL, Mode.SMART_RTL):
-            return  # a boat on its way home goes on
-        elif not any(self.enter(mode, "failsafe").accepted for mode in RETREATS[alarm.action]):
-            self.enter(Mode.HOLD, "failsafe")
+        still = ", still" if alarm.move is Move.CLIMBS else ""
+        severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
+        self.tell(severity, f"Failsafe: {alarm.text}{still}")
+        if action is Action.DISARM:
+            self.disarm("by failsafe")
+        elif not self.armed or self.mode is Mode.HOLD or action is Action.NONE:
+            return
+        elif action is Action.CLEAR_PROPELLERS:
+            self.tell(Severity.WARNING, "Clearing the propellers")
+            self.clearing.begin(self._now_s)
+        elif not (row.spares_way_home and self.mode in WAYS_HOME and action is not Action.HOLD):
+            self._retreat(action)
+            if row.limps:
+                self.speed_m_s = _LIMP_SHARE * self.config.speed.cruise_m_s
+
+    def _retreat(self, action: Action) -> None:
+        """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""
+        self.clearing.stop()
+        for mode in RETREATS[action]:
+            if self.enter(mode, "failsafe").accepted:
+                return
+            if mode is Mode.LOITER and self._can_reckon():
+                self._enter(mode, "failsafe, by dead reckoning")
+                return
+        self.enter(Mode.HOLD, "failsafe")
+
+    def _can_reckon(self) -> bool:
+        nav = self.nav
+        return nav is not None and self.frame is not None and not lacks_heading(nav, self.config.motors)

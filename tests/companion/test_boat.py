@@ -85,10 +85,11 @@ def test_a_compass_that_falls_silent_stops_a_boat_that_steers_by_it() -> None:
     rig.peer.command_int(192, -1, 1, 0, 0, x=500_010_000, y=-12_000_000)
     rig.run(5.0)
     assert rig.world._motors.left > 0.1
-    stuck = Stuck(rig.world._compass.read())
+    stuck = Stuck(rig.hardware.compass.read())
     rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=stuck)
-    rig.run(rig.config.motors.estimate_timeout_s + 0.1)
-    assert rig.boat.command.reason == "heading is stale"
+    rig.run(rig.config.motors.estimate_timeout_s + 0.3)
+    assert any("Failsafe: Heading lost" in text for text in rig.peer.texts)
+    assert rig.mode == "HOLD"
     assert rig.boat.helm.heading_pid is None  # nothing is learned, and nothing told, of a loop that is open
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 

@@ -1,82 +1,92 @@
 import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at
 
-from companion.config import BoatConfig, Failsafe, with_value
-from companion.requests import Arm, ChangeMode
+from companion.config import BoatConfig, with_value
+from companion.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
 from companion.sensors.readings import BatteryReading
-from companion.vehicle.failsafe import Action, Alarm, BatteryWatch, OperatorWatch
+from companion.vehicle.failsafes.actions import Action
+from companion.vehicle.failsafes.table import ROWS, Condition
 from companion.vehicle.modes import Mode
 from companion.vehicle.vehicle import Vehicle
 
-SETTING = Failsafe(gcs_timeout_s=5.0, battery_low_v=10.2, battery_low_s=10.0)
 
-
-def operator_alarms(heard_s: list[float], until_s: int, setting: Failsafe = SETTING) -> list[int]:
-    """The whole seconds at which the watch fires."""
-    watch = OperatorWatch()
-    fired = []
-    for now_s in range(until_s):
-        if now_s in heard_s:
-            watch.heard(now_s)
-        if watch.update(setting, now_s) is not None:
-            fired.append(now_s)
-    return fired
-
-
-def test_an_operator_who_was_never_heard_is_never_missed() -> None:
-    assert operator_alarms([], 1000) == []
-
-
-def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> None:
-    assert operator_alarms([0, 1, 2], 60) == [8]
-    assert operator_alarms([0, 20], 60) == [6, 26]
-    assert operator_alarms([0], 60, Failsafe(gcs_enabled=False)) == []
-
-
-def battery_alarms(volts: list[float], setting: Failsafe = SETTING) -> list[int]:
-    watch = BatteryWatch()
-    return [
-        now_s
-        for now_s, volt in enumerate(volts)
-        if watch.update(setting, BatteryReading(now_s, volt), now_s) is not None
-    ]
-
-
-def test_a_low_pack_fires_once_after_its_time() -> None:
-    assert battery_alarms([12.0, *[10.1] * 30]) == [11]
-
-
-def test_a_sag_under_load_is_forgiven() -> None:
-    assert battery_alarms([*[10.1] * 9, 10.3, *[10.1] * 9, 10.3]) == []
-
-
-def test_no_limit_and_no_monitor_never_fire() -> None:
-    assert battery_alarms([1.0] * 60, Failsafe(battery_low_v=0.0)) == []
-    assert BatteryWatch().update(SETTING, None, 100.0) is None
-
-
-def test_the_alarm_says_what_and_how_much() -> None:
-    watch = BatteryWatch()
-    watch.update(SETTING, BatteryReading(0.0, 9.87), 0.0)
-    assert watch.update(SETTING, BatteryReading(10.0, 9.87), 10.0) == Alarm(Action.RTL, "Battery low: 9.9 V")
-
-
-def armed_vehicle(mode: Mode, action: Action) -> Vehicle:
-    config = with_value(BoatConfig(), "failsafe.action", int(action))
+def armed_vehicle(mode: Mode = Mode.GUIDED, **settings: object) -> Vehicle:
+    """At rest at the frame's origin, with a fix; settings: of the failsafes."""
+    config = BoatConfig()
+    for name, value in settings.items():
+        config = with_value(config, f"failsafe.{name}", value)
     vehicle = Vehicle(config)
     vehicle.sense(nav_at(), FRAME, GOOD_FIX, None, 0.0)
     assert vehicle.request(ChangeMode(mode)).accepted
     assert vehicle.request(Arm()).accepted
+    vehicle.take_notices()
     return vehicle
 
 
-def lose_operator(vehicle: Vehicle) -> list[str]:
-    vehicle.operator.heard(0.0)
-    vehicle.take_notices()
-    for now_s in range(10):
-        vehicle.sense(nav_at(time_s=now_s), vehicle.frame, GOOD_FIX, None, now_s)
+def live(vehicle: Vehicle, seconds: float, volt: float | None = None, step_s: float = 0.5) -> list[str]:
+    """Time goes by, all else being well; what was told."""
+    start_s = vehicle._now_s
+    for tick in range(1, round(seconds / step_s) + 1):
+        now_s = start_s + tick * step_s
+        battery = None if volt is None else BatteryReading(now_s, volt)
+        vehicle.sense(nav_at(time_s=now_s), vehicle.frame, GOOD_FIX, battery, now_s)
         vehicle.decide()
     return [notice.text for notice in vehicle.take_notices()]
+
+
+def lose_operator(vehicle: Vehicle, seconds: float = 10.0) -> list[str]:
+    vehicle.operator.heard(vehicle._now_s)
+    return live(vehicle, seconds)
+
+
+def test_an_operator_who_was_never_heard_is_never_missed() -> None:
+    assert live(armed_vehicle(), 1000.0) == []
+
+
+def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> None:
+    vehicle = armed_vehicle(long_timeout_s=0.0)
+    assert lose_operator(vehicle, 600.0) == ["Failsafe: Operator lost for 5 s", "Mode LOITER: failsafe"]
+    vehicle.operator.heard(vehicle._now_s)
+    assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"]
+    assert "Failsafe: Operator lost for 5 s" in live(vehicle, 5.0)
+
+
+def test_the_operators_failsafe_can_be_switched_off() -> None:
+    assert lose_operator(armed_vehicle(gcs_enabled=False), 600.0) == []
+
+
+def test_a_low_pack_fires_once_after_its_time() -> None:
+    vehicle = armed_vehicle()
+    assert live(vehicle, 9.5, volt=10.1) == []
+    assert live(vehicle, 1.5, volt=10.1) == [
+        "Failsafe: Battery low: 10.1 V",
+        "Mode RTL: failsafe",
+        "RTL: arrived",
+    ]
+    assert live(vehicle, 60.0, volt=12.0) == []  # it does not charge itself: low stays low
+    assert vehicle.failsafes.pack_is_low
+
+
+def test_a_sag_under_load_is_forgiven() -> None:
+    vehicle = armed_vehicle()
+    for _ in range(5):
+        assert live(vehicle, 9.0, volt=10.1) == []
+        assert live(vehicle, 1.0, volt=10.3) == []
+
+
+def test_no_limit_and_no_monitor_never_fire() -> None:
+    assert live(armed_vehicle(battery_low_v=0.0, battery_critical_v=0.0), 60.0, volt=1.0) == []
+    assert live(armed_vehicle(), 60.0) == []
+
+
+def test_a_critical_pack_brings_home_a_boat_that_was_sent_on_when_it_was_low() -> None:
+    vehicle = armed_vehicle()
+    live(vehicle, 12.0, volt=10.1)
+    assert vehicle.request(ChangeMode(Mode.GUIDED)).accepted
+    live(vehicle, 60.0, volt=10.1)
+    assert vehicle.mode.name == "GUIDED"
+    assert "Failsafe: Battery critical: 9.5 V" in live(vehicle, 12.0, volt=9.5)
+    assert vehicle.mode.name == "RTL"
 
 
 @pytest.mark.parametrize(
@@ -91,7 +101,7 @@ def lose_operator(vehicle: Vehicle) -> list[str]:
     ],
 )
 def test_each_action_puts_the_boat_into_its_mode(action: Action, mode: Mode) -> None:
-    vehicle = armed_vehicle(Mode.GUIDED, action)
+    vehicle = armed_vehicle(action=int(action))
     texts = lose_operator(vehicle)
     assert texts[0] == "Failsafe: Operator lost for 5 s"
     assert (vehicle.mode, vehicle.armed) == (mode, True)
@@ -101,49 +111,145 @@ def test_each_action_puts_the_boat_into_its_mode(action: Action, mode: Mode) -> 
     ("action", "mode"), [(Action.SMART_RTL_OR_RTL, Mode.RTL), (Action.SMART_RTL_OR_HOLD, Mode.HOLD)]
 )
 def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Action, mode: Mode) -> None:
-    vehicle = armed_vehicle(Mode.GUIDED, action)
+    vehicle = armed_vehicle(action=int(action))
     vehicle.conduct.trail.is_lost = True
     lose_operator(vehicle)
-    assert vehicle.mode is mode
+    assert vehicle.mode == mode
+
+
+def test_a_boat_that_cannot_go_home_stays_where_it_is_and_does_not_drift() -> None:
+    vehicle = armed_vehicle(action=int(Action.RTL))
+    vehicle.home = None
+    vehicle.operator.heard(0.0)
+    for now_s in range(1, 10):
+        vehicle.home = None
+        vehicle.nav, vehicle._now_s = nav_at(time_s=now_s), float(now_s)
+        vehicle.decide()
+    assert vehicle.mode.name == "LOITER"
 
 
 @pytest.mark.parametrize("mode", [Mode.GUIDED, Mode.HOLD])
 def test_the_action_disarm_disarms_in_every_mode(mode: Mode) -> None:
-    vehicle = armed_vehicle(mode, Action.DISARM)
+    vehicle = armed_vehicle(mode, action=int(Action.DISARM))
     assert "Disarmed by failsafe" in lose_operator(vehicle)
     assert not vehicle.armed
 
 
 def test_a_boat_on_hold_stays_on_hold() -> None:
-    vehicle = armed_vehicle(Mode.HOLD, Action.RTL)
+    vehicle = armed_vehicle(Mode.HOLD, action=int(Action.RTL))
     lose_operator(vehicle)
-    assert vehicle.mode is Mode.HOLD
+    assert vehicle.mode.name == "HOLD"
 
 
 def test_a_boat_on_its_way_home_is_not_told_to_loiter() -> None:
-    vehicle = armed_vehicle(Mode.RTL, Action.LOITER_OR_HOLD)
+    vehicle = armed_vehicle(Mode.RTL, action=int(Action.LOITER_OR_HOLD))
     lose_operator(vehicle)
-    assert vehicle.mode is Mode.RTL
+    assert vehicle.mode.name == "RTL"
 
 
 def test_a_boat_without_position_holds_where_it_was_told_to_loiter() -> None:
-    vehicle = armed_vehicle(Mode.MANUAL, Action.LOITER_OR_HOLD)
+    vehicle = armed_vehicle(Mode.MANUAL, action=int(Action.LOITER_OR_HOLD))
     vehicle.frame = None
     lose_operator(vehicle)
-    assert vehicle.mode is Mode.HOLD
+    assert vehicle.mode.name == "HOLD"
 
 
-def test_after_a_failsafe_the_operator_is_free_to_choose_another_mode() -> None:
-    vehicle = armed_vehicle(Mode.GUIDED, Action.HOLD)
+def test_a_disarmed_boat_stays_in_its_mode_and_is_told_all_the_same() -> None:
+    vehicle = armed_vehicle(action=int(Action.RTL))
+    vehicle.request(Disarm())
+    vehicle.take_notices()
+    assert lose_operator(vehicle) == ["Failsafe: Operator lost for 5 s"]
+    assert vehicle.mode.name == "GUIDED"
+
+
+def test_after_a_failsafe_the_operators_choice_stands_however_long_the_trouble_lasts() -> None:
+    vehicle = armed_vehicle(action=int(Action.HOLD), long_timeout_s=30.0)
     lose_operator(vehicle)
-    vehicle.operator.heard(10.0)
     assert vehicle.request(ChangeMode(Mode.GUIDED)).accepted
-    vehicle.decide()
-    assert vehicle.mode is Mode.GUIDED
+    live(vehicle, 600.0)
+    assert vehicle.mode.name == "GUIDED"
 
 
-def test_a_disarmed_boat_stays_in_its_mode() -> None:
-    vehicle = armed_vehicle(Mode.GUIDED, Action.RTL)
-    vehicle.armed = False
-    assert lose_operator(vehicle)[0].startswith("Failsafe")
-    assert vehicle.mode is Mode.GUIDED
+def test_an_operator_who_stays_away_is_come_home_to() -> None:
+    vehicle = armed_vehicle(long_timeout_s=60.0)
+    lose_operator(vehicle, 60.0)
+    assert vehicle.mode.name == "LOITER"
+    assert "Failsafe: Operator lost for 5 s, still" in live(vehicle, 10.0)
+    assert vehicle.mode.name == "RTL"
+    assert live(vehicle, 600.0) == []
+
+
+# The planner that steers
+
+
+def guided_by_a_planner() -> Vehicle:
+    vehicle = armed_vehicle()
+    assert vehicle.request(GoTo(vehicle.frame.to_global(nav_at(500.0).point))).accepted  # type: ignore[union-attr]
+    vehicle.planner.steers(vehicle._now_s)
+    return vehicle
+
+
+def test_a_planner_that_steers_and_falls_silent_leaves_the_boat_keeping_station() -> None:
+    vehicle = guided_by_a_planner()
+    assert live(vehicle, 6.0) == ["Failsafe: Planner lost for 5 s", "Mode LOITER: failsafe"]
+    vehicle.planner.heard(vehicle._now_s)
+    assert live(vehicle, 3.0) == ["Failsafe over: planner heard again"]
+    assert vehicle.mode.name == "LOITER"
+
+
+def test_a_planner_that_only_listens_is_not_missed() -> None:
+    vehicle = armed_vehicle()
+    vehicle.planner.heard(0.0)
+    assert live(vehicle, 60.0) == []
+
+
+def test_a_planner_is_not_missed_once_the_operator_has_taken_over() -> None:
+    vehicle = guided_by_a_planner()
+    live(vehicle, 2.0)
+    assert vehicle.request(ChangeMode(Mode.GUIDED)).accepted
+    assert live(vehicle, 60.0) == []
+
+
+# The hand at the helm
+
+
+def driven_by_hand(mode: Mode = Mode.MANUAL) -> Vehicle:
+    vehicle = armed_vehicle(mode)
+    for _ in range(5):
+        vehicle.request(ManualInput(0.5, 0.0))
+        live(vehicle, 0.5)
+    return vehicle
+
+
+def test_a_hand_that_falls_silent_leaves_the_boat_keeping_station_and_not_adrift() -> None:
+    vehicle = driven_by_hand()
+    assert live(vehicle, 2.0) == []
+    assert live(vehicle, 1.5) == ["Failsafe: RC lost: nobody holds the sticks", "Mode LOITER: failsafe"]
+    told = []
+    for _ in range(4):
+        vehicle.request(ManualInput(0.5, 0.0))
+        told += live(vehicle, 0.5)
+    assert told == ["Failsafe over: sticks held again"]
+    assert vehicle.mode.name == "LOITER"
+
+
+def test_nobody_is_missed_at_a_helm_that_nobody_has_held() -> None:
+    assert live(armed_vehicle(Mode.MANUAL), 60.0) == []
+
+
+def test_sticks_that_are_let_go_in_another_mode_are_not_missed() -> None:
+    vehicle = driven_by_hand()
+    vehicle.request(ChangeMode(Mode.GUIDED))
+    vehicle.request(ManualInput(0.5, 0.0))
+    assert live(vehicle, 60.0) == ["Mode GUIDED"]
+    vehicle.request(ChangeMode(Mode.MANUAL))
+    assert live(vehicle, 60.0) == ["Mode MANUAL"]
+
+
+def test_every_condition_has_one_row_and_its_fields_exist() -> None:
+    assert [row.condition for row in ROWS] == list(Condition)
+    setting = BoatConfig().failsafe
+    for row in ROWS:
+        for value in (row.action, row.after, *(part for step in row.then for part in step)):
+            if isinstance(value, str):
+                assert hasattr(setting, value), value

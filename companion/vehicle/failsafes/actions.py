@@ -1,0 +1,30 @@
+"""What a failsafe can do."""
+
+from enum import IntEnum
+
+from companion.vehicle.modes import Mode
+
+
+class Action(IntEnum):
+    """ArduPilot Rover's FS_ACTION numbers, and one of the boat's own."""
+
+    NONE = 0
+    RTL = 1
+    HOLD = 2
+    SMART_RTL_OR_RTL = 3
+    SMART_RTL_OR_HOLD = 4
+    DISARM = 5
+    LOITER_OR_HOLD = 6
+    CLEAR_PROPELLERS = 7
+
+
+RETREATS: dict[Action, tuple[Mode, ...]] = {
+    Action.RTL: (Mode.RTL, Mode.LOITER),
+    Action.HOLD: (),
+    Action.SMART_RTL_OR_RTL: (Mode.SMART_RTL, Mode.RTL, Mode.LOITER),
+    Action.SMART_RTL_OR_HOLD: (Mode.SMART_RTL,),
+    Action.LOITER_OR_HOLD: (Mode.LOITER,),
+}
+"""The modes of an action: the first that can be entered, else HOLD. Who cannot go home stays, not drifts."""
+
+WAYS_HOME = (Mode.RTL, Mode.SMART_RTL)

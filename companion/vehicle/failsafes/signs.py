@@ -1,0 +1,71 @@
+"""All that the failsafes look at."""
+
+import math
+
+from companion.config import BoatConfig
+from companion.geo import Point
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading
+from companion.state import NavState
+from companion.vehicle.failsafes.power import Endurance
+from companion.vehicle.failsafes.propulsion import MotorWatch
+from companion.vehicle.failsafes.stations import Operator, Planner
+from companion.vehicle.modes import Mode
+from companion.vehicle.sticks import Sticks
+
+
+class Signs:
+    """The vehicle and the boat write them, ten times a second is enough; the watches read them.
+
+    headway: guidance's verdict, 1 the water is as fast as the boat, 2 something holds it. sonar_s: when the
+    latest ping came, NaN where there is no sonar. storage_fault: why something could not be written, "".
+    """
+
+    __slots__ = (
+        "armed",
+        "battery",
+        "config",
+        "consumed_mah",
+        "endurance",
+        "fix",
+        "heading",
+        "headway",
+        "home",
+        "hull",
+        "is_guided",
+        "left",
+        "load",
+        "mode",
+        "motors",
+        "nav",
+        "now_s",
+        "operator",
+        "planner",
+        "right",
+        "sonar_s",
+        "sticks",
+        "storage_fault",
+    )
+
+    def __init__(self, config: BoatConfig, sticks: Sticks) -> None:
+        self.config = config
+        self.sticks = sticks
+        self.operator = Operator()
+        self.planner = Planner()
+        self.endurance = Endurance()
+        self.motors = MotorWatch()
+        self.now_s = 0.0
+        self.mode = Mode.HOLD
+        self.armed = False
+        self.is_guided = False
+        self.nav: NavState | None = None
+        self.fix: GnssFix | None = None
+        self.battery: BatteryReading | None = None
+        self.home: Point | None = None
+        self.heading: HeadingReading | None = None  # as the part gave it
+        self.hull: HullReading | None = None
+        self.consumed_mah = 0.0
+        self.left = self.right = 0.0  # what the motors are given
+        self.headway = 0
+        self.load = 0.0
+        self.sonar_s = math.nan
+        self.storage_fault = ""
