@@ -64,9 +64,13 @@ class Station:
         """The MAV_RESULT of the latest command of this number, None while there is none."""
         return self._acks.get(number)
 
-    def upload(self, items: Sequence[MissionItem], now_s: float) -> None:
-        """Begin to upload a mission."""
+    def upload(
+        self, items: Sequence[MissionItem], now_s: float, kind: MissionType = MissionType.MISSION
+    ) -> None:
+        """Begin to upload a mission or another list; the upload before it must have ended."""
         self.uploaded = None
+        if kind is not self._sender.mission_type:
+            self._sender = Sender(OWN, kind)
         self._sender.offer(items, self.boat, now_s)
 
     def step(self, now_s: float) -> None:
