@@ -1,10 +1,15 @@
 """Missions for lockstep runs: read from a file, or planned on the scenario's own chart."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+import shapely
+
+from companion.geo import Point
 from companion.mavlink.items import MissionItem
 from mission_tools.errors import UsageError
-from mission_tools.mission import Mission, MissionType
+from mission_tools.mission import Fence, FencePolygon, Mission, MissionType
+from mission_tools.mission import MissionItem as PlannedItem
 from mission_tools.plan_file import load_mission
 from mission_tools.planning import Plan, PlanSettings, plan
 from mission_tools.route import mission_along
@@ -35,8 +40,28 @@ def plan_mission(scenario: Scenario) -> tuple[Mission, Plan]:
     return mission_along([scenario.frame.to_global(point) for point in planned.points]), planned
 
 
+def fence_along(scenario: Scenario) -> list[MissionItem]:
+    """The outline of the scenario's water as a fence, islands and areas to keep out of as exclusions.
+
+    Open water has no outer line.
+    """
+    polygons = []
+    for area in shapely.get_parts(scenario.chart.navigable):
+        for number, ring in enumerate(shapely.get_rings(area)):
+            if number == 0 and scenario.chart.is_open:
+                continue
+            corners = shapely.get_coordinates(ring)[:-1].tolist()
+            places = tuple(scenario.frame.to_global(Point(north_m, east_m)) for east_m, north_m in corners)
+            polygons.append(FencePolygon(places, inclusion=number == 0))
+    return _on_the_wire(Fence(tuple(polygons)).items())
+
+
 def wire_items(mission: Mission) -> list[MissionItem]:
     """The mission as the boat receives it, home first."""
+    return _on_the_wire(mission.wire_lists(home_first=True)[MissionType.MISSION])
+
+
+def _on_the_wire(items: Sequence[PlannedItem]) -> list[MissionItem]:
     return [
         MissionItem(
             frame=item.frame,
@@ -50,5 +75,5 @@ def wire_items(mission: Mission) -> list[MissionItem]:
             y=item.y,
             z=item.z,
         )
-        for item in mission.wire_lists(home_first=True)[MissionType.MISSION]
+        for item in items
     ]

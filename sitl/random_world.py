@@ -61,7 +61,7 @@ def _waters(settings: RandomWater, random: Random) -> Tree:
     low_m, high_m = settings.distance_m
     for attempt in range(_TRIES):
         crowd = 1.0 - attempt / _TRIES
-        shore = _blob(random, 0.0, 0.0, 0.5 * settings.across_m, 0.12, 72)
+        shore = _blob(random, 0.0, 0.0, 0.5 * settings.across_m, 0.12, 60)
         things = [
             *(_thing("island", n, _islet(random, shore)) for n in range(round(crowd * settings.islands))),
             *(_thing("raft", n, _raft(random, shore)) for n in range(round(crowd * settings.rafts))),
@@ -123,12 +123,12 @@ def _thing(kind: str, number: int, polygon: list[Place]) -> Tree:
 
 def _islet(random: Random, shore: list[Place]) -> list[Place]:
     east_m, north_m = _place(random, Polygon(shore))
-    return _blob(random, east_m, north_m, random.uniform(3.0, 9.0), 0.2, 24)
+    return _blob(random, east_m, north_m, random.uniform(3.0, 9.0), 0.2, 16)
 
 
 def _rock(random: Random, shore: list[Place]) -> list[Place]:
     east_m, north_m = _place(random, Polygon(shore))
-    return _blob(random, east_m, north_m, random.uniform(0.4, 1.5), 0.15, 10)
+    return _blob(random, east_m, north_m, random.uniform(0.4, 1.5), 0.15, 8)
 
 
 def _raft(random: Random, shore: list[Place]) -> list[Place]:

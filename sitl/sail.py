@@ -10,7 +10,7 @@ from companion.errors import BoatError
 from companion.geo import Point, distance_m
 from companion.log.logbook import Logbook
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem
+from companion.mavlink.items import MissionItem, MissionType
 from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
 from companion.vehicle.places import locate
@@ -59,11 +59,16 @@ class Sailing:
     """
 
     def __init__(
-        self, scenario: Scenario, items: Sequence[MissionItem], logbook: Logbook | None = None
+        self,
+        scenario: Scenario,
+        items: Sequence[MissionItem],
+        logbook: Logbook | None = None,
+        fence: Sequence[MissionItem] = (),
     ) -> None:
-        """logbook: where the boat is to write its log, if anywhere."""
+        """logbook: where the boat is to write its log, if anywhere. fence: uploaded before the mission."""
         self.scenario = scenario
         self.items = tuple(items)
+        self._fence = tuple(fence)
         self.recorder = Recorder()
         self.beliefs = Beliefs(scenario.frame)
         self.timeline = Timeline()
@@ -119,12 +124,11 @@ class Sailing:
         return result
 
     def _prepare(self) -> None:
-        lockstep, station = self.lockstep, self.lockstep.station
+        lockstep = self.lockstep
         self._wait(self._is_armable, _BOOT_S, "the boat did not become armable")
-        station.upload(self.items, lockstep.time_s)
-        self._wait(lambda: station.uploaded is not None, _UPLOAD_S, "the upload did not end")
-        if not station.uploaded:
-            raise SailError(f"the boat refused the mission: {station.refusal}")
+        if self._fence:
+            self._upload(self._fence, MissionType.FENCE)
+        self._upload(self.items, MissionType.MISSION)
         self._command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
         self._command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
         truth = lockstep.world.truth
@@ -133,6 +137,13 @@ class Sailing:
             if isinstance(step, Waypoint):
                 self._leg_of_seq[seq] = len(self.planned) - 1
                 self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))
+
+    def _upload(self, items: Sequence[MissionItem], kind: MissionType) -> None:
+        station = self.lockstep.station
+        station.upload(items, self.lockstep.time_s, kind)
+        self._wait(lambda: station.uploaded is not None, _UPLOAD_S, "the upload did not end")
+        if not station.uploaded:
+            raise SailError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
 
     def _is_armable(self) -> bool:
         status = self.lockstep.station.latest.get("SYS_STATUS")

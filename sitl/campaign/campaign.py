@@ -55,6 +55,7 @@ class RunTable(Section, frozen=True):
     first_seed: int = 1
     timeout_s: Positive | None = None
     linger_s: NonNegative = 0.0  # how long a boat is watched that has ended or left its mission
+    fence: bool = False  # upload the outline of the water as one
     settings: dict[str, Any] = field(default_factory=dict)
 
 
@@ -148,6 +149,7 @@ def _runs(file: File, path: Path) -> Iterator[Run]:
             factors=factors,
             timeout_s=table.timeout_s,
             linger_s=table.linger_s,
+            fence=table.fence,
             source=name,
         )
 

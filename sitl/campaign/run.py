@@ -15,7 +15,7 @@ from mission_tools.errors import MissionToolsError
 from sitl.campaign.figures import Figures, figures_of
 from sitl.courses import COURSES, course_mission
 from sitl.layers import Layer
-from sitl.missions import plan_mission, read_mission, wire_items
+from sitl.missions import fence_along, plan_mission, read_mission, wire_items
 from sitl.sail import SailError, Sailing
 from sitl.scenario import Scenario, load_scenario
 from sitl.stationing import STATION, STAY_S, station_mission
@@ -29,7 +29,8 @@ class Run(Struct, frozen=True, kw_only=True):
     """What to sail: exactly one of mission (a file), course, or neither: planned on the scenario's map.
 
     settings lie over the scenario's as --set does; factors are those of them that vary in the campaign,
-    by their dotted names. source: the campaign's file, for messages.
+    by their dotted names. fence: the outline of the water is uploaded as one. source: the campaign's file,
+    for messages.
     """
 
     number: int
@@ -42,6 +43,7 @@ class Run(Struct, frozen=True, kw_only=True):
     factors: dict[str, Any] = msgspec.field(default_factory=dict)
     timeout_s: float | None = None
     linger_s: float = 0.0
+    fence: bool = False
     source: str = ""
 
 
@@ -68,7 +70,7 @@ def sail_run(run: Run) -> Outcome:
     sailing = None
     try:
         scenario = scenario_of(run)
-        sailing = Sailing(scenario, items_of(run, scenario))
+        sailing = Sailing(scenario, items_of(run, scenario), fence=fence_along(scenario) if run.fence else ())
         result = sailing.run(_timeout_s(run), linger_s=run.linger_s)
         ended = "completed" if result.completed else "not completed"
         why = "" if result.completed else sailing.ending()

@@ -5,6 +5,7 @@ from asked_figures import ASKED
 from boat_rig import HOME_ITEM, scenario, waypoint
 
 from companion.mavlink.items import MissionItem
+from sitl.missions import fence_along, plan_mission, wire_items
 from sitl.sail import SailError, Sailing
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
@@ -64,3 +65,21 @@ def test_a_start_that_is_refused_is_told_with_its_reason() -> None:
 def test_a_result_names_every_figure_that_was_asked_for() -> None:
     names = {field.name for field in dataclasses.fields(Sailing(scenario("open"), ITEMS).run())}
     assert names >= ASKED
+
+
+def test_the_outline_of_the_water_goes_aboard_as_a_fence_before_the_mission() -> None:
+    pond = scenario("lake")
+    fence = fence_along(pond)
+    sailing = Sailing(pond, wire_items(plan_mission(pond)[0]), fence=fence)
+    sailing.run(timeout_s=1.0)
+    assert sailing.lockstep.boat.vehicle.fence.is_active
+    rings = [item.param1 for item in fence]
+    assert all(count >= 3 for count in rings)
+    inside = [item for item in fence if item.command == 5001]
+    islands = [item for item in fence if item.command == 5002]
+    assert len(inside) > 20
+    assert len(islands) > 20
+
+
+def test_open_water_has_no_outline() -> None:
+    assert fence_along(scenario("open")) == []
