@@ -14,7 +14,7 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, State, Transfer
 from companion.requests import SetCurrentItem
-from companion.services.area_items import fence_areas
+from companion.services.area_items import fence_areas, rally_points
 from companion.services.guided import on_guided_item
 from companion.services.mission_items import command_name
 from companion.services.mission_list import MissionList, Part
@@ -70,6 +70,7 @@ class MissionService:
                 logger.warning("the stored %s is not taken: %s", one.type.name.lower(), one.load_fault)
         vehicle.take_mission(self._lists[MissionType.MISSION].steps)
         vehicle.take_fence(fence_areas(self.items(MissionType.FENCE)))
+        vehicle.take_rally(rally_points(self.items(MissionType.RALLY)))
 
     def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
         """What the boat holds of a kind."""
@@ -207,8 +208,7 @@ class MissionService:
             self._vehicle.take_fence(fence_areas(one.items))
             return
         if one.type is MissionType.RALLY:
-            if one.entries:
-                self._tell(Severity.WARNING, f"{_title(one)} stored, but this boat does not act on it yet")
+            self._vehicle.take_rally(rally_points(one.items))
             return
         self._vehicle.take_mission(one.steps)
         skipped = [seq for seq, step in enumerate(one.steps) if type(step) is Skip]

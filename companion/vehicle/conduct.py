@@ -4,8 +4,10 @@ import math
 
 from companion.geo import LatLon
 from companion.requests import SetPoint
+from companion.vehicle.fence import Fence
+from companion.vehicle.failsafes.estimate import lacks_position
 from companion.vehicle.following import Following
-from companion.vehicle.intent import Intent, KeepStation, Stop
+from companion.vehicle.intent import HoldHeading, Intent, KeepStation, Stop
 from companion.vehicle.mission_progress import MissionProgress
 from companion.vehicle.mission_steps import GoRound, Waypoint
 from companion.vehicle.modes import Mode
@@ -16,20 +18,24 @@ from companion.vehicle.situation import Situation
 from companion.vehicle.sticks import Sticks
 from companion.vehicle.trail import Trail
 from companion.vehicle.way_back import WayBack
+from companion.vehicle.way_home import WayHome
 
 _STOP = Stop()
+_STILL_M_S = 0.05  # water that hardly moves has no direction to point into
 
 
 class Conduct:
     """The modes' memories. Says what there is to say to the operator in `notices`, which the owner takes."""
 
-    def __init__(self) -> None:
+    def __init__(self, fence: Fence) -> None:
         self.progress = MissionProgress()
         self.sticks = Sticks()
         self.passage = Passage()
         self.trail = Trail()
         self.following = Following()
         self.notices: list[Notice] = []
+        self.stemming: HoldHeading | None = None  # LOITER without a position: no more than heading and thrust
+        self.way_home = WayHome(fence, self.notices)
         self._way_back = WayBack(self.trail)
         self._orbit: Orbit | None = None
         self._set_point: SetPoint | None = None
@@ -40,7 +46,7 @@ class Conduct:
         """What a mode that steers by the position lacks; empty when it can be entered."""
         if mode is Mode.AUTO and self.progress.is_empty:
             return "no mission"
-        if mode is Mode.RTL and now.home is None:
+        if mode is Mode.RTL and now.home is None and not self.way_home.rally:
             return "no home"
         if mode is Mode.SMART_RTL:
             if self.trail.is_lost:
@@ -52,7 +58,7 @@ class Conduct:
 
     def begin(self, mode: Mode, now: Situation | None) -> None:
         """A mode begins, or the boat is armed in it."""
-        self._set_point = None
+        self._set_point = self.stemming = None
         here = None if now is None else now.here
         if mode.is_by_hand:
             self.sticks.begin(None if now is None else now.nav)
@@ -61,7 +67,8 @@ class Conduct:
                 self.progress.restart()
             self.progress.resume()
         elif mode is Mode.RTL:
-            self.passage.go(None if now is None else now.home)
+            self.passage.stay(None)
+            self.way_home.begin()
         elif mode is Mode.SMART_RTL:
             self._way_back.begin()
         elif mode is Mode.CIRCLE:
@@ -87,7 +94,7 @@ class Conduct:
             case Mode.GUIDED:
                 return self._guided(now)
             case Mode.RTL:
-                return self._sail(mode, now, now.config.mission.rtl_speed_m_s or now.speed_m_s)
+                return self._sail_home(now)
             case Mode.SMART_RTL:
                 return self._sail_back(now)
             case Mode.CIRCLE:
@@ -95,7 +102,7 @@ class Conduct:
             case Mode.FOLLOW:
                 return self._follow(now)
             case Mode.LOITER:
-                return self._sail(mode, now, now.speed_m_s)
+                return self._loiter(now)
         return self.sticks.intent(mode, now.config, now.now_s) if mode.is_by_hand else _STOP
 
     def is_guided(self, mode: Mode) -> bool:
@@ -117,7 +124,9 @@ class Conduct:
             step = self.progress.mission[self.progress.current_seq]
             is_place = isinstance(step, Waypoint | GoRound) and isinstance(step.position, LatLon)
             return step.position if is_place else None  # type: ignore[union-attr,return-value]
-        if mode in (Mode.GUIDED, Mode.RTL, Mode.LOITER):
+        if mode is Mode.RTL:
+            return self.way_home.target
+        if mode in (Mode.GUIDED, Mode.LOITER):
             return self.passage.target or self.passage.station
         return None
 
@@ -137,6 +146,28 @@ class Conduct:
         if target is not None and self.passage.target is None:
             self.notices.append(Notice(Severity.INFO, f"{mode.name}: arrived"))
         return intent
+
+    def _sail_home(self, now: Situation) -> Intent:
+        arrived = self.way_home.arrived
+        speed_m_s = now.config.mission.rtl_speed_m_s or now.speed_m_s
+        intent = self.way_home.update(now.nav, now.config, speed_m_s, now.now_s)
+        if self.way_home.arrived and not arrived:
+            self.notices.append(Notice(Severity.INFO, "RTL: arrived"))
+        return intent
+
+    def _loiter(self, now: Situation) -> Intent:
+        """Keep station; without a position, keep the bow into the water's last known set and stem it."""
+        nav = now.nav
+        if not lacks_position(nav, now.config.motors):
+            if self.stemming is not None:
+                self.stemming = None
+                self.passage.stay(now.here)
+            return self._sail(Mode.LOITER, now, now.speed_m_s)
+        if self.stemming is None:
+            is_set = math.hypot(nav.set_north_m_s, nav.set_east_m_s) > _STILL_M_S
+            upstream = math.atan2(-nav.set_east_m_s, -nav.set_north_m_s)
+            self.stemming = HoldHeading(upstream if is_set else nav.heading_rad, 0.0)
+        return self.stemming
 
     def _sail_back(self, now: Situation) -> Intent:
         arrived = self._way_back.arrived

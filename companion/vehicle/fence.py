@@ -138,11 +138,17 @@ class Fence:
                 tightest, least = area, signed
         return tightest
 
-    def _margin_m(self, north_m: float, east_m: float) -> float:
-        beyond, nearest = -1.0, math.inf
+    def margin_within_m(self, north_m: float, east_m: float, limit_m: float) -> float:
+        """As `margin_m`, but lines further off than limit_m are left out: no result is beyond ± that."""
+        return self._margin_m(north_m, east_m, limit_m)
+
+    def _margin_m(self, north_m: float, east_m: float, limit_m: float = math.inf) -> float:
+        beyond, nearest = -1.0, limit_m
         for area in self.areas:
+            if not area.is_inclusion and not _may_be_within(area, north_m, east_m, nearest):
+                continue
             if area.contains(north_m, east_m) is not area.is_inclusion:
-                beyond = max(beyond, area.distance_m(north_m, east_m))
+                beyond = max(beyond, area.distance_m(north_m, east_m, limit_m))
             elif beyond < 0.0 and _may_be_within(area, north_m, east_m, nearest):
                 nearest = area.distance_m(north_m, east_m, nearest)
         return nearest if beyond < 0.0 else -beyond
@@ -181,6 +187,10 @@ class Fence:
             if _may_be_within(area, point.north_m, point.east_m, room_m):
                 room_m = area.crossing_m(point, ahead_n, ahead_e, room_m)
         return room_m
+
+    def is_clear(self, start: Point, end: Point, margin_m: float) -> bool:
+        """Whether the straight way between two points keeps so far from every line, from which side ever."""
+        return not any(area.is_near_way(start, end, margin_m) for area in self.areas)
 
     def crosses(self, start: Point, end: Point) -> bool:
         """Whether the straight way between two points of the allowed water leaves it."""

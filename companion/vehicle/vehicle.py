@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from companion.config import BoatConfig
-from companion.geo import LatLon, LocalFrame
+from companion.geo import LatLon, LocalFrame, Point
 from companion.requests import ACCEPTED, Outcome, Request
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
@@ -35,7 +35,7 @@ class Vehicle:
         self.armed = False
         self.home: LatLon | None = None
         self.fence = Fence()
-        self.conduct = Conduct()
+        self.conduct = Conduct(self.fence)
         self.progress = self.conduct.progress
         self.failsafes = Failsafes(config, self.conduct.sticks)
         self.operator = self.failsafes.signs.operator
@@ -71,6 +71,8 @@ class Vehicle:
         if self.home is None and nav is not None and frame is not None:
             self.home = frame.to_global(nav.point)
         self.fence.lay(frame, self.home, self.config.fence)
+        if nav is not None and frame is not None:
+            self.conduct.way_home.prepare(frame, self.home, self.config, nav)
 
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""
@@ -126,6 +128,14 @@ class Vehicle:
         """Swap in a new fence; it counts at once."""
         self.fence.take(areas)
         self.fence.lay(self.frame, self.home, self.config.fence)
+
+    def take_rally(self, places: Sequence[LatLon]) -> None:
+        """Swap in new rally points; the way home leads to the nearest of them and home."""
+        self.conduct.way_home.rally = tuple(places)
+
+    def home_distance_m(self, point: Point) -> float:
+        """How far it is home by the water; infinite where there is no way."""
+        return self.conduct.way_home.home_distance_m(point)
 
     def choose(self, mode: Mode) -> Outcome:
         """Somebody chooses a mode: failsafes that are active leave it at that."""

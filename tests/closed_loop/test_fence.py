@@ -4,9 +4,12 @@ import math
 
 import pytest
 from boat_rig import OK, Rig
-from fence_rig import box, fenced, least_margin_m, polygon
+from fence_rig import L_WATER, RALLY, box, fenced, item, least_margin_m, polygon
 
+from companion.geo import Point
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionType
+from companion.mavlink.transfer import Completed
 
 ONTO_IT = ("environment.current_m_s=0.5", "environment.current_to_deg=0.0")
 CALM: tuple[str, ...] = ()
@@ -57,3 +60,47 @@ def test_full_throttle_by_hand_does_not_take_the_boat_out(water: tuple[str, ...]
         rig.peer.send(sticks(0, throttle))
         least = min(least, least_margin_m(rig, 0.4))
     assert 0.3 < least < 4.0
+
+
+def go_to(rig: Rig, north_m: float, east_m: float) -> None:
+    frame, start = rig.scenario.frame, rig.scenario.start
+    there = frame.to_global(start._replace(north_m=north_m, east_m=east_m))
+    x, y = round(there.lat_deg * 1e7), round(there.lon_deg * 1e7)
+    rig.peer.command_int(192, -1, 1, 0, math.nan, x=x, y=y)
+    rig.receive()
+
+
+@pytest.mark.parametrize("to_deg", [None, 0.0, 90.0, 225.0])
+def test_rtl_follows_the_water_round_the_corner(to_deg: float | None) -> None:
+    water = () if to_deg is None else (f"environment.current_to_deg={to_deg}", "environment.current_m_s=0.5")
+    rig = fenced(Rig("open", *water), *polygon(L_WATER))
+    armed(rig, 15)
+    go_to(rig, 0.0, 60.0)
+    rig.until(lambda: rig.offset_m(0.0, 60.0) < 4.0, 90.0)
+    go_to(rig, 60.0, 60.0)
+    rig.until(lambda: rig.offset_m(60.0, 60.0) < 4.0, 90.0)
+    assert rig.set_mode(11) == OK
+    began_s, least = rig.now_s, math.inf
+    while not any("RTL: arrived" in text for text in rig.peer.texts):
+        least = min(least, least_margin_m(rig, 1.0))
+        assert rig.now_s - began_s < 120.0
+    assert least > 1.5
+    assert rig.offset_m(0.0, 0.0) < 3.5
+    assert rig.now_s - began_s < 75.0  # 99 m of water at 2 m/s, two stops and a corner
+    rig.run(20.0)
+    assert rig.offset_m(0.0, 0.0) < 3.5
+
+
+def test_rtl_goes_to_the_rally_point_that_is_nearest_by_water() -> None:
+    rig = fenced(Rig(), *polygon(L_WATER))
+    armed(rig, 15)
+    rally = [item(70.0, 70.0, RALLY), item(0.0, 20.0, RALLY)]
+    assert isinstance(rig.upload(rally, mission_type=MissionType.RALLY), Completed)
+    go_to(rig, 0.0, 70.0)
+    rig.until(lambda: rig.offset_m(0.0, 70.0) < 4.0, 90.0)
+    go_to(rig, 40.0, 60.0)
+    rig.until(lambda: rig.offset_m(40.0, 60.0) < 4.0, 90.0)
+    assert rig.set_mode(11) == OK
+    rig.until(lambda: any("RTL: arrived" in text for text in rig.peer.texts), 60.0)
+    assert rig.offset_m(70.0, 70.0) < 4.0
+    assert 95.0 < rig.boat.vehicle.home_distance_m(Point(70.0, 60.0)) + 85.0 < 100.0
