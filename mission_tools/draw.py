@@ -38,12 +38,11 @@ from mission_tools.cartouche import (
     draw_scale_bar,
 )
 from mission_tools.maps.chart import KEPT_OUT, Chart, Feature
+from mission_tools.view import view_of
 
 LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
 WATER = "#b7daeb"
 TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
-MARGIN_SHARE = 0.16
-WHOLE_CHART_RATIO = 4.0
 
 
 def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequence[Point] = ()) -> None:
@@ -118,16 +117,39 @@ def save_picture(
 ) -> None:
     """Write one picture of 1600 × 1200 pixels; the suffix of path chooses the format.
 
-    route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
-    view is the whole chart, or the surroundings of route and track where those are far smaller.
-
     Raises:
         OSError: the file cannot be written.
+    """
+    draw_picture(
+        chart,
+        route,
+        track,
+        title=title,
+        subtitle=subtitle,
+        clearance_m=clearance_m,
+        speeds_m_s=speeds_m_s,
+    ).savefig(path)
+
+
+def draw_picture(
+    chart: Chart,
+    route: Sequence[Point] | None = None,
+    track: Sequence[Point] | None = None,
+    *,
+    title: str = "",
+    subtitle: str = "",
+    clearance_m: float = 0.0,
+    speeds_m_s: Sequence[float] | None = None,
+) -> Figure:
+    """One picture of 1600 × 1200 pixels, with its cartouche.
+
+    route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
+    view is the whole chart, or the surroundings of route and track where those are far smaller.
     """
     figure = Figure(figsize=(12.8, 9.6), dpi=125, facecolor=PAPER)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.045, 0.045, 0.925, 0.855))
-    view = _view(chart, route, track, aspect=(12.8 * 0.925) / (9.6 * 0.855))
+    view = view_of(chart, route, track, aspect=(12.8 * 0.925) / (9.6 * 0.855))
     west, south, east, north = view
     axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
     _draw_tints(axes, chart, east - west)
@@ -150,37 +172,7 @@ def save_picture(
         bar.ax.tick_params(labelsize=8)
     figure.text(0.045, 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
     figure.text(0.045, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
-    figure.savefig(path)
-
-
-def _view(chart: Chart, route: Sequence[Point] | None, track: Sequence[Point] | None, aspect: float) -> View:
-    points = [*(route or ()), *(track or ())]
-    shown: list[BaseGeometry] = [shapely.Point(point.east_m, point.north_m) for point in points]
-    if chart.is_open:
-        shown += [feature.shape for feature in chart.features]
-    elif not shown or not _is_far_larger(chart, shown):
-        shown.append(chart.water)
-    west, south, east, north = shapely.union_all(shown).bounds if shown else (-50.0, -50.0, 50.0, 50.0)
-    is_whole = len(shown) > len(points) and not chart.is_open
-    width, height = max(east - west, 1e-3), max(north - south, 1e-3)
-    margin = (0.035 if is_whole else MARGIN_SHARE) * max(width, height)
-    width, height = width + 2.0 * margin, height + 2.0 * margin
-    width, height = max(width, height * aspect), max(height, width / aspect)
-    middle_east, middle_north = 0.5 * (west + east), 0.5 * (south + north)
-    return (
-        middle_east - 0.5 * width,
-        middle_north - 0.5 * height,
-        middle_east + 0.5 * width,
-        middle_north + 0.5 * height,
-    )
-
-
-def _is_far_larger(chart: Chart, shown: list[BaseGeometry]) -> bool:
-    def extent(bounds: View) -> float:
-        return max(bounds[2] - bounds[0], bounds[3] - bounds[1])
-
-    route = shapely.union_all(shown).bounds
-    return extent(chart.water.bounds) > WHOLE_CHART_RATIO * max(extent(route), 1e-3)
+    return figure
 
 
 def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
