@@ -6,6 +6,7 @@ from companion.config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
 from companion.estimation.estimator import Estimator
+from companion.guidance.avoidance import Avoidance
 from companion.guidance.fence_brake import FenceBrake
 from companion.guidance.headway import Headway
 from companion.guidance.pilot import Pilot
@@ -19,6 +20,7 @@ from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
 from companion.senses import Senses
 from companion.sensors.external import ExternalSensors
+from companion.sensors.lookout import Lookout
 from companion.services.endpoint import Endpoint
 from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
@@ -77,6 +79,8 @@ class Boat:
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
+        self.lookout = Lookout(config.avoidance)
+        self.avoidance = Avoidance(self.vehicle.conduct.notices)
         self.pilot = Pilot()
         self.fence_brake = FenceBrake(self.vehicle.conduct.notices)
         self.helm = Helm()
@@ -162,6 +166,8 @@ class Boat:
         elif senses.external.frame is None:
             senses.external.frame = estimator.frame
         self.nav = estimator.update(senses.fix, senses.heading, now_s)
+        if senses.pings:
+            self.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
         self._keep_date()
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
 
@@ -177,7 +183,12 @@ class Boat:
         if self.motor_test.is_running:
             return self._test_motor(now_s)
         config, nav = self.parameters.config, self.nav
+        is_by_hand = self.vehicle.mode.is_by_hand
+        intent = self.avoidance.update(
+            intent, nav, config, self.lookout, self.vehicle.fence, is_by_hand=is_by_hand, now_s=now_s
+        )
         steered = self.pilot.update(self.fence_brake.hold(intent), nav, config, TICK_S)
+        steered = self.avoidance.limited(steered)
         steered = self.fence_brake.limit(steered, intent, nav, self.vehicle.fence, config, TICK_S)
         self.demand = steered if isinstance(steered, Demand) else None
         thrust = self.helm.update(steered, nav, config, TICK_S)

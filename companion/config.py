@@ -17,6 +17,7 @@ from msgspec import Meta
 from companion.errors import ConfigError
 from companion.parts import Parts
 from companion.section import NonNegative, Positive, Section, Share, SystemId
+from companion.settings.avoidance import Avoidance
 from companion.settings.failsafe import Failsafe
 from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
@@ -223,6 +224,7 @@ class BoatConfig(Section, frozen=True):
     follow: Follow = Follow()
     failsafe: Failsafe = Failsafe()
     fence: FenceSetting = FenceSetting()
+    avoidance: Avoidance = Avoidance()
     arming: Arming = Arming()
     battery: Battery = Battery()
     trim: Trim = Trim()

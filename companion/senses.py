@@ -12,7 +12,18 @@ from companion.sensors.trim import trimmed
 class Senses:
     """The readings of now. compass is as the part gave it; heading is what to steer by."""
 
-    __slots__ = ("_charge", "_hardware", "battery", "compass", "external", "fix", "heading", "sonar", "sweep")
+    __slots__ = (
+        "_charge",
+        "_hardware",
+        "battery",
+        "compass",
+        "external",
+        "fix",
+        "heading",
+        "pings",
+        "sonar",
+        "sweep",
+    )
 
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
         self.external = external
@@ -22,6 +33,7 @@ class Senses:
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
         self.sonar: SonarReading | None = None  # the latest ping
+        self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
         self._hardware = hardware
         self._charge = ChargeCounter()
 
@@ -39,9 +51,14 @@ class Senses:
         if hardware.battery is not None:
             self.battery = hardware.battery.read()
             self._charge.add(self.battery)
+        if self.pings:
+            self.pings.clear()
         if hardware.sonar is not None and (pings := hardware.sonar.read()):
             self.sonar = pings[-1]
             for ping in pings:
                 self.sweep.add(ping)
+                self.pings.append((ping, None))
         while external.pings:
-            self.sweep.add(*external.pings.popleft())
+            ping, beam_rad = external.pings.popleft()
+            self.sweep.add(ping, beam_rad)
+            self.pings.append((ping, beam_rad))

@@ -1,0 +1,108 @@
+"""The look-out: makes of pings, and of where the boat was when it sent them, what lies and what moves around
+it.
+
+Pings that cannot be (not a number, no direction, from another time) are dropped and counted.
+"""
+
+import math
+from collections.abc import Sequence
+
+from companion.geo import Point
+from companion.sensors.occupancy import SUSPECT, Beam, Occupancy
+from companion.sensors.readings import SonarReading
+from companion.sensors.track import Track
+from companion.sensors.tracks import Tracks
+from companion.settings.avoidance import Avoidance
+from companion.state import NavState
+
+CELLS_A_MARGIN = 5.0  # the map is as fine as the distance that is kept asks for
+MAX_AGE_S = 1.0  # a later ping tells nothing of now, an earlier one nothing at all
+STALE_POSE_S = 2.0  # a boat that does not know where it is cannot say where an echo came from
+_TIDY_S = 1.0
+_REMEMBERED_REACHES = 3.0
+_MAX_TURNS_RAD = 20.0
+
+
+class Lookout:
+    """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used."""
+
+    __slots__ = ("_setting", "_tidy_s", "dropped", "heard_s", "occupancy", "reach_m", "tracks")
+
+    def __init__(self, setting: Avoidance) -> None:
+        self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
+        self.tracks = Tracks(setting.margin_m)
+        self.dropped = 0
+        self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
+        self.heard_s = -math.inf
+        self._setting = setting
+        self._tidy_s = 0.0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing at all is known to be there. What moves leaves its echoes on the map as well."""
+        return len(self.occupancy) == 0
+
+    def take(
+        self,
+        pings: Sequence[tuple[SonarReading, float | None]],
+        nav: NavState | None,
+        setting: Avoidance,
+        now_s: float,
+    ) -> None:
+        """Take the tick's pings, each with the width of its beam in rad; None is the boat's own ranger's."""
+        if setting is not self._setting:
+            self._change(setting)
+        for ping, width_rad in pings:
+            beam = None
+            if nav is not None and max(nav.position_age_s, nav.heading_age_s) <= STALE_POSE_S:
+                beam = _beam(ping, width_rad or setting.beam_rad, nav, setting, now_s)
+            if beam is None:
+                self.dropped += 1
+                continue
+            self.reach_m, self.heard_s = beam.reach_m, beam.time_s
+            self.occupancy.add(beam)
+            self.tracks.add(beam, self.occupancy)
+        if nav is not None and now_s >= self._tidy_s and not self.is_empty:
+            self._tidy_s = now_s + _TIDY_S
+            self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
+
+    def solid(self, now_s: float) -> list[Point]:
+        """What lies still, as cells' centres; what is known to move is not among them."""
+        return self._still(self.occupancy.things(now_s), now_s)
+
+    def suspects(self, now_s: float) -> list[Point]:
+        """The same with what was seen only once."""
+        return self._still(self.occupancy.things(now_s, SUSPECT), now_s)
+
+    def movers(self, now_s: float) -> list[Track]:
+        """What is known to move."""
+        return self.tracks.movers(now_s)
+
+    def _still(self, things: list[Point], now_s: float) -> list[Point]:
+        movers = self.movers(now_s)
+        return [thing for thing in things if not any(one.has_passed(thing, now_s) for one in movers)]
+
+    def _change(self, setting: Avoidance) -> None:
+        if (setting.margin_m, setting.memory_s) != (self._setting.margin_m, self._setting.memory_s):
+            self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
+            self.tracks = Tracks(setting.margin_m)
+        self._setting = setting
+
+
+def _beam(
+    ping: SonarReading, width_rad: float, nav: NavState, setting: Avoidance, now_s: float
+) -> Beam | None:
+    """The ping in the local frame, from where the boat was at its time; None if it cannot be."""
+    age_s = now_s - ping.time_s
+    reach_m = min(ping.max_range_m, setting.lookahead_m)
+    is_sane = -0.1 <= age_s <= MAX_AGE_S and abs(ping.bearing_rad) <= _MAX_TURNS_RAD
+    if not is_sane or not reach_m > 0.0 or not 0.0 < width_rad <= math.tau:
+        return None
+    range_m = math.inf if ping.range_m is None else ping.range_m
+    if not range_m > 0.0:
+        return None
+    at = Point(nav.north_m - nav.north_m_s * age_s, nav.east_m - nav.east_m_s * age_s)
+    heading_rad = nav.heading_rad - nav.yaw_rate_rad_s * age_s
+    return Beam(
+        ping.time_s, at, heading_rad + ping.bearing_rad, width_rad, max(range_m, ping.min_range_m), reach_m
+    )

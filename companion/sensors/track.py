@@ -1,0 +1,197 @@
+"""One thing in the water, followed from look to look, and whether it moves.
+
+Its place is known well along the beam and badly across it, and so it is filtered: constant velocity with
+white acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and Navigation*,
+2001, section 6.3.2), in north and east together, each look taken in as two scalar measurements along and
+across the beam.
+
+The paper's terms: dR0 (its equation 1) is `Track.distance_m`; a thing is static or dynamic (`is_mover`), and
+a dynamic one approaches or recedes (`closing_m_s`). What is said to move must do so beyond doubt, three
+standard deviations, and must either come towards the boat or have been seen through where it was: the place
+along a shore that echoes best goes along with the boat, though nothing moves.
+"""
+
+import math
+from collections import deque
+
+from companion.geo import Point
+from companion.sensors.occupancy import Occupancy
+
+SURE_SIGMAS = 3.0
+DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is within this of nothing
+LEAST_LOOKS = 3
+_TRAIL = 8
+_SEEN_THROUGH = 0.0
+
+
+class Track:
+    """One thing. Position and velocity over ground in the local frame; `number` is its own for good."""
+
+    __slots__ = (
+        "_beam_e",
+        "_beam_n",
+        "_covariance",
+        "_state",
+        "_time_s",
+        "_trail",
+        "is_mover",
+        "looks",
+        "number",
+        "radius_m",
+        "seen_s",
+    )
+
+    def __init__(self, number: int, seen_s: float, at: Point, radius_m: float, sigma_m: float) -> None:
+        self.number = number
+        self.seen_s = self._time_s = seen_s
+        self.radius_m = radius_m
+        self.looks = 1
+        self.is_mover = False
+        self._beam_n = self._beam_e = 0.0
+        self._state = [at.north_m, at.east_m, 0.0, 0.0]
+        place, pace = sigma_m * sigma_m, 1.0
+        self._covariance = [
+            [place, 0.0, 0.0, 0.0],
+            [0.0, place, 0.0, 0.0],
+            [0.0, 0.0, pace, 0.0],
+            [0.0, 0.0, 0.0, pace],
+        ]
+        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=_TRAIL)
+
+    @property
+    def north_m_s(self) -> float:
+        """Velocity over ground."""
+        return self._state[2]
+
+    @property
+    def east_m_s(self) -> float:
+        """Velocity over ground."""
+        return self._state[3]
+
+    @property
+    def speed_m_s(self) -> float:
+        """Speed over ground."""
+        return math.hypot(self._state[2], self._state[3])
+
+    @property
+    def speed_sigma_m_s(self) -> float:
+        """One standard deviation of the speed, along the velocity."""
+        north, east, p = self._state[2], self._state[3], self._covariance
+        square = north * north + east * east
+        if square < 1e-12:
+            return math.sqrt(max(p[2][2], p[3][3]))
+        variance = (north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]) / square
+        return math.sqrt(max(variance, 0.0))
+
+    def sigma_m(self, now_s: float) -> float:
+        """One standard deviation of where it is now, along the worse axis."""
+        p, ahead_s = self._covariance, max(now_s - self._time_s, 0.0)
+        return math.sqrt(
+            max(
+                p[0][0] + ahead_s * (2.0 * p[0][2] + ahead_s * p[2][2]),
+                p[1][1] + ahead_s * (2.0 * p[1][3] + ahead_s * p[3][3]),
+                0.0,
+            )
+        )
+
+    def point(self, now_s: float) -> Point:
+        """Where it is, or will be."""
+        ahead_s, state = now_s - self._time_s, self._state
+        return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
+
+    def distance_m(self, boat: Point, now_s: float) -> float:
+        """The paper's dR0."""
+        at = self.point(now_s)
+        return math.hypot(at.north_m - boat.north_m, at.east_m - boat.east_m)
+
+    def closing_m_s(self, boat: Point, north_m_s: float, east_m_s: float, now_s: float) -> float:
+        """How fast dR0 shrinks for a boat of this velocity: positive approaches, negative recedes."""
+        at = self.point(now_s)
+        north, east = at.north_m - boat.north_m, at.east_m - boat.east_m
+        distance = max(math.hypot(north, east), 1e-6)
+        return ((north_m_s - self._state[2]) * north + (east_m_s - self._state[3]) * east) / distance
+
+    def has_passed(self, thing: Point, now_s: float) -> bool:
+        """Whether an echo at a place is this thing's own, of now or of the way that it has come."""
+        head = self.point(now_s + 0.5)
+        tail = self._trail[0][1]
+        north, east = head.north_m - tail.north_m, head.east_m - tail.east_m
+        to_n, to_e = thing.north_m - tail.north_m, thing.east_m - tail.east_m
+        square = north * north + east * east
+        share = 0.0 if square <= 0.0 else min(max((to_n * north + to_e * east) / square, 0.0), 1.0)
+        gap = math.hypot(to_n - share * north, to_e - share * east)
+        return gap < self.radius_m
+
+    # What Tracks does with it
+
+    def predict(self, now_s: float, accel_m_s2: float) -> None:
+        """Carry the state on."""
+        dt = now_s - self._time_s
+        if dt <= 0.0:
+            return
+        x, p = self._state, self._covariance
+        x[0] += dt * x[2]
+        x[1] += dt * x[3]
+        for j in range(4):
+            p[0][j] += dt * p[2][j]
+            p[1][j] += dt * p[3][j]
+        for i in range(4):
+            p[i][0] += dt * p[i][2]
+            p[i][1] += dt * p[i][3]
+        q = (accel_m_s2 * dt) ** 2
+        for axis in (0, 1):
+            p[axis][axis] += 0.25 * q * dt * dt
+            p[axis][axis + 2] += 0.5 * q * dt
+            p[axis + 2][axis] += 0.5 * q * dt
+            p[axis + 2][axis + 2] += q
+        self._time_s = now_s
+
+    def surprise(self, at: Point, north: float, east: float, sigma_m: float) -> float:
+        """How far off a place is along a direction, in standard deviations of what was to be expected."""
+        p = self._covariance
+        variance = north * north * p[0][0] + 2.0 * north * east * p[0][1] + east * east * p[1][1]
+        off = (at.north_m - self._state[0]) * north + (at.east_m - self._state[1]) * east
+        return abs(off) / math.sqrt(variance + sigma_m * sigma_m)
+
+    def correct(self, at: Point, north: float, east: float, sigma_m: float) -> None:
+        """Take a place in, along one direction."""
+        x, p = self._state, self._covariance
+        cross = [row[0] * north + row[1] * east for row in p]
+        variance = cross[0] * north + cross[1] * east + sigma_m * sigma_m
+        off = (at.north_m - x[0]) * north + (at.east_m - x[1]) * east
+        for i in range(4):
+            gain = cross[i] / variance
+            x[i] += gain * off
+            for j in range(4):
+                p[i][j] -= gain * cross[j]
+
+    def keep(self, radius_m: float, beam_n: float, beam_e: float) -> None:
+        """A look is complete; the beam's direction is from the boat to the thing."""
+        self.looks += 1
+        self.seen_s = self._time_s
+        self.radius_m = max(radius_m, 0.8 * self.radius_m)
+        self._beam_n, self._beam_e = beam_n, beam_e
+        self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
+
+    def judge(self, occupancy: Occupancy, least_m_s: float, now_s: float) -> None:
+        """Decide whether it moves."""
+        speed, sigma = self.speed_m_s, self.speed_sigma_m_s
+        if self.is_mover:
+            self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
+        elif self.looks >= LEAST_LOOKS and speed > max(SURE_SIGMAS * sigma, least_m_s):
+            self.is_mover = self._comes_surely(least_m_s) or self._has_left(occupancy, now_s)
+
+    def _comes_surely(self, least_m_s: float) -> bool:
+        """Whether it comes towards the boat over ground."""
+        north, east, p = self._beam_n, self._beam_e, self._covariance
+        towards = -(self._state[2] * north + self._state[3] * east)
+        variance = north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]
+        return towards > max(SURE_SIGMAS * math.sqrt(max(variance, 0.0)), least_m_s)
+
+    def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
+        """Whether it was seen through where it has been."""
+        for _, place in self._trail:
+            looks = occupancy.looks(place, now_s)
+            if looks is not None and looks <= 0.0:
+                return True
+        return False
