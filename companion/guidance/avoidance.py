@@ -44,6 +44,7 @@ _FAR_M = 1000.0  # where a course leads to
 _LOOK_S = 0.8  # until the sweep comes by again
 _HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
 _MOST_HITS = 8
+_HALTS = 0.25  # margins from the distance to keep, the boat has stopped
 _SAME_PLACE = 4.0  # margins: a new beginning so near an old one is of the same thing
 _GAIN = 0.3  # of the margin: as much nearer to the goal counts as progress
 
@@ -166,7 +167,7 @@ class Avoidance:
         if free_m == math.inf:
             return None
         if not setting.goes_round or isinstance(intent, HoldTurn):
-            return self._halt(intent, nav, config, free_m)
+            return self._halt(nav, config, free_m)
         return self._begin(intent, nav, config, solid, bounds, sight_m, now_s)
 
     def _begin(
@@ -182,7 +183,7 @@ class Avoidance:
         """The way is shut: choose a side to pass on."""
         here, margin_m = nav.point, config.avoidance.margin_m
         goal = _goal(intent, nav, config, sight_m)
-        water = ClearWater(here, solid, _WIDER * margin_m, sight_m, bounds)
+        water = _open_water(here, solid, config, sight_m, bounds)
         chosen = self._choose(water, here, goal, sight_m, margin_m)
         if chosen is None:
             return self._give_up(nav, config, solid, now_s)
@@ -239,7 +240,7 @@ class Avoidance:
             return None
         if detour.length_m > config.avoidance.detour_m or detour.is_round(here, 2.0 * margin_m):
             return self._give_up(nav, config, solid, now_s)
-        water = ClearWater(here, solid, _WIDER * margin_m, sight_m, bounds)
+        water = _open_water(here, solid, config, sight_m, bounds)
         if not detour.steer(here, solid, water, sight_m):
             return self._turn_back(intent, nav, config, solid, water, sight_m, now_s)
         return self._sail_round(intent, nav, config, solid, sight_m, now_s)
@@ -304,10 +305,14 @@ class Avoidance:
         self._tell(Severity.NOTICE, "Obstacle: no way round, keeping station")
         return KeepStation(_clear_of(nav.point, solid, config.avoidance.margin_m))
 
-    def _halt(self, intent: Intent, nav: NavState, config: BoatConfig, free_m: float) -> Intent | None:
-        """Not to go round: brake, and keep station before it."""
+    def _halt(self, nav: NavState, config: BoatConfig, free_m: float) -> Intent | None:
+        """Not to go round: brake, and keep station before it until the way is open."""
         self.limit_m_s = min(self.limit_m_s, braking_speed_m_s(free_m, 0.0, config.guidance))
-        return None
+        if free_m > _HALTS * config.avoidance.margin_m:
+            return None
+        self.stage, self._retry_s = Stage.BLOCKED, math.inf
+        self._tell(Severity.NOTICE, "Obstacle ahead: keeping station before it")
+        return KeepStation(nav.point)
 
     @staticmethod
     def _motion_m(nav: NavState, things: Sequence[Point], config: BoatConfig, sight_m: float) -> float:
@@ -336,6 +341,15 @@ class Avoidance:
 
     def _tell(self, severity: int, text: str) -> None:
         self._notices.append(Notice(severity, text))
+
+
+def _open_water(
+    here: Point, solid: Sequence[Point], config: BoatConfig, sight_m: float, bounds: Bounds
+) -> ClearWater:
+    """The courses open to a detour."""
+    water = ClearWater(here, solid, _WIDER * config.avoidance.margin_m, sight_m)
+    water.keep_within(bounds, config.fence.margin_m)
+    return water
 
 
 def _is_same_goal(intent: Intent, last: Intent | None) -> bool:

@@ -7,6 +7,7 @@ within asin(clearance / d) of its own.
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Protocol
 
 from companion.geo import Point
@@ -21,7 +22,9 @@ _COMES_NEARER = 0.8  # a way may pass what is too near already, unless it closes
 class Bounds(Protocol):
     """What the boat has to stay within."""
 
-    is_active: bool
+    @property
+    def is_active(self) -> bool:
+        """Whether there is any line that counts."""
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         """How far one can go along a course, at most reach_m."""
@@ -30,14 +33,13 @@ class Bounds(Protocol):
 class ClearWater:
     """The directions from one place, SECTORS of them, clockwise from north."""
 
-    __slots__ = ("_at", "_bounds", "_rooms_m")
+    __slots__ = ("_at", "_bounds", "_inside_m", "_rooms_m")
 
-    def __init__(
-        self, at: Point, things: Sequence[Point], clearance_m: float, reach_m: float, bounds: Bounds | None
-    ) -> None:
-        """things further off than reach_m and the clearance are left alone. bounds: None is as unbounded."""
+    def __init__(self, at: Point, things: Sequence[Point], clearance_m: float, reach_m: float) -> None:
+        """Things further off than reach_m and the clearance are left alone."""
         self._at = at
-        self._bounds = bounds if bounds is not None and bounds.is_active else None
+        self._bounds: Bounds | None = None
+        self._inside_m = 0.0
         self._rooms_m = [reach_m] * SECTORS
         for thing in things:
             self._shut(thing.north_m - at.north_m, thing.east_m - at.east_m, clearance_m, reach_m)
@@ -57,12 +59,12 @@ class ClearWater:
                 off = sector * SECTOR_RAD - bearing
                 across = distance * math.sin(off)
                 room = distance * math.cos(off) - math.sqrt(max(clearance_m**2 - across * across, 0.0))
-            if room < rooms[sector % SECTORS]:
-                rooms[sector % SECTORS] = room
+            rooms[sector % SECTORS] = min(rooms[sector % SECTORS], room)
 
-    def room_m(self, course_rad: float) -> float:
-        """How far the way is clear of things on a course."""
-        return self._rooms_m[round(course_rad / SECTOR_RAD) % SECTORS]
+    def keep_within(self, bounds: Bounds, inside_m: float) -> None:
+        """Open courses end so far inside the bounds."""
+        if bounds.is_active:
+            self._bounds, self._inside_m = bounds, inside_m
 
     def first_open_rad(self, from_rad: float, side: int, need_m: float) -> float | None:
         """The first course that is open for need_m, turning from from_rad to starboard (side 1) or port (−1).
@@ -78,7 +80,10 @@ class ClearWater:
         return None
 
     def _is_within(self, course_rad: float, need_m: float) -> bool:
-        return self._bounds is None or self._bounds.room_m(self._at, course_rad, need_m) >= need_m
+        if self._bounds is None:
+            return True
+        need_m += self._inside_m
+        return self._bounds.room_m(self._at, course_rad, need_m) >= need_m
 
 
 def clear_m(way: Sequence[Point], things: Sequence[Point], clearance_m: float, reach_m: float) -> float:
@@ -87,7 +92,7 @@ def clear_m(way: Sequence[Point], things: Sequence[Point], clearance_m: float, r
     way: two or more corners, the boat at the first one. Beyond reach_m along it nothing counts.
     """
     nearest, before = math.inf, 0.0
-    for start, end in zip(way, way[1:], strict=False):
+    for start, end in pairwise(way):
         north, east = end.north_m - start.north_m, end.east_m - start.east_m
         length = math.sqrt(north * north + east * east)
         if length <= 0.0:
