@@ -19,7 +19,7 @@ _MOST_LOOKS = 4.0
 _DOUBTS = -1.0  # what a cell that was seen through goes on with before it is forgotten
 _THROUGH = 1.0  # looks that an echo from beyond takes away
 _SILENCE = 0.5  # and a beam without an echo: a smooth wall met at an angle sends none back
-_CORE = 0.7  # of the beam: what stands at its edge may send no echo
+_CORE = 0.7  # of the beam: at its edges it is weak
 MAX_CELLS = 600
 
 
@@ -145,9 +145,10 @@ class Occupancy:
     def _mark(self, beam: Beam) -> None:
         """One look more for each cell on the arc."""
         cells, side = self._cells, self.cell_m
-        across = max(1, math.ceil(beam.range_m * beam.width_rad / side))
+        width_rad = _CORE * beam.width_rad
+        across = max(1, math.ceil(beam.range_m * width_rad / side))
         for step in range(across + 1):
-            bearing = beam.bearing_rad + beam.width_rad * (step / across - 0.5)
+            bearing = beam.bearing_rad + width_rad * (step / across - 0.5)
             row = math.floor((beam.north_m + beam.range_m * math.cos(bearing)) / side)
             column = math.floor((beam.east_m + beam.range_m * math.sin(bearing)) / side)
             cell = cells.get((row, column))
