@@ -50,6 +50,11 @@ class Station:
         self._acks: dict[int, int] = {}
         self._heartbeat_s = -math.inf
 
+    def connect(self, link: Link) -> None:
+        """Go on over another link: the one before has ended with the boat's program."""
+        self._link = link
+        self._finder = FrameFinder(link.is_datagram)
+
     def send(self, message: Message) -> None:
         """Send anything."""
         self._link.send(self._encoder.encode(message))
