@@ -5,12 +5,15 @@ Time is counted in ticks, so a run is a function of the scenario, its seed and w
 
 from companion.boat import COMPONENT_ID, TICK_S, Boat
 from companion.config import LinkConfig
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.storage import MemoryStorage, Storage
+from sitl.disk import Disk
+from sitl.link import Air, AirPort
+from sitl.program import Program
 from sitl.scenario import Scenario
 from sitl.station import Station
 from sitl.world import World
@@ -24,16 +27,21 @@ class Lockstep:
     def __init__(
         self, scenario: Scenario, storage: Storage | None = None, logbook: Logbook | None = None
     ) -> None:
-        near, far = memory_pair("station")
+        """storage and logbook outlive the boat's program, which a power cut ends."""
         self.world = World(scenario)
-        self.boat = Boat(
-            scenario.vehicle,
-            self.world.hardware,
-            [ConfiguredPort(MemoryPort(near), Policy(LinkConfig(url="memory", stream_hz=_STREAM_HZ)))],
-            storage or MemoryStorage(),
-            logbook=logbook,
-        )
+        computer = self.world.electronics.computer
+        self._storage = Disk(storage or MemoryStorage(), computer)
+        self._logbook = logbook
+        self._air = Air(scenario.link, scenario.seed, computer, lambda: self.world.time_s)
+        near, far = memory_pair("station")
+        self._near: MemoryLink | None = near
         self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
+        self._program = Program(self.world, self._build, _let_go)
+
+    @property
+    def boat(self) -> Boat:
+        """The boat's program; another one after a power cut."""
+        return self._program.boat
 
     @property
     def time_s(self) -> float:
@@ -43,10 +51,26 @@ class Lockstep:
     def step(self) -> None:
         """One tick: the boat acts on what its sensors say now, then the water moves on."""
         now_s = self.world.time_s
-        self.boat.step(now_s)
+        self._program.step()
         self.station.step(now_s)
         self.world.step(TICK_S)
+
+    def _build(self) -> Boat:
+        near, self._near = self._near, None
+        if near is None:
+            near, far = memory_pair("station")
+            self.station.connect(far)
+        policy = Policy(LinkConfig(url="memory", stream_hz=_STREAM_HZ))
+        port = ConfiguredPort(AirPort(MemoryPort(near), self._air), policy)
+        return Boat(
+            self.world.scenario.vehicle, self.world.hardware, [port], self._storage, logbook=self._logbook
+        )
 
     def close(self) -> None:
         """Let everything go."""
         self.boat.close()
+
+
+def _let_go(boat: Boat) -> None:
+    boat.channels.close()
+    boat.endpoint.close()

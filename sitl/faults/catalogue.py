@@ -34,8 +34,12 @@ _MOTOR = {
     "off": Effect(0.0, "no thrust, whatever the command"),
     "wrong": Effect(-1.0, "turns the other way round; size is the gain of the command", -1.0, 1.0),
     "slow": Effect(0.5, "weak; size is the gain of the command", -1.0, 1.0),
-    "stuck": Effect(1.0, "weed holds the propeller; size is how much of it, 0..1", 0.0, 1.0),
-    "weed": Effect(0.5, "weed on the propeller; size is how much of it, 0..1", 0.0, 1.0),
+    "stuck": Effect(
+        1.0, "weed holds the propeller; size is how much of it, 0..1: at 0.4 most motors stall", 0.0, 1.0
+    ),
+    "weed": Effect(
+        0.2, "weed on the propeller; size is how much of it, 0..1: at 0.4 most motors stall", 0.0, 1.0
+    ),
     "intermittent": Effect(2.0, "a loose contact: no thrust in the first half of every size seconds", 0.04),
 }
 

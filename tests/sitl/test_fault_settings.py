@@ -1,0 +1,61 @@
+"""[[faults]] of a scenario: what is taken, and what is refused by name."""
+
+import math
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.errors import ConfigError
+from sitl.faults import CATALOGUE, FaultSetting
+from sitl.scenario import load_scenario
+
+KINDS = [(what, kind) for what, kinds in CATALOGUE.items() for kind in kinds]
+
+
+@pytest.mark.parametrize(("what", "kind"), KINDS)
+def test_every_kind_in_the_catalogue_is_taken_with_its_usual_size(what: str, kind: str) -> None:
+    fault = FaultSetting(what=what, kind=kind, at_s=3.0)
+    assert fault.amount == CATALOGUE[what][kind].size
+    assert fault.ends_s == math.inf
+    assert CATALOGUE[what][kind].text
+
+
+@given(st.sampled_from(KINDS), st.floats(-1e6, 1e6) | st.sampled_from([math.nan, math.inf, -math.inf]))
+def test_a_size_is_taken_within_its_bounds_and_refused_outside(
+    what_kind: tuple[str, str], size: float
+) -> None:
+    what, kind = what_kind
+    effect = CATALOGUE[what][kind]
+    if effect.low <= size <= effect.high and abs(size) <= 3.4e38:
+        assert FaultSetting(what=what, kind=kind, size=size).amount == size
+    else:
+        with pytest.raises(ValueError, match="size"):
+            FaultSetting(what=what, kind=kind, size=size)
+
+
+@pytest.mark.parametrize(
+    ("table", "named"),
+    [
+        ('{what="engine"}', "expected one of gnss"),
+        ('{what="gnss", kind="deaf"}', "gnss can be delayed"),
+        ('{what="gnss", for_s=0}', "faults.0.for_s"),
+        ('{what="gnss", at_s=-1}', "faults.0.at_s"),
+        ('{what="motor_left", kind="weed", size=2}', "expected 0 to 1"),
+        ('{what="gnss", colour="red"}', "no such setting"),
+    ],
+)
+def test_a_fault_that_cannot_be_is_refused_with_its_place(table: str, named: str) -> None:
+    with pytest.raises(ConfigError, match=r"faults\.0") as refused:
+        load_scenario("open", [f"faults=[{table}]"])
+    assert named in str(refused.value)
+
+
+def test_a_scenario_carries_its_faults_in_order() -> None:
+    faults = load_scenario("open", ['faults=[{what="gnss", at_s=5, for_s=2}, {what="disk"}]']).faults
+    assert [(fault.what, fault.kind, fault.at_s, fault.ends_s) for fault in faults] == [
+        ("gnss", "off", 5.0, 7.0),
+        ("disk", "off", 0.0, math.inf),
+    ]
+    assert msgspec.to_builtins(faults[0])["what"] == "gnss"
