@@ -10,6 +10,7 @@ from mission_tools.cli.exit import run_app
 from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
 from sitl.cli.campaign import campaign
+from sitl.cli.paper import paper
 from sitl.cli.sail import sail
 from sitl.cli.serve import serve
 
@@ -34,6 +35,7 @@ def options(
 app.command()(serve)
 app.command()(sail)
 app.command()(campaign)
+app.command()(paper)
 
 
 def run_program(arguments: list[str]) -> int:

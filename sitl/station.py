@@ -49,11 +49,16 @@ class Station:
         self._sender = Sender(OWN, MissionType.MISSION)
         self._acks: dict[int, int] = {}
         self._heartbeat_s = -math.inf
+        self._heard = _HEARD
 
     def connect(self, link: Link) -> None:
         """Go on over another link: the one before has ended with the boat's program."""
         self._link = link
         self._finder = FrameFinder(link.is_datagram)
+
+    def listen_to(self, *message_ids: int) -> None:
+        """Keep the latest of these messages, too."""
+        self._heard = self._heard.union(message_ids)
 
     def send(self, message: Message) -> None:
         """Send anything."""
@@ -82,7 +87,7 @@ class Station:
         """Hear what has come, answer, keep the heartbeat going."""
         for chunk in self._link.receive():
             for frame in self._finder.feed(chunk):
-                if frame.message_id in _HEARD and frame.layout is not None:
+                if frame.message_id in self._heard and frame.layout is not None:
                     self._hear(frame.layout.unpack(frame.payload), frame.sender, now_s)
         self._sender.tick(now_s)
         for message in self._sender.take_outbox():

@@ -1,0 +1,91 @@
+"""What a lockstep run orders of its boat, over the air, and waits for."""
+
+from collections.abc import Callable, Sequence
+
+from companion.errors import BoatError
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem
+from sitl.lockstep import Lockstep
+
+BOOT_S = 60.0  # longest wait for the boat to become armable
+UPLOAD_S = 60.0
+ANSWER_S = 5.0
+
+
+class OrderError(BoatError):
+    """The boat did not do what was ordered; the message says what, and what the boat said."""
+
+
+class Orders:
+    """Orders given by the lockstep's station. step: advances the run by one tick."""
+
+    def __init__(self, lockstep: Lockstep, step: Callable[[], None]) -> None:
+        self._lockstep = lockstep
+        self._step = step
+
+    def wait(self, is_so: Callable[[], bool], limit_s: float, failure: str) -> None:
+        """Let time pass until something is so.
+
+        Raises:
+            OrderError: it was not within limit_s.
+        """
+        deadline_s = self._lockstep.time_s + limit_s
+        while not is_so():
+            if self._lockstep.time_s > deadline_s:
+                raise OrderError(f"{failure} within {limit_s:g} simulated seconds")
+            self._step()
+
+    def command(self, number: int, *params: float, what: str) -> None:
+        """Send a command until it is accepted.
+
+        Raises:
+            OrderError: it was refused, or not answered.
+        """
+        station = self._lockstep.station
+        station.command(number, *params)
+        self.wait(lambda: station.answer(number) is not None, ANSWER_S, f"{what} was not answered")
+        if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
+            said = station.texts[-1] if station.texts else "it did not say why"
+            raise OrderError(f"the boat refused {what}: {said}")
+
+    def until_armable(self) -> None:
+        """Wait for the boat to say that it may be armed.
+
+        Raises:
+            OrderError: it never does.
+        """
+        self.wait(self._is_armable, BOOT_S, "the boat did not become armable")
+
+    def upload(self, items: Sequence[MissionItem]) -> None:
+        """Give the boat a mission.
+
+        Raises:
+            OrderError: it was refused, or did not end.
+        """
+        station = self._lockstep.station
+        station.upload(items, self._lockstep.time_s)
+        self.wait(lambda: station.uploaded is not None, UPLOAD_S, "the upload did not end")
+        if not station.uploaded:
+            raise OrderError(f"the boat refused the mission: {station.refusal}")
+
+    def arm(self) -> None:
+        """Let the motors turn.
+
+        Raises:
+            OrderError: the boat refused.
+        """
+        self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
+
+    def change_mode(self, number: int) -> None:
+        """Enter a mode by its Rover number.
+
+        Raises:
+            OrderError: the boat refused.
+        """
+        flag = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
+        self.command(dialect.MAV_CMD_DO_SET_MODE, flag, float(number), what=f"mode {number}")
+
+    def _is_armable(self) -> bool:
+        status = self._lockstep.station.latest.get("SYS_STATUS")
+        bit = dialect.MAV_SYS_STATUS_PREARM_CHECK
+        return status is not None and bool(status.onboard_control_sensors_health & bit)

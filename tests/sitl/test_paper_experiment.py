@@ -1,0 +1,125 @@
+"""The paper's experiment: its equations, its tables, and one of its cases sailed."""
+
+import csv
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from companion.geo import distance_m
+from companion.mavlink.dialect import dialect
+from sitl.paper import table
+from sitl.paper.conditions import CASES, MAX_CURRENT_M_S, Method, conditions, seeds
+from sitl.paper.helmsman import HeadingPid, OnOff
+from sitl.paper.step_response import GAIN_SETS, step_responses
+from sitl.paper.trial import Trial, planned, sail_trial
+
+TRIAL = Trial("5", str(Method.ON_OFF), 1, 0.005, 0.8, True, 20.0, 0.9, 0, 0.02)
+
+
+def trials() -> list[Trial]:
+    """Two runs of case 5 by each of two methods; the PID's are shorter, quicker and more alike."""
+    by_pid = replace(TRIAL, method=str(Method.PID), time_s=18.0, length_m=0.85)
+    return [
+        TRIAL,
+        replace(TRIAL, seed=2, time_s=24.0, length_m=1.1, off_plan_rms_m=0.04, collisions=2, arrived=False),
+        by_pid,
+        replace(by_pid, seed=2, time_s=19.0, length_m=0.86),
+    ]
+
+
+def test_equations_5_to_7_reproduce_the_papers_table_from_its_times() -> None:
+    for case in CASES:
+        for printed_cm, time_s in zip(table.PRINTED_CM[case], table.PRINTED_S[case], strict=True):
+            assert table.equation_5_cm(time_s) == pytest.approx(printed_cm, abs=0.01)
+    assert table.equation_6_cm(261.0) == pytest.approx(21.75)
+    assert table.equation_7_cm(261.0) == pytest.approx(239.25)
+
+
+def test_rows_have_means_sample_deviations_and_every_collision() -> None:
+    on_off, by_pid = table.rows(trials())
+    assert (on_off.case, on_off.method, on_off.runs, on_off.arrived) == ("5", "A*", 2, 1)
+    assert on_off.length_mean_m == pytest.approx(1.0)
+    assert on_off.length_sd_m == pytest.approx(0.2 / math.sqrt(2.0))
+    assert on_off.collisions == 2
+    assert on_off.off_plan_rms_m == pytest.approx(math.sqrt((0.02**2 + 0.04**2) / 2.0))
+    assert on_off.paper_length_cm == pytest.approx(4.5 * 22.0)
+    assert by_pid.time_mean_s == pytest.approx(18.5)
+
+
+def test_reductions_are_shares_and_negative_where_it_got_worse() -> None:
+    better = table.reductions(table.rows(trials()))["5"]
+    assert better["length"] == pytest.approx(1.0 - 0.855 / 1.0)
+    assert better["time SD"] == pytest.approx(1.0 - 1.0 / 4.0)
+    worse = table.reductions(table.rows(trials()), against=Method.PID, by=Method.ON_OFF)["5"]
+    assert worse["length"] < 0.0
+
+
+def test_the_tables_show_both_and_print_what_the_paper_has() -> None:
+    text = table.markdown(table.rows(trials()))
+    assert "| 5 | A* | 99.0 (82.8) | 22.0 (18.4) |" in text
+    assert "100.0 ± 14.1" in text
+    assert "1 of 2" in text
+
+
+def test_runs_are_written_one_a_line(tmp_path: Path) -> None:
+    table.write_trials(tmp_path / "runs.csv", trials())
+    with (tmp_path / "runs.csv").open(newline="") as file:
+        read = list(csv.DictReader(file))
+    assert [row["length_m"] for row in read] == ["0.900000", "1.100000", "0.850000", "0.860000"]
+
+
+def test_every_method_of_a_seed_sails_in_one_current_and_seeds_differ() -> None:
+    drawn = [conditions("3", seed).environment for seed in seeds()]
+    assert len({(one.current_m_s, one.current_to_deg) for one in drawn}) == len(drawn) == 12
+    assert all(0.0 < one.current_m_s <= MAX_CURRENT_M_S for one in drawn)
+    assert conditions("3", 1).environment == conditions("3", 1).environment
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_plans_keep_off_the_obstacles_and_the_exact_one_is_the_shorter(case: str) -> None:
+    lengths = []
+    for is_exact in (False, True):
+        points = planned(case, is_exact)
+        chart = conditions(case, 1).chart
+        assert all(chart.leg_clearance_m(a, b) > 0.05 for a, b in pairwise(points[1:])), points
+        lengths.append(sum(distance_m(a, b) for a, b in pairwise(points)))
+    assert lengths[1] < lengths[0]
+
+
+@pytest.mark.parametrize(
+    ("error_deg", "turn"), [(0.0, 0), (14.0, 0), (-14.0, 0), (16.0, 1000), (-16.0, -1000), (190.0, -1000)]
+)
+def test_on_off_turns_fully_outside_its_dead_zone(error_deg: float, turn: int) -> None:
+    order = OnOff(conditions("5", 1)).order(math.radians(error_deg), 0.0)
+    assert order.y == turn
+    assert order.z == round(1000 * conditions("5", 1).vehicle.speed.cruise_throttle)
+
+
+def test_the_pid_helmsman_asks_for_the_bearing_at_cruise_speed() -> None:
+    order = HeadingPid(conditions("5", 1)).order(math.radians(120.0), 0.0)
+    assert 2.0 * math.degrees(math.atan2(order.q[3], order.q[0])) == pytest.approx(120.0)
+    assert order.type_mask & dialect.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE == 0
+    assert 0.0 < order.thrust < 1.0
+
+
+@pytest.mark.parametrize("method", list(Method))
+def test_the_free_case_is_sailed_to_its_goal_by_every_method(method: Method) -> None:
+    sailed = sail_trial("5", method, 101)
+    trial, goal = sailed.trial, sailed.plan[-1]
+    assert trial.arrived
+    assert distance_m(sailed.track[-1], goal) < 0.15
+    assert 0.6 < trial.length_m < 1.3
+    assert trial.time_s > trial.length_m / 0.07
+    assert trial.collisions == 0
+
+
+def test_the_gain_set_that_the_paper_chose_settles_first() -> None:
+    responses = step_responses()
+    assert [response.gains for response in responses] == list(GAIN_SETS)
+    settled = [response.settle_s for response in responses]
+    assert None not in settled
+    assert min(s for s in settled if s is not None) == settled[2]
+    assert all(response.overshoot < 0.4 and (response.rise_s or 0.0) > 0.5 for response in responses)
