@@ -1,0 +1,299 @@
+"""Faults by command, by parameter and by schedule, end to end in lockstep over MAVLink."""
+
+import math
+
+import pytest
+
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem
+from companion.storage import MemoryStorage
+from sitl.lockstep import Lockstep
+from sitl.scenario import load_scenario
+
+OK, DENIED, UNSUPPORTED = 0, 2, 3
+GPS, MAG, GYRO, SONAR, BATTERY, MOTOR, LINK, SERVO = 4, 2, 0, 7, 100, 101, 105, 102
+WELL, OFF, STUCK, GARBAGE, WRONG, SLOW, DELAYED, INTERMITTENT = range(8)
+PARTS = {GPS: "gnss", MAG: "compass", GYRO: "gyro", SONAR: "sonar", BATTERY: "battery", LINK: "link"}
+
+
+def lockstep(*settings: str, storage: MemoryStorage | None = None) -> Lockstep:
+    return Lockstep(load_scenario("open", settings), storage)
+
+
+def run(boat: Lockstep, seconds: float) -> None:
+    until_s = boat.time_s + seconds
+    while boat.time_s < until_s - 1e-9:
+        boat.step()
+
+
+def inject(boat: Lockstep, unit: float, failure: float, instance: float = 0.0) -> int:
+    boat.station.command(dialect.MAV_CMD_INJECT_FAILURE, unit, failure, instance)
+    for _ in range(10):
+        boat.step()
+    answer = boat.station.answer(dialect.MAV_CMD_INJECT_FAILURE)
+    assert answer is not None
+    return answer
+
+
+def set_parameter(boat: Lockstep, name: str, value: float) -> None:
+    target = (boat.station.boat.system, boat.station.boat.component)
+    boat.station.send(dialect.MAVLink_param_set_message(*target, name.encode(), value, 9))
+    run(boat, 0.1)
+
+
+def active(boat: Lockstep) -> dict[str, str]:
+    return {what: fault.kind for what, fault in boat.world.electronics.faults.active.items()}
+
+
+@pytest.mark.parametrize(
+    ("unit", "failure", "kind"),
+    [
+        (unit, failure, kind)
+        for unit in (GPS, MAG, SONAR, BATTERY)
+        for failure, kind in enumerate(
+            ("off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent"), OFF
+        )
+    ]
+    + [(GYRO, OFF, "off"), (GYRO, STUCK, "stuck"), (GYRO, GARBAGE, "garbage"), (GYRO, WRONG, "wrong")],
+)
+def test_a_sensor_fails_by_command_and_is_well_by_command(unit: int, failure: int, kind: str) -> None:
+    boat = lockstep()
+    run(boat, 1.0)
+    assert inject(boat, unit, failure) == OK
+    assert active(boat) == {PARTS[unit]: kind}
+    assert f"Fault: {PARTS[unit]} {kind}" in boat.station.texts
+    assert inject(boat, unit, WELL) == OK
+    assert active(boat) == {}
+    assert boat.boat.endpoint.faults == 0
+
+
+def test_the_receiver_is_silent_from_the_command_on() -> None:
+    boat = lockstep()
+    run(boat, 2.0)
+    assert inject(boat, GPS, OFF) == OK
+    run(boat, 3.0)
+    fix = boat.boat.senses.fix
+    assert fix is not None
+    assert boat.time_s - fix.time_s > 2.5
+    inject(boat, GPS, WELL)
+    run(boat, 1.0)
+    fresh = boat.boat.senses.fix
+    assert fresh is not None
+    assert boat.time_s - fresh.time_s < 0.5
+
+
+@pytest.mark.parametrize(
+    ("instance", "hit"),
+    [
+        (0, {"motor_left": "off", "motor_right": "off"}),
+        (1, {"motor_left": "off"}),
+        (2, {"motor_right": "off"}),
+    ],
+)
+def test_motors_fail_one_by_one_or_both(instance: int, hit: dict[str, str]) -> None:
+    boat = lockstep()
+    assert inject(boat, MOTOR, OFF, instance) == OK
+    assert active(boat) == hit
+
+
+@pytest.mark.parametrize(
+    ("unit", "failure", "instance", "result"),
+    [
+        (SERVO, OFF, 0, UNSUPPORTED),
+        (GPS, 8, 0, UNSUPPORTED),
+        (GPS, OFF, 2, UNSUPPORTED),
+        (GPS, OFF, -1, UNSUPPORTED),
+        (MOTOR, OFF, 3, UNSUPPORTED),
+        (MOTOR, GARBAGE, 0, UNSUPPORTED),
+        (GYRO, SLOW, 0, UNSUPPORTED),
+        (1e9, OFF, 0, UNSUPPORTED),
+        (GPS, math.nan, 0, DENIED),
+        (1.5, OFF, 0, DENIED),
+    ],
+)
+def test_what_cannot_fail_so_is_refused(unit: float, failure: float, instance: float, result: int) -> None:
+    boat = lockstep()
+    assert inject(boat, unit, failure, instance) == result
+    assert active(boat) == {}
+
+
+def test_a_boat_without_a_sonar_has_none_to_break() -> None:
+    assert inject(lockstep("sensors.sonar.fitted=false"), SONAR, OFF) == UNSUPPORTED
+
+
+def test_injection_can_be_forbidden_by_parameter() -> None:
+    boat = lockstep()
+    set_parameter(boat, "SYS_FAILURE_EN", 0.0)
+    assert inject(boat, GPS, OFF) == UNSUPPORTED
+    set_parameter(boat, "SYS_FAILURE_EN", 1.0)
+    assert inject(boat, GPS, OFF) == OK
+
+
+def test_a_link_that_is_cut_by_a_station_comes_back_by_itself() -> None:
+    boat = lockstep()
+    run(boat, 1.0)
+    boat.station.command(dialect.MAV_CMD_INJECT_FAILURE, LINK, OFF)
+    run(boat, 1.0)
+    boat.station.latest.pop("SYS_STATUS", None)
+    run(boat, 8.0)
+    assert "SYS_STATUS" not in boat.station.latest
+    run(boat, 3.0)
+    assert "SYS_STATUS" in boat.station.latest
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("SIM_GPS_DISABLE", 1.0, {"gnss": "off"}),
+        ("SIM_GPS_JAM", 1.0, {"gnss": "jammed"}),
+        ("SIM_GPS_GLITCH_X", 0.001, {"gnss": "wrong"}),
+        ("SIM_MAG1_FAIL", 1.0, {"compass": "off"}),
+        ("SIM_MAG1_FAIL", 2.0, {"compass": "stuck"}),
+    ],
+)
+def test_parts_fail_by_parameter_too(name: str, value: float, expected: dict[str, str]) -> None:
+    boat = lockstep()
+    set_parameter(boat, name, value)
+    assert active(boat) == expected
+    set_parameter(boat, name, 0.0)
+    assert active(boat) == {}
+
+
+def test_a_glitch_in_degrees_moves_fixes_by_as_many_metres() -> None:
+    boat = lockstep()
+    run(boat, 1.0)
+    set_parameter(boat, "SIM_GPS_GLITCH_X", -0.001)
+    set_parameter(boat, "SIM_GPS_GLITCH_Y", 0.001)
+    run(boat, 0.5)
+    fix = boat.boat.senses.fix
+    assert fix is not None
+    here = boat.world.scenario.frame.to_local(fix.position)
+    lat_deg = boat.world.scenario.frame.origin.lat_deg
+    truth = boat.world.truth
+    assert here.north_m - truth.north_m == pytest.approx(-111.2, abs=1.0)
+    assert here.east_m - truth.east_m == pytest.approx(111.3 * math.cos(math.radians(lat_deg)), abs=1.0)
+
+
+def test_the_motors_named_by_the_mask_get_the_gain() -> None:
+    boat = lockstep()
+    set_parameter(boat, "SIM_ENGINE_FAIL", 2.0)
+    assert active(boat) == {}
+    set_parameter(boat, "SIM_ENGINE_MUL", 0.25)
+    assert active(boat) == {"motor_right": "slow"}
+    assert boat.world.electronics.faults.active["motor_right"].amount == 0.25
+    set_parameter(boat, "SIM_ENGINE_FAIL", 0.0)
+    assert active(boat) == {}
+
+
+@pytest.mark.parametrize(("name", "value"), [("SIM_GPS_DISABLE", 2.0), ("SIM_MAG1_FAIL", -1.0)])
+def test_a_value_out_of_range_changes_nothing(name: str, value: float) -> None:
+    boat = lockstep()
+    set_parameter(boat, name, value)
+    assert active(boat) == {}
+
+
+def test_a_power_cut_stops_the_motors_and_the_program_begins_anew_with_what_was_stored() -> None:
+    storage = MemoryStorage()
+    boat = lockstep('faults=[{what="computer", at_s=8, for_s=3}]', storage=storage)
+    run(boat, 2.0)
+    set_parameter(boat, "WP_RADIUS", 3.25)
+    items = [MissionItem(frame=0, command=16, x=500000000, y=-12000000)] * 2
+    boat.station.upload(items, boat.time_s)
+    run(boat, 1.0)
+    assert boat.station.uploaded
+    boat.world.hardware.motors.write(0.5, 0.5)
+    before = boat.boat
+    run(boat, 5.2)
+    boat.station.latest.clear()
+    run(boat, 2.0)
+    assert boat.station.latest == {}
+    assert (boat.world.truth.left_command, boat.world.truth.right_command) == (0.0, 0.0)
+    run(boat, 5.0)
+    assert boat.boat is not before
+    assert "SYS_STATUS" in boat.station.latest
+    assert boat.boat.parameters.config.guidance.waypoint_radius_m == 3.25
+    assert len(boat.boat.endpoint.mission_items()) == 2
+    assert not boat.boat.vehicle.armed
+
+
+def test_after_a_power_cut_the_clock_begins_at_zero_and_readings_carry_its_stamps() -> None:
+    boat = lockstep('faults=[{what="computer", at_s=5, for_s=2}]')
+    run(boat, 10.0)
+    assert boat.world.clock_s == pytest.approx(3.0, abs=0.03)
+    fix, heading = boat.boat.senses.fix, boat.boat.senses.heading
+    assert fix is not None
+    assert heading is not None
+    assert 0.0 <= boat.world.clock_s - fix.time_s < 0.5
+    assert 0.0 <= boat.world.clock_s - heading.time_s < 0.1
+    assert boat.boat.nav is not None
+
+
+def test_a_station_may_restart_the_program_in_lockstep() -> None:
+    boat = lockstep()
+    run(boat, 3.0)
+    before = boat.boat
+    boat.station.command(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0)
+    run(boat, 2.0)
+    assert boat.boat is not before
+    assert boat.world.clock_s < 2.0
+
+
+def test_a_full_disk_is_told_and_what_is_stored_later_is_kept() -> None:
+    storage = MemoryStorage()
+    boat = lockstep('faults=[{what="disk", at_s=1, for_s=3}]', storage=storage)
+    run(boat, 2.0)
+    set_parameter(boat, "WP_RADIUS", 3.25)
+    assert b"WP_RADIUS" not in storage.content.get("params.parm", b"")
+    assert any("No space left" in text for text in boat.station.texts)
+    run(boat, 3.0)
+    set_parameter(boat, "WP_RADIUS", 3.5)
+    assert b"WP_RADIUS 3.5" in storage.content["params.parm"]
+
+
+def test_a_clock_that_jumps_jumps_for_the_boat_and_its_readings_alike() -> None:
+    boat = lockstep('faults=[{what="clock", kind="wrong", size=100, at_s=2, for_s=3}]')
+    run(boat, 3.0)
+    fix = boat.boat.senses.fix
+    assert fix is not None
+    assert boat.world.clock_s == pytest.approx(boat.time_s + 100.0)
+    assert boat.world.clock_s - fix.time_s < 0.5
+    run(boat, 4.0)
+    assert boat.world.clock_s == boat.time_s
+    assert boat.boat.endpoint.faults == 0
+
+
+@pytest.mark.parametrize(
+    "link", ["loss=0.3", "delay_s=0.5", "duplication=0.5", "reordering=0.5", "jitter_s=0.3"]
+)
+def test_an_upload_survives_a_bad_link(link: str) -> None:
+    boat = lockstep(f"link.{link}")
+    items = [MissionItem(frame=0, command=16, x=500000000, y=-12000000)] * 5
+    boat.station.upload(items, boat.time_s)
+    for _ in range(3000):
+        boat.step()
+        if boat.station.uploaded is not None:
+            break
+    assert boat.station.uploaded
+    assert len(boat.boat.endpoint.mission_items()) == 5
+
+
+def test_an_outage_of_the_scenarios_link_is_as_long_as_it_says() -> None:
+    boat = lockstep("link.outages=[[3, 6]]")
+    run(boat, 3.1)
+    boat.station.latest.clear()
+    run(boat, 2.8)
+    assert boat.station.latest == {}
+    run(boat, 2.0)
+    assert boat.station.latest
+
+
+def fates(seed: int) -> tuple[bytes, list[str], int]:
+    jammed, lossy = '{what="gnss", kind="jammed", at_s=3}', '{what="link", kind="lossy", at_s=2}'
+    faults = f'[{jammed}, {lossy}, {{what="computer", at_s=6, for_s=1}}]'
+    boat = lockstep(f"faults={faults}", f"seed={seed}", "link.loss=0.2", "environment.current_m_s=0.5")
+    run(boat, 12.0)
+    return boat.world.state_bytes(), boat.station.texts, len(boat.station.latest)
+
+
+def test_the_same_seed_gives_the_same_bytes_with_faults_and_bad_links() -> None:
+    assert fates(5) == fates(5)
