@@ -21,6 +21,7 @@ from sitl.movers import Movers
 from sitl.scenario import Scenario
 from sitl.shore import Shore
 from sitl.vessel import LONGEST_STEP_S, Vessel
+from sitl.wind_knobs import WindKnobs
 from sitl.windage import Windage
 
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
@@ -81,7 +82,12 @@ class World:
         self._pack = Pack(scenario.battery)
         self.movers = Movers(scenario.movers)
         self.electronics = Electronics(
-            scenario, self.shore, self.movers, self._thrusters.left, self._thrusters.right
+            scenario,
+            self.shore,
+            self.movers,
+            self._thrusters.left,
+            self._thrusters.right,
+            WindKnobs(scenario.environment, self.wind).knobs,
         )
         self.hardware = self.electronics.hardware
         self._motors = self.electronics.motors

@@ -13,7 +13,6 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
-from companion.params_table import ROWS
 
 TABLE = json.loads((Path(__file__).parents[1] / "vectors" / "frames.json").read_text(encoding="utf-8"))
 FRAMES = 100_000
@@ -41,7 +40,7 @@ def test_qgroundcontrols_whole_connection_gets_an_answer_to_every_request() -> N
     peer.forget()
     peer.send(dialect.MAVLink_param_request_list_message(1, 0))
     rig.run(1.0)
-    assert len(peer.said("PARAM_VALUE")) == len(ROWS)
+    assert len(peer.said("PARAM_VALUE")) == len(rig.boat.parameters.rows)
     peer.send(dialect.MAVLink_system_time_message(1, 1))
     for kind in MissionType:
         count = rig.answer_to(dialect.MAVLink_mission_request_list_message(*BOAT, kind), "MISSION_COUNT")
