@@ -11,6 +11,8 @@ from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
 from sitl.cli.campaign import campaign
 from sitl.cli.paper import paper
+from sitl.cli.report import report
+from sitl.cli.physics import physics
 from sitl.cli.sail import sail
 from sitl.cli.serve import serve
 
@@ -35,7 +37,9 @@ def options(
 app.command()(serve)
 app.command()(sail)
 app.command()(campaign)
+app.command()(report)
 app.command()(paper)
+app.command()(physics)
 
 
 def run_program(arguments: list[str]) -> int:

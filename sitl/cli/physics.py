@@ -1,0 +1,62 @@
+"""`boat-sitl physics`: this boat's hull, drive and water under another autopilot."""
+
+import math
+import sys
+from typing import Annotated
+
+import typer
+
+from companion.errors import BoatError
+from companion.shutdown import Shutdown
+from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
+from sitl.physics.backend import Backend
+from sitl.physics.udp_server import PORT, PhysicsServer
+from sitl.recorder import Recorder
+
+_MOST_STEPS_A_ROW = 100  # a row a tenth of a second even at a thousand steps a second
+
+
+class PhysicsError(BoatError):
+    """Nothing came of it."""
+
+
+def physics(
+    source: Source,
+    settings: Settings = None,
+    case: Case = None,
+    seed: Seed = None,
+    start: StartAt = None,
+    host: Annotated[str, typer.Option(help="address to listen on")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="UDP port; 0 takes a free one")] = PORT,
+    left: Annotated[int, typer.Option(help="servo output of the left motor")] = 1,
+    right: Annotated[int, typer.Option(help="servo output of the right motor")] = 3,
+    csv: Csv = None,
+) -> None:
+    """Serve hull, drive, water, weather, sonar and pack to ArduPilot's simulator until Ctrl-C.
+
+    Time passes when ArduPilot sends a frame, and no faster. Its own simulator makes the readings of GNSS,
+    compass and gyro from the true state; sonar, battery and wind come from here.
+
+    Example:  boat-sitl physics lake --set environment.current_m_s=0.5
+    """
+    scenario = scenario_from(source, settings, case, seed, start)
+    recorder = Recorder() if csv is not None else None
+    backend = Backend(scenario, left, right, recorder.record if recorder is not None else None)
+    server = PhysicsServer(backend, host, port)
+    shutdown = Shutdown()
+    shutdown.install()
+    origin = scenario.frame.origin
+    heading_deg = math.degrees(scenario.heading_rad) % 360.0
+    typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, on UDP {host}:{server.port}")
+    typer.echo("boat-sitl: now start ArduPilot's Rover, with SERVO functions 73 (left) and 74 (right):")
+    home = f"{origin.lat_deg:.7f},{origin.lon_deg:.7f},0,{heading_deg:.0f}"
+    typer.echo(f"  ardurover --model JSON:{host} --home {home}")
+    sys.stdout.flush()
+    server.run(shutdown, lambda who: typer.echo(f"boat-sitl: {who} steers"))
+    if recorder is not None and csv is not None:
+        if not len(recorder):
+            raise PhysicsError(f"nobody steered: {csv} was not written")
+        csv.parent.mkdir(parents=True, exist_ok=True)
+        rate_hz = len(recorder) / max(backend.world.time_s, 1e-9)
+        recorder.write_csv(csv, every=min(max(1, round(0.1 * rate_hz)), _MOST_STEPS_A_ROW))
+    typer.echo(f"boat-sitl: {backend.steps} steps, {backend.world.time_s:.1f} s of water")

@@ -1,0 +1,95 @@
+"""The physics side of the JSON interface, without its socket: a servo packet in, a state line out."""
+
+import math
+from collections.abc import Callable
+
+from companion.errors import ConfigError
+from sitl.physics.servo_packet import parse_servos
+from sitl.physics.state_line import state_line
+from sitl.scenario import Scenario
+from sitl.vessel import LONGEST_STEP_S
+from sitl.world import Truth, World
+
+CHANNELS = 16
+_AHEAD_RAD = math.radians(10.0)  # a ping this near to the bow is what a fixed ranger would have heard
+_STALE_S = 3.0
+
+
+class Backend:
+    """Steps one world in lockstep with the other side: time passes here only when a new frame comes.
+
+    A frame that comes twice is answered twice and stepped once, because the answer was lost. A frame count
+    that falls means that the other side has begun anew, and so does the water. record: is shown each step's
+    truth.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        left: int = 1,
+        right: int = 3,
+        record: Callable[[Truth], object] | None = None,
+    ) -> None:
+        """left, right: which servo outputs drive the motors, counted from 1 (SERVOn_FUNCTION 73 and 74).
+
+        Raises:
+            ConfigError: no such output, or the same for both.
+        """
+        for name, channel in (("left", left), ("right", right)):
+            if not 1 <= channel <= CHANNELS:
+                raise ConfigError(f"--{name} {channel}: expected a servo output from 1 to {CHANNELS}")
+        if left == right:
+            raise ConfigError(f"--left {left} and --right {right}: expected two different servo outputs")
+        self.world = World(scenario)
+        self.steps = 0
+        self.restarts = 0
+        self.ignored = 0  # datagrams that are no servo packet
+        self._scenario = scenario
+        self._left, self._right = left, right
+        self._record = record
+        self._frame: int | None = None
+        self._reply = b""
+        self._range_m: float | None = None
+        self._heard_s = -math.inf
+
+    def handle(self, data: bytes) -> bytes | None:
+        """Answer one datagram; None where it is none of ours."""
+        packet = parse_servos(data)
+        if packet is None:
+            self.ignored += 1
+            return None
+        if packet.frame == self._frame:
+            return self._reply
+        if self._frame is not None and packet.frame < self._frame:
+            self._begin_anew()
+        self._frame = packet.frame
+        self.world.hardware.motors.write(packet.share(self._left), packet.share(self._right))
+        self._advance(1.0 / packet.rate_hz)
+        return self._reply
+
+    def _begin_anew(self) -> None:
+        self.restarts += 1
+        self.world = World(self._scenario)
+        self._range_m, self._heard_s = None, -math.inf
+
+    def _advance(self, dt_s: float) -> None:
+        """One frame, in as many steps as the hull's integrator needs."""
+        parts = max(1, math.ceil(dt_s / LONGEST_STEP_S - 1e-9))
+        for _ in range(parts):
+            before = self.world.truth
+            now = self.world.step(dt_s / parts)
+            self.steps += 1
+            self._listen(now.time_s)
+            if self._record is not None:
+                self._record(now)
+        self._reply = state_line(now, before, self._range_m)
+
+    def _listen(self, now_s: float) -> None:
+        sonar = self.world.hardware.sonar
+        if sonar is None:
+            return
+        for ping in sonar.read():
+            if abs(ping.bearing_rad) <= _AHEAD_RAD:
+                self._range_m, self._heard_s = ping.range_m, ping.time_s
+        if now_s - self._heard_s > _STALE_S:
+            self._range_m = None

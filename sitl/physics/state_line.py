@@ -1,0 +1,38 @@
+"""What goes back to ArduPilot's simulator: one JSON object between line ends.
+
+North, east, down in metres of the scenario's frame, body axes ahead, starboard, down; the boat floats level.
+Acceleration is what an accelerometer on board feels, so a boat at rest says −g.
+"""
+
+import json
+import math
+
+from sitl.world import Truth
+
+GRAVITY_M_S2 = 9.80665
+
+
+def state_line(now: Truth, before: Truth, range_ahead_m: float | None) -> bytes:
+    """The state of now. before: one step earlier, for the acceleration.
+
+    range_ahead_m: what the sonar last heard over the bow, None for no echo or no sonar.
+    """
+    dt_s = now.time_s - before.time_s
+    north = (now.north_m_s - before.north_m_s) / dt_s if dt_s > 0.0 else 0.0
+    east = (now.east_m_s - before.east_m_s) / dt_s if dt_s > 0.0 else 0.0
+    c, s = math.cos(now.heading_rad), math.sin(now.heading_rad)
+    state: dict[str, object] = {
+        "timestamp": now.time_s,
+        "imu": {
+            "gyro": [0.0, 0.0, now.yaw_rate_rad_s],
+            "accel_body": [north * c + east * s, east * c - north * s, -GRAVITY_M_S2],
+        },
+        "position": [now.north_m, now.east_m, 0.0],
+        "attitude": [0.0, 0.0, now.heading_rad],
+        "velocity": [now.north_m_s, now.east_m_s, 0.0],
+        "velocity_wind": [now.wind_north_m_s, now.wind_east_m_s, 0.0],
+        "battery": {"voltage": now.voltage_v, "current": now.current_a},
+    }
+    if range_ahead_m is not None:
+        state["rng_1"] = range_ahead_m
+    return b"\n" + json.dumps(state, allow_nan=False).encode() + b"\n"

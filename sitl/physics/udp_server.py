@@ -1,0 +1,57 @@
+"""The socket of the JSON interface: whoever sends servo packets is answered."""
+
+import socket
+from collections.abc import Callable
+
+from companion.errors import LinkError
+from sitl.physics.backend import Backend
+
+PORT = 9002
+_LOOK_S = 0.2  # how often to see whether to stop while nobody sends
+_DATAGRAM_BYTES = 2048
+
+
+class PhysicsServer:
+    """One socket for one autopilot. told: is called with the address of each new one."""
+
+    def __init__(self, backend: Backend, host: str = "127.0.0.1", port: int = PORT) -> None:
+        """Open the port; 0 takes a free one.
+
+        Raises:
+            LinkError: the system refuses the port.
+        """
+        self._backend = backend
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            self._socket.bind((host, port))
+        except OSError as error:
+            self._socket.close()
+            raise LinkError(f"cannot listen on {host}:{port}: {error.strerror}") from None
+        self._socket.settimeout(_LOOK_S)
+
+    @property
+    def port(self) -> int:
+        """The one that is open."""
+        return int(self._socket.getsockname()[1])
+
+    def run(self, should_stop: Callable[[], bool], told: Callable[[str], None] = lambda _: None) -> None:
+        """Answer until told to stop; then close."""
+        last = None
+        with self._socket:
+            while not should_stop():
+                try:
+                    data, address = self._socket.recvfrom(_DATAGRAM_BYTES)
+                except TimeoutError:
+                    continue
+                except ConnectionError:  # the last answer found nobody: the autopilot has ended
+                    continue
+                reply = self._backend.handle(data)
+                if reply is None:
+                    continue
+                if address != last:
+                    last = address
+                    told(f"{address[0]}:{address[1]}")
+                try:
+                    self._socket.sendto(reply, address)
+                except OSError:
+                    continue  # it asks again

@@ -1,0 +1,192 @@
+"""The JSON interface for ArduPilot's simulator: packets, lines, lockstep, and a small autopilot of ours."""
+
+import json
+import math
+import socket
+import struct
+import threading
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.errors import ConfigError, LinkError
+from companion.units import wrap_pi
+from sitl.physics.backend import Backend
+from sitl.physics.servo_packet import parse_servos
+from sitl.physics.udp_server import PhysicsServer
+from sitl.scenario import Scenario, load_scenario
+
+# A packet byte by byte as the interface's description has it: magic 18458, 50 Hz, frame 7, then 16 pulses
+PACKET = bytes.fromhex("1a48 3200 07000000 d007 dc05 e803" + " dc05" * 13)
+CENTRE = 1500
+
+
+def packet(
+    frame: int, left: int = CENTRE, right: int = CENTRE, rate_hz: int = 50, channels: int = 16
+) -> bytes:
+    """Servo outputs 1 and 3 set, the others in the middle."""
+    pulses = [left, CENTRE, right] + [CENTRE] * (channels - 3)
+    magic = 18458 if channels == 16 else 29569
+    return struct.pack(f"<HHI{channels}H", magic, rate_hz, frame, *pulses)
+
+
+@pytest.fixture
+def scenario() -> Scenario:
+    """Open water, no weather."""
+    return load_scenario("open")
+
+
+def state(line: bytes | None) -> dict[str, Any]:
+    """What a line says."""
+    assert line is not None
+    assert line.startswith(b"\n")
+    assert line.endswith(b"\n")
+    assert line.count(b"\n") == 2
+    told: dict[str, Any] = json.loads(line)
+    return told
+
+
+def test_a_packet_is_read_as_described() -> None:
+    servos = parse_servos(PACKET)
+    assert servos is not None
+    assert (servos.rate_hz, servos.frame, len(servos.pulses_us)) == (50, 7, 16)
+    assert [servos.share(channel) for channel in (1, 2, 3)] == [1.0, 0.0, -1.0]
+
+
+def test_the_packet_of_32_channels_is_read_too() -> None:
+    servos = parse_servos(packet(1, 1750, 1250, channels=32))
+    assert servos is not None
+    assert (servos.share(1), servos.share(3), len(servos.pulses_us)) == (0.5, -0.5, 32)
+
+
+@pytest.mark.parametrize("pulse_us", [0, 1, 700, 65535])
+def test_no_pulse_or_an_impossible_one_stops_the_motor(pulse_us: int) -> None:
+    servos = parse_servos(packet(1, pulse_us))
+    assert servos is not None
+    assert servos.share(1) == 0.0
+
+
+@given(st.binary(max_size=120))
+def test_anything_else_is_no_packet_and_never_raises(data: bytes) -> None:
+    servos = parse_servos(data)
+    assert servos is None or len(data) in (40, 72)
+
+
+@pytest.mark.parametrize("broken", [PACKET[:-1], PACKET + b"\0", b"", PACKET[:8], b"\0\0" + PACKET[2:]])
+def test_a_packet_that_is_cut_or_has_another_magic_is_ignored(scenario: Scenario, broken: bytes) -> None:
+    backend = Backend(scenario)
+    assert backend.handle(broken) is None
+    assert (backend.ignored, backend.steps) == (1, 0)
+
+
+def test_a_boat_at_rest_feels_gravity_and_lies_at_its_start(scenario: Scenario) -> None:
+    told = state(Backend(scenario).handle(packet(1)))
+    assert told["timestamp"] == pytest.approx(0.02)
+    assert told["imu"]["accel_body"] == pytest.approx([0.0, 0.0, -9.80665], abs=1e-9)
+    assert told["position"] == pytest.approx([scenario.start.north_m, scenario.start.east_m, 0.0], abs=1e-6)
+    assert set(told) >= {"timestamp", "imu", "position", "attitude", "velocity", "battery", "velocity_wind"}
+
+
+def test_both_motors_ahead_speed_the_boat_up_along_its_bow(scenario: Scenario) -> None:
+    backend = Backend(scenario)
+    at_rest = state(backend.handle(packet(1)))
+    for frame in range(2, 200):
+        told = state(backend.handle(packet(frame, 1800, 1800)))
+        if frame == 50:
+            assert told["imu"]["accel_body"][0] > 0.1
+    heading = told["attitude"][2]
+    along = told["velocity"][0] * math.cos(heading) + told["velocity"][1] * math.sin(heading)
+    assert along > 1.0
+    assert told["battery"]["current"] > at_rest["battery"]["current"] + 0.5
+    assert told["timestamp"] == pytest.approx(199 * 0.02)
+
+
+def test_the_left_motor_alone_turns_to_starboard(scenario: Scenario) -> None:
+    backend = Backend(scenario)
+    for frame in range(1, 100):
+        told = state(backend.handle(packet(frame, 1900, CENTRE)))
+    assert told["imu"]["gyro"][2] > 0.1
+
+
+def test_time_passes_by_frames_alone_and_a_repeated_frame_steps_nothing(scenario: Scenario) -> None:
+    backend = Backend(scenario)
+    first = backend.handle(packet(1, 1800, 1800))
+    assert backend.handle(packet(1, 1800, 1800)) == first
+    assert (backend.steps, backend.world.tick) == (1, 1)
+    assert state(backend.handle(packet(9, 1800, 1800)))["timestamp"] == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize(("rate_hz", "steps"), [(1200, 1), (50, 1), (10, 2), (1, 20)])
+def test_a_frame_lasts_as_long_as_asked_in_steps_that_the_hull_can_take(
+    scenario: Scenario, rate_hz: int, steps: int
+) -> None:
+    backend = Backend(scenario)
+    told = state(backend.handle(packet(1, rate_hz=rate_hz)))
+    assert told["timestamp"] == pytest.approx(1.0 / rate_hz)
+    assert backend.steps == steps
+
+
+def test_a_frame_count_that_falls_begins_the_water_anew(scenario: Scenario) -> None:
+    backend = Backend(scenario)
+    for frame in range(1, 100):
+        backend.handle(packet(frame, 1800, 1800))
+    told = state(backend.handle(packet(0)))
+    assert backend.restarts == 1
+    assert told["timestamp"] == pytest.approx(0.02)
+    assert told["position"][:2] == pytest.approx([scenario.start.north_m, scenario.start.east_m], abs=1e-6)
+
+
+def test_the_same_packets_give_the_same_lines() -> None:
+    rough = load_scenario("open", ("environment.current_m_s=0.4", "environment.gust_m_s=6.0", "seed=5"))
+    lines = []
+    for _ in range(2):
+        backend = Backend(rough)
+        lines.append([backend.handle(packet(frame, 1700, 1600)) for frame in range(1, 120)])
+    assert lines[0] == lines[1]
+
+
+def test_the_sonar_ahead_is_a_range_finder() -> None:
+    backend = Backend(load_scenario("pool"))
+    told = [state(backend.handle(packet(frame))) for frame in range(1, 200)]
+    ranges = [one["rng_1"] for one in told if "rng_1" in one]
+    assert ranges
+    assert all(0.0 < one <= 4.0 for one in ranges)
+
+
+@pytest.mark.parametrize(("left", "right"), [(0, 3), (1, 17), (2, 2)])
+def test_outputs_that_cannot_be_are_refused(scenario: Scenario, left: int, right: int) -> None:
+    with pytest.raises(ConfigError, match=r"expected"):
+        Backend(scenario, left, right)
+
+
+def test_an_autopilot_of_ours_holds_a_heading_over_a_real_socket(scenario: Scenario) -> None:
+    server = PhysicsServer(Backend(scenario), port=0)
+    done = threading.Event()
+    thread = threading.Thread(target=server.run, args=(done.is_set,))
+    port = server.port
+    thread.start()
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+            link.settimeout(5.0)
+            link.connect(("127.0.0.1", port))
+            link.send(b"not a packet")
+            turn = 0.0
+            for frame in range(1, 600):
+                link.send(packet(frame, round(1650 + turn), round(1650 - turn)))
+                told = state(link.recv(4096))
+                error = wrap_pi(1.0 - told["attitude"][2])
+                turn = min(max(300.0 * error - 250.0 * told["imu"]["gyro"][2], -300.0), 300.0)
+    finally:
+        done.set()
+        thread.join()
+    assert told["attitude"][2] == pytest.approx(1.0, abs=0.05)
+    assert math.hypot(*told["velocity"][:2]) > 0.5
+
+
+def test_a_port_that_is_taken_is_said_in_words(scenario: Scenario) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        with pytest.raises(LinkError, match="cannot listen"):
+            PhysicsServer(Backend(scenario), port=taken.getsockname()[1])
