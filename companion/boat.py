@@ -32,7 +32,6 @@ from companion.vehicle.vehicle import Vehicle
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
-_AGILITY = 3.0  # turns and gusts accelerate the hull about this many times as hard as planned braking does
 
 
 class Boat:
@@ -78,7 +77,7 @@ class Boat:
             logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
-        self.estimator = Estimator(_AGILITY * config.guidance.accel_m_s2)
+        self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
         self.lookout = Lookout(config.avoidance)
         self.avoidance = Avoidance(self.vehicle.conduct.notices)
         self.pilot = Pilot()
@@ -165,7 +164,7 @@ class Boat:
             estimator.frame_to_lay = senses.external.frame
         elif senses.external.frame is None:
             senses.external.frame = estimator.frame
-        self.nav = estimator.update(senses.fix, senses.heading, now_s)
+        self.nav = estimator.update(senses.fix, senses.heading, now_s, self.command)
         if senses.pings:
             self.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
         self._keep_date()

@@ -18,6 +18,7 @@ from companion.errors import ConfigError
 from companion.parts import Parts
 from companion.section import NonNegative, Positive, Section, Share, SystemId
 from companion.settings.avoidance import Avoidance
+from companion.settings.estimation import Estimation
 from companion.settings.failsafe import Failsafe
 from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
@@ -219,6 +220,7 @@ class BoatConfig(Section, frozen=True):
     motors: Motors = Motors()
     guidance: Guidance = Guidance()
     handling: Handling = Handling()
+    estimation: Estimation = Estimation()
     mission: Mission = Mission()
     modes: Modes = Modes()
     follow: Follow = Follow()

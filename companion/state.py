@@ -28,9 +28,10 @@ class NavState(Struct, frozen=True, gc=False):
 
     heading_rad: where the bow points, 0 = north, clockwise positive, in [−π, π).
     north_m_s, east_m_s, surge_m_s, sway_m_s: over ground. position_age_s and heading_age_s: how old the last
-    accepted measurement is; infinite before the first. set_north_m_s, set_east_m_s: how water and wind carry
-    the boat over ground (the current, with the leeway in it). position_sigma_m: one standard deviation, per
-    axis. faults: bits of EstimateFault, a plain integer because it is made anew every tick.
+    accepted measurement is, infinite before the first; while dead reckoning stands in for the receiver, the
+    position grows no older than the receiver's time-out. set_north_m_s, set_east_m_s: how water and wind
+    carry the boat over ground (the current, with the leeway in it). position_sigma_m: one standard deviation,
+    per axis. faults: bits of EstimateFault, a plain integer because it is made anew every tick.
     """
 
     time_s: float

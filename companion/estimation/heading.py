@@ -1,50 +1,187 @@
-"""Heading and yaw rate from a compass, with or without a gyro.
+"""Heading and yaw rate from a compass, with or without a gyro, and without the compass too.
 
-With a gyro this is the complementary filter: the gyro carries the heading, the compass draws it in with the
-time constant GYRO_TIME_S, so compass noise stays out and gyro drift too. Without one it is a fading-memory
-(critically damped) g-h filter, gains g = 1 − θ² and h = (1 − θ)² with θ = exp(−dt/τ) (E. Brookner,
-*Tracking and Kalman Filtering Made Easy*, 1998, chapter 1).
+With a gyro this is the complementary filter with bias: the gyro carries the heading, the compass draws it in
+with the time constant DRAW_S and teaches the gyro's bias, so compass noise stays out and gyro drift too (R.
+Mahony, T. Hamel, J.-M. Pflimlin, *Nonlinear Complementary Filters on the Special Orthogonal Group*, IEEE
+Trans. Automatic Control 53(5), 2008, the filter with bias, in the plane). Several readings are taken
+together. A compass that disagrees with the gyro, or says the same whatever the gyro says, is not believed.
+
+Without a gyro it is a fading-memory (critically damped) g-h filter, gains g = 1 − θ² and h = (1 − θ)² with
+θ = exp(−dt/τ) (E. Brookner, *Tracking and Kalman Filtering Made Easy*, 1998, chapter 1).
+
+Without a compass the gyro goes on alone, and whoever knows better, as from the course made good, may `draw`
+the heading there.
 """
 
 import math
+from typing import Final
 
+from companion.estimation.repetition import Repetition
 from companion.units import wrap_pi
 
-GYRO_TIME_S = 0.5
-COMPASS_TIME_S = 0.15
-RESTART_S = 2.0  # after such a gap the filter begins anew at the reading
-MAX_PREDICTION_S = 0.5
+DRAW_S: Final = 2.0
+BIAS_S: Final = 15.0
+MAX_BIAS_RAD_S: Final = 0.2
+COMPASS_TIME_S: Final = 0.15
+RESTART_S: Final = 2.0  # after such a gap the filter begins anew at the reading
+MAX_PREDICTION_S: Final = 0.5
+_TOGETHER_S: Final = 0.1
+_STUCK_S: Final = 1.0
+_STUCK_RAD: Final = 0.1  # turned by the gyro while the compass said the same,
+_STUCK_RAD_S: Final = 0.03  # and this a second: the gyro's bias may not be known yet
+_SIGMA_RAD: Final = 0.02  # with a compass
+_GYRO_WALK_RAD_S: Final = 0.002  # how fast a gyro alone goes astray
+_BLIND_WALK_RAD_S: Final = 0.1  # and nothing at all
+_GIVE_IN_RAD_S: Final = 0.005  # how fast the gate opens to a compass that keeps on disagreeing,
+_GIVE_IN_IDLE_RAD_S: Final = 0.1  # and in a boat that is not under way: nothing is at stake
 
 
 class HeadingFilter:
-    """Heading in rad (−π..π) and rate in rad/s, both clockwise, at the time of the latest reading."""
+    """Heading in rad (−π..π) and rate in rad/s, both clockwise, at the time of the latest reading.
 
-    __slots__ = ("heading_rad", "time_s", "yaw_rate_rad_s")
+    time_s: of that reading. compass_s: of the latest one whose compass was believed. sigma_rad: one standard
+    deviation. is_off: the compass does not go with the gyro. resets: how often it was believed in the end.
+    is_idle: the boat is not under way; the owner says so.
+    """
 
-    def __init__(self) -> None:
-        self.time_s = -math.inf
-        self.heading_rad = 0.0
-        self.yaw_rate_rad_s = 0.0
+    __slots__ = (
+        "_block_s", "_blocks", "_compass_rad", "_count", "_off_since_s", "_rate_rad_s", "_repetition",
+        "_sum_rad", "_turned_rad", "bias_rad_s", "compass_s", "gate_rad", "has_gyro", "heading_rad",
+        "is_idle", "is_off", "resets", "sigma_rad", "time_s", "yaw_rate_rad_s",
+    )  # fmt: skip
+
+    def __init__(self, gate_rad: float) -> None:
+        """gate_rad: how far a compass may be off the gyro."""
+        self.gate_rad = gate_rad
+        self.time_s = self.compass_s = -math.inf
+        self.heading_rad = self.yaw_rate_rad_s = self.bias_rad_s = 0.0
+        self.sigma_rad = _SIGMA_RAD
+        self.has_gyro = False
+        self.is_off = False
+        self.is_idle = True
+        self.resets = 0
+        self._repetition = Repetition()
+        self._compass_rad = math.nan
+        self._turned_rad = 0.0  # by the gyro, since the compass has last said something new
+        self._rate_rad_s = 0.0
+        self._sum_rad = 0.0
+        self._count = self._blocks = 0
+        self._block_s = -math.inf
+        self._off_since_s = math.inf
 
     def update(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
-        """Take a reading, later than the one before. yaw_rate_rad_s: None without a gyro."""
+        """Take a reading, later than the one before.
+
+        heading_rad: NaN where only the gyro speaks. yaw_rate_rad_s: None without a gyro.
+        """
         dt = time_s - self.time_s
         self.time_s = time_s
-        if dt > RESTART_S:
-            self.heading_rad = wrap_pi(heading_rad)
-            self.yaw_rate_rad_s = yaw_rate_rad_s or 0.0
-            return
-        if yaw_rate_rad_s is None:
-            predicted = self.heading_rad + self.yaw_rate_rad_s * dt
-            residual = wrap_pi(heading_rad - predicted)
-            fade = math.exp(-dt / COMPASS_TIME_S)
-            self.heading_rad = wrap_pi(predicted + (1.0 - fade * fade) * residual)
-            self.yaw_rate_rad_s += (1.0 - fade) * (1.0 - fade) / dt * residual
+        if dt > RESTART_S and not math.isnan(heading_rad):
+            self._begin(time_s, heading_rad, yaw_rate_rad_s)
+        elif yaw_rate_rad_s is None:
+            self._go_without_gyro(time_s, dt, heading_rad)
         else:
-            predicted = self.heading_rad + 0.5 * (self.yaw_rate_rad_s + yaw_rate_rad_s) * dt
-            residual = wrap_pi(heading_rad - predicted)
-            self.heading_rad = wrap_pi(predicted + (1.0 - math.exp(-dt / GYRO_TIME_S)) * residual)
-            self.yaw_rate_rad_s = yaw_rate_rad_s
+            self._go_by_gyro(time_s, dt, heading_rad, yaw_rate_rad_s)
+
+    def _begin(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
+        self.heading_rad = wrap_pi(heading_rad)
+        self.has_gyro = yaw_rate_rad_s is not None
+        self._rate_rad_s = yaw_rate_rad_s or 0.0
+        self.yaw_rate_rad_s = self._rate_rad_s - self.bias_rad_s if self.has_gyro else 0.0
+        self._compass_rad = heading_rad
+        self._repetition.update(False, time_s)
+        self._turned_rad = self._sum_rad = 0.0
+        self._count = self._blocks = 0
+        self._believe(time_s)
+
+    def _believe(self, time_s: float) -> None:
+        self.compass_s = self._block_s = time_s
+        self.sigma_rad = _SIGMA_RAD
+        self._off_since_s = math.inf
+        self.is_off = False
+
+    def _go_without_gyro(self, time_s: float, dt: float, heading_rad: float) -> None:
+        self.has_gyro = False
+        predicted = self.heading_rad + self.yaw_rate_rad_s * dt
+        residual = wrap_pi(heading_rad - predicted)
+        fade = math.exp(-dt / COMPASS_TIME_S)
+        self.heading_rad = wrap_pi(predicted + (1.0 - fade * fade) * residual)
+        self.yaw_rate_rad_s += (1.0 - fade) * (1.0 - fade) / dt * residual
+        self._repetition.update(heading_rad == self._compass_rad, time_s)
+        self._compass_rad = heading_rad
+        if self._repetition.is_unusual(_STUCK_S):
+            self._repetition.is_condemned = True
+        else:
+            self._believe(time_s)
+
+    def _go_by_gyro(self, time_s: float, dt: float, heading_rad: float, yaw_rate_rad_s: float) -> None:
+        self.has_gyro = True
+        turned = (0.5 * (self._rate_rad_s + yaw_rate_rad_s) - self.bias_rad_s) * dt
+        self._rate_rad_s = yaw_rate_rad_s
+        self.yaw_rate_rad_s = yaw_rate_rad_s - self.bias_rad_s
+        self.heading_rad = wrap_pi(self.heading_rad + turned)
+        self.sigma_rad += _GYRO_WALK_RAD_S * dt
+        if math.isnan(heading_rad):
+            return
+        is_same = heading_rad == self._compass_rad
+        self._repetition.update(is_same, time_s)
+        if is_same:
+            self._turned_rad += turned
+            odd_rad = _STUCK_RAD + _STUCK_RAD_S * self._repetition.run_s
+            if abs(self._turned_rad) > odd_rad or self._repetition.is_unusual(_STUCK_S):
+                self._repetition.is_condemned = True
+        else:
+            self._turned_rad = 0.0
+            self._compass_rad = heading_rad
+        if self._repetition.is_condemned:
+            self._sum_rad, self._count = 0.0, 0
+            return
+        self._sum_rad += wrap_pi(heading_rad - self.heading_rad)
+        self._count += 1
+        if time_s - self._block_s >= _TOGETHER_S:
+            self._take_block(time_s)
+
+    def _take_block(self, time_s: float) -> None:
+        """Draw the heading to what the compass has said since the last block, on average."""
+        residual, span = self._sum_rad / self._count, min(time_s - self._block_s, RESTART_S)
+        self._sum_rad, self._count = 0.0, 0
+        self._block_s = time_s
+        if self._blocks and not abs(residual) <= self._gate_now_rad(time_s):
+            if self._off_since_s == math.inf:
+                self._off_since_s = time_s
+            self.is_off = time_s - self._off_since_s > _STUCK_S
+            return
+        if self.is_off and abs(residual) > self.gate_rad:
+            self.resets += 1
+            self.heading_rad = wrap_pi(self.heading_rad + residual)
+            residual = 0.0
+        self._blocks += 1
+        share = 1.0 - math.exp(-span / DRAW_S)
+        if self._blocks * share < 1.0:  # at first all blocks count alike
+            self.heading_rad = wrap_pi(self.heading_rad + residual / (self._blocks + 1))
+        else:
+            self.heading_rad = wrap_pi(self.heading_rad + share * residual)
+            bias = self.bias_rad_s - share * residual / BIAS_S
+            self.bias_rad_s = min(max(bias, -MAX_BIAS_RAD_S), MAX_BIAS_RAD_S)
+        self._believe(time_s)
+
+    def _gate_now_rad(self, time_s: float) -> float:
+        """The longer the compass disagrees, the more may be the gyro's fault."""
+        waited_s = time_s - self._off_since_s
+        if waited_s <= 0.0:
+            return self.gate_rad
+        return self.gate_rad + waited_s * (_GIVE_IN_IDLE_RAD_S if self.is_idle else _GIVE_IN_RAD_S)
+
+    def draw(self, residual_rad: float, time_constant_s: float, dt_s: float, sigma_rad: float) -> None:
+        """The heading is that much off, says somebody who is right within sigma_rad."""
+        share = 1.0 - math.exp(-dt_s / time_constant_s)
+        self.heading_rad = wrap_pi(self.heading_rad + share * residual_rad)
+        self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
+
+    def stray(self, dt_s: float) -> None:
+        """No reading has come for dt_s."""
+        self.sigma_rad += _BLIND_WALK_RAD_S * dt_s
+        self.yaw_rate_rad_s = 0.0
 
     def heading_at_rad(self, now_s: float) -> float:
         """The heading carried on to now_s at the last rate, but no further than MAX_PREDICTION_S."""

@@ -1,83 +1,163 @@
-"""Position and velocity over ground: a two-state Kalman filter per axis, run at the receiver's rate.
+"""Position, and what the model of the boat's velocity leaves over: a Kalman filter of three states per axis.
 
-The model is a constant velocity disturbed by white acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation
-with Applications to Tracking and Navigation*, 2001, section 6.3.2, discrete white-noise acceleration).
-North and east have the same noise, hence one covariance serves both. The state stands at the time of the
-latest fix, so the receiver's latency is made up for by predicting from there to now.
+Between two fixes the boat is carried as thrust, compass and set say (`current.py`). What they get wrong, e,
+is a first-order Gauss-Markov process of seconds; and a receiver's error is white noise plus a wander w, one
+of a minute. A position measures p + w, a Doppler velocity measures e:
 
-A gate on the innovation and the split of the velocity into water and current belong here, between `update`
-and `_blend`, once they exist.
+    ṗ = carried + e        ė = −e/T_e + noise        ẇ = −w/T_w + noise
+
+(Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001:
+section 8.2, coloured process noise; section 8.3, autocorrelated measurement noise by augmenting the state.)
+North and east have the same noise, hence one covariance serves both; p, e and w are north + i east. How
+wrong the model is, is learned from how surprising the velocities are (section 11.4, adjusting the process
+noise to the normalised innovations). The state stands at the time of the latest fix.
 """
 
 import math
+from typing import Final
 
-from companion.geo import Point
-
-MAX_PREDICTION_S = (
-    2.0  # beyond that the boat is assumed to lie still: its last velocity tells nothing any more
-)
-VELOCITY_SIGMA_M_S = 0.1  # Doppler velocity of a common receiver
+UNMODELLED_S: Final = 3.0  # T_e
+WANDER_SHARE: Final = 0.8  # of a receiver's deviation is wander, the rest white
+_GATE: Final = 25.0  # squared distance over variance, 5 σ: what lies beyond does not belong here
+_ADAPT: Final = 0.05  # of the process noise's logarithm, per fix
+_LEAST, _FIRST, _MOST = 0.01, 0.05, 0.5  # the deviation of e, in shares of cruise speed
 
 
 class PositionFilter:
-    """Position in m and velocity in m/s, north and east."""
+    """position_m, unmodelled_m_s (e) and wander_m (w) at time_s."""
 
     __slots__ = (
-        "_accel_m_s2", "_pp", "_pv", "_vv", "east_m", "east_m_s", "north_m", "north_m_s", "time_s",
+        "_ee",
+        "_ew",
+        "_least_q",
+        "_most_q",
+        "_pe",
+        "_pp",
+        "_pw",
+        "_q",
+        "_wander_s",
+        "_ww",
+        "position_m",
+        "time_s",
+        "unmodelled_m_s",
+        "wander_m",
     )  # fmt: skip
 
-    def __init__(self, accel_m_s2: float) -> None:
-        """accel_m_s2: one standard deviation of what the boat's manoeuvres amount to."""
-        self._accel_m_s2 = accel_m_s2
+    def __init__(self, cruise_m_s: float, wander_s: float) -> None:
+        """cruise_m_s gives the scale of what may be unmodelled; wander_s is T_w."""
+        self._wander_s = wander_s
+        scale = 2.0 * cruise_m_s * cruise_m_s / UNMODELLED_S
+        self._least_q, self._q, self._most_q = scale * _LEAST**2, scale * _FIRST**2, scale * _MOST**2
         self.time_s = -math.inf
-        self.north_m = self.east_m = self.north_m_s = self.east_m_s = 0.0
-        self._pp = self._pv = self._vv = 0.0
+        self.position_m = self.unmodelled_m_s = self.wander_m = 0j
+        self._pp = self._pe = self._pw = self._ee = self._ew = self._ww = 0.0
 
-    def start(self, time_s: float, at: Point, sigma_m: float) -> None:
-        """Begin here, at rest, certain of neither."""
+    @property
+    def noise_m2_s3(self) -> float:
+        """How hard the boat is pushed by what is not modelled."""
+        return self._q
+
+    def start(self, time_s: float, at: complex, sigma_m: float, sigma_m_s: float) -> None:
+        """Begin here. sigma_m: the fix's deviation per axis; sigma_m_s: of what the model leaves over."""
         self.time_s = time_s
-        self.north_m, self.east_m = at
-        self.north_m_s = self.east_m_s = 0.0
-        self._pp, self._pv, self._vv = sigma_m * sigma_m, 0.0, 4.0
+        self.position_m, self.unmodelled_m_s, self.wander_m = at, 0j, 0j
+        wander = (WANDER_SHARE * sigma_m) ** 2
+        self._pp, self._pw, self._ww = sigma_m * sigma_m, -wander, wander
+        self._ee, self._pe, self._ew = sigma_m_s * sigma_m_s, 0.0, 0.0
 
-    def update(
-        self, time_s: float, at: Point, sigma_m: float, velocity_m_s: tuple[float, float] | None
-    ) -> None:
-        """Take a fix, later than the one before. velocity_m_s is north and east, None if not measured."""
-        if self.time_s == -math.inf or time_s - self.time_s > 10.0:
-            self.start(time_s, at, sigma_m)
-        else:
-            self._predict(time_s - self.time_s)
-            self.time_s = time_s
-            variance = self._pp + sigma_m * sigma_m
-            self._blend(at.north_m - self.north_m, at.east_m - self.east_m, self._pp, self._pv, variance)
-        if velocity_m_s is not None:
-            # A pose from a camera over a pool is a hundred times finer than a satellite's, and so is its
-            # velocity.
-            sigma_m_s = min(VELOCITY_SIGMA_M_S, sigma_m)
-            variance = self._vv + sigma_m_s * sigma_m_s
-            north, east = velocity_m_s
-            self._blend(north - self.north_m_s, east - self.east_m_s, self._pv, self._vv, variance)
+    def predict(self, time_s: float, carried_m: complex, sigma_m: float, pushed_m2_s3: float) -> None:
+        """Go on to time_s, over carried_m as the model has it.
 
-    def _predict(self, dt_s: float) -> None:
-        self.north_m += self.north_m_s * dt_s
-        self.east_m += self.east_m_s * dt_s
-        q = (self._accel_m_s2 * dt_s) ** 2
-        self._pp += dt_s * (2.0 * self._pv + dt_s * self._vv) + 0.25 * q * dt_s * dt_s
-        self._pv += dt_s * self._vv + 0.5 * q * dt_s
-        self._vv += q
+        sigma_m: of the receiver. pushed_m2_s3: noise in addition to what has been learned, as in a turn.
+        """
+        dt = time_s - self.time_s
+        self.time_s = time_s
+        f = math.exp(-dt / UNMODELLED_S)
+        g = UNMODELLED_S * (1.0 - f)
+        k = math.exp(-dt / self._wander_s)
+        self.position_m += carried_m + g * self.unmodelled_m_s
+        self.unmodelled_m_s *= f
+        self.wander_m *= k
+        pe, ee, ew = self._pe, self._ee, self._ew
+        q = (self._q + pushed_m2_s3) * g
+        self._pp += g * (2.0 * pe + g * ee) + q * g * g / 3.0
+        self._pe = f * (pe + g * ee) + 0.5 * q * g
+        self._pw = k * (self._pw + g * ew)
+        self._ee = f * f * ee + q
+        self._ew = f * k * ew
+        self._ww = k * k * self._ww + (WANDER_SHARE * sigma_m) ** 2 * (1.0 - k * k)
 
-    def _blend(self, north: float, east: float, cp: float, cv: float, variance: float) -> None:
-        """One scalar update per axis: innovations, their covariances with the state, their variance."""
-        kp, kv = cp / variance, cv / variance
-        self.north_m += kp * north
-        self.east_m += kp * east
-        self.north_m_s += kv * north
-        self.east_m_s += kv * east
+    def stray(self, variance_m2: float) -> None:
+        """The model may have carried the boat astray."""
+        self._pp += variance_m2
+
+    def take_velocity(self, surprise_m_s: complex, variance: float, is_trusted: bool) -> bool:
+        """A measured velocity less what the model says, e included. False when it cannot be believed.
+
+        is_trusted: the receiver is known to be right, so if this is a surprise, the model is wrong.
+        """
+        total = self._ee + variance
+        odd = _squared(surprise_m_s) / total
+        if odd > 2.0 * _GATE:
+            if not is_trusted:
+                return False
+            self._ee += _squared(surprise_m_s)
+            total = self._ee + variance
+        self.adapt(0.5 * odd)
+        kp, ke, kw = self._pe / total, self._ee / total, self._ew / total
+        self._blend(kp, ke, kw, surprise_m_s)
+        pe, ee, ew = self._pe, self._ee, self._ew
+        self._pp -= kp * pe
+        self._pe -= kp * ee
+        self._pw -= kp * ew
+        self._ee -= ke * ee
+        self._ew -= ke * ew
+        self._ww -= kw * ew
+        return True
+
+    def fits(self, at: complex, sigma_m: float, strayed_m2: float) -> bool:
+        """Whether a position can be one of this boat's. strayed_m2: see `stray`."""
+        surprise = at - self.position_m - self.wander_m
+        return _squared(surprise) <= 2.0 * _GATE * (self._variance(sigma_m) + strayed_m2)
+
+    def take_position(self, at: complex, sigma_m: float) -> None:
+        """A measured position."""
+        total = self._variance(sigma_m)
+        surprise = at - self.position_m - self.wander_m
+        cp, ce, cw = self._pp + self._pw, self._pe + self._ew, self._pw + self._ww
+        kp, ke, kw = cp / total, ce / total, cw / total
+        self._blend(kp, ke, kw, surprise)
         self._pp -= kp * cp
-        self._pv -= kp * cv
-        self._vv -= kv * cv
+        self._pe -= kp * ce
+        self._pw -= kp * cw
+        self._ee -= ke * ce
+        self._ew -= ke * cw
+        self._ww -= kw * cw
 
-    def predicted_ahead_s(self, now_s: float) -> float:
-        """How far ahead of the state to extrapolate for now_s, at most MAX_PREDICTION_S."""
-        return min(now_s - self.time_s, MAX_PREDICTION_S)
+    def adapt(self, odd: float) -> None:
+        """odd: a velocity's squared surprise over its variance, 1 on average when the noise is right."""
+        wanted = self._q * (1.0 + _ADAPT * (min(odd, 4.0) - 1.0))
+        self._q = min(max(wanted, self._least_q), self._most_q)
+
+    @property
+    def variance_m2(self) -> float:
+        """Of the position, per axis."""
+        return self._pp
+
+    @property
+    def unmodelled_variance(self) -> float:
+        """Of unmodelled_m_s, per axis."""
+        return self._ee
+
+    def _variance(self, sigma_m: float) -> float:
+        white = (1.0 - WANDER_SHARE * WANDER_SHARE) * sigma_m * sigma_m
+        return self._pp + 2.0 * self._pw + self._ww + white
+
+    def _blend(self, kp: float, ke: float, kw: float, surprise: complex) -> None:
+        self.position_m += kp * surprise
+        self.unmodelled_m_s += ke * surprise
+        self.wander_m += kw * surprise
+
+
+def _squared(vector: complex) -> float:
+    return vector.real * vector.real + vector.imag * vector.imag

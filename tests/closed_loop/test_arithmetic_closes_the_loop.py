@@ -19,7 +19,7 @@ from companion.estimation.estimator import Estimator
 from companion.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, distance_m
 from companion.guidance.pilot import Pilot
 from companion.sensors.readings import GnssFix, HeadingReading
-from companion.state import NavState
+from companion.state import STOPPED, NavState
 from companion.vehicle.intent import FollowLeg, Intent, KeepStation
 
 DT = 0.02
@@ -44,6 +44,7 @@ class Voyage:
         self.rate = self.surge = self.sway = self.throttle = self.steering = 0.0
         self.tick = 0
         self.fix: GnssFix | None = None
+        self.command = STOPPED
         self.estimator, self.pilot, self.helm, self.gate = Estimator(), Pilot(), Helm(), Gate()
 
     def sail_to_the_end(self, route: "Route", seconds: float) -> None:
@@ -79,12 +80,12 @@ class Voyage:
         reading = HeadingReading(
             now, self.heading_rad + 0.02 + gauss(0.0, 0.015), self.rate + gauss(0.0, 0.005)
         )
-        nav = self.estimator.update(self.fix, reading, now)
+        nav = self.estimator.update(self.fix, reading, now, self.command)
         assert nav is not None
         # The frame begins at the first, noisy fix; the intent is given in the same frame.
         demand = self.pilot.update(choose(nav), nav, CONFIG, DT)
         thrust = self.helm.update(demand, nav, CONFIG, DT)
-        command = self.gate.check(
+        self.command = command = self.gate.check(
             thrust,
             armed=True,
             command_age_s=0.0,

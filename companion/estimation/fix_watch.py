@@ -1,0 +1,58 @@
+"""A receiver's own story: does it say the same for ever, do its velocities lead to its positions?"""
+
+from collections import deque
+from typing import Final
+
+from companion.estimation.repetition import Repetition
+
+FROZEN_S: Final = 1.0  # so long a run of equal fixes is one while the boat moves
+_SPAN_S: Final = 1.2  # over which positions and velocities are compared
+_MOST: Final = 30  # fixes remembered
+_OFF_SIGMAS: Final = 4.0
+
+
+class FixWatch:
+    """Looks at each fix before anything is made of it."""
+
+    __slots__ = ("_at", "_repetition", "_story", "_velocity", "_way_m")
+
+    def __init__(self) -> None:
+        self._repetition = Repetition()
+        self._at = 0j
+        self._velocity: complex | None = None
+        self._way_m = 0j
+        self._story: deque[tuple[float, complex]] = deque(maxlen=_MOST)
+
+    def update(self, time_s: float, at: complex, velocity: complex | None) -> None:
+        """A fix later than the last one: position in m and velocity in m/s, north + i east."""
+        is_same = bool(self._story) and at == self._at and velocity == self._velocity
+        if self._story:
+            dt = time_s - self._story[-1][0]
+            if dt > _SPAN_S:
+                self._story.clear()
+            else:
+                now, before = velocity or 0j, self._velocity or 0j
+                self._way_m += 0.5 * dt * (now + before)
+        self._at, self._velocity = at, velocity
+        self._story.append((time_s, at - self._way_m))
+        while time_s - self._story[0][0] > _SPAN_S:
+            self._story.popleft()
+        self._repetition.update(is_same, time_s)
+
+    def is_frozen(self, speed_m_s: float, least_m_s: float) -> bool:
+        """Whether the same fix comes again and again although the boat must have moved.
+
+        speed_m_s: over ground, as the boat itself makes it. least_m_s: slower than this is at rest.
+        """
+        repetition = self._repetition
+        if repetition.run_s < FROZEN_S:
+            return False
+        told = 0.0 if self._velocity is None else abs(self._velocity)
+        if max(told, speed_m_s) > least_m_s or repetition.is_unusual(FROZEN_S):
+            repetition.is_condemned = True
+        return repetition.is_condemned
+
+    def is_consistent(self, sigma_m: float) -> bool:
+        """Whether the positions of the last second went where the velocities led; sigma_m is a position's."""
+        first, last = self._story[0][1], self._story[-1][1]
+        return len(self._story) > 1 and abs(last - first) < _OFF_SIGMAS * sigma_m
