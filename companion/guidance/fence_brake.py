@@ -62,17 +62,16 @@ class FenceBrake:
         if isinstance(steered, Drive):
             return ahead.drive(steered)
         braked = ahead.demand(steered)
-        if braked is not steered and isinstance(intent, FollowLeg | HoldCourse | FollowCircle):
-            self._watch(braked, intent, nav, fence, config, dt_s)
+        if self._station is None and isinstance(intent, FollowLeg | HoldCourse | FollowCircle):
+            is_barred = ahead.is_slow and _leads_over(intent, nav, fence, reach_m)
+            self._watch(is_barred, intent, nav, fence, config, dt_s)
         return braked
 
     def _watch(
-        self, braked: Demand, intent: Intent, nav: NavState, fence: Fence, config: BoatConfig, dt_s: float
+        self, is_barred: bool, intent: Intent, nav: NavState, fence: Fence, config: BoatConfig, dt_s: float
     ) -> None:
         """Whether the boat has been stopped for long enough to keep station."""
-        if self._station is not None:
-            return
-        if braked.speed_m_s > config.guidance.min_speed_m_s:
+        if not is_barred or fence.is_outside(nav.point):
             self._stopped, self._stopped_s = None, 0.0
             return
         self._stopped = intent
@@ -83,10 +82,21 @@ class FenceBrake:
             self._notices.append(Notice(Severity.WARNING, "Fence ahead: keeping station before it"))
 
 
-class _Ahead:
-    """What lies ahead this tick."""
+def _leads_over(
+    intent: FollowLeg | HoldCourse | FollowCircle, nav: NavState, fence: Fence, reach_m: float
+) -> bool:
+    """Whether what is asked for, sailed on, leads over a line."""
+    if isinstance(intent, FollowLeg):
+        return fence.crosses(nav.point, intent.end)
+    if isinstance(intent, HoldCourse):
+        return fence.room_m(nav.point, intent.course_rad, reach_m) < reach_m
+    return fence.room_m(nav.point, math.atan2(nav.east_m_s, nav.north_m_s), reach_m) < reach_m
 
-    __slots__ = ("_config", "_fence", "_nav", "_point", "_reach_m")
+
+class _Ahead:
+    """What lies ahead this tick. is_slow: no steerage way is left."""
+
+    __slots__ = ("_config", "_fence", "_nav", "_point", "_reach_m", "is_slow")
 
     def __init__(self, nav: NavState, fence: Fence, reach_m: float, config: BoatConfig) -> None:
         self._nav = nav
@@ -94,6 +104,7 @@ class _Ahead:
         self._reach_m = reach_m
         self._config = config
         self._point: Point = nav.point
+        self.is_slow = False
 
     def demand(self, demand: Demand) -> Demand:
         """A demand with less speed, or a little astern where the boat is too near already."""
@@ -129,6 +140,7 @@ class _Ahead:
         along_m_s = side * (nav.north_m_s * c + nav.east_m_s * s)
         if along_m_s > _UNDER_WAY_M_S:
             allowed = min(allowed, max(self._towards(nav.north_m_s, nav.east_m_s), 0.0))
+        self.is_slow = allowed <= self._config.guidance.min_speed_m_s
         if allowed >= speed:
             return wanted_m_s
         if allowed < 0.0:

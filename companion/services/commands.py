@@ -68,7 +68,7 @@ class CommandService:
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
-            **VehicleCommands(vehicle, tell).table,
+            **VehicleCommands(vehicle, parameters, tell).table,
             **FaultCommands(faults, tell).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }

@@ -16,6 +16,8 @@ from companion.requests import (
     StartMission,
 )
 from companion.services.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
+from companion.services.parameters import ParameterService
+from companion.settings.fence import CIRCLE_KIND
 from companion.vehicle.modes import Mode
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.vehicle import Vehicle
@@ -31,8 +33,9 @@ _NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
 class VehicleCommands:
     """Asks the vehicle; why it refuses, the vehicle says itself."""
 
-    def __init__(self, vehicle: Vehicle, tell: Tell) -> None:
+    def __init__(self, vehicle: Vehicle, parameters: ParameterService, tell: Tell) -> None:
         self._vehicle = vehicle
+        self._parameters = parameters
         self._tell = tell
         self._paused: Mode | None = None
         self.table: dict[int, Callable[[Command], int]] = {
@@ -130,8 +133,11 @@ class VehicleCommands:
         return DENIED if position is None else self._ask(SetHome(position))
 
     def _fence_enable(self, command: Command) -> int:
-        """The fence is kept and read back, but nothing watches it: to switch it on would be a lie."""
-        if command.whole(0) == 0:
-            return ACCEPTED
-        self._tell([Notice(Severity.WARNING, "Fence: stored, but not acted on by this boat")])
-        return FAILED
+        """The same as the parameter FENCE_ENABLE; param1 = 2 takes only the floor away, which a boat lacks."""
+        wanted = command.whole(0)
+        if wanted not in (0, 1):
+            return ACCEPTED if wanted == 2 else DENIED
+        if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
+            self._tell([Notice(Severity.WARNING, "Fence: none is uploaded")])
+            return FAILED
+        return FAILED if self._parameters.keep("FENCE_ENABLE", float(wanted)) else ACCEPTED

@@ -29,8 +29,10 @@ def sys_status(now: Snapshot) -> Message:
     """Health bits. Stations take the boat for armable by the PREARM_CHECK bit."""
     vehicle, estimate_timeout_s = now.vehicle, now.config.motors.estimate_timeout_s
     nav = now.nav
-    # A fence that is not there cannot be breached; MAVProxy warns of a breach where this bit is missing
-    health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS | dialect.MAV_SYS_STATUS_GEOFENCE
+    health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    if not vehicle.failsafes.signs.fence.is_outside:
+        # A fence that is not there cannot be breached; MAVProxy warns of a breach where this bit is missing
+        health |= dialect.MAV_SYS_STATUS_GEOFENCE
     if nav is None or nav.heading_age_s > estimate_timeout_s:
         health &= ~(dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_YAW_POSITION)
     if nav is None or nav.position_age_s > estimate_timeout_s:
@@ -66,6 +68,8 @@ def sys_status(now: Snapshot) -> Message:
 def _optional_parts(now: Snapshot) -> tuple[int, int]:
     """The bits of parts that not every boat has, and of those among them that are well."""
     fitted = well = 0
+    if now.vehicle.fence.is_active:
+        fitted |= dialect.MAV_SYS_STATUS_GEOFENCE
     if now.battery is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
         if not now.vehicle.failsafes.pack_is_low:
@@ -106,6 +110,20 @@ def _battery_percent(now: Snapshot) -> int:
     if now.battery is None:
         return -1
     return round(100.0 * resting_share(now.battery.voltage_v / now.config.battery.cells))
+
+
+def fence_status(now: Snapshot) -> Message | None:
+    """How the boat stands to its fence; silent without one."""
+    if not now.vehicle.fence.is_active:
+        return None
+    watch = now.vehicle.failsafes.signs.fence
+    breach = dialect.FENCE_BREACH_BOUNDARY if watch.is_outside else dialect.FENCE_BREACH_NONE
+    return dialect.MAVLink_fence_status_message(
+        breach_status=int(watch.is_outside),
+        breach_count=min(watch.breaches, 0xFFFF),
+        breach_type=breach,
+        breach_time=round(watch.breached_s * 1e3) & 0xFFFFFFFF,
+    )
 
 
 def system_time(now: Snapshot) -> Message:

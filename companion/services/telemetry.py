@@ -41,6 +41,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
     _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
     _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
+    _ID.MAVLINK_MSG_ID_FENCE_STATUS: status.fence_status,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
     _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
     _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,

@@ -36,6 +36,7 @@ class Failsafe(Section, frozen=True):
     range_action: ActionNumber = 1
     range_margin: Annotated[float, Meta(ge=1.0, le=10.0)] = 1.5  # of the charge that the way home takes
     range_reserve: Share = 0.1  # of the capacity, not to be used at all
+    fence_action: ActionNumber = 1  # outside the fence; LOITER is then on the nearest water inside
     position_action: ActionNumber = 6
     dead_reckoning_s: NonNegative = 60.0  # without a position, bow into the water, before it gives up
     heading_action: ActionNumber = 2

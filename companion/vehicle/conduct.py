@@ -4,8 +4,8 @@ import math
 
 from companion.geo import LatLon
 from companion.requests import SetPoint
-from companion.vehicle.fence import Fence
 from companion.vehicle.failsafes.estimate import lacks_position
+from companion.vehicle.fence import Fence
 from companion.vehicle.following import Following
 from companion.vehicle.intent import HoldHeading, Intent, KeepStation, Stop
 from companion.vehicle.mission_progress import MissionProgress
@@ -35,6 +35,7 @@ class Conduct:
         self.following = Following()
         self.notices: list[Notice] = []
         self.stemming: HoldHeading | None = None  # LOITER without a position: no more than heading and thrust
+        self._fence = fence
         self.way_home = WayHome(fence, self.notices)
         self._way_back = WayBack(self.trail)
         self._orbit: Orbit | None = None
@@ -59,7 +60,6 @@ class Conduct:
     def begin(self, mode: Mode, now: Situation | None) -> None:
         """A mode begins, or the boat is armed in it."""
         self._set_point = self.stemming = None
-        here = None if now is None else now.here
         if mode.is_by_hand:
             self.sticks.begin(None if now is None else now.nav)
         elif mode is Mode.AUTO:
@@ -75,7 +75,7 @@ class Conduct:
             self._orbit = None
         else:
             self._lost_lead = False
-            self.passage.stay(here)
+            self.passage.stay(None if now is None else self._nearest_inside(now))
 
     def record(self, mode: Mode, now: Situation) -> None:
         """Keep the way back in mind. To be called every tick of an armed boat that knows where it is."""
@@ -104,6 +104,13 @@ class Conduct:
             case Mode.LOITER:
                 return self._loiter(now)
         return self.sticks.intent(mode, now.config, now.now_s) if mode.is_by_hand else _STOP
+
+    def _nearest_inside(self, now: Situation) -> LatLon:
+        """Where to stay: here, or on the nearest water inside the fence."""
+        fence, margin_m = self._fence, now.config.fence.margin_m + now.config.guidance.station_radius_m
+        if not fence.is_within(now.nav.point, now.config.fence.margin_m):
+            return now.here
+        return now.frame.to_global(fence.inside(now.nav.point, margin_m))
 
     def is_guided(self, mode: Mode) -> bool:
         """Whether another program may steer by set-points."""

@@ -2,8 +2,8 @@
 
 The distance to the nearest of some goals solves the eikonal equation |∇d| = 1 in the allowed water. The fast
 marching method (J. A. Sethian, "A fast marching level set method", PNAS 93, 1996) lets a front run out from
-the goals over the cells of a grid and meets each once. Here it does so a little at a time, and each step costs
-the same, so no tick has to wait for it.
+the goals over the cells of a grid and meets each once. Here it does so a little at a time, and each step
+costs the same, so no tick has to wait for it.
 """
 
 import heapq

@@ -1,5 +1,6 @@
 """The vehicle: mode, arming, home, mission and failsafes. Requests go in, an intent comes out each tick."""
 
+import math
 from collections.abc import Sequence
 
 from companion.config import BoatConfig
@@ -162,7 +163,10 @@ class Vehicle:
     def arming_faults(self) -> list[str]:
         """Why the boat would not arm now; empty when it would."""
         config = self.config
-        return arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
+        faults = arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
+        if config.arming.check and self.nav is not None and self.fence.is_outside(self.nav.point):
+            faults.append("Fence: the boat is outside")
+        return faults
 
     def active_position(self) -> LatLon | None:
         """Where the boat is heading: the current waypoint or target, None when it steers for none."""
@@ -250,6 +254,8 @@ class Vehicle:
         signs.nav, signs.fix, signs.battery = nav, self.fix, self.battery
         signs.is_guided = self.conduct.is_guided(self.mode)
         signs.home = None if self.home is None or self.frame is None else self.frame.to_local(self.home)
+        signs.home_distance_m = math.inf if nav is None else self.home_distance_m(nav.point)
+        signs.fence.update(self.fence, nav, self.config.motors, self._now_s)
         for alarm in self.failsafes.update(self.clearing.is_running):
             self._act_on(alarm)
 

@@ -104,3 +104,40 @@ def test_rtl_goes_to_the_rally_point_that_is_nearest_by_water() -> None:
     rig.until(lambda: any("RTL: arrived" in text for text in rig.peer.texts), 60.0)
     assert rig.offset_m(70.0, 70.0) < 4.0
     assert 95.0 < rig.boat.vehicle.home_distance_m(Point(70.0, 60.0)) + 85.0 < 100.0
+
+
+@pytest.mark.parametrize("action", [1, 6], ids=["RTL", "LOITER"])
+@pytest.mark.parametrize("water", [CALM, ONTO_IT], ids=["calm", "current"])
+def test_a_boat_beyond_the_fence_comes_back(water: tuple[str, ...], action: int) -> None:
+    rig = Rig("open", *water, config={"failsafe.fence_action": action})
+    armed(rig, 15)
+    go_to(rig, 30.0, 0.0)
+    rig.until(lambda: rig.offset_m(30.0, 0.0) < 3.0, 60.0)
+    fenced(rig, *polygon(box(-25.0, -20.0, 20.0, 20.0)))
+    rig.run(2.0)
+    assert rig.mode == ("RTL" if action == 1 else "LOITER")
+    assert any(text.startswith("Failsafe: Outside the fence by ") for text in rig.peer.texts)
+    assert rig.peer.said("FENCE_STATUS")[-1].breach_status == 1
+    geofence = dialect.MAV_SYS_STATUS_GEOFENCE
+    assert not rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_health & geofence
+    rig.until(lambda: "Failsafe over: inside the fence again" in rig.peer.texts, 40.0)
+    rig.run(30.0)
+    assert least_margin_m(rig, 20.0) > 1.0
+    if action == 1:
+        assert rig.offset_m(0.0, 0.0) < 4.0
+    else:
+        assert rig.world.truth.north_m > 10.0
+    said = rig.peer.said("FENCE_STATUS")[-1]
+    assert (said.breach_status, said.breach_count) == (0, 1)
+    assert rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_health & geofence
+
+
+def test_a_boat_outside_its_fence_does_not_arm_and_says_why() -> None:
+    rig = Rig().ready()
+    fenced(rig, *polygon(box(50.0, 50.0, 90.0, 90.0)))
+    rig.run(0.5)
+    assert rig.arm() != OK
+    assert "Arm: Fence: the boat is outside" in rig.peer.texts
+    assert rig.ask(dialect.MAV_CMD_DO_FENCE_ENABLE, 0.0) == OK
+    rig.run(0.1)
+    assert rig.arm() == OK

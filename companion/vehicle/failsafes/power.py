@@ -94,7 +94,10 @@ def out_of_range(signs: "Signs") -> str:
     if nav is None or home is None or battery is None or battery.current_a is None:
         return ""
     config = signs.config
+    straight_m = math.hypot(home.north_m - nav.north_m, home.east_m - nav.east_m)
     need_mah = config.failsafe.range_margin * signs.endurance.way_home_mah(nav, home)
+    if straight_m < signs.home_distance_m < math.inf:  # the water goes round corners
+        need_mah *= signs.home_distance_m / max(straight_m, 1.0)
     left_mah = signs.endurance.left_mah(signs.consumed_mah, config)
     if not left_mah < need_mah:
         return ""

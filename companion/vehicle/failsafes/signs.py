@@ -9,6 +9,7 @@ from companion.state import NavState
 from companion.vehicle.failsafes.power import Endurance
 from companion.vehicle.failsafes.propulsion import MotorWatch
 from companion.vehicle.failsafes.stations import Operator, Planner
+from companion.vehicle.fence_watch import FenceWatch
 from companion.vehicle.modes import Mode
 from companion.vehicle.sticks import Sticks
 
@@ -26,10 +27,12 @@ class Signs:
         "config",
         "consumed_mah",
         "endurance",
+        "fence",
         "fix",
         "heading",
         "headway",
         "home",
+        "home_distance_m",
         "hull",
         "is_guided",
         "left",
@@ -53,6 +56,7 @@ class Signs:
         self.planner = Planner()
         self.endurance = Endurance()
         self.motors = MotorWatch()
+        self.fence = FenceWatch()
         self.now_s = 0.0
         self.mode = Mode.HOLD
         self.armed = False
@@ -61,6 +65,7 @@ class Signs:
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
         self.home: Point | None = None
+        self.home_distance_m = math.inf  # by the water; infinite while no way is known
         self.heading: HeadingReading | None = None  # as the part gave it
         self.hull: HullReading | None = None
         self.consumed_mah = 0.0

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from enum import IntFlag
 from typing import NamedTuple
 
-from companion.vehicle.failsafes import estimate, hull, power, propulsion, stations
+from companion.vehicle.failsafes import boundary, estimate, hull, power, propulsion, stations
 from companion.vehicle.failsafes.actions import Action
 from companion.vehicle.failsafes.signs import Signs
 
@@ -39,6 +39,7 @@ class Condition(IntFlag):
     SONAR_LOST = 1 << 16
     OVERRUN = 1 << 17
     STORAGE_FAILED = 1 << 18
+    FENCE_BREACHED = 1 << 19
 
 
 class Concerns(IntFlag):
@@ -161,6 +162,10 @@ ROWS: tuple[Row, ...] = (
     Row(
         Condition.STORAGE_FAILED, hull.storage_failed, "storage_action", "written again",
         clear_s=10.0, is_watched_disarmed=True,
+    ),
+    Row(
+        Condition.FENCE_BREACHED, boundary.fence_breached, "fence_action", "inside the fence again",
+        after=0.5, clear_s=2.0,
     ),
 )  # fmt: skip
 """The gravest first: where two fire at once, the first has its way unless the second asks for more."""
