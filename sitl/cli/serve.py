@@ -14,6 +14,8 @@ from companion.mavlink.signing import SigningPolicy
 from companion.restart import restart_program
 from companion.shutdown import Shutdown
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
+from sitl.craft import Berth
+from sitl.fleet import PORT_STEP, fleet, moor
 from sitl.serve import RECORD_EVERY, Server
 
 
@@ -44,6 +46,12 @@ def serve(
         SigningPolicy | None,
         typer.Option(help="ask for signatures on every link [required with --sign-key, else off]"),
     ] = None,
+    count: Annotated[
+        int, typer.Option(min=1, metavar="N", help="boats, with system ids and TCP ports counting up")
+    ] = 1,
+    one_port: Annotated[
+        bool, typer.Option("--one-port", help="all boats on the first one's links, which passes on for them")
+    ] = False,
     csv: Csv = None,
     status: Annotated[
         Path | None, typer.Option(metavar="FILE", help="write links and ticks in numbers here, as JSON")
@@ -55,38 +63,67 @@ def serve(
     TCP on 5760 and UDP to 127.0.0.1:14550 by default. Nothing outside this machine can reach it unless
     --host, --udp or --link say so. Timers that wait for stations are stretched along with --speedup.
 
+    With --count each boat has a TCP port of its own, 10 apart, and all of them talk to the one UDP station.
+    Boats of a fleet neither see nor touch each other.
+
     Example:  boat-sitl serve lake --speedup 5
     """
     logging.basicConfig(
         level=logging.INFO if verbose else logging.WARNING, format="%(levelname)s %(message)s"
     )
-    urls = [] if no_tcp else [f"tcpin:{host}:{tcp}"]
-    urls += [] if no_udp else [f"udpout:{udp}"]
+    scenario = scenario_from(source, settings, case, seed, start)
+    scenarios = fleet(scenario, count)
     policy = signing or ("required" if sign_key is not None else "off")
     key_file = "" if sign_key is None else str(sign_key)
-    links = [LinkConfig(url=url, signing=policy, key_file=key_file) for url in [*urls, *(link or [])]]
-    scenario = scenario_from(source, settings, case, seed, start)
+    links = [
+        [
+            LinkConfig(url=url, signing=policy, key_file=key_file)
+            for url in _urls(number, None if no_tcp else (host, tcp), None if no_udp else udp, link, one_port)
+        ]
+        for number in range(count)
+    ]
     clock = SystemClock()
     shutdown = Shutdown()
     shutdown.install()
-    server = Server(
-        scenario,
-        links,
-        clock,
-        speedup=speedup,
-        state_folder="" if state is None else str(state),
-        record=csv is not None,
-        status_path=status,
-        unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
-    )
-    names = ", ".join(server.port_names) or "no link"
+    berths = [
+        Berth(
+            state_folder="" if state is None else str(state if count == 1 else state / f"boat{number + 1}"),
+            record=csv is not None,
+            status_path=status if number == 0 else None,
+            unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
+        )
+        for number in range(count)
+    ]
+    crafts = moor(scenarios, links, clock, berths, speedup)
+    server = Server(crafts, clock, speedup)
+    names = ", ".join(crafts[0].port_names) or "no link"
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
+    for craft, sailed in zip(crafts[1:], scenarios[1:], strict=True):
+        names = ", ".join(craft.port_names) or "the first boat's links"
+        typer.echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
     typer.echo("boat-sitl: ready; Ctrl-C ends")
     sys.stdout.flush()
     garbage.settle()
     server.run(shutdown)
     if csv is not None:
         csv.parent.mkdir(parents=True, exist_ok=True)
-        server.recorder.write_csv(csv, every=RECORD_EVERY)
-    if server.boat.wants_restart and not shutdown():
+        for craft, sailed in zip(crafts, scenarios, strict=True):
+            path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{sailed.vehicle.identity.system_id}")
+            craft.recorder.write_csv(path, every=RECORD_EVERY)
+    if server.wants_restart and not shutdown():
         restart_program()
+
+
+def _urls(
+    number: int, tcp: tuple[str, int] | None, udp: str | None, others: list[str] | None, one_port: bool
+) -> list[str]:
+    """One boat's links: TCP ports count up, all talk to one UDP station, further ones are the first boat's."""
+    if number and one_port:
+        return []
+    urls = []
+    if tcp is not None:
+        host, port = tcp
+        urls.append(f"tcpin:{host}:{port + PORT_STEP * number if port else 0}")
+    if udp is not None:
+        urls.append(f"udpout:{udp}")
+    return urls if number else [*urls, *(others or [])]

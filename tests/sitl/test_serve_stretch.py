@@ -8,6 +8,7 @@ from companion.errors import LinkError
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
+from sitl.craft import Berth, Craft
 from sitl.serve import Server, stretched
 
 
@@ -43,23 +44,23 @@ class FakeClock:
 @pytest.mark.parametrize("speedup", [1.0, 20.0])
 def test_the_water_moves_speedup_times_as_fast_as_the_clock(speedup: float) -> None:
     clock = FakeClock()
-    server = Server(scenario("open"), [], clock, speedup=speedup, record=True)
-    server.run(lambda: clock.time_s >= 2.0)
-    assert server.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
-    assert len(server.recorder) == server.world.tick
+    craft = Craft(scenario("open"), [], clock, Berth(record=True))
+    Server([craft], clock, speedup).run(lambda: clock.time_s >= 2.0)
+    assert craft.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
+    assert len(craft.recorder) == craft.world.tick
 
 
 def test_without_a_file_to_write_no_trajectory_grows() -> None:
     clock = FakeClock()
-    server = Server(scenario("open"), [], clock)
-    server.run(lambda: clock.time_s >= 1.0)
-    assert len(server.recorder) == 0
+    craft = Craft(scenario("open"), [], clock)
+    Server([craft], clock).run(lambda: clock.time_s >= 1.0)
+    assert len(craft.recorder) == 0
 
 
 def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterwards() -> None:
     clock = FakeClock()
-    server = Server(scenario("open"), ["udpin:127.0.0.1:0"], clock)
-    number = int(server.port_names[0].rsplit(":", 1)[1])
+    craft = Craft(scenario("open"), ["udpin:127.0.0.1:0"], clock)
+    number = int(craft.port_names[0].rsplit(":", 1)[1])
     assert number > 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.settimeout(10.0)
@@ -68,12 +69,12 @@ def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterward
             encoder.encode(dialect.MAVLink_param_request_read_message(1, 1, b"HDG_KP", -1)),
             ("127.0.0.1", number),
         )
-        server.boat.step(0.0)
-        server.boat.step(0.02)
+        craft.boat.step(0.0)
+        craft.boat.step(0.02)
         names = set()
         while "PARAM_VALUE" not in names:
             names |= {r.message.get_type() for r in Decoder(datagram=True).feed(station.recv(2048))}
-    server.run(lambda: True)
+    Server([craft], clock).run(lambda: True)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
         again.bind(("127.0.0.1", number))
 
@@ -84,4 +85,4 @@ def test_a_port_that_is_taken_is_named() -> None:
         taken.listen()
         url = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
         with pytest.raises(LinkError, match=url):
-            Server(scenario("open"), [url], FakeClock())
+            Craft(scenario("open"), [url], FakeClock())

@@ -1,0 +1,113 @@
+"""Several boats in one process: who they are, where they lie, and how they share links."""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+
+import msgspec
+
+from companion.clock import Clock
+from companion.config import LinkConfig
+from companion.errors import ConfigError
+from companion.geo import Point
+from companion.hal.interfaces import Port
+from companion.hal.memory import MemoryPort, memory_pair
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
+from sitl.craft import Berth, Craft
+from sitl.scenario import Scenario
+from sitl.serve import stretched
+
+MOST_BOATS = 200
+SPACING_LENGTHS = 3.0  # between neighbours
+PORT_STEP = 10  # from one boat's TCP port to the next one's, as ArduPilot's simulator has it
+_PLACES_A_BOAT = 200
+
+
+def fleet(scenario: Scenario, count: int) -> list[Scenario]:
+    """The scenario once for each boat: system ids and seeds count up, places lie side by side.
+
+    The boats do not see or touch each other.
+
+    Raises:
+        ConfigError: ids beyond 255, or not enough water about the start.
+    """
+    first = scenario.vehicle.identity.system_id
+    if not 1 <= count <= MOST_BOATS or first + count - 1 > 255:
+        most = min(MOST_BOATS, 256 - first)
+        raise ConfigError(f"--count {count}: expected 1 to {most}, as the first boat is system {first}")
+    return [
+        _with_identity(
+            dataclasses.replace(scenario, seed=scenario.seed + number, start=place), first + number
+        )
+        for number, place in enumerate(_places(scenario, count))
+    ]
+
+
+def moor(
+    scenarios: Sequence[Scenario],
+    links: Sequence[Sequence[LinkConfig]],
+    clock: Clock,
+    berths: Sequence[Berth],
+    speedup: float = 1.0,
+) -> list[Craft]:
+    """The boats with their links. Those without a link of their own are reached through the first.
+
+    Raises:
+        ConfigError, LinkError: a url that cannot be read, or that the system refuses.
+        StorageError: a state folder cannot be used.
+    """
+    crafts: list[Craft] = []
+    ports: list[Port] = []
+    try:
+        for scenario, own, berth in reversed(list(zip(scenarios, links, berths, strict=True))):
+            is_first = scenario is scenarios[0]
+            shared: tuple[Port, ...] = tuple(ports) if is_first else ()
+            if not is_first and not own:
+                near, far = memory_pair(f"boat {scenario.vehicle.identity.system_id}")
+                ports.append(_bridge(MemoryPort(near)))
+                shared = (_bridge(MemoryPort(far)),)
+            own_config = stretched(scenario.vehicle, speedup)
+            sailed = dataclasses.replace(scenario, vehicle=own_config)
+            crafts.insert(0, Craft(sailed, own, clock, dataclasses.replace(berth, ports=shared)))
+    except Exception:
+        for craft in crafts:
+            craft.close()
+        raise
+    return crafts
+
+
+def _bridge(port: Port) -> Port:
+    # A boat beyond the bridge streams nothing into it that nobody at the far end has asked for
+    return ConfiguredPort(port, Policy(LinkConfig(url="memory")))
+
+
+def _with_identity(scenario: Scenario, system_id: int) -> Scenario:
+    identity = msgspec.structs.replace(scenario.vehicle.identity, system_id=system_id)
+    return dataclasses.replace(scenario, vehicle=msgspec.structs.replace(scenario.vehicle, identity=identity))
+
+
+def _places(scenario: Scenario, count: int) -> list[Point]:
+    """The start, and the nearest places round it, on rings, that leave room for a boat."""
+    spacing_m = SPACING_LENGTHS * scenario.hull.length_m
+    found: list[Point] = []
+    for place in _rings(scenario.start, spacing_m, count * _PLACES_A_BOAT):
+        is_free = scenario.chart.is_open or scenario.chart.clearance_m(place) >= scenario.hull.length_m
+        if is_free or place == scenario.start:
+            found.append(place)
+        if len(found) == count:
+            return found
+    raise ConfigError(f"--count {count}: the water about the start has room for {len(found)} boats")
+
+
+def _rings(centre: Point, spacing_m: float, most: int) -> Iterator[Point]:
+    yield centre
+    given, ring = 1, 0
+    while given < most:
+        ring += 1
+        on_ring = 6 * ring
+        for number in range(on_ring):
+            angle = math.tau * number / on_ring
+            north = centre.north_m + ring * spacing_m * math.cos(angle)
+            yield Point(north, centre.east_m + ring * spacing_m * math.sin(angle))
+        given += on_ring
