@@ -117,7 +117,7 @@ def serve(
 def _urls(
     number: int, tcp: tuple[str, int] | None, udp: str | None, others: list[str] | None, one_port: bool
 ) -> list[str]:
-    """One boat's links: TCP ports count up, all talk to one UDP station, further ones are the first boat's."""
+    """One boat's links: TCP ports count up, all talk to one UDP station, others are the first boat's."""
     if number and one_port:
         return []
     urls = []
