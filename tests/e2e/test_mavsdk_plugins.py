@@ -233,11 +233,38 @@ def test_manual_control_drives(boat: RunningBoat) -> None:
     run(boat, job)
 
 
-def test_a_failure_is_not_injected_into_a_boat_that_has_no_such_thing(boat: RunningBoat) -> None:
+def test_failure_breaks_what_the_emulator_has_and_mends_it_again(boat: RunningBoat) -> None:
     async def job(system: System) -> None:
-        failure = FailureAsync(system)
-        with pytest.raises(FailureError):
-            await failure.inject(FailureUnit.SENSOR_GPS, FailureType.OFF, 0)
-        failure.destroy()
+        failure, telemetry = FailureAsync(system), TelemetryAsync(system)
+        texts = telemetry.subscribe_status_text()
+        said = asyncio.ensure_future(_until_said(texts, "Fault: gnss off"))
+        await asyncio.sleep(0)
+        await _injected(failure, FailureUnit.SENSOR_GPS, FailureType.OFF)
+        await said
+        await _injected(failure, FailureUnit.SENSOR_GPS, FailureType.OK)
+        with pytest.raises(FailureError) as refused:
+            await failure.inject(FailureUnit.SENSOR_BARO, FailureType.OFF, 0)
+        assert "UNSUPPORTED" in str(refused.value)
+        await texts.aclose()
+        for plugin in (failure, telemetry):
+            plugin.destroy()
 
     run(boat, job)
+
+
+async def _injected(failure: FailureAsync, unit: FailureUnit, kind: FailureType) -> None:
+    """The plugin first asks the boat whether it lets itself be broken, and is in no hurry about it."""
+    for _ in range(40):
+        try:
+            await failure.inject(unit, kind, 0)
+        except FailureError:
+            await asyncio.sleep(0.1)
+        else:
+            return
+    await failure.inject(unit, kind, 0)
+
+
+async def _until_said(texts: AsyncIterator[Any], wanted: str) -> None:
+    async for text in texts:
+        if text.text == wanted:
+            return
