@@ -187,7 +187,7 @@ class Boat:
             intent, nav, config, self.lookout, self.vehicle.fence, is_by_hand=is_by_hand, now_s=now_s
         )
         steered = self.pilot.update(self.fence_brake.hold(intent), nav, config, TICK_S)
-        steered = self.avoidance.limited(steered)
+        steered = self.avoidance.limited(steered, nav, config)
         steered = self.fence_brake.limit(steered, intent, nav, self.vehicle.fence, config, TICK_S)
         self.demand = steered if isinstance(steered, Demand) else None
         thrust = self.helm.update(steered, nav, config, TICK_S)

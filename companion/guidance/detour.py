@@ -56,6 +56,11 @@ class Detour:
             self.course_rad = course
         return course is not None
 
+    def turn_back(self) -> None:
+        """Try the other side."""
+        self.side = -self.side
+        self.course_rad = wrap_pi(self.course_rad + math.pi)
+
     def _edge_rad(self, here: Point, things: Sequence[Point]) -> float:
         """Where the nearest part of what is followed lies; where the goal lies if nothing does."""
         nearest, edge = math.inf, bearing_rad(here, self.goal)

@@ -20,7 +20,7 @@ class Avoidance(Section, frozen=True):
     goes_round: bool = True
     by_sight: bool = False
     by_hand: bool = False  # stop before things in the modes steered by hand too
-    margin_m: Positive = 1.2  # from the edge of things
+    margin_m: Positive = 1.0  # from the edge of things
     lookahead_m: Positive = 6.0  # things farther off are left alone
     beam_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = math.radians(15.0)  # of the boat's own ranger
     memory_s: Positive = 25.0  # what was seen often is believed for so long out of sight

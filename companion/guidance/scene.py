@@ -1,0 +1,97 @@
+"""What avoidance decides on: the boat, what it is to sail, and what lies around, at one moment."""
+
+import math
+from collections.abc import Sequence
+
+from companion.config import BoatConfig
+from companion.geo import Point
+from companion.guidance.clear_water import Bounds, ClearWater, clear_m
+from companion.guidance.way_ahead import way_ahead
+from companion.sensors.lookout import Lookout
+from companion.sensors.track import Track
+from companion.state import NavState
+from companion.vehicle.intent import Intent
+
+WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new beginning
+HULL = 0.6  # of the margin: nearer than this ahead the boat stops
+_DRIFT_S = 0.8  # a boat that turns is carried along by the water for so long before it holds against it
+_CONE = 0.7  # cosine of 45°
+
+
+class Scene:
+    """solid is what surely lies there, things what may as well. margin_m is the distance to keep, more in
+    water that sets; sight_m how far the boat sees.
+    """
+
+    __slots__ = (
+        "_bounds",
+        "_water",
+        "config",
+        "here",
+        "intent",
+        "margin_m",
+        "movers",
+        "nav",
+        "now_s",
+        "sight_m",
+        "solid",
+        "speed_m_s",
+        "things",
+    )
+
+    def __init__(
+        self,
+        intent: Intent,
+        nav: NavState,
+        config: BoatConfig,
+        lookout: Lookout,
+        bounds: Bounds,
+        now_s: float,
+    ) -> None:
+        setting = config.avoidance
+        self.intent = intent
+        self.nav = nav
+        self.here = nav.point
+        self.config = config
+        self.now_s = now_s
+        self.sight_m = lookout.reach_m or setting.lookahead_m
+        self.margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        self.speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
+        self.movers: Sequence[Track] = lookout.movers(now_s)
+        self.solid = lookout.solid(now_s)
+        self.things = lookout.suspects(now_s)
+        self._bounds = bounds
+        self._water: ClearWater | None = None
+
+    @property
+    def water(self) -> ClearWater:
+        """The courses open to a detour."""
+        if self._water is None:
+            self._water = ClearWater(self.here, self.things, WIDER * self.margin_m, self.sight_m)
+            self._water.keep_within(self._bounds, self.config.fence.margin_m)
+        return self._water
+
+    def way_m(self, things: Sequence[Point], share: float = 1.0, reaches: float = 1.0) -> float:
+        """How far the way ahead is clear of things by a share of the margin, looking so many sights ahead."""
+        reach_m = reaches * self.sight_m
+        way = way_ahead(self.intent, self.nav, self.config, reach_m)
+        return clear_m(way, things, share * self.margin_m, reach_m)
+
+    def motion_m(self) -> float:
+        """How far the boat could go on as it goes now before its hull comes too near; infinite at rest."""
+        nav = self.nav
+        if self.speed_m_s < 0.25 * self.config.guidance.min_speed_m_s:
+            return math.inf
+        reach_s = self.sight_m / self.speed_m_s
+        on = Point(nav.north_m + nav.north_m_s * reach_s, nav.east_m + nav.east_m_s * reach_s)
+        return clear_m([self.here, on], self.solid, HULL * self.margin_m, self.sight_m)
+
+    def nearest_m(self, bearing_rad: float) -> float:
+        """Distance to the nearest thing within 45° of a bearing; infinite for none."""
+        nearest, ahead_n, ahead_e = math.inf, math.cos(bearing_rad), math.sin(bearing_rad)
+        for thing in self.things:
+            north, east = thing.north_m - self.here.north_m, thing.east_m - self.here.east_m
+            distance = math.sqrt(north * north + east * east)
+            if distance < nearest and north * ahead_n + east * ahead_e > _CONE * distance:
+                nearest = distance
+        return nearest
