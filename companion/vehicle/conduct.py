@@ -2,9 +2,9 @@
 
 import math
 
+from companion.estimation.health import lacks_position
 from companion.geo import LatLon
 from companion.requests import SetPoint
-from companion.vehicle.failsafes.estimate import lacks_position
 from companion.vehicle.fence import Fence
 from companion.vehicle.following import Following
 from companion.vehicle.intent import HoldHeading, Intent, KeepStation, Stop
@@ -165,7 +165,7 @@ class Conduct:
     def _loiter(self, now: Situation) -> Intent:
         """Keep station; without a position, keep the bow into the water's last known set and stem it."""
         nav = now.nav
-        if not lacks_position(nav, now.config.motors):
+        if not lacks_position(nav, now.config.motors.estimate_timeout_s):
             if self.stemming is not None:
                 self.stemming = None
                 self.passage.stay(now.here)

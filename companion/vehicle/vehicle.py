@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from companion.config import BoatConfig
+from companion.estimation.health import lacks_heading, lacks_position
 from companion.geo import LatLon, LocalFrame, Point
 from companion.requests import ACCEPTED, Outcome, Request
 from companion.sensors.readings import BatteryReading, GnssFix
@@ -12,7 +13,6 @@ from companion.vehicle.arming import PreArmReport, arming_faults
 from companion.vehicle.clearing import Clearing
 from companion.vehicle.conduct import Conduct, station_of
 from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
-from companion.vehicle.failsafes.estimate import lacks_heading, lacks_position
 from companion.vehicle.failsafes.failsafes import Alarm, Failsafes
 from companion.vehicle.failsafes.ladder import Move
 from companion.vehicle.fence import Fence, FenceArea
@@ -47,6 +47,7 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
+        self.standing_order = False  # the boat is about to arm itself; any mode or disarming ends that
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
         self._notices = self.conduct.notices
@@ -84,7 +85,7 @@ class Vehicle:
                 self.tell(Severity.CRITICAL, f"PreArm: {fault}")
             return _STOP
         now = self._situation()
-        if now is not None and not lacks_position(now.nav, self.config.motors):
+        if now is not None and not lacks_position(now.nav, self.config.motors.estimate_timeout_s):
             self.conduct.record(self.mode, now)
         if self.clearing.is_running:
             return self.clearing.intent(self._now_s)
@@ -142,9 +143,25 @@ class Vehicle:
         """Somebody chooses a mode: failsafes that are active leave it at that."""
         outcome = self.enter(mode)
         if outcome.accepted:
+            self.standing_order = False
             self.clearing.stop()
             self.failsafes.overrule()
         return outcome
+
+    def can_enter(self, mode: Mode) -> bool:
+        """Whether the boat could change to a mode that steers by the position."""
+        return not (self._estimate_fault() or self._mode_fault(mode))
+
+    def halt(self, why: str, *, disarms: bool) -> None:
+        """Something in the program has gone wrong: HOLD, or disarm. Told once, however often it happens."""
+        if not self.armed or (self.mode is Mode.HOLD and not disarms):
+            return
+        self.tell(Severity.CRITICAL, f"{why}, motors off")
+        self.clearing.stop()
+        if disarms:
+            self.disarm("by the program")
+        else:
+            self._enter(Mode.HOLD, "fault")
 
     def enter(self, mode: Mode, why: str = "") -> Outcome:
         """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""
@@ -184,9 +201,9 @@ class Vehicle:
         """Why the boat cannot steer by its position; empty when it can."""
         if self.nav is None or self.frame is None:
             return "no position yet"
-        if lacks_position(self.nav, self.config.motors):
+        if lacks_position(self.nav, self.config.motors.estimate_timeout_s):
             return "position is stale"
-        return "no heading" if lacks_heading(self.nav, self.config.motors) else ""
+        return "no heading" if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
 
     def _mode_fault(self, mode: Mode) -> str:
         now = self._situation()
@@ -223,6 +240,7 @@ class Vehicle:
         return ACCEPTED
 
     def disarm(self, reason: str) -> Outcome:
+        self.standing_order = False
         if self.armed:
             self.armed = False
             self.clearing.stop()
@@ -292,5 +310,5 @@ class Vehicle:
         self.enter(Mode.HOLD, "failsafe")
 
     def _can_reckon(self) -> bool:
-        nav = self.nav
-        return nav is not None and self.frame is not None and not lacks_heading(nav, self.config.motors)
+        nav, timeout_s = self.nav, self.config.motors.estimate_timeout_s
+        return nav is not None and self.frame is not None and not lacks_heading(nav, timeout_s)
