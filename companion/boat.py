@@ -1,5 +1,6 @@
 """The boat: the whole data flow, from links and sensors to motors and telemetry, in one step."""
 
+import logging
 from collections.abc import Collection, Sequence
 
 from companion.config import BoatConfig
@@ -16,8 +17,10 @@ from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
 from companion.params import Parameters
 from companion.params_table import ROWS
+from companion.resume import Resume
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
+from companion.safety_net import Fall, SafetyNet
 from companion.senses import Senses
 from companion.sensors.external import ExternalSensors
 from companion.sensors.lookout import Lookout
@@ -29,6 +32,8 @@ from companion.storage import Storage
 from companion.vehicle.intent import Drive, Intent
 from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
+
+logger = logging.getLogger(__name__)
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
@@ -85,6 +90,8 @@ class Boat:
         self.helm = Helm()
         self.gate = Gate()
         self.headway = Headway()
+        self.net = SafetyNet()
+        self.resume = Resume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
         self.free_memory_bytes = 0  # of the computer; the program's to say
         self.command: MotorCommand = STOPPED
@@ -103,6 +110,13 @@ class Boat:
         ready: the descriptors that have something to say; None looks everywhere, as every tick does.
         Returns how many frames it took. `channels.has_more` says whether there are more to take.
         """
+        try:
+            return self._receive(now_s, ready)
+        except Exception as error:
+            self._catch(error)
+            return 0
+
+    def _receive(self, now_s: float, ready: Collection[int] | None) -> int:
         taken = self.channels.taken
         is_news = False
         for number in self.channels.accept(ready):
@@ -130,17 +144,63 @@ class Boat:
         self._flush()
 
     def step(self, now_s: float) -> None:
-        """One tick: sense, listen, decide, steer, drive, tell."""
+        """One tick: sense, listen, decide, steer, drive, tell.
+
+        Raises:
+            Exception: a fault of ours that does not end; the motors are off, and the boat is disarmed.
+        """
         self._now_s = now_s
+        try:
+            self._step(now_s)
+        except Exception as error:
+            self._catch(error)
+        else:
+            if self.net.level:
+                self.net.passed()
+
+    def _step(self, now_s: float) -> None:
         self._sense(now_s)
-        self.receive(now_s)
+        self._receive(now_s, None)
+        if self.vehicle.failsafes.is_due(now_s):
+            self._show_signs()
         intent = self.vehicle.decide()
         self.command = self._steer(intent, now_s)
         self._hardware.motors.write(self.command.left, self.command.right)
         if self._logbook is not None:
             self._logbook.tick(self.look(), self.channels)
         self.endpoint.tick(now_s, self._unix_s, self.senses.compass, self.load)
+        self.resume.tick(now_s)
         self._flush()
+
+    def _catch(self, error: Exception) -> None:
+        """A tick has gone wrong: motors off before anything else, and what was steering begins anew."""
+        self._hardware.motors.stop()
+        self.command, self.demand = STOPPED, None
+        self.motor_test.stop()
+        self.pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
+        fall = self.net.caught(error)
+        self.vehicle.halt(f"Fault in the program: {type(error).__name__}", disarms=fall is not Fall.HOLD)
+        try:
+            self.endpoint.tell_changes()
+            self._flush()
+        except Exception:
+            logger.exception("what has happened cannot be told")
+        if fall is Fall.GIVE_UP:
+            raise error
+
+    def _show_signs(self) -> None:
+        """What the failsafes look at, as far as the vehicle does not know it itself."""
+        signs, senses = self.vehicle.failsafes.signs, self.senses
+        signs.left, signs.right = self.command.left, self.command.right
+        signs.headway = self.headway.verdict
+        signs.load = self.load
+        signs.consumed_mah = senses.consumed_mah
+        signs.heading, signs.hull = senses.compass, senses.hull
+        if senses.sonar is not None:
+            signs.sonar_s = senses.sonar.time_s
+        signs.storage_fault = self.resume.fault
+        if self._logbook is not None and self._logbook.sink.fault:
+            signs.storage_fault = self._logbook.sink.fault
 
     @property
     def wants_restart(self) -> bool:
@@ -199,6 +259,7 @@ class Boat:
             needs_estimate=not isinstance(steered, Drive),
             setting=config.motors,
             dt_s=TICK_S,
+            needs_position=self.vehicle.conduct.stemming is None,
         )
         if command.reason:
             self.helm.reset()

@@ -4,7 +4,7 @@ from companion.config import BoatConfig
 from companion.hal.interfaces import Hardware
 from companion.sensors.charge import ChargeCounter
 from companion.sensors.external import ExternalSensors
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading, SonarReading
 from companion.sensors.sweep import Sweep
 from companion.sensors.trim import trimmed
 
@@ -20,6 +20,7 @@ class Senses:
         "external",
         "fix",
         "heading",
+        "hull",
         "pings",
         "sonar",
         "sweep",
@@ -33,6 +34,7 @@ class Senses:
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
         self.sonar: SonarReading | None = None  # the latest ping
+        self.hull: HullReading | None = None
         self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
         self._hardware = hardware
         self._charge = ChargeCounter()
@@ -51,6 +53,8 @@ class Senses:
         if hardware.battery is not None:
             self.battery = hardware.battery.read()
             self._charge.add(self.battery)
+        if hardware.hull is not None:
+            self.hull = hardware.hull.read()
         if self.pings:
             self.pings.clear()
         if hardware.sonar is not None and (pings := hardware.sonar.read()):

@@ -8,6 +8,7 @@ through zero on its way from ahead to astern, and is dropped inside the dead ban
 import math
 
 from companion.config import Motors
+from companion.estimation.health import lacks_heading, lacks_position
 from companion.state import MotorCommand, NavState, Thrust
 from companion.units import clamp
 
@@ -31,14 +32,17 @@ class Gate:
         needs_estimate: bool,
         setting: Motors,
         dt_s: float,
+        needs_position: bool = True,
     ) -> MotorCommand:
         """What the motors may do for the next dt_s.
 
         command_age_s: how long ago the command was given; a negative age is as bad as a stale one, for a
         clock that runs wrong would otherwise keep the motors running. needs_estimate: whether the command
-        was computed from nav (False while the operator drives by hand).
+        was computed from nav (False while the operator drives by hand). needs_position: not while a boat that
+        has lost its position keeps its bow into the water.
         """
-        reason = _objection(thrust, armed, command_age_s, nav if needs_estimate else _FINE, setting)
+        estimate = nav if needs_estimate else _FINE
+        reason = _objection(thrust, armed, command_age_s, estimate, setting, needs_position)
         if reason:
             self._left = self._right = 0.0
             return MotorCommand(0.0, 0.0, reason)
@@ -55,7 +59,12 @@ _FINE = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def _objection(
-    thrust: Thrust, armed: bool, command_age_s: float, nav: NavState | None, setting: Motors
+    thrust: Thrust,
+    armed: bool,
+    command_age_s: float,
+    nav: NavState | None,
+    setting: Motors,
+    needs_position: bool,
 ) -> str:
     """Why the motors must not turn; empty when they may. Comparisons are written so that NaN objects."""
     if not armed:
@@ -67,9 +76,9 @@ def _objection(
     if nav is None:
         return "no estimate"
     limit_s = setting.estimate_timeout_s
-    if not nav.position_age_s <= limit_s:
+    if needs_position and lacks_position(nav, limit_s):
         return "position is stale"
-    if not nav.heading_age_s <= limit_s:
+    if lacks_heading(nav, limit_s):
         return "heading is stale"
     motion = nav.north_m + nav.east_m + nav.heading_rad + nav.yaw_rate_rad_s + nav.surge_m_s + nav.sway_m_s
     if not math.isfinite(motion):

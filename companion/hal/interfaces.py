@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from companion.params import Knob
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading, SonarReading
 
 __all__ = [
     "Battery",
@@ -22,6 +22,8 @@ __all__ = [
     "GnssFix",
     "Hardware",
     "HeadingReading",
+    "Hull",
+    "HullReading",
     "Link",
     "Motors",
     "Port",
@@ -77,6 +79,16 @@ class Battery(Protocol):
     """Battery monitor."""
 
     def read(self) -> BatteryReading | None:
+        """The latest reading, None before the first."""
+
+    def close(self) -> None:
+        """Let the part go. May be called twice."""
+
+
+class Hull(Protocol):
+    """What is inside the hull: water, heat."""
+
+    def read(self) -> HullReading | None:
         """The latest reading, None before the first."""
 
     def close(self) -> None:
@@ -141,7 +153,7 @@ class FaultInjector(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """Everything a boat is built from. Sonar and battery monitor may be missing.
+    """Everything a boat is built from. Sonar, battery monitor and hull sensor may be missing.
 
     faults and knobs are for hardware that is more than it seems: what can break it, and parameters that it
     brings along.
@@ -154,10 +166,11 @@ class Hardware:
     battery: Battery | None = None
     faults: FaultInjector | None = None
     knobs: tuple[Knob, ...] = ()
+    hull: Hull | None = None
 
     def close(self) -> None:
         """Stop the motors first, then let every part go, also when one of them raises."""
         with ExitStack() as rest:
-            for part in (self.battery, self.sonar, self.compass, self.gnss, self.motors):
+            for part in (self.hull, self.battery, self.sonar, self.compass, self.gnss, self.motors):
                 if part is not None:
                     rest.callback(part.close)  # called last in, first out

@@ -65,6 +65,17 @@ _LOGS = (
 
 _UPKEEP_S = 0.1  # what nobody waits for is looked at this often
 
+_STEERING = frozenset(
+    (
+        dialect.MAVLINK_MSG_ID_COMMAND_LONG,
+        dialect.MAVLINK_MSG_ID_COMMAND_INT,
+        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT,
+        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
+        dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET,
+    )
+)
+_REPOSITION = dialect.MAV_CMD_DO_REPOSITION
+
 Handler = Callable[[Message, Origin, float], None]
 
 
@@ -213,6 +224,8 @@ class Endpoint:
             return
         try:
             handler(message, Origin(channel, sender), now_s)
+            if message.get_msgId() in _STEERING:
+                self._note_planner(message, sender, now_s)
         except Exception:
             self._count_fault(message.get_type())
 
@@ -248,6 +261,13 @@ class Endpoint:
         self._texts.tell(self._vehicle.take_notices())
         self._telemetry.tick(now_s)
 
+    def _note_planner(self, message: Message, sender: Address, now_s: float) -> None:
+        """A planner whom the boat obeys is missed when it falls silent."""
+        vehicle = self._vehicle
+        is_order = getattr(message, "command", _REPOSITION) == _REPOSITION
+        if is_order and self.roles.of(sender) is Role.PLANNER and vehicle.conduct.is_guided(vehicle.mode):
+            vehicle.planner.steers(now_s)
+
     def tell_changes(self) -> None:
         """What a message just handled has changed is told at once, not at the next tick."""
         self._heartbeat.tell_change()
@@ -265,8 +285,11 @@ class Endpoint:
     def _on_heartbeat(self, message: Message, origin: Origin, now_s: float) -> None:
         # A planner, a logger or another vehicle must not keep the operator's failsafe quiet
         chosen = self._parameters.config.identity.operator_system_id
-        if self.roles.hear(message, origin.address, chosen) is Role.OPERATOR:
+        role = self.roles.hear(message, origin.address, chosen)
+        if role is Role.OPERATOR:
             self._vehicle.operator.heard(now_s)
+        elif role is Role.PLANNER:
+            self._vehicle.planner.heard(now_s)
 
     def _on_system_time(self, message: Message, origin: Origin, now_s: float) -> None:
         # Another vehicle tells its date to everybody, true or not

@@ -1,8 +1,8 @@
 """Whether the boat is beyond the fence, and how often it has been."""
 
 from companion.config import Motors
+from companion.estimation.health import lacks_position
 from companion.state import NavState
-from companion.vehicle.failsafes.estimate import lacks_position
 from companion.vehicle.fence import Fence
 
 
@@ -30,7 +30,7 @@ class FenceWatch:
         self.is_active = fence.is_active
         if not fence.is_active:
             self.beyond_m = 0.0
-        elif nav is not None and not lacks_position(nav, setting):
+        elif nav is not None and not lacks_position(nav, setting.estimate_timeout_s):
             was_outside = self.beyond_m > 0.0
             self.beyond_m = max(-fence.margin_m(nav.point), 0.0) if fence.is_outside(nav.point) else 0.0
             if self.beyond_m > 0.0 and not was_outside:

@@ -8,7 +8,7 @@ import math
 from collections import deque
 
 from companion.config import BoatConfig
-from companion.geo import LatLon, LocalFrame, Point, distance_m
+from companion.geo import LatLon, Line, LocalFrame, Point, distance_m
 from companion.state import NavState
 from companion.units import wrap_pi
 from companion.vehicle.intent import HoldHeading, Intent, KeepStation
@@ -52,14 +52,15 @@ class MissionProgress:
         self.reached: list[int] = []  # sequences reached since the owner last took them
         self.speed_m_s: float | None = None  # None: cruise speed
         self.homes: list[LatLon | None] = []  # asked for since the owner last took them; None is here
+        self.jumps: dict[int, int] = {}  # how often each was made
         self._leg_start: Point | None = None
+        self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
         self._begun_s = math.nan  # when the present item began to wait, turn or hand over
         self._station: Point | None = None
         self._leg: Leg | None = None
         self._is_onward_known = False  # whether the leg knows the one after it
         self._orbit: Orbit | None = None
         self._turn_to_rad = 0.0
-        self._jumps: dict[int, int] = {}
         self._waiting: deque[Condition | Done] = deque()  # behind a condition, and it first
         self._waiting_since_s = 0.0
         self._hand_over_limit = LimitHandOver(0.0, 0.0)
@@ -103,7 +104,7 @@ class MissionProgress:
 
     def forget_jumps(self) -> None:
         """All jumps are to be made again."""
-        self._jumps.clear()
+        self.jumps.clear()
 
     def set_current(self, seq: int) -> bool:
         """Make an item current. False, and nothing changes, when there is no such item."""
@@ -112,6 +113,7 @@ class MissionProgress:
         self.current_seq = seq
         self.finished = False
         self.go_home = False
+        self._cut_leg_start = None
         self._waiting.clear()
         self._begin_item()
         return True
@@ -119,6 +121,25 @@ class MissionProgress:
     def resume(self) -> None:
         """Go on with the current item, on a new leg from wherever the boat is."""
         self._begin_item()
+
+    def take_up(
+        self, seq: int, leg_start: LatLon | None, speed_m_s: float | None, jumps: dict[int, int]
+    ) -> bool:
+        """Stand where a voyage was cut short: at an item, on its leg. False if that cannot be."""
+        if self.is_empty or not 0 < seq < len(self.mission):
+            return False
+        self.set_current(seq)
+        self.has_started = True
+        self.speed_m_s = speed_m_s
+        self.jumps.clear()
+        self.jumps.update(jumps)
+        self._cut_leg_start = leg_start
+        return True
+
+    def leg_line(self) -> Line | None:
+        """The leg that is being sailed; None while there is none."""
+        leg, start = self._leg, self._leg_start
+        return None if leg is None or start is None else Line(start, leg.end)
 
     def take_reached(self) -> list[int]:
         """Sequences reached since the last call."""
@@ -134,7 +155,8 @@ class MissionProgress:
         """Advance to now and say what to sail; after the last item, keeps station there."""
         self.has_started = True
         if self._leg_start is None:
-            self._leg_start = nav.point
+            cut, self._cut_leg_start = self._cut_leg_start, None
+            self._leg_start = nav.point if cut is None else frame.to_local(cut)
         for _ in range(min(len(self.mission) + 1, _STEPS_A_TICK)):
             if self.finished:
                 break
@@ -299,7 +321,7 @@ class MissionProgress:
                 case Waypoint() as waypoint:
                     return waypoint
                 case Jump(target, times):
-                    goes = times < 0 or self._jumps.get(seq, 0) < times
+                    goes = times < 0 or self.jumps.get(seq, 0) < times
                     if goes and jumped:
                         return None  # one jump leads to another: more than this looks ahead
                     seq, jumped = (target, True) if goes else (seq + 1, jumped)
@@ -310,9 +332,9 @@ class MissionProgress:
         return None
 
     def _jump(self, target: int, times: int) -> None:
-        done = self._jumps.get(self.current_seq, 0)
+        done = self.jumps.get(self.current_seq, 0)
         if times < 0 or done < times:
-            self._jumps[self.current_seq] = done + 1
+            self.jumps[self.current_seq] = done + 1
             self.current_seq = target
             self._begin_item(self._leg_start)
         else:

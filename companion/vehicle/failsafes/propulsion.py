@@ -13,6 +13,7 @@ _SMOOTH_S = 2.0
 _LEARN_S = 60.0
 _ENOUGH_S = 20.0  # of driving before the current is judged
 _DRIVING = 0.1  # of the cubes' sum: less load says nothing about the current
+_STEADY = 0.3  # of command, both sides: a motor that is reversed draws what it likes
 _IDLE_SHARE = 0.02  # command below which a motor draws nothing
 _PALTRY = 0.6  # of the current that such commands have drawn: one of two motors is not there
 _EXCESSIVE = 1.7
@@ -38,9 +39,11 @@ class MotorWatch:
         "_driven_s",
         "_gain_a",
         "_idle_a",
+        "_left",
         "_lopsided_s",
         "_odd_s",
         "_ratio",
+        "_right",
         "_turn_rad_s",
         "fault",
     )
@@ -55,6 +58,7 @@ class MotorWatch:
     def reset(self) -> None:
         """Begin to judge anew; what is known of the boat stays."""
         self.fault = ""
+        self._left = self._right = 0.0
         self._difference = self._turn_rad_s = 0.0
         self._ratio = 1.0
         self._odd_s = self._lopsided_s = 0.0
@@ -64,6 +68,8 @@ class MotorWatch:
     ) -> None:
         """Take the commands of the last dt_s and what has come of them; `fault` is then the judgement."""
         blend = min(dt_s / _SMOOTH_S, 1.0)
+        self._left += blend * (left - self._left)
+        self._right += blend * (right - self._right)
         self._difference += blend * (left * abs(left) - right * abs(right) - self._difference)
         if nav is not None:
             self._turn_rad_s += blend * (nav.yaw_rate_rad_s - self._turn_rad_s)
@@ -80,7 +86,9 @@ class MotorWatch:
             self._idle_a += blend * (current_a - self._idle_a)
             return
         cubes = abs(left) ** 3 + abs(right) ** 3
-        if cubes < _DRIVING:
+        is_steady = abs(left - self._left) + abs(right - self._right) < _STEADY
+        if cubes < _DRIVING or not is_steady:
+            self._odd_s = 0.0
             return
         gain_a = max(current_a - self._idle_a, 0.0) / cubes
         if self._driven_s >= _ENOUGH_S:
