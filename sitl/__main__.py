@@ -11,8 +11,8 @@ from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
 from sitl.cli.campaign import campaign
 from sitl.cli.paper import paper
-from sitl.cli.report import report
 from sitl.cli.physics import physics
+from sitl.cli.report import report
 from sitl.cli.sail import sail
 from sitl.cli.serve import serve
 

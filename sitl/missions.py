@@ -13,7 +13,9 @@ from mission_tools.mission import MissionItem as PlannedItem
 from mission_tools.plan_file import load_mission
 from mission_tools.planning import Plan, PlanSettings, plan
 from mission_tools.route import mission_along
+from sitl.courses import COURSES, course_mission
 from sitl.scenario import Scenario
+from sitl.stationing import STATION, station_mission
 
 
 def read_mission(path: Path) -> Mission:
@@ -38,6 +40,24 @@ def plan_mission(scenario: Scenario) -> tuple[Mission, Plan]:
     settings = PlanSettings.from_route(route)
     planned = plan(scenario.chart, scenario.start, route.goal, settings, route.via)
     return mission_along([scenario.frame.to_global(point) for point in planned.points]), planned
+
+
+def course_names() -> tuple[str, ...]:
+    """The courses that `lay_out` knows."""
+    return (*COURSES, STATION)
+
+
+def lay_out(course: str, scenario: Scenario) -> Mission:
+    """A course from where the boat lies.
+
+    Raises:
+        UsageError: no such course.
+    """
+    if course not in course_names():
+        raise UsageError(f"no course {course!r}: expected {', '.join(course_names())}")
+    if course == STATION:
+        return station_mission(scenario.frame, scenario.start)
+    return course_mission(course, scenario.frame, scenario.start)
 
 
 def fence_along(scenario: Scenario) -> list[MissionItem]:

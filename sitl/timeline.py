@@ -1,8 +1,10 @@
 """What happened when in a run: modes, arming, the boat's words, waypoints, the shore, late commands."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from companion.geo import Point
+from sitl.faults.catalogue import FaultSetting
 from sitl.lockstep import Lockstep
 
 MOST_EVENTS = 5000
@@ -19,7 +21,17 @@ class Event(NamedTuple):
 class Timeline:
     """Watches a lockstep run, tick by tick, and writes down what changes. Full, it only counts."""
 
-    __slots__ = ("_armed", "_grounded", "_mode", "_reached", "_texts", "events", "late_commands", "touched")
+    __slots__ = (
+        "_armed",
+        "_faults",
+        "_grounded",
+        "_mode",
+        "_reached",
+        "_texts",
+        "events",
+        "late_commands",
+        "touched",
+    )
 
     def __init__(self) -> None:
         """Start empty."""
@@ -29,6 +41,7 @@ class Timeline:
         self._mode = ""
         self._armed = False
         self._grounded = False
+        self._faults: dict[str, FaultSetting] = {}
         self._texts = 0
         self._reached = 0
 
@@ -50,6 +63,8 @@ class Timeline:
             for seq in station.reached[self._reached :]:
                 self._add(truth.time_s, "waypoint", f"item {seq} reached")
             self._reached = len(station.reached)
+        if lockstep.world.electronics.faults.active != self._faults:
+            self._note_faults(lockstep.world.electronics.faults.active, truth.time_s)
         if truth.grounded is not self._grounded:
             self._grounded = truth.grounded
             if truth.grounded:
@@ -58,6 +73,15 @@ class Timeline:
             if self.late_commands == 0:
                 self._add(truth.time_s, "motors", "driven though disarmed")
             self.late_commands += 1
+
+    def _note_faults(self, active: Mapping[str, FaultSetting], time_s: float) -> None:
+        for what, fault in self._faults.items():
+            if active.get(what) is not fault:
+                self._add(time_s, "fault", f"{what} {fault.kind} is over")
+        for what, fault in active.items():
+            if self._faults.get(what) is not fault:
+                self._add(time_s, "fault", f"{what} {fault.kind}")
+        self._faults = dict(active)
 
     def _touch(self, lockstep: Lockstep) -> None:
         truth = lockstep.world.truth

@@ -37,8 +37,9 @@ from companion.errors import ConfigError
 from companion.section import NonNegative, Positive, Section
 from sitl.campaign.design import Choice, Row, Sample, grid_rows, sample_rows
 from sitl.campaign.expect import Expectation
-from sitl.campaign.run import Run, course_names
+from sitl.campaign.run import Run
 from sitl.layers import Layer, decode, merge
+from sitl.missions import course_names
 
 MOST_RUNS = 1_000_000
 Several = str | tuple[str, ...]
@@ -112,12 +113,12 @@ def _runs(file: File, path: Path) -> Iterator[Run]:
             )
     if table.course and table.mission:
         raise ConfigError(f"{name}: run.mission: a run sails either a course or a mission")
-    grid = {key: _listed(values, f"{name}: grid.{key}") for key, values in _leaves(file.grid)}
+    grid = {key: _listed(values, f"{name}: grid.{key}") for key, values in leaves(file.grid)}
     draws: list[Row] = [{}]
     if file.sample is not None:
         ranges = {
             key: _range(value, f"{name}: sample.settings.{key}")
-            for key, value in _leaves(file.sample.settings, {"choose"})
+            for key, value in leaves(file.sample.settings, {"choose"})
         }
         draws = sample_rows(file.sample, ranges)
     seeds = (
@@ -165,13 +166,13 @@ def _beside(path: Path, scenario: str) -> str:
     )
 
 
-def _leaves(
+def leaves(
     tree: Mapping[str, Any], ends: frozenset[str] | set[str] = frozenset()
 ) -> Iterator[tuple[str, Any]]:
     """Every value of nested tables by its dotted name. A table with one of `ends` in it is a value, too."""
     for key, value in tree.items():
         if isinstance(value, Mapping) and not ends & value.keys():
-            yield from ((f"{key}.{below}", leaf) for below, leaf in _leaves(value, ends))
+            yield from ((f"{key}.{below}", leaf) for below, leaf in leaves(value, ends))
         else:
             yield key, value
 

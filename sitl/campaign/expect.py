@@ -39,6 +39,10 @@ class Expectation(Section, frozen=True):
         if self.at_least is None and self.at_most is None:
             raise ValueError(f"figure {self.figure}: expected at_least or at_most")
 
+    def is_about(self, row: Mapping[str, Any]) -> bool:
+        """Whether a run, by its columns, is one of those that `where` picks."""
+        return all(_is_among(row.get(column), wanted) for column, wanted in self.where.items())
+
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
@@ -62,7 +66,7 @@ def _verdicts(expectation: Expectation, table: Sequence[Mapping[str, Any]]) -> l
     each = (expectation.each,) if isinstance(expectation.each, str) else expectation.each
     groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
     for row in table:
-        if all(_is_among(row.get(column), wanted) for column, wanted in expectation.where.items()):
+        if expectation.is_about(row):
             groups.setdefault(tuple(row.get(column) for column in each), []).append(row)
     if not groups:
         return [_verdict(expectation, "no run is like this", [])]

@@ -3,6 +3,7 @@
 import dataclasses
 
 from companion.vehicle.mission_steps import Waypoint
+from companion.vehicle.modes import Mode
 from sitl.courses import tracking
 from sitl.sail import Result, Sailing
 from sitl.stationing import station_figures
@@ -27,10 +28,19 @@ def figures_of(sailing: Sailing, result: Result) -> Figures:
         out["overshoot_m"] = kept.overshoot_m
     if _stays(sailing):
         out.update(station_figures(sailing.recorder, sailing.planned[-1]))
+    out["fault"] = ", ".join(f"{fault.what} {fault.kind}" for fault in sailing.scenario.faults)
     out["touches"] = len(sailing.timeline.touched)
     out["late_commands"] = sailing.timeline.late_commands
-    out["armed_at_end"] = sailing.lockstep.boat.vehicle.armed
+    out["is_settled"] = result.completed or not _still_sails(sailing)
+    environment = sailing.scenario.environment
+    out["current_m_s"], out["gust_m_s"] = environment.current_m_s, environment.gust_m_s
     return out
+
+
+def _still_sails(sailing: Sailing) -> bool:
+    """Whether an armed boat was still at its mission when its time was over."""
+    vehicle = sailing.lockstep.boat.vehicle
+    return vehicle.armed and vehicle.mode is Mode.AUTO
 
 
 def _stays(sailing: Sailing) -> bool:

@@ -17,6 +17,7 @@ from sitl.campaign.campaign import Campaign
 from sitl.campaign.run import Outcome
 
 NAME = "runs.jsonl"
+PLAN = "campaign.json"
 
 
 class Head(Struct, frozen=True):
@@ -50,6 +51,7 @@ class Ledger:
         self._file.truncate(sum(map(len, whole)))
         self._file.seek(0, 2)
         if not whole:
+            (folder / PLAN).write_bytes(msgspec.json.encode(campaign))
             self._write(msgspec.json.encode(head))
 
     def add(self, outcome: Outcome) -> None:
@@ -72,6 +74,22 @@ class Ledger:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    @classmethod
+    def read(cls, folder: Path) -> tuple[Campaign, list[Outcome]]:
+        """A folder's campaign and its finished runs in order.
+
+        Raises:
+            ConfigError: there is no campaign in it.
+        """
+        try:
+            campaign = msgspec.json.decode((folder / PLAN).read_bytes(), type=Campaign)
+        except (OSError, msgspec.DecodeError):
+            raise ConfigError(
+                f"{folder}: no campaign in it: expected a folder that one was sailed to"
+            ) from None
+        with cls(folder, campaign) as ledger:
+            return campaign, ledger.in_order()
 
     def _check(self, line: bytes, head: Head) -> None:
         try:

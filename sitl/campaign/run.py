@@ -13,12 +13,11 @@ from companion.geo import Point
 from companion.mavlink.items import MissionItem
 from mission_tools.errors import MissionToolsError
 from sitl.campaign.figures import Figures, figures_of
-from sitl.courses import COURSES, course_mission
 from sitl.layers import Layer
-from sitl.missions import fence_along, plan_mission, read_mission, wire_items
+from sitl.missions import fence_along, lay_out, plan_mission, read_mission, wire_items
 from sitl.sail import SailError, Sailing
 from sitl.scenario import Scenario, load_scenario
-from sitl.stationing import STATION, STAY_S, station_mission
+from sitl.stationing import STATION, STAY_S
 
 MOST_TRACK_POINTS = 400
 _SLACK_S = 120.0  # to get to a station
@@ -112,16 +111,7 @@ def items_of(run: Run, scenario: Scenario) -> list[MissionItem]:
     """
     if run.mission:
         return wire_items(read_mission(Path(run.mission)))
-    if run.course == STATION:
-        return wire_items(station_mission(scenario.frame, scenario.start))
-    if run.course:
-        return wire_items(course_mission(run.course, scenario.frame, scenario.start))
-    return wire_items(plan_mission(scenario)[0])
-
-
-def course_names() -> tuple[str, ...]:
-    """The courses that a run may name."""
-    return (*COURSES, STATION)
+    return wire_items(lay_out(run.course, scenario) if run.course else plan_mission(scenario)[0])
 
 
 def _timeout_s(run: Run) -> float | None:

@@ -20,6 +20,7 @@ from sitl.campaign.ledger import Ledger
 from sitl.campaign.run import Outcome
 from sitl.campaign.table import tabulate, write_csv, write_parquet
 from sitl.campaign.workers import Crew, cluster_crew, cores, local_crew
+from sitl.reports.campaign_page import campaign_page
 
 _MOST_ERRORS = 5
 
@@ -65,12 +66,13 @@ def campaign(
     table = tabulate(plan, outcomes)
     write_csv(table, folder / "runs.csv")
     write_parquet(table, folder / "runs.parquet")
+    (folder / "report.html").write_text(campaign_page(plan, outcomes), encoding="utf-8")
     verdicts = judge(plan.expect, table)
     if as_json_text:
         typer.echo(_as_json(plan, outcomes, verdicts))
     else:
         _print(plan, outcomes, verdicts, console)
-        console.print(f"written: {folder / 'runs.csv'}")
+        console.print(f"written: {folder / 'runs.csv'}, {folder / 'report.html'}")
     unmet = sum(not verdict.is_met for verdict in verdicts)
     if unmet:
         raise CampaignError(f"{unmet} of {len(verdicts)} expectations are not met: see {folder}")

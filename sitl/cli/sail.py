@@ -11,9 +11,11 @@ from companion import garbage
 from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
+from mission_tools.errors import UsageError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
-from sitl.missions import plan_mission, read_mission, wire_items
+from sitl.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
 from sitl.report import as_json, draw, print_table
+from sitl.run_record import RunRecord
 from sitl.sail import Result, SailError, Sailing
 
 
@@ -23,10 +25,19 @@ def sail(
         Path | None,
         typer.Option(metavar="FILE", help="a .plan or .waypoints file [planned on the scenario's map]"),
     ] = None,
+    course: Annotated[
+        str | None, typer.Option(metavar="NAME", help=f"a course instead: {', '.join(course_names())}")
+    ] = None,
     settings: Settings = None,
     case: Case = None,
     seed: Seed = None,
     start: StartAt = None,
+    fence: Annotated[
+        bool, typer.Option("--fence", help="upload the outline of the water as a fence")
+    ] = False,
+    linger: Annotated[
+        float, typer.Option(metavar="S", min=0.0, help="go on watching a boat that has ended its mission")
+    ] = 0.0,
     timeout: Annotated[
         float | None, typer.Option(metavar="S", min=0.0, help="simulated seconds [4 × the planned time]")
     ] = None,
@@ -39,6 +50,9 @@ def sail(
         Path | None, typer.Option(metavar="FILE.bin", help="write the boat's log, as for MAVExplorer")
     ] = None,
     png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw chart, plan and true track")] = None,
+    record: Annotated[
+        Path | None, typer.Option(metavar="FILE.npz", help="keep the whole run, for boat-sitl report")
+    ] = None,
 ) -> None:
     """Sail one mission in lockstep, as fast as the machine goes, and measure it against the truth.
 
@@ -48,16 +62,21 @@ def sail(
     """
     console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
     plan = None
+    if mission is not None and course is not None:
+        raise UsageError("--course: a run sails either a course or a mission")
     if mission is not None:
         to_sail = read_mission(mission)
         scenario = scenario_from(source, settings, case, seed, start, to_sail.home)
+    elif course is not None:
+        scenario = scenario_from(source, settings, case, seed, start)
+        to_sail = lay_out(course, scenario)
     else:
         scenario = scenario_from(source, settings, case, seed, start)
         to_sail, plan = plan_mission(scenario)
     logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
-    sailing = Sailing(scenario, wire_items(to_sail), logbook)
+    sailing = Sailing(scenario, wire_items(to_sail), logbook, fence_along(scenario) if fence else ())
     try:
-        result = _run(sailing, timeout, console)
+        result = _run(sailing, timeout, linger, console)
     finally:
         sailing.lockstep.close()  # a run that went wrong has its log, too
     if csv is not None:
@@ -66,6 +85,8 @@ def sail(
         _made_room_for(json_file).write_text(as_json(result) + "\n", encoding="utf-8")
     if png is not None:
         draw(sailing, result, _made_room_for(png), plan.settings.clearance_m if plan else 0.0)
+    if record is not None:
+        RunRecord.of(sailing, result).save(_made_room_for(record))
     if as_json_text:
         typer.echo(as_json(result))
     else:
@@ -74,7 +95,7 @@ def sail(
         raise SailError(f"the mission was not completed: {sailing.ending()}")
 
 
-def _run(sailing: Sailing, timeout: float | None, console: Console) -> Result:
+def _run(sailing: Sailing, timeout: float | None, linger_s: float, console: Console) -> Result:
     """Sail with a progress bar where there is a person to see it."""
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("sailing", total=len(sailing.items) - 1)
@@ -83,7 +104,7 @@ def _run(sailing: Sailing, timeout: float | None, console: Console) -> Result:
             progress.update(task, completed=seq - 1, description=f"{time_s:.0f} s, item {seq}")
 
         garbage.settle()
-        return sailing.run(timeout, tell)
+        return sailing.run(timeout, tell, linger_s)
 
 
 def _made_room_for(path: Path) -> Path:

@@ -31,6 +31,17 @@ def test_a_run_says_when_the_boat_was_armed_changed_its_mode_and_reached_its_way
     assert "Mission complete" in [event.text for event in sailing.timeline.events]
 
 
+def test_faults_are_told_when_they_begin_and_when_they_are_over() -> None:
+    fault = '[{what="gnss", kind="off", at_s=0.5, for_s=1.0}]'
+    lockstep = Lockstep(scenario("open", f"faults={fault}"))
+    timeline = Timeline()
+    for _ in range(100):
+        lockstep.step()
+        timeline.tick(lockstep)
+    told = [(round(event.time_s, 1), event.text) for event in timeline.events if event.kind == "fault"]
+    assert told == [(0.5, "gnss off"), (1.5, "gnss off is over")]
+
+
 def test_a_touch_is_told_with_what_was_touched() -> None:
     lockstep = Lockstep(scenario("open", WALLED, "boat.heading_deg=0"))
     timeline = Timeline()

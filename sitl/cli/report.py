@@ -1,0 +1,35 @@
+"""`boat-sitl report`: one page of HTML of a run or of a campaign."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sitl.campaign.ledger import Ledger
+from sitl.reports.campaign_page import campaign_page
+from sitl.reports.run_page import run_page
+from sitl.run_record import load_record
+
+
+def report(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="RUN|CAMPAIGN", help="what sail --record has written, or a campaign's folder"),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="FILE.html", help="the page [beside what it is about]"),
+    ] = None,
+) -> None:
+    """Make one page of HTML, pictures included, of a run or of a campaign, finished or not.
+
+    Example:  boat-sitl sail lake --record out/lake.npz && boat-sitl report out/lake.npz -o out/lake.html
+    """
+    if source.is_dir():
+        text, beside = campaign_page(*Ledger.read(source)), source / "report.html"
+    else:
+        text, beside = run_page(load_record(source)), source.with_suffix(".html")
+    page = out or beside
+    page.parent.mkdir(parents=True, exist_ok=True)
+    page.write_text(text, encoding="utf-8")
+    typer.echo(f"written: {page}")

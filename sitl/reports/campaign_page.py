@@ -1,0 +1,170 @@
+"""A campaign as a page: verdicts, figures by group, pictures, and every run that somebody should look at."""
+
+import json
+import shlex
+from collections import Counter
+from collections.abc import Sequence
+from statistics import fmean
+from typing import Any
+
+from sitl.campaign.campaign import Campaign, leaves
+from sitl.campaign.expect import judge
+from sitl.campaign.run import Outcome, Run
+from sitl.campaign.table import Table, tabulate
+from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
+from sitl.reports.page import Mark, Page
+
+_MOST_LISTED = 200
+_GROUPED = (
+    "completed",
+    "time_s",
+    "cross_track_rms_m",
+    "cross_track_max_m",
+    "overshoot_m",
+    "station_near_share",
+    "station_95_m",
+    "min_clearance_m",
+    "touches",
+)
+
+
+def campaign_page(plan: Campaign, outcomes: Sequence[Outcome]) -> str:
+    """The page, as HTML."""
+    table = tabulate(plan, outcomes)
+    ended = Counter(outcome.ended for outcome in outcomes)
+    touching = sum(bool(outcome.touched) for outcome in outcomes)
+    page = Page(plan.title, f"{len(outcomes)} of {len(plan.runs)} runs of {plan.source}")
+    page.tiles(
+        [(how, str(count)) for how, count in sorted(ended.items())] + [("touched something", str(touching))]
+    )
+    _expectations(page, plan, table)
+    _groups(page, plan, outcomes, table)
+    clearances = draw_clearances(table)
+    if clearances is not None:
+        page.heading("Clearance")
+        page.picture(clearances, "A dot a run.")
+    _runs_to_look_at(page, plan, outcomes, table)
+    page.heading("What was sailed")
+    page.details("the first run", json.dumps(_tree(plan.runs[0]), indent=2, ensure_ascii=False))
+    return page.render()
+
+
+def _expectations(page: Page, plan: Campaign, table: Table) -> None:
+    verdicts = judge(plan.expect, table)
+    if not verdicts:
+        return
+    page.heading("Expectations")
+    marks: list[Mark] = ["good" if verdict.is_met else "bad" for verdict in verdicts]
+    rows = [
+        (
+            verdict.what,
+            verdict.group,
+            verdict.runs,
+            verdict.bound,
+            f"{verdict.value:.4g}" if verdict.value is not None else f"missing in {verdict.missing}",
+            "met" if verdict.is_met else "not met",
+        )
+        for verdict in verdicts
+    ]
+    page.table(("expected", "over", "runs", "bound", "found", ""), rows, marks)
+    for expectation in plan.expect:
+        if expectation.figure != "completed":
+            figure = draw_expectation(expectation, table)
+            if figure is not None:
+                where = ", ".join(f"{column} {value}" for column, value in expectation.where.items())
+                page.picture(
+                    figure, f"{expectation.figure}{where and f', {where}'}: a dot a run, a bar the mean."
+                )
+
+
+def _groups(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Table) -> None:
+    """Means by what varies in few steps: voyages, and settings of a grid."""
+    columns = [
+        name for name in ("scenario", "case", "course", "mission", *plan.factors) if _is_grouping(name, table)
+    ]
+    figures = [name for name in _GROUPED if any(row.get(name) is not None for row in table)]
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for number, row in enumerate(table):
+        groups.setdefault(tuple(row.get(name) for name in columns), []).append(number)
+    page.heading("Means")
+    page.table(
+        [*columns, "runs", *figures],
+        [
+            (*key, len(members), *(_mean([table[n].get(f) for n in members]) for f in figures))
+            for key, members in groups.items()
+        ],
+    )
+    tracks = draw_tracks(
+        [
+            (", ".join(str(value) for value in key) or plan.title, [outcomes[n] for n in members])
+            for key, members in groups.items()
+        ]
+    )
+    if tracks is not None:
+        page.heading("Tracks")
+        page.picture(tracks, "The true tracks, laid over each other; red: not completed.", is_vector=False)
+
+
+def _runs_to_look_at(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Table) -> None:
+    """Runs that touched something or did not complete, each with its fault and how to sail it again."""
+    runs = {run.number: run for run in plan.runs}
+    odd = [
+        (runs[outcome.number], outcome, row)
+        for outcome, row in zip(outcomes, table, strict=True)
+        if outcome.touched or outcome.ended != "completed"
+    ]
+    page.heading("Runs to look at")
+    if not odd:
+        page.paragraph("None: every run was completed, and nothing was touched.")
+        return
+    by_fault = Counter(str(row.get("fault") or "none") for _, outcome, row in odd if outcome.touched)
+    if by_fault:
+        page.paragraph("Touched, by fault: " + ", ".join(f"{what} {n}" for what, n in by_fault.most_common()))
+    marks: list[Mark] = [
+        "bad" if outcome.touched or outcome.ended == "error" else "" for _, outcome, _ in odd
+    ]
+    page.table(
+        ("run", "ended", "fault", "touched", "why", "again"),
+        [
+            (
+                run.number,
+                outcome.ended,
+                row.get("fault") or "",
+                "; ".join(outcome.touched),
+                outcome.why,
+                again(run),
+            )
+            for run, outcome, row in odd[:_MOST_LISTED]
+        ],
+        marks[:_MOST_LISTED],
+    )
+    for run, outcome, _ in odd[:_MOST_LISTED]:
+        if outcome.traceback:
+            page.details(f"run {run.number}: traceback", outcome.traceback)
+
+
+def again(run: Run) -> str:
+    """The command that sails a run once more."""
+    words = ["boat-sitl", "sail", run.scenario, "--seed", str(run.seed)]
+    words += ["--case", run.case] if run.case else []
+    words += ["--course", run.course] if run.course else []
+    words += ["--mission", run.mission] if run.mission else []
+    words += ["--fence"] if run.fence else []
+    words += ["--linger", f"{run.linger_s:g}"] if run.linger_s else []
+    for key, value in leaves(run.settings):
+        words += ["--set", f"{key}={json.dumps(value)}"]
+    return shlex.join(words)
+
+
+def _is_grouping(name: str, table: Table) -> bool:
+    values = {str(row.get(name)) for row in table}
+    return name in table[0] and 1 < len(values) <= 12 if table else False
+
+
+def _mean(values: Sequence[Any]) -> float | None:
+    numbers = [float(value) for value in values if isinstance(value, bool | int | float)]
+    return fmean(numbers) if numbers else None
+
+
+def _tree(run: Run) -> dict[str, Any]:
+    return {name: getattr(run, name) for name in run.__struct_fields__}

@@ -1,0 +1,152 @@
+"""The pictures of a campaign: every run's figure by group, and where the boats went."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from mission_tools.cartouche import INK, PAPER, PLANNED, SAILED
+from sitl.campaign.expect import Expectation
+from sitl.campaign.run import Outcome
+from sitl.courses import COURSES
+
+_MOST_GROUPS = 24
+_MOST_TRACKS = 400
+_COLUMNS = 3
+_MET, _MISSED = "#2d7a3e", "#b3261e"
+
+Row = Mapping[str, Any]
+
+
+def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure | None:
+    """A dot a run and a bar for each group's mean, against the bound. None where no run has the figure."""
+    groups = [
+        (name, values)
+        for name, rows in groups_of(expectation, table)
+        if (values := _values(expectation.figure, rows))
+    ]
+    if not groups:
+        return None
+    groups = groups[:_MOST_GROUPS]
+    figure = Figure(figsize=(11.0, 0.42 * len(groups) + 1.5), facecolor=PAPER, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    axes.set_facecolor("white")
+    for place, (_, values) in enumerate(groups):
+        # Spread evenly over the row, in the runs' own order: a picture has no dice either.
+        heights = place + 0.28 * np.sin(2.4 * np.arange(len(values)))
+        axes.plot(values, heights, "o", ms=4.5, mfc=SAILED, mec="none", alpha=0.45)
+        axes.plot(
+            [np.mean(values)] * 2,
+            [place - 0.36, place + 0.36],
+            color=INK,
+            linewidth=2.6,
+            solid_capstyle="round",
+        )
+    for bound, side in ((expectation.at_most, 1.0), (expectation.at_least, -1.0)):
+        if bound is not None:
+            axes.axvline(bound, color=PLANNED, linewidth=1.4, linestyle="--")
+            word = f"  at most {bound:g}" if side > 0.0 else f"at least {bound:g}  "
+            axes.annotate(
+                word, (bound, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3),
+                textcoords="offset points", color=PLANNED, fontsize=9, ha="left" if side > 0.0 else "right",
+            )  # fmt: skip
+    axes.set_yticks(
+        range(len(groups)), [f"{name}  (n = {len(values)})" for name, values in groups], fontsize=9
+    )
+    axes.set_ylim(len(groups) - 0.4, -0.6)
+    axes.set_xlabel(expectation.figure, fontsize=9.5)
+    axes.grid(axis="x", color="#d8d2c4", linewidth=0.6)
+    for edge in ("top", "right", "left"):
+        axes.spines[edge].set_visible(False)
+    return figure
+
+
+def groups_of(expectation: Expectation, table: Sequence[Row]) -> list[tuple[str, list[Row]]]:
+    """The runs of each group that the expectation is about, by the group's name."""
+    each = (expectation.each,) if isinstance(expectation.each, str) else expectation.each
+    groups: dict[str, list[Row]] = {}
+    for row in table:
+        if expectation.is_about(row):
+            name = ", ".join(f"{column} {row.get(column)}" for column in each) or "all runs"
+            groups.setdefault(name, []).append(row)
+    return list(groups.items())
+
+
+def draw_tracks(named: Sequence[tuple[str, Sequence[Outcome]]]) -> Figure | None:
+    """Small charts side by side, each with every track of one group laid over the next; equal axes."""
+    named = [(name, [o for o in outcomes if len(o.track) > 1]) for name, outcomes in named]
+    named = [(name, outcomes) for name, outcomes in named if outcomes][: 2 * _COLUMNS]
+    if not named:
+        return None
+    rows = math.ceil(len(named) / _COLUMNS)
+    columns = min(len(named), _COLUMNS)
+    figure = Figure(figsize=(12.0, 4.1 * rows), dpi=110, facecolor=PAPER, layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for axes in panels.flat[len(named) :]:
+        axes.set_axis_off()
+    for axes, (name, outcomes) in zip(panels.flat, named, strict=False):
+        _draw_group(axes, name, outcomes)
+    return figure
+
+
+def _draw_group(axes: Axes, name: str, outcomes: Sequence[Outcome]) -> None:
+    axes.set_facecolor("#eaf3f8")
+    course = COURSES.get(name.split(",", maxsplit=1)[0], ())
+    if course:
+        axes.plot(
+            [p.east_m for p in course], [p.north_m for p in course], color=PLANNED, linewidth=1.2, alpha=0.7
+        )
+    for colour, picked in ((SAILED, True), (_MISSED, False)):
+        lines = [o.track for o in outcomes[:_MOST_TRACKS] if (o.ended == "completed") is picked]
+        axes.add_collection(
+            LineCollection(lines, colors=colour, linewidths=0.9, alpha=max(0.2, 1.0 / len(outcomes) ** 0.5))
+        )
+    axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_title(f"{name}: {len(outcomes)} runs", fontsize=10, color=INK, loc="left")
+    axes.tick_params(labelsize=7.5)
+    axes.grid(color="white", linewidth=0.7)
+    axes.set_xlabel("east, m", fontsize=8)
+    axes.set_ylabel("north, m", fontsize=8)
+
+
+def draw_clearances(table: Sequence[Row]) -> Figure | None:
+    """How near the boats came to shore or obstacle, by the current; None on open water."""
+    rows = [row for row in table if isinstance(row.get("min_clearance_m"), float)]
+    if not rows:
+        return None
+    figure = Figure(figsize=(11.0, 4.2), facecolor=PAPER, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    axes.set_facecolor("white")
+    for word, colour, is_faulty in (("no fault", SAILED, False), ("one fault", "#d08a2e", True)):
+        picked = [row for row in rows if bool(row.get("fault")) is is_faulty]
+        if picked:
+            axes.plot(
+                [row["current_m_s"] for row in picked], [row["min_clearance_m"] for row in picked], "o",
+                ms=4.5, mec="none", mfc=colour, alpha=0.55, label=f"{word} (n = {len(picked)})",
+            )  # fmt: skip
+    touched = [row for row in rows if row.get("touched")]
+    axes.plot(
+        [row["current_m_s"] for row in touched], [row["min_clearance_m"] for row in touched], "x",
+        color=_MISSED, ms=8, mew=1.8, label=f"touched (n = {len(touched)})",
+    )  # fmt: skip
+    axes.set_ylim(bottom=-0.15)
+    axes.set_xlabel("current, m/s", fontsize=9.5)
+    axes.set_ylabel("nearest to shore or obstacle, m", fontsize=9.5)
+    axes.legend(fontsize=9, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
+    axes.grid(color="#d8d2c4", linewidth=0.6)
+    for edge in ("top", "right"):
+        axes.spines[edge].set_visible(False)
+    return figure
+
+
+def _values(figure: str, rows: Sequence[Row]) -> list[float]:
+    return [float(value) for row in rows if isinstance(value := row.get(figure), bool | int | float)]
