@@ -12,6 +12,7 @@ from companion.vehicle.fence import Fence
 from companion.vehicle.intent import Drive, FollowCircle, FollowLeg, HoldCourse, Intent, KeepStation, Stop
 from companion.vehicle.notice import Notice, Severity
 
+_AVOID_FENCE = 1  # of avoidance.enable
 _GAIN_M_S = 0.5  # speed that the boat may have won before the next look
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
 _SET_S = 2.0  # the water carries the boat on for so long before they hold against it
@@ -54,6 +55,8 @@ class FenceBrake:
     ) -> Demand | Drive | Stop:
         """The same, braked. intent is what was asked for, before `hold`."""
         if not fence.is_active or nav is None or isinstance(steered, Stop):
+            return steered
+        if not config.avoidance.enable & _AVOID_FENCE:
             return steered
         reach_m = _reach_m(math.hypot(nav.north_m_s, nav.east_m_s) + _GAIN_M_S, config)
         if not fence.is_within(nav.point, reach_m) or nav.position_age_s > config.motors.estimate_timeout_s:

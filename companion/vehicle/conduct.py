@@ -1,13 +1,17 @@
 """What the boat does in each mode: whether it can, how it begins, and what it sails now."""
 
 import math
+from itertools import pairwise
 
+from companion.config import BoatConfig
 from companion.estimation.health import lacks_position
-from companion.geo import LatLon
+from companion.geo import LatLon, LocalFrame
 from companion.requests import SetPoint
+from companion.state import NavState
 from companion.vehicle.fence import Fence
 from companion.vehicle.following import Following
 from companion.vehicle.intent import HoldHeading, Intent, KeepStation, Stop
+from companion.vehicle.mission_check import MissionCheck
 from companion.vehicle.mission_progress import MissionProgress
 from companion.vehicle.mission_steps import GoRound, Waypoint
 from companion.vehicle.modes import Mode
@@ -35,6 +39,7 @@ class Conduct:
         self.following = Following()
         self.notices: list[Notice] = []
         self.stemming: HoldHeading | None = None  # LOITER without a position: no more than heading and thrust
+        self.mission_check = MissionCheck(self.notices)
         self._fence = fence
         self.way_home = WayHome(fence, self.notices)
         self._way_back = WayBack(self.trail)
@@ -43,16 +48,24 @@ class Conduct:
         self._set_point_s = -math.inf
         self._lost_lead = False
 
+    def prepare(self, frame: LocalFrame, home: LatLon | None, config: BoatConfig, nav: NavState) -> None:
+        """What takes longer than a tick goes on: the way home, and a look through the mission."""
+        self.way_home.prepare(frame, home, config, nav)
+        self.mission_check.advance(self.progress.mission, self._fence, frame)
+
     def fault(self, mode: Mode, now: Situation) -> str:
         """What a mode that steers by the position lacks; empty when it can be entered."""
-        if mode is Mode.AUTO and self.progress.is_empty:
-            return "no mission"
+        if mode is Mode.AUTO:
+            return "no mission" if self.progress.is_empty else self.mission_check.fault
         if mode is Mode.RTL and now.home is None and not self.way_home.rally:
             return "no home"
         if mode is Mode.SMART_RTL:
             if self.trail.is_lost:
                 return f"the track is longer than SRTL_POINTS {now.config.modes.trail_points}"
-            return "" if self.trail.points else "no track, the boat was not armed"
+            if not self.trail.points:
+                return "no track, the boat was not armed"
+            leaves = any(self._fence.crosses(one, other) for one, other in pairwise(self.trail.points))
+            return "the track leaves the fence" if leaves else ""
         if mode is Mode.FOLLOW:
             return self.following.fault(now.nav, now.frame, now.config.follow, now.now_s)
         return ""

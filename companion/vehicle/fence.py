@@ -111,6 +111,11 @@ class Fence:
         self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
         return margin_m
 
+    def allows(self, point: Point) -> bool:
+        """Whether a place is in the allowed water."""
+        north_m, east_m = point
+        return all(area.contains(north_m, east_m) is area.is_inclusion for area in self.areas)
+
     def inside(self, point: Point, margin_m: float) -> Point:
         """The nearest place with so much margin, or with as much as is found; the point itself if it has it.
 

@@ -86,6 +86,8 @@ def _set_current(vehicle: "Vehicle", request: SetCurrentItem) -> Outcome:
 
 
 def _go_to(vehicle: "Vehicle", request: GoTo) -> Outcome:
+    if vehicle.frame is not None and not vehicle.fence.allows(vehicle.frame.to_local(request.position)):
+        return vehicle.refuse("Go to: outside the fence")
     if not vehicle.conduct.is_guided(vehicle.mode):
         if not request.change_mode:
             return vehicle.refuse("Go to: not in GUIDED")

@@ -74,7 +74,7 @@ class Vehicle:
             self.home = frame.to_global(nav.point)
         self.fence.lay(frame, self.home, self.config.fence)
         if nav is not None and frame is not None:
-            self.conduct.way_home.prepare(frame, self.home, self.config, nav)
+            self.conduct.prepare(frame, self.home, self.config, nav)
 
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""

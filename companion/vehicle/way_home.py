@@ -85,6 +85,11 @@ class WayHome:
         elif self._field is not None and not self._field.is_complete:
             self._field.advance()
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether the field is complete, or none is needed."""
+        return self._basis is not None and (self._field is None or self._field.is_complete)
+
     def home_distance_m(self, point: Point) -> float:
         """How far it is home by the water, as well as is known: at least the straight line."""
         straight_m = min((distance_m(point, goal) for goal in self._goals), default=0.0)
