@@ -150,7 +150,7 @@ def load_scenario(
         thrusters=tree.thrusters,
         battery=tree.battery,
         sensors=tree.sensors,
-        environment=tree.environment,
+        environment=tree.environment.beside(path.parent),
         vehicle=_vehicle(tree.vehicle, layers),
         link=tree.link,
         movers=tree.movers,

@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 from companion.units import wrap_pi
 from sitl.battery import Pack
+from sitl.contact import Contact
 from sitl.drive import Thrusters
 from sitl.electronics import Electronics
-from sitl.environment import Wind
+from sitl.environment import Current, Waves, Wind
 from sitl.movers import Movers
 from sitl.scenario import Scenario
 from sitl.shore import Shore
@@ -33,8 +34,9 @@ class Truth(NamedTuple):
 
     Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
     water, ahead and to starboard; north_m_s and east_m_s over ground; grounded: it touched the shore within
-    the last second. Current and wind are the velocities of water and air over ground at the boat; the
-    commands are those that stand at the motors, −1..1; voltage and current are the pack's.
+    the last second, or sticks there. Current and wind are the velocities of water (averaged over the waves)
+    and air over ground at the boat; the commands are those that stand at the motors, −1..1; voltage and
+    current are the pack's.
     """
 
     time_s: float
@@ -66,21 +68,26 @@ class World:
         """Put the boat at its start, at rest through the water, motors stopped, sensors sampled once."""
         seed = scenario.seed
         self.scenario = scenario
-        self.shore = Shore(scenario.chart, max(1.0, scenario.sensors.sonar.max_range_m))
+        hull, weather, start = scenario.hull, scenario.environment, scenario.start
+        self.shore = Shore(scenario.chart, max(1.0, hull.length_m, scenario.sensors.sonar.max_range_m))
         self.tick = 0
         self.groundings = 0
-        self._room_m = 0.0
         self._touched_s = -math.inf
-        self._current_n = scenario.environment.current_north_m_s
-        self._current_e = scenario.environment.current_east_m_s
-        self._vessel = Vessel(
-            scenario.hull, scenario.start.north_m, scenario.start.east_m, scenario.heading_rad
+        self._current = Current(weather)
+        self._current_n, self._current_e = self._current.at(start.north_m, start.east_m, 0.0)
+        self.wind = Wind(weather, seed)
+        self.waves = Waves(weather, hull.length_m, seed)
+        self._is_open = not (self._current.is_uniform and self.waves.is_calm)
+        self._flow_n, self._flow_e = (
+            self._current_n + self.waves.north_m_s,
+            self._current_e + self.waves.east_m_s,
         )
-        self.wind = Wind(scenario.environment, seed)
-        self._windage = Windage(scenario.hull.windage, scenario.hull.length_m)
+        self._vessel = Vessel(hull, start.north_m, start.east_m, scenario.heading_rad)
+        self._windage = Windage(hull.windage, hull.length_m)
         self._thrusters = Thrusters(scenario.thrusters)
         self._pack = Pack(scenario.battery)
         self.movers = Movers(scenario.movers)
+        self._contact = Contact(hull, self.shore, self.movers, weather.shore_hold_n)
         self.electronics = Electronics(
             scenario,
             self.shore,
@@ -93,7 +100,7 @@ class World:
         self._motors = self.electronics.motors
         self._since_tick, self._since_s, self._dt_s = 0, 0.0, math.nan
         self.truth = self._observe(0.0)
-        self.electronics.sense(self.truth)
+        self.electronics.sense(self.truth, self.waves.height_m)
 
     @property
     def time_s(self) -> float:
@@ -122,54 +129,59 @@ class World:
             # Time is counted, not summed: it is tick × dt exactly for as long as dt stays the same.
             self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
         self.tick += 1
-        motors, vessel = self._motors, self._vessel
-        north_m, east_m = vessel.north_m, vessel.east_m
-        force_n, moment_nm = self._thrusters.step(
-            motors.left, motors.right, self._pack.supply_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, dt_s
+        motors, vessel, pack = self._motors, self._vessel, self._pack
+        north_m, east_m, heading_rad = vessel.north_m, vessel.east_m, vessel.heading_rad
+        surge_n, yaw_nm = self._thrusters.step(
+            motors.left, motors.right, pack.supply_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, dt_s
         )
-        self._pack.step(self._thrusters.current_a, dt_s)
-        if self.wind.is_calm:
-            vessel.step(force_n, 0.0, moment_nm, self._current_n, self._current_e, dt_s)
-        else:
+        pack.step(self._thrusters.current_a, dt_s)
+        sway_n = 0.0
+        if self._is_open:
+            yaw_nm += self._flow(dt_s)
+        if not self.wind.is_calm:
             self.wind.step(self.time_s)
-            surge_n, sway_n, yaw_nm = self._wind_force()
-            vessel.step(force_n + surge_n, sway_n, moment_nm + yaw_nm, self._current_n, self._current_e, dt_s)
+            ahead_n, sway_n, turning_nm = self._wind_force()
+            surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
+        vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
-        if self._meets_shore(north_m, east_m) or (self.movers and self._meets_mover(time_s)):
-            vessel.run_aground(north_m, east_m, self._current_n, self._current_e)
+        if self._contact.meets(
+            vessel, north_m, east_m, heading_rad, self._flow_n, self._flow_e, dt_s, time_s
+        ):
             self.groundings += not self.truth.grounded
             self._touched_s = time_s
         self.truth = truth = self._observe(time_s)
-        self.electronics.sense(truth)
+        self.electronics.sense(truth, self.waves.height_m)
         return truth
+
+    def _flow(self, dt_s: float) -> float:
+        """Let the current and waves of here and now carry the hull; the moment with which they turn it."""
+        vessel, waves, time_s = self._vessel, self.waves, self.time_s
+        if not self._current.is_uniform:
+            north_m, east_m = vessel.north_m, vessel.east_m
+            north_m_s, east_m_s = self._current.at(north_m, east_m, time_s)
+            # What it would be here, had the hull not made way through the water in the last step.
+            was_north_m_s, was_east_m_s = self._current.at(
+                north_m - dt_s * vessel.water_north_m_s, east_m - dt_s * vessel.water_east_m_s, time_s
+            )
+            vessel.feel(north_m_s - was_north_m_s, east_m_s - was_east_m_s)
+            self._current_n, self._current_e = north_m_s, east_m_s
+        if waves.is_calm:
+            self._flow_n, self._flow_e = self._current_n, self._current_e
+            return 0.0
+        turning = waves.yaw_rate_rad_s
+        waves.step(time_s, vessel.north_m, vessel.east_m, vessel.cos, vessel.sin)
+        self._flow_n, self._flow_e = self._current_n + waves.north_m_s, self._current_e + waves.east_m_s
+        self._thrusters.dip(waves.stern_m)
+        return vessel.inertia[2] * (waves.yaw_rate_rad_s - turning) / dt_s
 
     def _wind_force(self) -> tuple[float, float, float]:
         """Surge force, sway force and yaw moment of the air that moves past the hull."""
-        truth, wind, heading = self.truth, self.wind, self._vessel.heading_rad
+        truth, wind, cos, sin = self.truth, self.wind, self._vessel.cos, self._vessel.sin
         north_m_s, east_m_s = wind.north_m_s - truth.north_m_s, wind.east_m_s - truth.east_m_s
-        cos, sin = math.cos(heading), math.sin(heading)
         return self._windage.force(north_m_s * cos + east_m_s * sin, east_m_s * cos - north_m_s * sin)
-
-    def _meets_shore(self, north_m: float, east_m: float) -> bool:
-        """Whether the way from there to where the hull is now touches the shore.
-
-        The distance to the shore, once measured, need not be measured again before that much way is made.
-        """
-        vessel = self._vessel
-        self._room_m -= math.hypot(vessel.north_m - north_m, vessel.east_m - east_m)
-        if self._room_m > 0.0:
-            return False
-        if self.shore.is_crossed(east_m, north_m, vessel.east_m, vessel.north_m):
-            return True
-        self._room_m = self.shore.room_m(vessel.east_m, vessel.north_m)
-        return False
-
-    def _meets_mover(self, time_s: float) -> bool:
-        return self.movers.gap_m(self._vessel.east_m, self._vessel.north_m, time_s) <= 0.0
 
     def _observe(self, time_s: float) -> Truth:
         vessel = self._vessel
-        north_m_s, east_m_s = vessel.velocity_m_s(self._current_n, self._current_e)
         return Truth(
             time_s,
             vessel.north_m,
@@ -178,13 +190,13 @@ class World:
             vessel.surge_m_s,
             vessel.sway_m_s,
             vessel.yaw_rate_rad_s,
-            north_m_s,
-            east_m_s,
+            vessel.water_north_m_s + self._flow_n,
+            vessel.water_east_m_s + self._flow_e,
             self._thrusters.left.thrust_n,
             self._thrusters.right.thrust_n,
             time_s - self._touched_s < GROUNDED_S,
-            self._current_n,
-            self._current_e,
+            self._current_n + self.waves.drift_north_m_s,
+            self._current_e + self.waves.drift_east_m_s,
             self.wind.north_m_s,
             self.wind.east_m_s,
             self._motors.left,

@@ -51,10 +51,11 @@ class PropellerParameters(Section, frozen=True):
 class Propeller:
     """Its four coefficients over the shaft's speed ω in rad/s.
 
-    Thrust = thrust_nn ω|ω| − thrust_nu |ω| u_a in N, torque = torque_nn ω|ω| − torque_nu |ω| u_a in N m.
+    Thrust = thrust_nn ω|ω| − thrust_nu |ω| u_a in N, torque = torque_nn ω|ω| − torque_nu |ω| u_a in N m;
+    astern, astern_nn takes the place of thrust_nn.
     """
 
-    __slots__ = ("astern_share", "thrust_nn", "thrust_nu", "torque_nn", "torque_nu")
+    __slots__ = ("astern_nn", "thrust_nn", "thrust_nu", "torque_nn", "torque_nu")
 
     def __init__(self, parameters: PropellerParameters) -> None:
         area = WATER_KG_M3 * parameters.diameter_m**3
@@ -67,4 +68,4 @@ class Propeller:
         self.thrust_nu = thrust * _PER_RADIAN / parameters.zero_thrust_advance
         self.torque_nn = torque * turned
         self.torque_nu = torque * _PER_RADIAN / parameters.zero_torque_advance
-        self.astern_share = parameters.astern_share
+        self.astern_nn = parameters.astern_share * self.thrust_nn

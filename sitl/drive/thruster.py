@@ -23,7 +23,6 @@ from sitl.drive.bridge import BridgeParameters
 from sitl.drive.motor import MotorParameters
 from sitl.drive.propeller import Propeller, PropellerParameters
 
-_AT_REST_RAD_S = 1e-6
 _WEED_TORQUE = 1.1  # of the stall torque, for a propeller that is wholly overgrown
 
 
@@ -37,58 +36,57 @@ class ThrusterParameters(Section, frozen=True):
 
 
 class Thruster:
-    """Its state is the shaft's speed_rad_s; thrust_n, the propeller's torque_nm and current_a follow from it.
+    """Its state is the shaft's speed_rad_s; thrust_n, motor_a and current_a follow from it.
 
-    current_a is drawn from the pack. Faults reach it by gain, a factor on the command (0 is dead, −1 wired
-    the wrong way round), and by weed, 0..1, which drags on the propeller until the motor stalls, and takes
-    thrust. grip is the share of the propeller that is in the water.
+    motor_a flows in the motor, in the drive's direction; current_a is drawn from the pack. Faults reach it
+    by gain, a factor on the command (0 is dead, −1 wired the wrong way round), and by weed, 0..1, which
+    drags on the propeller until the motor stalls, and takes thrust. grip is the share of the propeller that
+    is in the water.
     """
 
     __slots__ = (
-        "_back_emf", "_brake", "_churning", "_drop_v", "_friction_nm", "_inertia", "_propeller",
-        "_resistance", "current_a", "gain", "grip", "motor_a", "speed_rad_s", "thrust_n", "torque_nm",
-        "weed",
+        "_brake", "_constants", "_friction_nm", "_propeller", "_stall_nm_per_v",
+        "current_a", "gain", "grip", "motor_a", "speed_rad_s", "thrust_n", "weed",
     )  # fmt: skip
 
     def __init__(self, parameters: ThrusterParameters) -> None:
         """Start at rest."""
         motor, bridge = parameters.motor, parameters.bridge
-        self._back_emf, self._inertia, self._churning = (
-            motor.back_emf_v_s,
-            motor.inertia_kg_m2,
-            motor.churning,
-        )
-        self._resistance = motor.resistance_ohm + bridge.resistance_ohm
-        self._drop_v, self._brake = bridge.drop_v, bridge.brake
+        conductance = 1.0 / (motor.resistance_ohm + bridge.resistance_ohm)
+        self._brake, self._propeller = bridge.brake, Propeller(parameters.propeller)
         self._friction_nm = motor.back_emf_v_s * motor.no_load_a
-        self._propeller = Propeller(parameters.propeller)
-        self.speed_rad_s = self.thrust_n = self.torque_nm = self.motor_a = self.current_a = 0.0
+        self._stall_nm_per_v = motor.back_emf_v_s * conductance
+        self._constants = (
+            motor.back_emf_v_s, conductance, bridge.drop_v, motor.inertia_kg_m2, motor.churning,
+            self._propeller.torque_nn, self._propeller.torque_nu,
+        )  # fmt: skip
+        self.speed_rad_s = self.thrust_n = self.motor_a = self.current_a = 0.0
         self.gain = self.grip = 1.0
         self.weed = 0.0
 
     def step(self, command: float, supply_v: float, advance_m_s: float, dt_s: float) -> None:
         """Hold a command for dt_s, at the pack's voltage, in water that comes from ahead with advance_m_s."""
-        speed = self.speed_rad_s
-        if command == 0.0 and -_AT_REST_RAD_S < speed < _AT_REST_RAD_S:
-            self.speed_rad_s = self.thrust_n = self.torque_nm = self.motor_a = self.current_a = 0.0
+        speed, share, water_m_s = self.speed_rad_s, command * self.gain, advance_m_s
+        if share == 0.0 and speed == 0.0:
+            self.motor_a = self.current_a = 0.0
             return
-        back_emf, propeller = self._back_emf, self._propeller
-        drive = command * self.gain
-        share = drive if drive >= 0.0 else -drive
-        emf = back_emf * speed if drive >= 0.0 else -back_emf * speed  # in the drive's direction
+        astern = share < 0.0
+        if astern:  # mirrored, so that the drive is positive below
+            speed, share, water_m_s = -speed, -share, -advance_m_s
+        back_emf, conductance, drop_v, inertia, churning, torque_nn, torque_nu = self._constants
+        grip = self.grip
 
-        # Current in the drive's direction, and how it falls as the shaft speeds up.
-        conductance = 1.0 / self._resistance
+        # The current, and how its torque falls as the shaft speeds up.
         if self._brake:
-            over_v = share * supply_v - emf
-            if over_v > self._drop_v:
-                over_v -= self._drop_v
-            elif over_v < -self._drop_v:
-                over_v += self._drop_v
+            over_v = share * supply_v - back_emf * speed
+            if over_v > drop_v:
+                over_v -= drop_v
+            elif over_v < -drop_v:
+                over_v += drop_v
             else:
                 over_v = conductance = 0.0
         else:
-            over_v = supply_v - self._drop_v - emf
+            over_v = supply_v - drop_v - back_emf * speed
             conductance *= share
             if over_v < 0.0:
                 over_v = conductance = 0.0
@@ -96,15 +94,15 @@ class Thruster:
 
         # The shaft.
         size = speed if speed >= 0.0 else -speed
-        nn, nu = propeller.torque_nn * self.grip, propeller.torque_nu * self.grip * advance_m_s
-        nn += self._churning
-        load_nm = nn * speed * size - nu * size
-        slope = back_emf * back_emf * conductance + 2.0 * nn * size - (nu if speed >= 0.0 else -nu)
-        lag = dt_s / (self._inertia + dt_s * (slope if slope > 0.0 else 0.0))
-        speed += lag * (back_emf * (current if drive >= 0.0 else -current) - load_nm)
+        torque_nn = torque_nn * grip + churning
+        torque_nu *= grip * water_m_s
+        slope = back_emf * back_emf * conductance + 2.0 * torque_nn * size
+        slope -= torque_nu if speed >= 0.0 else -torque_nu
+        lag = dt_s / (inertia + dt_s * slope) if slope > 0.0 else dt_s / inertia
+        speed += lag * (back_emf * current - (torque_nn * speed - torque_nu) * size)
         hold = self._friction_nm
         if self.weed > 0.0:
-            hold += self.weed * _WEED_TORQUE * back_emf * supply_v / self._resistance
+            hold += self.weed * _WEED_TORQUE * self._stall_nm_per_v * supply_v
         hold *= lag
         if speed > hold:
             speed -= hold
@@ -112,27 +110,33 @@ class Thruster:
             speed += hold
         else:
             speed = 0.0
-        self.speed_rad_s = speed
 
         # What comes of it.
-        size = speed if speed >= 0.0 else -speed
-        thrust = propeller.thrust_nn * speed * size
-        if speed < 0.0:
-            thrust *= propeller.astern_share
-        self.thrust_n = (thrust - propeller.thrust_nu * size * advance_m_s) * self.grip * (1.0 - self.weed)
-        self.torque_nm = self.grip * size * (propeller.torque_nn * speed - propeller.torque_nu * advance_m_s)
         self.motor_a = current
         self.current_a = share * current if current > 0.0 else 0.0
+        self.speed_rad_s = speed = -speed if astern else speed
+        propeller = self._propeller
+        if speed >= 0.0:
+            thrust_n = speed * (propeller.thrust_nn * speed - propeller.thrust_nu * advance_m_s)
+        else:
+            thrust_n = speed * (propeller.thrust_nu * advance_m_s - propeller.astern_nn * speed)
+        self.thrust_n = thrust_n * grip * (1.0 - self.weed)
+
+    def torque_nm(self, advance_m_s: float) -> float:
+        """What the propeller takes from the shaft as it turns now."""
+        speed, propeller = self.speed_rad_s, self._propeller
+        return self.grip * abs(speed) * (propeller.torque_nn * speed - propeller.torque_nu * advance_m_s)
 
 
 class Thrusters:
     """The pair."""
 
-    __slots__ = ("_arm_m", "left", "right")
+    __slots__ = ("_arm_m", "_depth_m", "_tip_m", "left", "right")
 
     def __init__(self, parameters: ThrusterParameters) -> None:
         """Start at rest."""
         self._arm_m = 0.5 * parameters.apart_m
+        self._depth_m, self._tip_m = parameters.propeller.depth_m, 0.5 * parameters.propeller.diameter_m
         self.left = Thruster(parameters)
         self.right = Thruster(parameters)
 
@@ -151,3 +155,13 @@ class Thrusters:
     def current_a(self) -> float:
         """What both motors draw from the pack."""
         return self.left.current_a + self.right.current_a
+
+    def dip(self, above_m: float) -> None:
+        """The water stands so much higher over the shafts than at rest. Near the surface they suck air.
+
+        The share of thrust that is left falls from 1 at a depth of 1.3 radii to 0 where the disc is out of
+        the water, about as K. Minsaas, O. Faltinsen and B. Persson measured (*On the importance of added
+        resistance, propeller immersion and propeller ventilation for large ships in a seaway*, PRADS 1983).
+        """
+        share = (self._depth_m + above_m + self._tip_m) / (2.3 * self._tip_m)
+        self.left.grip = self.right.grip = 0.0 if share < 0.0 else min(share, 1.0)

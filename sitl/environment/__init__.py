@@ -1,6 +1,8 @@
-"""What surrounds the hull: the water's own motion and the wind."""
+"""What surrounds the hull: the water's own motion, wind and waves."""
 
-from sitl.environment.settings import Environment
+from sitl.environment.current import Current
+from sitl.environment.settings import Environment, Gyre, River, Tide
+from sitl.environment.waves import Waves
 from sitl.environment.wind import Wind
 
-__all__ = ["Environment", "Wind"]
+__all__ = ["Current", "Environment", "Gyre", "River", "Tide", "Waves", "Wind"]

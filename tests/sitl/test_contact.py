@@ -1,0 +1,154 @@
+"""The hull against shore and movers: scraping, stopping, sticking, never through."""
+
+import math
+import random
+
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sitl.contact import Touch, blow
+from sitl.scenario import load_scenario
+from sitl.vessel import Vessel
+from sitl.world import Truth, World
+
+DT_S = 0.02
+LAKE = load_scenario("open").hull
+BASIN = (
+    "map={water=[[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]]}",
+    "sensors.sonar.fitted=false",
+)
+
+
+def basin(*settings: str) -> World:
+    return World(load_scenario("open", [*BASIN, *settings]))
+
+
+def drive(water: World, left: float, right: float, for_s: float) -> Truth:
+    water.hardware.motors.write(left, right)
+    for _ in range(round(for_s / DT_S)):
+        water.step(DT_S)
+    return water.truth
+
+
+def outline(truth: Truth, length_m: float = 1.0, beam_m: float = 0.35) -> shapely.Polygon:
+    half, side = 0.5 * length_m, 0.5 * beam_m
+    cos, sin = math.cos(truth.heading_rad), math.sin(truth.heading_rad)
+    corners = [(half, 0.0), (0.0, side), (-half, 0.6 * side), (-half, -0.6 * side), (0.0, -side)]
+    return shapely.Polygon(
+        [(truth.east_m + x * sin + y * cos, truth.north_m + x * cos - y * sin) for x, y in corners]
+    )
+
+
+def test_the_bow_not_the_centre_meets_the_wall() -> None:
+    truth = drive(basin("boat.start=[0.0, 15.0]"), 0.6, 0.6, 15.0)
+    assert truth.grounded
+    assert truth.north_m == pytest.approx(19.5, abs=1e-3)
+
+
+def test_a_boat_that_strikes_at_an_angle_slides_on_along_the_wall() -> None:
+    water = basin("boat.start=[0.0, 17.0]", "boat.heading_deg=70")
+    truth = drive(water, 0.6, 0.6, 9.0)
+    assert truth.grounded
+    assert truth.east_m > 8.0
+    assert truth.east_m_s > 0.5
+
+
+def test_friction_slows_a_hull_that_scrapes_along() -> None:
+    free = drive(basin("boat.start=[-15.0, 0.0]", "boat.heading_deg=80"), 0.6, 0.6, 10.0)
+    scraping = drive(basin("boat.start=[-15.0, 19.0]", "boat.heading_deg=80"), 0.6, 0.6, 10.0)
+    assert scraping.grounded
+    assert scraping.east_m < free.east_m - 0.5
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_corner_of_the_hull_ever_gets_out_of_the_basin(seed: int) -> None:
+    helm = random.Random(seed)
+    water = basin(
+        "map.obstacles=[{name='pile', circle={centre=[0.0, 6.0], radius_m=0.2}}]",
+        "environment.current_m_s=0.5", "environment.current_to_deg=30",
+    )  # fmt: skip
+    inside = water.scenario.chart.water.buffer(1e-9)
+    for _ in range(40):
+        truth = drive(water, helm.uniform(-1.0, 1.0), helm.uniform(-1.0, 1.0), 2.0)
+        assert inside.contains(outline(truth))
+    assert water.groundings > 0
+
+
+def test_a_boat_that_is_set_upon_a_wall_lies_there_and_can_leave() -> None:
+    set_north = ("environment.current_m_s=0.4", "environment.current_to_deg=0")
+    water = basin("boat.start=[0.0, 18.0]", "boat.heading_deg=90", *set_north)
+    lying = drive(water, 0.0, 0.0, 30.0)
+    assert lying.grounded
+    assert abs(lying.north_m_s) < 0.03  # it rubs
+    while drive(water, 1.0, -1.0, 0.1).heading_rad < 2.6:  # its stern scrapes meanwhile
+        assert water.time_s < 40.0
+    left = drive(water, 0.9, 0.9, 5.0)
+    assert not left.grounded
+    assert left.north_m < lying.north_m - 2.0
+
+
+PULL = st.floats(-3.0, 3.0)
+
+
+@given(
+    u=PULL, v=PULL, r=PULL, ahead_m=st.floats(-0.5, 0.5), starboard_m=st.floats(-0.2, 0.2),
+    angle=st.floats(-math.pi, math.pi),
+)  # fmt: skip
+def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
+    u: float, v: float, r: float, ahead_m: float, starboard_m: float, angle: float
+) -> None:
+    vessel = Vessel(LAKE)
+    vessel.move(u, v, r)
+    before_j = vessel.energy_j
+    normal = math.cos(angle), math.sin(angle)
+    into = normal[0] * (u - r * starboard_m) + normal[1] * (v + r * ahead_m)
+    blow(vessel, Touch(ahead_m, starboard_m, *normal), 0.0, 0.0)
+    assert vessel.energy_j <= before_j * (1.0 + 1e-12) + 1e-12
+    if into >= 0.0:
+        assert vessel.energy_j == before_j
+    else:
+        assert vessel.energy_j < before_j or into > -1e-6
+
+
+def test_a_frictionless_central_blow_only_stops_what_goes_into_the_wall() -> None:
+    vessel = Vessel(LAKE)
+    vessel.move(2.0, 0.0, 0.0)
+    blow(vessel, Touch(0.5, 0.0, -1.0, 0.0), 0.0, 0.0)
+    assert (vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s) == (0.0, 0.0, 0.0)
+
+
+def test_a_blow_at_the_bow_turns_the_boat_away() -> None:
+    vessel = Vessel(LAKE)
+    vessel.move(2.0, 0.0, 0.0)
+    normal = -math.sin(0.5), -math.cos(0.5)  # a wall to starboard ahead
+    blow(vessel, Touch(0.5, 0.0, *normal), 0.0, 0.0)
+    assert vessel.yaw_rate_rad_s < -0.1
+
+
+def test_a_soft_shore_holds_the_boat_until_the_pull_is_strong_enough() -> None:
+    water = basin("boat.start=[0.0, 18.0]", "boat.heading_deg=0", "environment.shore_hold_n=3.0")
+    stuck = drive(water, 0.6, 0.6, 10.0)
+    assert (stuck.grounded, stuck.north_m_s, stuck.east_m_s, stuck.yaw_rate_rad_s) == (True, 0.0, 0.0, 0.0)
+    weak = drive(water, -0.5, -0.5, 5.0)
+    assert weak[1:4] == stuck[1:4]
+    assert weak.grounded
+    free = drive(water, -1.0, -1.0, 5.0)
+    assert free.north_m < stuck.north_m - 1.0
+    assert not free.grounded
+    assert water.groundings == 1
+
+
+def test_a_mover_that_comes_upon_a_lying_boat_counts_one_touch_and_passes() -> None:
+    mover = "movers=[{start=[-5.0, 0.0], velocity_m_s=[1.0, 0.0], radius_m=0.5}]"
+    water = basin(mover)
+    touched_s: list[float] = []
+    for _ in range(round(15.0 / DT_S)):
+        truth = water.step(DT_S)
+        if truth.grounded and not touched_s:
+            touched_s.append(truth.time_s)
+    # Its edge reaches the boat's side, 17.5 cm off the centre, after (5 − 0.5 − 0.175) m.
+    assert touched_s == [pytest.approx(4.325, abs=0.05)]
+    assert water.groundings == 1
+    assert not water.truth.grounded

@@ -1,0 +1,94 @@
+"""Waves: their height, their drift, and what they do to hull and propellers."""
+
+import math
+import statistics
+
+import pytest
+
+from sitl.environment import Environment, Waves
+from sitl.scenario import load_scenario
+from sitl.world import Truth, World
+
+DT_S = 0.02
+SEA = Environment(wave_height_m=0.3, wave_period_s=2.5, wave_from_deg=0.0)
+
+
+def watch(waves: Waves, for_s: float) -> list[tuple[float, float, float, float]]:
+    out = []
+    for tick in range(round(for_s / 0.1)):
+        waves.step(tick * 0.1, 0.0, 0.0, 1.0, 0.0)
+        out.append((waves.heave_m, waves.north_m_s, waves.east_m_s, waves.yaw_rate_rad_s))
+    return out
+
+
+def test_the_significant_height_is_four_standard_deviations() -> None:
+    heaves = [one[0] for seed in range(10) for one in watch(Waves(SEA, 0.01, seed), 300.0)]
+    assert 4.0 * statistics.pstdev(heaves) == pytest.approx(0.3, rel=0.05)
+
+
+def test_waves_run_to_where_they_do_not_come_from_and_carry_the_boat_there() -> None:
+    waves = Waves(SEA, 0.01, 1)
+    assert waves.drift_north_m_s < -0.02
+    assert abs(waves.drift_east_m_s) < 0.4 * abs(waves.drift_north_m_s)
+    assert statistics.fmean(one[1] for one in watch(waves, 1000.0)) == pytest.approx(
+        waves.drift_north_m_s, abs=0.005
+    )
+
+
+def test_a_long_hull_averages_short_waves_out() -> None:
+    short = Environment(wave_height_m=0.05, wave_period_s=0.8)
+    small, large = (
+        statistics.pstdev(one[1] for one in watch(Waves(short, length_m, 1), 200.0))
+        for length_m in (0.1, 3.0)
+    )
+    assert large < 0.3 * small
+
+
+def test_waves_from_ahead_do_not_turn_the_boat_but_those_from_the_bow_quarter_do() -> None:
+    waves = Waves(Environment(wave_height_m=0.3, wave_period_s=2.5, wave_from_deg=45.0), 1.0, 1)
+    yaw = [one[3] for one in watch(waves, 200.0)]
+    assert statistics.pstdev(yaw) > 0.02
+    assert abs(statistics.fmean(yaw)) < 0.01
+
+
+def test_a_breaking_sea_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"wave_height_m = 0\.5: expected at most 0\.1 with waves of 1 s"):
+        Environment(wave_height_m=0.5, wave_period_s=1.0)
+
+
+def sailed(*settings: str, throttle: float, for_s: float) -> list[Truth]:
+    water = World(load_scenario("open", ["sensors.sonar.fitted=false", *settings]))
+    water.hardware.motors.write(throttle, throttle)
+    return [water.step(DT_S) for _ in range(round(for_s / DT_S))]
+
+
+WAVES = ("environment.wave_height_m=0.3", "environment.wave_period_s=2.5", "environment.wave_from_deg=45")
+
+
+def test_a_boat_adrift_in_waves_moves_to_and_fro_and_slowly_along_with_them() -> None:
+    truths = sailed(*WAVES, throttle=0.0, for_s=120.0)
+    assert statistics.pstdev(one.north_m_s for one in truths) > 0.1
+    last = truths[-1]
+    assert last.north_m < -1.0
+    assert last.east_m < -1.0
+    assert last.current_north_m_s == pytest.approx(last.north_m / 120.0, abs=0.02)
+
+
+def test_position_is_the_sum_of_the_velocities_that_the_truth_tells() -> None:
+    truths = sailed(*WAVES, throttle=0.5, for_s=30.0)
+    north_m = math.fsum(DT_S * one.north_m_s for one in truths)
+    assert truths[-1].north_m == pytest.approx(north_m, abs=0.02)
+
+
+def test_propellers_suck_air_now_and_then_in_a_steep_sea() -> None:
+    steep = ("environment.wave_height_m=0.22", "environment.wave_period_s=1.5", "environment.wave_from_deg=0")
+    shallow = "thrusters.propeller.depth_m=0.015"
+    thrusts = [one.left_thrust_n for one in sailed(*steep, shallow, throttle=0.6, for_s=60.0)[500:]]
+    assert min(thrusts) < 0.8 * max(thrusts)
+    calm = [one.left_thrust_n for one in sailed(throttle=0.6, for_s=60.0)[500:]]
+    assert min(calm) == pytest.approx(max(calm), rel=0.05)
+
+
+def test_the_same_seed_gives_the_same_sea() -> None:
+    assert sailed(*WAVES, throttle=0.6, for_s=5.0) == sailed(*WAVES, throttle=0.6, for_s=5.0)
+    assert sailed(*WAVES, "seed=2", throttle=0.6, for_s=5.0) != sailed(*WAVES, throttle=0.6, for_s=5.0)
