@@ -53,7 +53,7 @@ def _tuning() -> list[Row]:
         Row("FOLL_OFS_Y", _REAL, "Offset east or to starboard", "follow.offset_y_m", unit="m", low=-1000, high=1000),
         Row("FOLL_POS_P", _REAL, "Speed added for each metre behind", "follow.gain_per_s", unit="1/s", low=0.01, high=1),
         Row("FOLL_TIMEOUT", _REAL, "Silence of whom is followed that ends following", "follow.timeout_s", unit="s", low=0.5, high=60),
-        Row("AVOID_ENABLE", _I8, "What the boat keeps clear of, a sum: 2 what its rangers see; 1 and 4 make no difference", "avoidance.enable", low=0, high=7),
+        Row("AVOID_ENABLE", _I8, "What the boat keeps clear of, a sum: 1 the fence, 2 what its rangers see; 4 makes no difference", "avoidance.enable", low=0, high=7),
         Row("AVOID_MARGIN", _REAL, "Distance that the boat keeps from what its rangers see", "avoidance.margin_m", unit="m", low=0.01, high=50),
         Row("AVOID_SIGHT", _I8, "Speed: 0 as asked for, 1 never faster than the boat can stop in what its rangers see", "avoidance.by_sight", low=0, high=1),
         Row("AVOID_DETOUR", _REAL, "A longer way round is given up", "avoidance.detour_m", unit="m", low=0, high=10000),

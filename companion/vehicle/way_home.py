@@ -24,6 +24,7 @@ _MARGINS = (
     0.25,
 )  # of fence.margin_m: how far to keep from the lines, less where there is no way else
 _CORNER_SHARE = 0.5  # of the clearance: how near a corner must be passed
+_HURRY_STEPS = 3
 _LOOK_S = 1.0  # between looks whether the way is still clear
 _CLEAR_SHARE = 0.95  # of the clearance of its ends: what a straight way must keep
 
@@ -115,6 +116,7 @@ class WayHome:
             if self._leg is None and self._find(nav.point):
                 self._station, self._leg = None, self._leg_from(nav.point, 0, config)
         if self._leg is None:
+            self._hurry()
             if self._station is None:
                 self._station = KeepStation(self._fence.inside(nav.point, config.fence.margin_m))
             return self._station
@@ -198,6 +200,13 @@ class WayHome:
         return seen
 
     # The field
+
+    def _hurry(self) -> None:
+        """The boat waits for the field: more of the work than in passing."""
+        field = self._field
+        for _ in range(_HURRY_STEPS):
+            if field is not None and not field.is_complete:
+                field.advance()
 
     def _renew(self, basis: _Basis, here: Point) -> None:
         """Begin a new field. The grid of the last one serves again where only the goals have changed."""
