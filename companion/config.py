@@ -60,7 +60,7 @@ class Heading(Section, frozen=True):
 
     kp: NonNegative = 4.0
     ki: NonNegative = 0.15
-    kd: NonNegative = 2.0
+    kd: NonNegative = 3.0
     max_steering: Share = 1.0
 
 

@@ -8,7 +8,7 @@ import math
 
 from companion.config import BoatConfig
 from companion.geo import bearing_rad, distance_m
-from companion.guidance.line_of_sight import RESPONSE_S, desired_course_rad, lookahead_m
+from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.state import NavState
 from companion.units import clamp, wrap_pi
 from companion.vehicle.intent import FollowCircle
@@ -23,20 +23,19 @@ def circle_speed_m_s(circle: FollowCircle, config: BoatConfig) -> float:
     return min(circle.speed_m_s, max(allowed, setting.min_speed_m_s))
 
 
-def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -> tuple[float, float]:
-    """Course over ground that closes on the circle, and how far the boat is to the right of it.
-
-    The heading PID lags a turning course by Kd/Kp besides the hull's response, since its derivative brakes
-    every turn.
+def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -> tuple[float, float, float]:
+    """Course over ground that closes on the circle, how far the boat is to the right of it, and the rate in
+    rad/s at which that course turns.
     """
     here, side = nav.point, 1.0 if circle.clockwise else -1.0
     outward = bearing_rad(circle.centre, here) if here != circle.centre else nav.heading_rad
     cross_m = side * (circle.radius_m - distance_m(circle.centre, here))
     ground_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
-    late_s = RESPONSE_S + config.heading.kd / max(config.heading.kp, 1e-3)
-    lead = side * min(ground_m_s * late_s / max(circle.radius_m, 1e-3), _MAX_LEAD_RAD)
+    handling, radius_m = config.handling, max(circle.radius_m, 1e-3)
+    lead = side * min((handling.slip_m + handling.yaw_time_s * ground_m_s) / radius_m, _MAX_LEAD_RAD)
     tangent = outward + side * 0.5 * math.pi
     cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
     ahead_m = lookahead_m(ground_m_s, config.speed.cruise_m_s, config.guidance)
-    near = clamp(1.0 - abs(cross_m) / circle.radius_m, 0.0, 1.0)  # far off there is no circle to lead on
-    return wrap_pi(desired_course_rad(tangent + near * lead, cross_m, cross_m_s, ahead_m)), cross_m
+    near = clamp(1.0 - abs(cross_m) / radius_m, 0.0, 1.0)  # far off there is no circle to lead on
+    course = desired_course_rad(tangent + near * lead, cross_m, cross_m_s, ahead_m, handling.yaw_time_s)
+    return wrap_pi(course), cross_m, near * side * ground_m_s / radius_m

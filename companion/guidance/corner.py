@@ -9,9 +9,11 @@ import math
 
 from companion.config import BoatConfig
 from companion.geo import Line, Point
+from companion.guidance.course_to_steer import course_to_steer
+from companion.guidance.speed_profile import TURN_SHARE, corner_speed_m_s
 from companion.units import clamp, wrap_pi
 
-CIRCLE_SHARE = 0.8  # of the waypoint's radius: how near the corner the arc must pass
+CIRCLE_SHARE = 0.6  # of the waypoint's radius: how near the corner the arc must pass
 LEG_SHARE = 0.5  # of either leg that the arc may take
 SHARPEST_RAD = 2.4  # a sharper one is turned on the spot
 LEAST_TURN_RAD = 1e-3  # less is no corner
@@ -58,19 +60,39 @@ class Corner:
         return self.line.course_rad + share * self.turn_rad
 
 
-def corner_between(line: Line, next_line: Line, radius_m: float, config: BoatConfig) -> Corner | None:
+def corner_between(
+    line: Line,
+    next_line: Line,
+    radius_m: float,
+    config: BoatConfig,
+    set_north_m_s: float = 0.0,
+    set_east_m_s: float = 0.0,
+) -> Corner | None:
     """The corner as it is to be sailed; None where the legs go straight on, nearly back, or one has no
     length.
 
-    radius_m: how near the waypoint must be passed. The arc's own radius is the configured one where that
-    passes within CIRCLE_SHARE of the waypoint's, and takes no more than LEG_SHARE of the shorter leg.
+    radius_m: how near the waypoint must be passed. The arc's own radius is the configured one, or wider
+    where the set makes the bow swing further than the course, within what passes CIRCLE_SHARE of the
+    waypoint's radius from the corner and takes no more than LEG_SHARE of the shorter leg.
     """
-    turn = abs(wrap_pi(next_line.course_rad - line.course_rad))
+    turn = wrap_pi(next_line.course_rad - line.course_rad)
+    size = abs(turn)
     shorter_m = min(line.length_m, next_line.length_m)
-    if not LEAST_TURN_RAD < turn < SHARPEST_RAD or shorter_m < 1e-6:
+    if not LEAST_TURN_RAD < size < SHARPEST_RAD or shorter_m < 1e-6:
         return None
-    half = 0.5 * turn
+    half = 0.5 * size
     widest_m = min(
         CIRCLE_SHARE * radius_m / (1.0 / math.cos(half) - 1.0), LEG_SHARE * shorter_m / math.tan(half)
     )
-    return Corner(line, next_line, min(config.guidance.corner_radius_m, widest_m))
+    wanted_m = config.guidance.corner_radius_m
+    if set_north_m_s or set_east_m_s:
+        speed = corner_speed_m_s(wanted_m, config)
+        slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
+        bows, fastest = [], speed
+        for course in (line.course_rad, next_line.course_rad):
+            set_along = set_north_m_s * math.cos(course) + set_east_m_s * math.sin(course)
+            fastest = max(fastest, set_along + slow)
+            bows.append(course_to_steer(course, speed, set_north_m_s, set_east_m_s, slow, top)[0])
+        swing = abs(wrap_pi(bows[1] - bows[0]))
+        wanted_m = max(wanted_m, swing * fastest / (size * TURN_SHARE * config.handling.turn_rate_rad_s))
+    return Corner(line, next_line, min(wanted_m, widest_m))

@@ -2,7 +2,7 @@
 
 The proportional law of T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed.
 2021, (12.78) and (12.79), gives the course over ground; a crab angle as in (12.106), computed from the
-drift that `drift.py` learns, turns it into a heading.
+set that the estimator knows (`course_to_steer.py`), turns it into a heading.
 
 Why the crab angle and not an integral of the cross-track error (12.108): the drift shows in satellite
 velocity and compass within seconds and stays true through a corner, while an integral must learn it anew on

@@ -7,7 +7,6 @@ from companion.geo import Line, Point, distance_m
 from companion.guidance.circle import circle_course_rad, circle_speed_m_s
 from companion.guidance.corner import SHARPEST_RAD, Corner, corner_between
 from companion.guidance.course_to_steer import course_to_steer
-from companion.guidance.drift import Drift
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.speed_profile import corner_speed_m_s, leg_speed_m_s, steered_speed_m_s
 from companion.guidance.station_keeping import StationKeeping
@@ -28,17 +27,19 @@ from companion.vehicle.intent import (
 
 _STOP = Stop()
 _GLIMPSE_S = 0.1  # over which the coming turn of the heading is measured
+_LAY_RADII = 1.0  # of a waypoint before its arc: up to there the arc is laid anew as the set changes
+_NEW_SET_SHARE = 0.25  # of min_speed_m_s: that much change
 _LOST_RADII = 1.5  # of a waypoint: this far off its arc, a corner is done with
 
 
 class Pilot:
     """Guidance's memory: the corners about the present leg, anchor line, turn."""
 
-    __slots__ = ("_ahead", "_astern", "_leg", "_station", "_station_point", "_turning", "drift")
+    __slots__ = ("_ahead", "_astern", "_laid_set", "_leg", "_station", "_station_point", "_turning")
 
     def __init__(self) -> None:
-        self.drift = Drift()
         self._leg: FollowLeg | None = None
+        self._laid_set = (0.0, 0.0)  # for which the corner ahead was laid
         self._ahead: Corner | None = None  # at the end of the leg
         self._astern: Corner | None = None  # the one that led onto it, until it is sailed out
         self._station = StationKeeping()
@@ -48,12 +49,7 @@ class Pilot:
     def update(
         self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float
     ) -> Demand | Drive | Stop:
-        """What to hold now. Stop and Drive go through; without a NavState everything else is Stop.
-
-        A boat adrift or steered by hand teaches the drift as well as one on a leg.
-        """
-        if nav is not None:
-            self.drift.update(nav, dt_s)
+        """What to hold now. Stop and Drive go through; without a NavState everything else is Stop."""
         if not isinstance(intent, KeepStation):
             self._station_point = None
         if not isinstance(intent, FollowLeg):
@@ -69,10 +65,11 @@ class Pilot:
         if isinstance(intent, KeepStation):
             return self._keep(intent.point, nav, config, dt_s)
         if isinstance(intent, FollowCircle):
-            course, cross_track = circle_course_rad(intent, nav, config)
+            course, cross_track, turn = circle_course_rad(intent, nav, config)
             distance = distance_m(nav.point, intent.centre)
             speed = circle_speed_m_s(intent, config)
-            return self._make_good(course, speed, nav, config, cross_track, distance)
+            later = course + turn * _GLIMPSE_S
+            return self._make_good(course, speed, nav, config, cross_track, distance, later)
         if isinstance(intent, HoldCourse):
             return self._make_good(intent.course_rad, intent.speed_m_s, nav, config)
         heading = (
@@ -97,7 +94,7 @@ class Pilot:
 
         next_course_rad: the course wanted _GLIMPSE_S later, where it turns.
         """
-        set_n, set_e = self._set(nav)
+        set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
         slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
         heading, water = course_to_steer(course_rad, speed_m_s, set_n, set_e, slow, top)
         yaw_rate = 0.0
@@ -110,11 +107,6 @@ class Pilot:
         along_bow = set_n * math.cos(nav.heading_rad) + set_e * math.sin(nav.heading_rad)
         return Demand(heading, water + along_bow, cross_track_m, distance_m, yaw_rate)
 
-    def _set(self, nav: NavState) -> tuple[float, float]:
-        if nav.set_north_m_s or nav.set_east_m_s:
-            return nav.set_north_m_s, nav.set_east_m_s
-        return self.drift.north_m_s, self.drift.east_m_s
-
     def _keep(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         last = self._station_point
         if last is None or distance_m(last, point) > config.guidance.station_radius_m:
@@ -124,13 +116,20 @@ class Pilot:
 
     def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Demand:
         if leg is not self._leg:
-            self._begin(leg, config)
+            self._begin(leg, nav, config)
         setting, handling = config.guidance, config.handling
         here = nav.point
         line = leg.line if leg.line.length_m > 1e-6 else Line(here, leg.end)
         along_line, cross_track = line.along_and_cross_track_m(here)
         to_go = line.length_m - along_line
         ground = math.hypot(nav.north_m_s, nav.east_m_s)
+        if self._ahead is not None and to_go > _LAY_RADII * setting.waypoint_radius_m + self._ahead.entry_m:
+            set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
+            if (
+                abs(set_n - self._laid_set[0]) + abs(set_e - self._laid_set[1])
+                > _NEW_SET_SHARE * setting.min_speed_m_s
+            ):
+                self._lay_corner(leg, nav, config)
         speed = self._speed_m_s(leg, to_go, config)
         ahead = lookahead_m(ground, config.speed.cruise_m_s, setting)
         distance = math.hypot(to_go, cross_track)
@@ -140,6 +139,8 @@ class Pilot:
             course = desired_course_rad(line.course_rad, cross_track, cross_speed, ahead, handling.yaw_time_s)
             return self._make_good(course, speed, nav, config, cross_track, distance)
         along, cross = path.along_and_cross_track_m(here)
+        if path is self._ahead and along > path.length_m:
+            self._ahead = None  # the corner was missed: the rest of this leg is sailed without
         if path is self._astern:
             if along > path.length_m or abs(cross) > _LOST_RADII * setting.waypoint_radius_m:
                 self._astern = None
@@ -155,7 +156,7 @@ class Pilot:
             course + correction, speed, nav, config, cross_track, distance, later + correction
         )
 
-    def _begin(self, leg: FollowLeg, config: BoatConfig) -> None:
+    def _begin(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> None:
         """Take up a leg: the corner that lay ahead is the one that leads onto it, if it does."""
         last, line = self._leg, leg.line
         if last is None or last.start != leg.start or last.end != leg.end:
@@ -165,10 +166,16 @@ class Pilot:
                 line.end,
             )
             self._astern = corner if leads_on else None
-        radius = leg.radius_m or config.guidance.waypoint_radius_m
-        onward = leg.next_line
-        self._ahead = None if onward is None else corner_between(line, onward, radius, config)
         self._leg = leg
+        self._lay_corner(leg, nav, config)
+
+    def _lay_corner(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> None:
+        """Lay the arc at the end of a leg as the set is now."""
+        onward, self._ahead = leg.next_line, None
+        self._laid_set = set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
+        if onward is not None:
+            radius = leg.radius_m or config.guidance.waypoint_radius_m
+            self._ahead = corner_between(leg.line, onward, radius, config, set_n, set_e)
 
     def _speed_m_s(self, leg: FollowLeg, to_go_m: float, config: BoatConfig) -> float:
         corner, onward = self._ahead, leg.next_line

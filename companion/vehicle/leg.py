@@ -5,6 +5,8 @@ from companion.state import NavState
 from companion.vehicle.intent import FollowLeg
 
 _LEVEL_M = 1e-6  # after a leg straight back the two are equal, but for rounding
+_PASSED_RADII = 2.0  # from the end: nearer than this, it may be passed
+_LEFT_RADII = 1.25  # from the end: a boat that was nearer than one, and is now farther than this, has left it
 
 
 class Leg:
@@ -42,17 +44,18 @@ class Leg:
         radius_m = self.radius_m or own_radius_m
         along_m, cross_m = self._line.along_and_cross_track_m(nav.point)
         to_go_m = self._line.length_m - along_m
-        if distance_m(nav.point, self.end) <= radius_m:
-            if self._next_line is None:
+        away_m = distance_m(nav.point, self.end)
+        if self._next_line is None:
+            if away_m <= radius_m:
                 return True
-            self._was_near = True
+        elif away_m <= _PASSED_RADII * radius_m:
+            self._was_near = self._was_near or away_m <= radius_m
             beyond_m, _ = self._next_line.along_and_cross_track_m(nav.point)
-            return beyond_m >= to_go_m - _LEVEL_M
-        if self._was_near:
-            return True
+            is_over = to_go_m <= radius_m and beyond_m >= to_go_m - _LEVEL_M
+            return is_over or (self._was_near and away_m > _LEFT_RADII * radius_m)
         if to_go_m > 0.0:
             return False
-        if abs(cross_m) <= 2.0 * radius_m:
+        if abs(cross_m) <= _PASSED_RADII * radius_m:
             return True
         self._line, self._intent = Line(nav.point, self.end), None
         return False

@@ -97,15 +97,22 @@ def test_a_bow_that_points_elsewhere_turns_on_the_spot() -> None:
     assert _demand(Pilot(), LEG, replace(NORTHBOUND, heading_rad=2.0)).speed_m_s == 0.0
 
 
-def test_the_bow_is_held_against_a_drift_that_was_learned_adrift() -> None:
+def test_the_bow_is_held_against_the_set() -> None:
+    in_a_current = replace(NORTHBOUND, set_east_m_s=0.5)
+    demand = _demand(Pilot(), LEG, in_a_current)
+    assert demand.heading_rad == pytest.approx(-math.atan(0.5 / 2.0))
+    # Along the bow, over ground: what it takes through the water, and the set's part of it.
+    assert demand.speed_m_s == pytest.approx(math.hypot(2.0, 0.5))
+
+
+def test_the_arc_is_laid_wider_once_a_set_from_astern_is_known() -> None:
     pilot = Pilot()
-    adrift = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.5, 0.1, 0.02)
-    for _ in range(1500):
-        pilot.update(Stop(), adrift, CONFIG, DT)
-    through_water = replace(NORTHBOUND, east_m_s=0.0)
-    demand = _demand(pilot, LEG, through_water)
-    water_speed = math.hypot(2.0, 0.5)
-    assert demand.heading_rad == pytest.approx(-math.asin(0.5 / water_speed), abs=0.01)
+    far = replace(NORTHBOUND, north_m=40.0)
+    _demand(pilot, CORNER, far)
+    at = replace(NORTHBOUND, north_m=96.5, set_north_m_s=1.0)
+    assert _demand(pilot, CORNER, replace(at, set_north_m_s=0.0)).yaw_rate_rad_s == 0.0
+    _demand(pilot, CORNER, replace(far, set_north_m_s=1.0))
+    assert _demand(pilot, CORNER, at).yaw_rate_rad_s > 0.0
 
 
 def test_a_new_station_forgets_the_old_ones_line() -> None:
