@@ -19,7 +19,6 @@ from sitl.shore import Shore
 from sitl.vessel import Vessel, VesselParameters
 
 FRICTION = 0.3  # plastic on wet stone or wood
-_TRANSOM = 0.6  # the transom's width, of the beam
 _ATTEMPTS = 3  # to find a pose beside the shore: in a corner one blow leads into the next
 _PUSH = 1e-3  # of half the hull's length: the gap that a blow leaves
 
@@ -36,18 +35,30 @@ class Touch(NamedTuple):
 class Contact:
     """One hull's touch with shore and movers. is_stuck: a soft shore holds it."""
 
-    __slots__ = ("_corners", "_hold_n", "_lever_m", "_movers", "_radius_m", "_room_m", "_shore", "is_stuck")
+    __slots__ = (
+        "_corners",
+        "_has_cast_off",
+        "_hold_n",
+        "_lever_m",
+        "_movers",
+        "_radius_m",
+        "_room_m",
+        "_shore",
+        "is_stuck",
+    )
 
     def __init__(self, hull: VesselParameters, shore: Shore, movers: Movers, hold_n: float) -> None:
         """The shore must be able to answer for the hull's length."""
         half, side = 0.5 * hull.length_m, 0.5 * hull.beam_m
+        transom = hull.transom_share * side
         self._corners = (
-            (half, 0.0), (0.0, side), (-half, _TRANSOM * side), (-half, -_TRANSOM * side), (0.0, -side),
+            (half, 0.0), (0.0, side), (-half, transom), (-half, -transom), (0.0, -side),
         )  # fmt: skip
-        self._radius_m = math.hypot(half, _TRANSOM * side)
+        self._radius_m = max(side, math.hypot(half, transom))
         self._lever_m = half
         self._shore, self._movers, self._hold_n = shore, movers, hold_n
         self._room_m = 0.0
+        self._has_cast_off = False
         self.is_stuck = False
 
     def meets(
@@ -63,13 +74,14 @@ class Contact:
     ) -> bool:
         """Whether the step that brought the vessel here from a pose made it touch.
 
-        If so, pose and velocity are put right. The distance to the shore, once measured, need not be measured
-        again before that much way is made.
+        If so, pose and velocity are put right. A boat that starts alongside rubs as it casts off: that is no
+        touch yet, until it first has had room to turn on the spot. The distance to the shore, once measured,
+        need not be measured again before that much way is made.
         """
         if self.is_stuck and self._holds(
             vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s, dt_s
         ):
-            return True
+            return self._has_cast_off
         self._room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)
         if self._room_m > 0.0 and (
             not self._movers or self._movers.gap_m(vessel.east_m, vessel.north_m, time_s) > self._radius_m
@@ -78,6 +90,7 @@ class Contact:
         touches = self._touches(vessel, time_s)
         if not touches:
             self._room_m = self._shore.room_m(vessel.east_m, vessel.north_m) - self._radius_m
+            self._has_cast_off = self._has_cast_off or self._room_m > 0.0
             return False
         self._room_m = 0.0
         if self._hold_n > 0.0:
@@ -97,11 +110,11 @@ class Contact:
                 )
                 touches = self._touches(vessel, time_s)
                 if not touches:
-                    return True
+                    return self._has_cast_off
             if self._gets_free(vessel, north_m, east_m, heading_rad, time_s):
-                return True
+                return self._has_cast_off
         stop(vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s)
-        return True
+        return self._has_cast_off
 
     def _gets_free(
         self, vessel: Vessel, north_m: float, east_m: float, heading_rad: float, time_s: float

@@ -35,14 +35,14 @@ unpowered hull never gains energy.
 
 import math
 
-from companion.section import NonNegative, Positive, Section
+from companion.section import NonNegative, Positive, Section, Share
 from sitl.windage import WindageParameters
 
 LONGEST_STEP_S = 0.05
 
 
 class VesselParameters(Section, frozen=True):
-    """One hull, all SI.
+    """One hull, all SI. transom_share is the stern's width, of the beam; `sitl.contact` draws the outline.
 
     Added masses are positive: −Xu̇, −Yv̇ in kg and −Nṙ in kg m². Damping coefficients are positive too:
     linear ones in N per m/s (N m per rad/s for yaw), quadratic ones per their square. sway_quadratic is Yvv
@@ -72,6 +72,7 @@ class VesselParameters(Section, frozen=True):
     yaw_quadratic: NonNegative = 0.0
     skeg_lift_kg_m: NonNegative = 0.0
     skeg_arm_m: NonNegative = 0.0
+    transom_share: Share = 0.6
     windage: WindageParameters = WindageParameters()
 
     def __post_init__(self) -> None:
