@@ -82,7 +82,7 @@ def test_a_boat_that_is_set_upon_a_wall_lies_there() -> None:
     lying = drive(water, 0.0, 0.0, 30.0)
     assert lying.grounded
     assert abs(lying.north_m_s) < 0.03  # it rubs
-    assert drive(water, 0.6, 0.6, 5.0).east_m > 3.0  # and may sail along
+    assert drive(water, 0.6, 0.6, 5.0).east_m > 0.3  # and may scrape along
 
 
 def test_a_boat_that_starts_alongside_may_rub_as_it_casts_off() -> None:
