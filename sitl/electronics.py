@@ -94,12 +94,15 @@ class Electronics:
 
     def sense(self, truth: "Truth", wave_m: float = 0.0) -> None:
         """Let what is due fail or be well again, then sample what is due. wave_m: the waves' height."""
-        now_s, north_m, east_m, heading_rad = truth.time_s, truth.north_m, truth.east_m, truth.heading_rad
+        now_s = truth.time_s
         self.faults.now_s = now_s
         if now_s >= self.faults.due_s:
             self.faults.step()
-        self._gnss.sense(now_s, north_m, east_m, truth.north_m_s, truth.east_m_s)
-        self._compass.sense(now_s, heading_rad, truth.yaw_rate_rad_s, truth.current_a)
-        if self._sonar is not None:
-            self._sonar.sense(now_s, north_m, east_m, heading_rad, wave_m)
-        self._battery.sense(now_s, truth.voltage_v, truth.current_a)
+        if now_s >= self._compass.due_s:
+            self._compass.sense(now_s, truth.heading_rad, truth.yaw_rate_rad_s, truth.current_a)
+        if now_s >= self._gnss.due_s:
+            self._gnss.sense(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
+        if self._sonar is not None and now_s >= self._sonar.due_s:
+            self._sonar.sense(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
+        if now_s >= self._battery.due_s:
+            self._battery.sense(now_s, truth.voltage_v, truth.current_a)

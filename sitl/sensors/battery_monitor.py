@@ -5,7 +5,7 @@ import msgspec
 from companion.section import NonNegative, Section
 from companion.sensors.readings import BatteryReading
 from sitl.sensors.fault import SensorFault
-from sitl.sensors.sampling import TIME_SLACK_S, generator
+from sitl.sensors.sampling import TIME_SLACK_S, generator, normal
 
 
 class BatteryMonitorSettings(Section, frozen=True):
@@ -24,7 +24,6 @@ class SimBattery:
 
     __slots__ = (
         "_count",
-        "_due_s",
         "_is_noisy",
         "_latest",
         "_random",
@@ -32,6 +31,7 @@ class SimBattery:
         "_sampled",
         "_settings",
         "clock_offset_s",
+        "due_s",
         "fault",
     )
 
@@ -45,19 +45,19 @@ class SimBattery:
         self._is_noisy = bool(settings.voltage_noise_v or settings.current_noise_a)
         self._latest: BatteryReading | None = None
         self._sampled: BatteryReading | None = None
-        self._count, self._due_s = 0, 0.0
+        self._count, self.due_s = 0, 0.0
 
     def sense(self, now_s: float, voltage_v: float, current_a: float) -> None:
         """Sample when due."""
-        if now_s + TIME_SLACK_S < self._due_s:
+        if now_s < self.due_s:
             return
         self._count += 1
-        self._due_s = self._count / self._rate_hz
+        self.due_s = self._count / self._rate_hz - TIME_SLACK_S
         settings = self._settings
         current_a *= settings.current_gain
         if self._is_noisy:
-            voltage_v += self._random.gauss(0.0, settings.voltage_noise_v)
-            current_a += self._random.gauss(0.0, settings.current_noise_a)
+            voltage_v += settings.voltage_noise_v * normal(self._random)
+            current_a += settings.current_noise_a * normal(self._random)
         reading = BatteryReading(now_s + self.clock_offset_s, voltage_v, current_a)
         if self.fault is None:
             self._latest = self._sampled = reading

@@ -8,7 +8,9 @@ from companion.section import NonNegative, Positive, Section
 from companion.sensors.readings import HeadingReading
 from companion.units import wrap_pi
 from sitl.sensors.fault import SensorFault
-from sitl.sensors.sampling import TIME_SLACK_S, generator
+from sitl.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
+
+_SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not from sample to sample
 
 
 class CompassSettings(Section, frozen=True):
@@ -41,7 +43,7 @@ class SimCompass:
     __slots__ = (
         "_bias_rad",
         "_count",
-        "_due_s",
+        "_deviation_rad",
         "_gyro_bias",
         "_gyro_noise",
         "_gyro_walk",
@@ -55,9 +57,11 @@ class SimCompass:
         "_random",
         "_rate_hz",
         "_sampled",
+        "_slow_due_s",
         "_soft_at_rad",
         "_soft_rad",
         "clock_offset_s",
+        "due_s",
         "fault",
         "gyro_fault",
     )
@@ -84,29 +88,34 @@ class SimCompass:
         self._is_magnetic = bool(self._hard_rad or self._soft_rad or self._motor_rad_per_a)
         self._gyro_noise = radians(settings.gyro_noise_deg_s)
         self._gyro_bias = radians(settings.gyro_bias_deg_s)
-        self._gyro_walk = radians(settings.gyro_walk_deg_s) / math.sqrt(60.0 * settings.rate_hz)
+        self._gyro_walk = radians(settings.gyro_walk_deg_s) * math.sqrt(
+            max(_SLOW_S, 1.0 / settings.rate_hz) / 60.0
+        )
         self._latest: HeadingReading | None = None
         self._sampled: HeadingReading | None = None
-        self._count, self._due_s = 0, 0.0
+        self._deviation_rad = 0.0
+        self._slow_due_s = 0.0
+        self._count, self.due_s = 0, 0.0
 
     def sense(
         self, now_s: float, heading_rad: float, yaw_rate_rad_s: float, motor_current_a: float = 0.0
     ) -> None:
         """Sample when due."""
-        if now_s + TIME_SLACK_S < self._due_s:
+        if now_s < self.due_s:
             return
         self._count += 1
-        self._due_s = self._count / self._rate_hz
-        gauss = self._random.gauss
-        heard_rad = heading_rad + self._bias_rad + gauss(0.0, self._noise_rad)
-        if self._is_magnetic:
-            heard_rad += self._deviation_rad(heading_rad, motor_current_a)
-        if self._gyro_walk:
-            self._gyro_bias += gauss(0.0, self._gyro_walk)
+        self.due_s = self._count / self._rate_hz - TIME_SLACK_S
+        random = self._random.random
+        if now_s >= self._slow_due_s:
+            self._slow_due_s = now_s + _SLOW_S - TIME_SLACK_S
+            self._deviation_rad = self._deviation(heading_rad, motor_current_a) if self._is_magnetic else 0.0
+            if self._gyro_walk:
+                self._gyro_bias += self._gyro_walk * NORMAL[int(NORMALS * random())]
+        heard_rad = heading_rad + self._bias_rad + self._deviation_rad
         reading = HeadingReading(
             now_s + self.clock_offset_s,
-            wrap_pi(heard_rad),
-            yaw_rate_rad_s + self._gyro_bias + gauss(0.0, self._gyro_noise),
+            wrap_pi(heard_rad + self._noise_rad * NORMAL[int(NORMALS * random())]),
+            yaw_rate_rad_s + self._gyro_bias + self._gyro_noise * NORMAL[int(NORMALS * random())],
         )
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading
@@ -115,7 +124,7 @@ class SimCompass:
             if spoilt is not None:
                 self._latest = spoilt
 
-    def _deviation_rad(self, heading_rad: float, motor_current_a: float) -> float:
+    def _deviation(self, heading_rad: float, motor_current_a: float) -> float:
         sin = math.sin
         return (
             self._hard_rad * sin(heading_rad - self._hard_at_rad)

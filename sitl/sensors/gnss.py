@@ -12,7 +12,7 @@ from companion.geo import LocalFrame, Point
 from companion.section import NonNegative, Positive, Section
 from companion.sensors.readings import GnssFix
 from sitl.sensors.fault import SensorFault
-from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator
+from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
 from sitl.shore import Shore
 
 _MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
@@ -46,13 +46,14 @@ class SimGnss:
     """The receiver: a queue of fixes on their way, and the latest that has arrived."""
 
     __slots__ = (
+        "_accuracy_m",
         "_count",
         "_drive_m",
-        "_due_s",
         "_frame",
         "_keep",
         "_latest",
         "_multipath",
+        "_next_s",
         "_random",
         "_sampled",
         "_settings",
@@ -60,6 +61,7 @@ class SimGnss:
         "_wander_e",
         "_wander_n",
         "clock_offset_s",
+        "due_s",
         "fault",
     )
 
@@ -75,10 +77,12 @@ class SimGnss:
         # The wander's share that lasts to the next fix, and the noise that keeps its deviation what it is.
         self._keep = math.exp(-1.0 / (settings.rate_hz * settings.wander_s))
         self._drive_m = settings.wander_m * math.sqrt(1.0 - self._keep * self._keep)
+        self._accuracy_m = math.hypot(settings.noise_m, settings.wander_m) * math.sqrt(2.0)
         self._under_way: deque[tuple[float, GnssFix]] = deque(maxlen=1024)
         self._latest: GnssFix | None = None
         self._sampled: GnssFix | None = None
-        self._count, self._due_s = 0, 0.0
+        self._count, self._next_s = 0, 0.0
+        self.due_s = 0.0  # when there is something to do: a sample, or a fix that arrives
         self._wander_n = self._random.gauss(0.0, settings.wander_m)
         self._wander_e = self._random.gauss(0.0, settings.wander_m)
         self._multipath: _Multipath | None = None
@@ -87,13 +91,16 @@ class SimGnss:
 
     def sense(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
         """Sample when due; deliver what has travelled long enough."""
-        if now_s + TIME_SLACK_S >= self._due_s:
+        if now_s < self.due_s:
+            return
+        if now_s >= self._next_s:
             self._count += 1
-            self._due_s = self._count / self._settings.rate_hz
+            self._next_s = self._count / self._settings.rate_hz - TIME_SLACK_S
             self._sample(now_s, north_m, east_m, north_m_s, east_m_s)
         under_way = self._under_way
-        while under_way and now_s + TIME_SLACK_S >= under_way[0][0]:
+        while under_way and now_s >= under_way[0][0]:
             self._latest = under_way.popleft()[1]
+        self.due_s = min(self._next_s, under_way[0][0]) if under_way else self._next_s
 
     def _sample(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
         fix: GnssFix | None = self._fix(now_s, north_m, east_m, north_m_s, east_m_s)
@@ -102,14 +109,14 @@ class SimGnss:
         elif fix is not None:
             fix = self._spoilt(fix, self.fault, now_s)
         if fix is not None:
-            self._under_way.append((now_s + self._settings.latency_s, fix))
+            self._under_way.append((now_s + self._settings.latency_s - TIME_SLACK_S, fix))
 
     def _fix(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> GnssFix:
-        settings, gauss = self._settings, self._random.gauss
-        self._wander_n = self._keep * self._wander_n + gauss(0.0, self._drive_m)
-        self._wander_e = self._keep * self._wander_e + gauss(0.0, self._drive_m)
-        heard_n = north_m + self._wander_n + gauss(0.0, settings.noise_m)
-        heard_e = east_m + self._wander_e + gauss(0.0, settings.noise_m)
+        settings, numbers = self._settings, self._random
+        self._wander_n = self._keep * self._wander_n + self._drive_m * normal(numbers)
+        self._wander_e = self._keep * self._wander_e + self._drive_m * normal(numbers)
+        heard_n = north_m + self._wander_n + settings.noise_m * normal(numbers)
+        heard_e = east_m + self._wander_e + settings.noise_m * normal(numbers)
         if self._multipath is not None:
             off_n, off_e = self._multipath.error_m(north_m, east_m)
             heard_n, heard_e = heard_n + off_n, heard_e + off_e
@@ -119,9 +126,9 @@ class SimGnss:
             fix_type=settings.fix_type,
             satellites=settings.satellites,
             hdop=settings.hdop,
-            north_m_s=north_m_s + gauss(0.0, settings.velocity_noise_m_s),
-            east_m_s=east_m_s + gauss(0.0, settings.velocity_noise_m_s),
-            horizontal_accuracy_m=math.hypot(settings.noise_m, settings.wander_m) * math.sqrt(2.0),
+            north_m_s=north_m_s + settings.velocity_noise_m_s * normal(numbers),
+            east_m_s=east_m_s + settings.velocity_noise_m_s * normal(numbers),
+            horizontal_accuracy_m=self._accuracy_m,
             unix_time_s=EPOCH_UNIX_S + now_s,
         )
 
@@ -195,7 +202,7 @@ class _Multipath:
 
     def error_m(self, north_m: float, east_m: float) -> tuple[float, float]:
         """The error of the next fix, north and east."""
-        self._north = self._keep * self._north + self._drive * self._random.gauss(0.0, 1.0)
-        self._east = self._keep * self._east + self._drive * self._random.gauss(0.0, 1.0)
+        self._north = self._keep * self._north + self._drive * normal(self._random)
+        self._east = self._keep * self._east + self._drive * normal(self._random)
         size_m = self._size_m * max(0.0, 1.0 - self._shore.room_m(east_m, north_m) / self._reach_m)
         return size_m * self._north, size_m * self._east

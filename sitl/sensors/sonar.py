@@ -10,7 +10,7 @@ from msgspec import Meta
 from companion.section import NonNegative, Positive, Section, Share
 from companion.sensors.readings import SonarReading
 from sitl.sensors.fault import SensorFault
-from sitl.sensors.sampling import TIME_SLACK_S, generator
+from sitl.sensors.sampling import TIME_SLACK_S, generator, normal
 from sitl.shore import Shore
 
 CONE_RAYS = (-1.0, 0.0, 1.0)
@@ -54,7 +54,6 @@ class SimSonar:
     __slots__ = (
         "_bearings_rad",
         "_count",
-        "_due_s",
         "_fan_rad",
         "_grazing",
         "_last_range_m",
@@ -64,6 +63,7 @@ class SimSonar:
         "_settings",
         "_shore",
         "clock_offset_s",
+        "due_s",
         "fault",
     )
 
@@ -82,21 +82,21 @@ class SimSonar:
         self._bearings_rad = sweep_bearings_rad(settings)
         self._pings: deque[SonarReading] = deque(maxlen=64)  # nobody reading must not cost memory
         self._last_range_m: float | None = None
-        self._count, self._due_s = 0, 0.0
+        self._count, self.due_s = 0, 0.0
 
     def sense(
         self, now_s: float, north_m: float, east_m: float, heading_rad: float, wave_m: float = 0.0
     ) -> None:
         """Ping when due. wave_m: the height of the waves."""
-        if now_s + TIME_SLACK_S < self._due_s:
+        if now_s < self.due_s:
             return
         settings = self._settings
         bearing = self._bearings_rad[self._count % len(self._bearings_rad)]
         self._count += 1
-        self._due_s = self._count * settings.ping_s
+        self.due_s = self._count * settings.ping_s - TIME_SLACK_S
         ahead = heading_rad + bearing
         echo_m = self._echo_m([ahead + side for side in self._fan_rad], north_m, east_m, now_s)
-        heard_m = None if echo_m is None else echo_m + self._random.gauss(0.0, settings.noise_m)
+        heard_m = None if echo_m is None else echo_m + settings.noise_m * normal(self._random)
         if settings.ghost_share or settings.spray_per_m:
             heard_m = self._disturbed(heard_m, wave_m)
         if heard_m is not None:

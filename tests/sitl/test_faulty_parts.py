@@ -202,6 +202,7 @@ def pings(fault: str) -> dict[str, list[SonarReading]]:
                 "sensors.sonar.sweep_deg=0",
                 "boat.heading_deg=0",
                 "sensors.sonar.noise_m=0",
+                "sensors.sonar.ghost_share=0",
             ],
         )
     )
