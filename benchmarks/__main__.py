@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import codec, emulator, loop, memory, planner, radio, router, transfer
+from benchmarks import campaign, codec, emulator, loop, memory, planner, radio, router, transfer
 from benchmarks.measure import Row
 
 PAGE = Path("docs/benchmarks.md")
@@ -19,6 +19,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
     "planner": planner.rows,
     "emulator": emulator.rows,
+    "campaign": campaign.rows,
     "transfer": transfer.rows,
     "radio": radio.rows,
     "router": router.rows,

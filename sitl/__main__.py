@@ -15,6 +15,7 @@ from sitl.cli.physics import physics
 from sitl.cli.report import report
 from sitl.cli.sail import sail
 from sitl.cli.serve import serve
+from sitl.cli.tune import tune
 
 PROGRAM = "boat-sitl"
 
@@ -38,6 +39,7 @@ app.command()(serve)
 app.command()(sail)
 app.command()(campaign)
 app.command()(report)
+app.command()(tune)
 app.command()(paper)
 app.command()(physics)
 

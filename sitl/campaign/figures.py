@@ -2,8 +2,11 @@
 
 import dataclasses
 
+import numpy as np
+
 from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
+from sitl.beliefs import Belief
 from sitl.courses import tracking
 from sitl.sail import Result, Sailing
 from sitl.stationing import station_figures
@@ -26,6 +29,7 @@ def figures_of(sailing: Sailing, result: Result) -> Figures:
     if kept is not None:
         out["path_rms_m"], out["path_max_m"] = kept.path_rms_m, kept.path_max_m
         out["overshoot_m"] = kept.overshoot_m
+    out["command_travel_per_s"] = _command_travel_per_s(sailing)
     if _stays(sailing):
         out.update(station_figures(sailing.recorder, sailing.planned[-1]))
     out["fault"] = ", ".join(f"{fault.what} {fault.kind}" for fault in sailing.scenario.faults)
@@ -41,6 +45,15 @@ def _still_sails(sailing: Sailing) -> bool:
     """Whether an armed boat was still at its mission when its time was over."""
     vehicle = sailing.lockstep.boat.vehicle
     return vehicle.armed and vehicle.mode is Mode.AUTO
+
+
+def _command_travel_per_s(sailing: Sailing) -> float | None:
+    """How much both commands together go up and down in a second: what steering costs motors and gears."""
+    rows = sailing.beliefs.rows
+    if len(rows) < 2:
+        return None
+    commands = rows[:, [Belief._fields.index("left"), Belief._fields.index("right")]]
+    return float(np.abs(np.diff(commands, axis=0)).sum() / (rows[-1, 0] - rows[0, 0]))
 
 
 def _stays(sailing: Sailing) -> bool:

@@ -1,0 +1,1 @@
+"""Finds a boat's PID gains by sailing it many times."""
