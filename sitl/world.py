@@ -25,6 +25,7 @@ from sitl.vessel import LONGEST_STEP_S, Vessel
 from sitl.wind_knobs import WindKnobs
 from sitl.windage import Windage
 
+POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
 STATE = struct.Struct("<q13d")
 
@@ -86,6 +87,7 @@ class World:
         self._windage = Windage(hull.windage, hull.length_m)
         self._thrusters = Thrusters(scenario.thrusters)
         self._pack = Pack(scenario.battery)
+        self._brownout_v, self._dark_until_s = scenario.battery.brownout_v, -math.inf
         self.movers = Movers(scenario.movers)
         self._contact = Contact(hull, self.shore, self.movers, weather.shore_hold_n)
         self.electronics = Electronics(
@@ -149,9 +151,23 @@ class World:
         ):
             self.groundings += not self.truth.grounded
             self._touched_s = time_s
+        if pack.voltage_v < self._brownout_v or self._dark_until_s > 0.0:
+            self._feed_computer(time_s)
         self.truth = truth = self._observe(time_s)
         self.electronics.sense(truth, self.waves.height_m)
         return truth
+
+    def _feed_computer(self, time_s: float) -> None:
+        """Take the computer's power when the pack sags too deep; give it back once that is over."""
+        computer = self.electronics.computer
+        if self._pack.is_browned_out:
+            self._dark_until_s = time_s + POWER_UP_S
+            if computer.has_power:
+                computer.lose_power()
+                self._motors.stop()
+        elif time_s >= self._dark_until_s:
+            self._dark_until_s = -math.inf
+            computer.begin(time_s)
 
     def _flow(self, dt_s: float) -> float:
         """Let the current and waves of here and now carry the hull; the moment with which they turn it."""

@@ -111,6 +111,26 @@ def test_driving_costs_charge_and_sags_the_pack() -> None:
     assert readings[1].voltage_v < readings[0].voltage_v - 0.1
 
 
+def test_a_worn_out_pack_browns_the_computer_out_and_it_starts_again() -> None:
+    water = world("open", "battery.resistance_ohm=0.6", "battery.charge=0.15")
+    computer = water.electronics.computer
+    drive(water, 0.2, 0.2, 2.0)
+    assert (computer.has_power, computer.boots) == (True, 1)
+    lost_s = back_s = 0.0
+    for _ in range(500):
+        if computer.has_power and not lost_s:
+            water.hardware.motors.write(1.0, 1.0)
+        water.step(DT_S)
+        if not computer.has_power and not lost_s:
+            lost_s = water.time_s
+        if lost_s and computer.has_power and not back_s:
+            back_s = water.time_s
+    assert lost_s
+    assert 0.5 <= back_s - lost_s < 0.8
+    assert computer.boots == 2
+    assert (water.truth.left_command, water.truth.right_command) == (0.0, 0.0)
+
+
 def test_every_sensor_has_spoken_before_the_first_step_but_the_late_receiver() -> None:
     parts = world().hardware
     assert parts.compass.read() is not None
