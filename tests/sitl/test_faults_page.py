@@ -1,0 +1,36 @@
+"""docs/faults.md says what the emulator can do, all of it, and as it is."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from sitl.faults import CATALOGUE
+from sitl.layers import Layer
+from sitl.scenario import load_scenario
+from sitl.world import World
+
+PAGE = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
+
+
+def test_the_table_of_faults_is_the_catalogue() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| `(\w+)` \| ([-\d.]*) \| (.*) \|$", PAGE, re.MULTILINE)
+    assert rows == [
+        (what, kind, f"{effect.size:g}" if "size" in effect.text else "", effect.text)
+        for what, kinds in CATALOGUE.items()
+        for kind, effect in kinds.items()
+    ]
+
+
+def test_every_parameter_that_the_emulator_brings_along_is_on_the_page() -> None:
+    brought = {knob.row.name for knob in World(load_scenario("open")).hardware.knobs}
+    assert brought == set(re.findall(r"`((?:SIM|SYS)_\w+)`", PAGE))
+
+
+@pytest.mark.parametrize("block", re.findall(r"^```toml\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))
+def test_every_example_is_a_scenario(block: str) -> None:
+    tree = tomllib.loads(block)
+    scenario = load_scenario("open", over=[Layer("docs/faults.md", tree)])
+    (key,) = tree
+    assert getattr(scenario, key) != getattr(load_scenario("open"), key)
