@@ -26,7 +26,7 @@ def trials(folder: Path) -> Trials:
 def distance(run: Run) -> float:
     """How far a run's gains are from those wanted, in factors of e."""
     vehicle = run.settings["vehicle"]
-    found = {path: vehicle[path.partition(".")[0]][path.partition(".")[2]] for path in TUNED}
+    found: Gains = {path: vehicle[path.partition(".")[0]][path.partition(".")[2]] for path in TUNED}
     return sum(abs(found[path] / WANTED[path] - 1.0) for path in TUNED)
 
 
