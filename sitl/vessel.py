@@ -144,6 +144,11 @@ class Vessel:
         """m11 and m22 in kg, m33 in kg m²."""
         return self._m11, self._m22, self._m33
 
+    @property
+    def memory(self) -> tuple[float, float, float]:
+        """What the last step's accelerations leave for the next: part of the state, like pose and velocity."""
+        return self._bend_u, self._bend_v, self._bend_r
+
     def place(self, north_m: float, east_m: float, heading_rad: float) -> None:
         """Set the pose; the velocity in body axes stays."""
         self.north_m, self.east_m, self.heading_rad = north_m, east_m, heading_rad

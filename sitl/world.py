@@ -27,7 +27,7 @@ from sitl.windage import Windage
 
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
-STATE = struct.Struct("<q13d")
+STATE = struct.Struct("<q16d")
 
 
 class Truth(NamedTuple):
@@ -239,4 +239,5 @@ class World:
             self._pack.voltage_v,
             self.wind.north_m_s,
             self.wind.east_m_s,
+            *vessel.memory,
         )
