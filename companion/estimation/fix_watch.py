@@ -9,12 +9,15 @@ FROZEN_S: Final = 1.0  # so long a run of equal fixes is one while the boat move
 _SPAN_S: Final = 1.2  # over which positions and velocities are compared
 _MOST: Final = 30  # fixes remembered
 _OFF_SIGMAS: Final = 4.0
+_CREEP_S: Final = 30  # the same once more over this, for what creeps,
+_CREEP_SIGMAS: Final = 6.0
+_CREEP_M_S: Final = 0.03  # beyond what a receiver's velocity is off by
 
 
 class FixWatch:
     """Looks at each fix before anything is made of it."""
 
-    __slots__ = ("_at", "_repetition", "_story", "_velocity", "_way_m")
+    __slots__ = ("_at", "_long_story", "_repetition", "_story", "_velocity", "_way_m")
 
     def __init__(self) -> None:
         self._repetition = Repetition()
@@ -22,6 +25,7 @@ class FixWatch:
         self._velocity: complex | None = None
         self._way_m = 0j
         self._story: deque[tuple[float, complex]] = deque(maxlen=_MOST)
+        self._long_story: deque[tuple[float, complex]] = deque(maxlen=_CREEP_S + 1)
 
     def update(self, time_s: float, at: complex, velocity: complex | None) -> None:
         """A fix later than the last one: position in m and velocity in m/s, north + i east."""
@@ -30,11 +34,16 @@ class FixWatch:
             dt = time_s - self._story[-1][0]
             if dt > _SPAN_S:
                 self._story.clear()
+                self._long_story.clear()
             else:
                 now, before = velocity or 0j, self._velocity or 0j
                 self._way_m += 0.5 * dt * (now + before)
         self._at, self._velocity = at, velocity
         self._story.append((time_s, at - self._way_m))
+        if velocity is None:
+            self._long_story.clear()
+        elif not self._long_story or time_s - self._long_story[-1][0] >= 1.0:
+            self._long_story.append(self._story[-1])
         while time_s - self._story[0][0] > _SPAN_S:
             self._story.popleft()
         self._repetition.update(is_same, time_s)
@@ -56,3 +65,15 @@ class FixWatch:
         """Whether the positions of the last second went where the velocities led; sigma_m is a position's."""
         first, last = self._story[0][1], self._story[-1][1]
         return len(self._story) > 1 and abs(last - first) < _OFF_SIGMAS * sigma_m
+
+    def creep_m(self, sigma_m: float) -> float:
+        """How far the positions have crept away from their velocities in half a minute, 0 if not at all."""
+        if len(self._long_story) < 2:
+            return 0.0
+        (began_s, first), (time_s, last) = self._long_story[0], self._story[-1]
+        crept_m = abs(last - first)
+        return crept_m if crept_m > _CREEP_SIGMAS * sigma_m + _CREEP_M_S * (time_s - began_s) else 0.0
+
+    def forget_creep(self) -> None:
+        """Begin that half minute anew."""
+        self._long_story.clear()

@@ -4,7 +4,8 @@ With a gyro this is the complementary filter with bias: the gyro carries the hea
 with the time constant DRAW_S and teaches the gyro's bias, so compass noise stays out and gyro drift too (R.
 Mahony, T. Hamel, J.-M. Pflimlin, *Nonlinear Complementary Filters on the Special Orthogonal Group*, IEEE
 Trans. Automatic Control 53(5), 2008, the filter with bias, in the plane). Several readings are taken
-together. A compass that disagrees with the gyro, or says the same whatever the gyro says, is not believed.
+together. A compass that disagrees with the gyro, or says the same whatever the gyro says, is not believed;
+nor is what leaps about as no hull can turn.
 
 Without a gyro it is a fading-memory (critically damped) g-h filter, gains g = 1 − θ² and h = (1 − θ)² with
 θ = exp(−dt/τ) (E. Brookner, *Tracking and Kalman Filtering Made Easy*, 1998, chapter 1).
@@ -16,7 +17,7 @@ the heading there.
 import math
 from typing import Final
 
-from companion.estimation.repetition import Repetition
+from companion.estimation.liveliness import Liveliness
 from companion.units import wrap_pi
 
 DRAW_S: Final = 2.0
@@ -27,6 +28,10 @@ RESTART_S: Final = 2.0  # after such a gap the filter begins anew at the reading
 MAX_PREDICTION_S: Final = 0.5
 _TOGETHER_S: Final = 0.1
 _STUCK_S: Final = 1.0
+_LEAP_RAD, _LEAP_RAD_S = 0.2, 3.0  # from one compass reading to the next, at once and with time: not a hull
+_JERK_RAD_S, _JERK_RAD_S2 = 0.15, 3.0  # the same for the gyro
+_ODD: Final = 0.5  # share of the last second in which the compass was off, that is too much
+_EVEN: Final = 0.1  # and all is well again
 _STUCK_RAD: Final = 0.1  # turned by the gyro while the compass said the same,
 _STUCK_RAD_S: Final = 0.03  # and this a second: the gyro's bias may not be known yet
 _SIGMA_RAD: Final = 0.02  # with a compass
@@ -45,7 +50,7 @@ class HeadingFilter:
     """
 
     __slots__ = (
-        "_block_s", "_blocks", "_compass_rad", "_count", "_off_since_s", "_rate_rad_s", "_repetition",
+        "_block_s", "_blocks", "_compass", "_count", "_gyro", "_odd", "_off_since_s", "_rate_rad_s",
         "_sum_rad", "_turned_rad", "bias_rad_s", "compass_s", "gate_rad", "has_gyro", "heading_rad",
         "is_idle", "is_off", "resets", "sigma_rad", "time_s", "yaw_rate_rad_s",
     )  # fmt: skip
@@ -60,8 +65,9 @@ class HeadingFilter:
         self.is_off = False
         self.is_idle = True
         self.resets = 0
-        self._repetition = Repetition()
-        self._compass_rad = math.nan
+        self._compass = Liveliness(_LEAP_RAD, _LEAP_RAD_S, _STUCK_S)
+        self._gyro = Liveliness(_JERK_RAD_S, _JERK_RAD_S2, 0.5 * _STUCK_S)
+        self._odd = 0.0
         self._turned_rad = 0.0  # by the gyro, since the compass has last said something new
         self._rate_rad_s = 0.0
         self._sum_rad = 0.0
@@ -76,6 +82,10 @@ class HeadingFilter:
         """
         dt = time_s - self.time_s
         self.time_s = time_s
+        if yaw_rate_rad_s is not None:
+            self._gyro.update(yaw_rate_rad_s, time_s)
+            if not self._gyro.is_good and not math.isnan(heading_rad):
+                yaw_rate_rad_s = None
         if dt > RESTART_S and not math.isnan(heading_rad):
             self._begin(time_s, heading_rad, yaw_rate_rad_s)
         elif yaw_rate_rad_s is None:
@@ -88,9 +98,8 @@ class HeadingFilter:
         self.has_gyro = yaw_rate_rad_s is not None
         self._rate_rad_s = yaw_rate_rad_s or 0.0
         self.yaw_rate_rad_s = self._rate_rad_s - self.bias_rad_s if self.has_gyro else 0.0
-        self._compass_rad = heading_rad
-        self._repetition.update(False, time_s)
-        self._turned_rad = self._sum_rad = 0.0
+        self._compass.update(heading_rad, time_s)
+        self._turned_rad = self._sum_rad = self._odd = 0.0
         self._count = self._blocks = 0
         self._believe(time_s)
 
@@ -107,11 +116,9 @@ class HeadingFilter:
         fade = math.exp(-dt / COMPASS_TIME_S)
         self.heading_rad = wrap_pi(predicted + (1.0 - fade * fade) * residual)
         self.yaw_rate_rad_s += (1.0 - fade) * (1.0 - fade) / dt * residual
-        self._repetition.update(heading_rad == self._compass_rad, time_s)
-        self._compass_rad = heading_rad
-        if self._repetition.is_unusual(_STUCK_S):
-            self._repetition.is_condemned = True
-        else:
+        self._compass.update(heading_rad, time_s)
+        if self._compass.is_good:
+            self._odd = 0.0
             self._believe(time_s)
 
     def _go_by_gyro(self, time_s: float, dt: float, heading_rad: float, yaw_rate_rad_s: float) -> None:
@@ -123,17 +130,14 @@ class HeadingFilter:
         self.sigma_rad += _GYRO_WALK_RAD_S * dt
         if math.isnan(heading_rad):
             return
-        is_same = heading_rad == self._compass_rad
-        self._repetition.update(is_same, time_s)
-        if is_same:
+        compass = self._compass
+        if compass.update(heading_rad, time_s):
             self._turned_rad += turned
-            odd_rad = _STUCK_RAD + _STUCK_RAD_S * self._repetition.run_s
-            if abs(self._turned_rad) > odd_rad or self._repetition.is_unusual(_STUCK_S):
-                self._repetition.is_condemned = True
+            if abs(self._turned_rad) > _STUCK_RAD + _STUCK_RAD_S * compass.repetition.run_s:
+                compass.repetition.is_condemned = True
         else:
             self._turned_rad = 0.0
-            self._compass_rad = heading_rad
-        if self._repetition.is_condemned:
+        if not compass.is_good:
             self._sum_rad, self._count = 0.0, 0
             return
         self._sum_rad += wrap_pi(heading_rad - self.heading_rad)
@@ -146,10 +150,12 @@ class HeadingFilter:
         residual, span = self._sum_rad / self._count, min(time_s - self._block_s, RESTART_S)
         self._sum_rad, self._count = 0.0, 0
         self._block_s = time_s
-        if self._blocks and not abs(residual) <= self._gate_now_rad(time_s):
-            if self._off_since_s == math.inf:
-                self._off_since_s = time_s
-            self.is_off = time_s - self._off_since_s > _STUCK_S
+        is_odd = self._blocks > 0 and not abs(residual) <= self._gate_now_rad(time_s)
+        self._odd += min(span, 1.0) * ((1.0 if is_odd else 0.0) - self._odd)
+        if is_odd and self._off_since_s == math.inf:
+            self._off_since_s = time_s
+        if is_odd or (self.is_off and self._odd > _EVEN):
+            self.is_off = self.is_off or self._odd > _ODD
             return
         if self.is_off and abs(residual) > self.gate_rad:
             self.resets += 1
@@ -178,11 +184,15 @@ class HeadingFilter:
         self.heading_rad = wrap_pi(self.heading_rad + share * residual_rad)
         self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
 
-    def stray(self, dt_s: float) -> None:
-        """No reading has come for dt_s."""
+    def stray(self, yaw_rate_rad_s: float, dt_s: float) -> None:
+        """No reading has come for dt_s, but somebody has an idea of how fast the boat turns."""
         self.sigma_rad += _BLIND_WALK_RAD_S * dt_s
-        self.yaw_rate_rad_s = 0.0
+        self.yaw_rate_rad_s = yaw_rate_rad_s
+        self.heading_rad = wrap_pi(self.heading_rad + yaw_rate_rad_s * dt_s)
 
     def heading_at_rad(self, now_s: float) -> float:
-        """The heading carried on to now_s at the last rate, but no further than MAX_PREDICTION_S."""
-        return wrap_pi(self.heading_rad + self.yaw_rate_rad_s * min(now_s - self.time_s, MAX_PREDICTION_S))
+        """The heading carried on to now_s at the last rate; after MAX_PREDICTION_S `stray` takes over."""
+        ahead_s = now_s - self.time_s
+        if ahead_s > MAX_PREDICTION_S:
+            return self.heading_rad
+        return wrap_pi(self.heading_rad + self.yaw_rate_rad_s * ahead_s)

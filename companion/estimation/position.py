@@ -19,6 +19,7 @@ from typing import Final
 UNMODELLED_S: Final = 3.0  # T_e
 WANDER_SHARE: Final = 0.8  # of a receiver's deviation is wander, the rest white
 _GATE: Final = 25.0  # squared distance over variance, 5 σ: what lies beyond does not belong here
+_STRAY_GATE: Final = 9.0  # for how far it may have strayed: 3 σ
 _ADAPT: Final = 0.05  # of the process noise's logarithm, per fix
 _LEAST, _FIRST, _MOST = 0.01, 0.05, 0.5  # the deviation of e, in shares of cruise speed
 
@@ -118,7 +119,7 @@ class PositionFilter:
     def fits(self, at: complex, sigma_m: float, strayed_m2: float) -> bool:
         """Whether a position can be one of this boat's. strayed_m2: see `stray`."""
         surprise = at - self.position_m - self.wander_m
-        return _squared(surprise) <= 2.0 * _GATE * (self._variance(sigma_m) + strayed_m2)
+        return _squared(surprise) <= 2.0 * _GATE * self._variance(sigma_m) + _STRAY_GATE * strayed_m2
 
     def take_position(self, at: complex, sigma_m: float) -> None:
         """A measured position."""

@@ -1,0 +1,206 @@
+"""Fixing the position: which fixes are believed, what they correct, and what stands in when there are none.
+
+While a receiver's velocities are believed, its positions can be done without for a minute or more; but a
+receiver that insists is believed in the end, the later, the farther off it is. With neither, the model alone
+carries the boat, and the doubt grows as the model's own.
+"""
+
+import math
+from typing import Final
+
+from companion.estimation.current import SET_SHARE
+from companion.estimation.fix_watch import FixWatch
+from companion.estimation.model import Model
+from companion.estimation.position import UNMODELLED_S, PositionFilter
+from companion.settings.estimation import Estimation
+from companion.state import EstimateFault
+
+VELOCITY_SIGMA_M_S: Final = 0.05  # Doppler velocity of a common receiver, per axis
+_AT_REST: Final = 0.1  # share of cruise speed
+_GAP_S: Final = 0.5  # without a fix for longer, the boat strays:
+_BY_VELOCITY: Final = 0.025  # by so much of cruise speed as long as velocities are believed
+_REJECTED: Final = 0.5  # share of the last second's fixes that is too much
+_SUSPECT: Final = 0.3  # and one that asks for more care
+_STEP_S: Final = (
+    1.5  # a step of the receiver's that the boat could sail in this may be one back to the truth,
+)
+_STEP_WAIT_S: Final = 10.0  # if it lasts
+_IDLE_RESET_S: Final = 10.0  # a boat without thrust takes even a leap for the truth after this
+_LOST: Final = int(EstimateFault.GNSS_LOST)
+_FROZEN: Final = int(EstimateFault.GNSS_FROZEN)
+_JUMPING: Final = int(EstimateFault.GNSS_JUMPING)
+_POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
+
+
+class Fixing:
+    """accepted_s: the time of the latest position believed; resets: how often it was begun anew."""
+
+    __slots__ = (
+        "_fix_s", "_is_frozen", "_model", "_odd_since_s", "_rejected", "_reset_counter", "_setting",
+        "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "position", "resets",
+    )  # fmt: skip
+
+    def __init__(self, model: Model, setting: Estimation) -> None:
+        self._model = model
+        self._setting = setting
+        self._watch = FixWatch()
+        self._fix_s = self._velocity_s = self._odd_since_s = -math.inf
+        self._way_m = 0j  # through the water, at the time of the latest fix
+        self._strayed_m = self._rejected = 0.0
+        self._is_frozen = False
+        self._reset_counter = 0
+        self.accepted_s = -math.inf
+        self.resets = 0
+        self.position = PositionFilter(model.cruise_m_s, setting.wander_s)
+
+    @property
+    def fix_s(self) -> float:
+        """The time of the latest fix, believed or not."""
+        return self._fix_s
+
+    @property
+    def sigma_m(self) -> float:
+        """One standard deviation of the position, per axis."""
+        return math.sqrt(self.position.variance_m2) + self._strayed_m
+
+    def here(self, now_s: float) -> tuple[complex, complex]:
+        """Position in m and velocity over ground in m/s, north + i east."""
+        position, current, wake = self.position, self._model.current, self._model.wake
+        ahead_s = now_s - position.time_s
+        fading = math.exp(-ahead_s / UNMODELLED_S)
+        unmodelled = position.unmodelled_m_s
+        carried = current.gain * (wake.way_m - self._way_m) + current.set_m_s * ahead_s
+        return (
+            position.position_m + carried + unmodelled * (UNMODELLED_S * (1.0 - fading)),
+            current.velocity_m_s(wake.velocity_m_s) + unmodelled * fading,
+        )
+
+    def pass_time(self, now_s: float, dt: float) -> None:
+        """The boat strays while no position is believed."""
+        if now_s - self.accepted_s > _GAP_S:
+            model = self._model
+            by_velocity = now_s - self._velocity_s <= _GAP_S
+            doubt_m_s = _BY_VELOCITY * model.cruise_m_s if by_velocity else model.doubt_m_s()
+            self._strayed_m += dt * doubt_m_s
+
+    def take(
+        self, time_s: float, at: complex, velocity: complex | None, sigma_m: float, reset_counter: int
+    ) -> None:
+        """What a fix says about the boat where it was then.
+
+        at: m, velocity: m/s, None where the receiver does not say. sigma_m: per axis. reset_counter: another
+        one than before means that the source has begun anew, and is believed wherever that is.
+        """
+        position, model, watch = self.position, self._model, self._watch
+        self._fix_s = time_s
+        watch.update(time_s, at, velocity)
+        way_m, through = model.wake.at(time_s)
+        # A pose from a camera over a pool is a hundred times finer than a satellite's; so is its velocity.
+        variance = min(VELOCITY_SIGMA_M_S, sigma_m) ** 2
+        if self.accepted_s == -math.inf or reset_counter != self._reset_counter:
+            self.resets += self.accepted_s > -math.inf
+            self._reset_counter = reset_counter
+            self._begin(time_s, at, velocity, sigma_m, variance, way_m, through)
+            return
+        modelled = model.current.velocity_m_s(through)
+        self._is_frozen = watch.is_frozen(abs(modelled), _AT_REST * model.cruise_m_s)
+        if self._is_frozen:
+            watch.forget_creep()
+            return
+        dt = time_s - position.time_s
+        carried = model.current.gain * (way_m - self._way_m) + model.current.set_m_s * dt
+        self._way_m = way_m
+        pushed = model.pushed_m2_s3(through)
+        position.predict(time_s, carried, sigma_m, pushed)
+        noise = position.noise_m2_s3 + pushed
+        is_consistent = watch.is_consistent(sigma_m)
+        if velocity is not None and position.take_velocity(
+            velocity - modelled - position.unmodelled_m_s, variance, is_consistent
+        ):
+            self._velocity_s = time_s
+            position.unmodelled_m_s -= model.learn(velocity, through, variance, noise, dt)
+            position.unmodelled_m_s -= model.nudge(position.unmodelled_m_s, dt)
+        if self._accepts(time_s, at, sigma_m, is_consistent, dt):
+            position.stray(self._strayed_m * self._strayed_m)
+            self._strayed_m = 0.0
+            position.take_position(at, sigma_m)
+            self.accepted_s = time_s
+            if velocity is None:
+                measured = model.current.velocity_m_s(through) + position.unmodelled_m_s
+                position.unmodelled_m_s -= model.learn(
+                    measured, through, position.unmodelled_variance, noise, dt
+                )
+        elif self._may_begin_anew(time_s, is_consistent):
+            self.resets += 1
+            self._begin(time_s, at, velocity, sigma_m, variance, way_m, through)
+
+    def _accepts(self, time_s: float, at: complex, sigma_m: float, is_consistent: bool, dt: float) -> bool:
+        """Whether a position is believed."""
+        position, watch = self.position, self._watch
+        fits = position.fits(at, sigma_m, self._strayed_m * self._strayed_m)
+        if not is_consistent:
+            watch.forget_creep()
+        crept_m = watch.creep_m(sigma_m)
+        is_good = fits and crept_m == 0.0 and (is_consistent or self._rejected < _SUSPECT)
+        self._rejected += min(dt, 1.0) * ((0.0 if is_good else 1.0) - self._rejected)
+        if is_good:
+            self._odd_since_s = math.inf
+            return True
+        if not is_consistent or self._odd_since_s == math.inf:
+            self._odd_since_s = time_s
+        step_m = abs(at - position.position_m)
+        if crept_m > 0.0:
+            if fits:  # so far it may have led the boat astray
+                self._strayed_m = max(self._strayed_m, crept_m)
+        elif step_m < _STEP_S * self._model.cruise_m_s and time_s - self._odd_since_s > _STEP_WAIT_S:
+            self._strayed_m = max(self._strayed_m, step_m)
+        return False
+
+    def _may_begin_anew(self, time_s: float, is_consistent: bool) -> bool:
+        """Whether fixes that do not fit are better than what the boat has left."""
+        is_idle = time_s - max(self._model.idle_since_s, self.accepted_s) > _IDLE_RESET_S
+        return self.is_spent(time_s) or (is_idle and is_consistent)
+
+    def _begin(
+        self,
+        time_s: float,
+        at: complex,
+        velocity: complex | None,
+        sigma_m: float,
+        variance: float,
+        way_m: complex,
+        through: complex,
+    ) -> None:
+        """Start the position at a fix."""
+        position, model = self.position, self._model
+        position.start(time_s, at, sigma_m, SET_SHARE * model.cruise_m_s)
+        if velocity is not None:
+            position.take_velocity(velocity - model.current.velocity_m_s(through), variance, True)
+            self._velocity_s = time_s
+        self._watch.forget_creep()
+        self._way_m = way_m
+        self.accepted_s = time_s
+        self._odd_since_s = math.inf
+        self._strayed_m = self._rejected = 0.0
+
+    def is_spent(self, now_s: float) -> bool:
+        """Whether dead reckoning has gone on for too long; without a heading there is none."""
+        setting = self._setting
+        age_s = now_s - max(self.accepted_s, self._velocity_s)
+        if age_s <= setting.gnss_timeout_s:
+            return False
+        is_over = age_s > setting.dead_reckoning_s or self.sigma_m > setting.lost_sigma_m
+        return is_over or self._model.is_blind()
+
+    def faults(self, now_s: float) -> int:
+        """Bits of EstimateFault."""
+        faults = 0
+        if now_s - self._fix_s > self._setting.gnss_timeout_s:
+            faults = _LOST
+        elif self._is_frozen:
+            faults = _FROZEN
+        if self._rejected > _REJECTED:
+            faults |= _JUMPING
+        if now_s - self.accepted_s > self._setting.gnss_timeout_s and self.is_spent(now_s):
+            faults |= _POSITION_LOST
+        return faults
