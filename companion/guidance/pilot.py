@@ -112,7 +112,7 @@ class Pilot:
         if last is None or distance_m(last, point) > config.guidance.station_radius_m:
             self._station.reset()  # a point that moves little, as one that is followed does, is the same
         self._station_point = point
-        return self._station.update(point, nav, config.guidance, config.speed.cruise_m_s, dt_s)
+        return self._station.update(point, nav, config, dt_s)
 
     def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Demand:
         if leg is not self._leg:

@@ -1,47 +1,123 @@
-"""Keeping station near a point: a virtual anchor.
+"""Keeping station near a point, against current and wind.
 
-Outside the radius the boat sails at the point, so against a current it always arrives from downstream.
-Inside, it steers along a line through the point, as line of sight would, and moves ahead or astern along
-it. That line is turned slowly toward the point whenever the point lies abeam, which is how the bow finds
-its way into the drift without anything measuring the drift: the only direction from which the current
-pushes straight back is upstream. Within half the radius nothing is asked but to stay.
+Where there is a set to speak of, the boat lies with its bow into it, as at anchor, and holds itself there.
+The velocity over ground that closes on the point, in proportion to the distance, less the set is what it
+makes through the water: most of it against the set, by thrust alone; what is abeam by turning the bow a
+little to either side. So it needs no more thrust than the set takes, and never turns about. An integral of
+the error takes out what the set is estimated wrong. From farther away it sails at the point; from up there
+it turns early enough to be let down on it bow first.
+
+In still water there is nothing to lie against. The boat then keeps its heading, asks for nothing within
+half the radius, and moves ahead or astern along a line through the point that turns slowly toward it.
 """
 
 import math
 
-from companion.config import Guidance
+from companion.config import BoatConfig, Guidance
 from companion.geo import Point
+from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.speed_profile import braking_speed_m_s, steered_speed_m_s
 from companion.state import Demand, NavState
 from companion.units import clamp, wrap_pi
 
-STILL_SHARE = 0.5  # of the radius: inside, position errors ask for nothing
+STILL_SHARE = 0.5  # of the radius: inside, position errors ask for nothing in still water
 CLOSING_RATE_PER_S = 0.4  # speed asked for per metre away
 TURN_RATE_RAD_S = 0.25  # of the line, per radius that the point lies abeam
 ASTERN_RADII = 2.0  # this near, a point behind is backed to
+LYING_SHARE = 0.5  # of min_speed_m_s: a set of this much is one to lie against,
+LEAVING_SHARE = 0.3  # until it is less than this
+NEAR_RADII = (
+    2.0  # this near the boat lies with its bow into the set, or nearer than it is carried while turning
+)
+EASE_SHARE = 0.3  # of the set: the least that is made against it, so that the bow stays up
+LEARNING_PER_S2 = 0.03  # of the error's integral, speed per metre and second
+MAX_LEARNED_SHARE = 0.5  # of min_speed_m_s
 
 
 class StationKeeping:
-    """Remembers the direction of the line it lies on; None before the first update."""
+    """Remembers the direction of the line it lies on, None before the first update, and the integral in
+    m/s."""
 
-    __slots__ = ("_line_rad",)
+    __slots__ = ("_is_lying", "_learned_east", "_learned_north", "_line_rad")
 
     def __init__(self) -> None:
         self._line_rad: float | None = None
+        self._is_lying = False
+        self._learned_north = self._learned_east = 0.0
 
     def reset(self) -> None:
         """Start anew, wherever the bow points then."""
         self._line_rad = None
+        self._is_lying = False
+        self._learned_north = self._learned_east = 0.0
 
-    def update(
-        self, point: Point, nav: NavState, setting: Guidance, cruise_m_s: float, dt_s: float
-    ) -> Demand:
+    def update(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         """Heading and speed over ground (negative is astern) that keep the boat near the point."""
+        setting = config.guidance
         north, east = point.north_m - nav.north_m, point.east_m - nav.east_m
         distance = math.hypot(north, east)
+        set_m_s = math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        share = LEAVING_SHARE if self._is_lying else LYING_SHARE
+        self._is_lying = set_m_s > share * setting.min_speed_m_s
+        if self._is_lying:
+            near = max(NEAR_RADII * setting.station_radius_m, set_m_s * _turning_s(config))
+            if distance > near:
+                return self._approach(math.atan2(east, north), distance, nav, config)
+            return self._lie(north, east, distance, set_m_s, nav, config, dt_s)
         if distance > setting.station_radius_m:
-            return self._return(math.atan2(east, north), distance, nav, setting, cruise_m_s)
+            return self._return(math.atan2(east, north), distance, nav, setting, config.speed.cruise_m_s)
         return self._stay(north, east, distance, nav, setting, dt_s)
+
+    def _approach(self, bearing_rad: float, distance: float, nav: NavState, config: BoatConfig) -> Demand:
+        """Sail at the point, through a set."""
+        setting, c, s = config.guidance, math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        speed = min(config.speed.cruise_m_s, braking_speed_m_s(distance, 0.0, setting))
+        heading, water = course_to_steer(
+            bearing_rad,
+            speed,
+            nav.set_north_m_s,
+            nav.set_east_m_s,
+            setting.min_speed_m_s,
+            config.handling.top_speed_m_s,
+        )
+        heading = wrap_pi(heading)
+        self._line_rad = heading
+        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), setting)
+        return Demand(heading, water + nav.set_north_m_s * c + nav.set_east_m_s * s, 0.0, distance)
+
+    def _lie(
+        self,
+        north: float,
+        east: float,
+        distance: float,
+        set_m_s: float,
+        nav: NavState,
+        config: BoatConfig,
+        dt_s: float,
+    ) -> Demand:
+        """Hold against the set: `up` is against it, `across` to starboard of that."""
+        setting = config.guidance
+        up_north, up_east = -nav.set_north_m_s / set_m_s, -nav.set_east_m_s / set_m_s
+        top, slow = config.handling.top_speed_m_s, setting.min_speed_m_s
+        if distance < setting.station_radius_m:
+            most = MAX_LEARNED_SHARE * slow
+            self._learned_north = clamp(self._learned_north + LEARNING_PER_S2 * north * dt_s, -most, most)
+            self._learned_east = clamp(self._learned_east + LEARNING_PER_S2 * east * dt_s, -most, most)
+        closing = CLOSING_RATE_PER_S
+        want_north = closing * north + self._learned_north
+        want_east = closing * east + self._learned_east
+        up = set_m_s + want_north * up_north + want_east * up_east
+        across = want_east * up_north - want_north * up_east
+        up = clamp(up, EASE_SHARE * set_m_s, top)
+        across = clamp(across, -up, up)
+        upstream = math.atan2(up_east, up_north)
+        heading = wrap_pi(upstream + math.atan2(across, up))
+        self._line_rad = heading
+        # What the bow, as it points now, makes of the velocity wanted through the water.
+        off = wrap_pi(nav.heading_rad - upstream)
+        water = up * math.cos(off) + across * math.sin(off) if abs(off) < 0.5 * math.pi else 0.0
+        c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        return Demand(heading, water + nav.set_north_m_s * c + nav.set_east_m_s * s, 0.0, distance)
 
     def _return(
         self, bearing_rad: float, distance: float, nav: NavState, setting: Guidance, cruise_m_s: float
@@ -76,3 +152,8 @@ class StationKeeping:
         heading = wrap_pi(line + math.atan(abeam / (2.0 * radius)))
         speed = clamp(CLOSING_RATE_PER_S * ahead, -setting.min_speed_m_s, setting.min_speed_m_s)
         return Demand(heading, speed, 0.0, distance)
+
+
+def _turning_s(config: BoatConfig) -> float:
+    """How long the boat takes to turn about."""
+    return math.pi / config.handling.turn_rate_rad_s + config.handling.yaw_time_s
