@@ -206,5 +206,6 @@ class Sailing:
 
 def _is_under_way(vehicle: Vehicle) -> bool:
     """Whether the boat sails its mission, or home because the mission's last item says so."""
-    goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home and vehicle.target is not None
-    return vehicle.armed and (vehicle.mode is Mode.AUTO or goes_home)
+    goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home
+    is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.conduct.way_home.arrived)
+    return vehicle.armed and is_on_its_way
