@@ -9,7 +9,7 @@ from companion.guidance.corner import SHARPEST_RAD, Corner, corner_between
 from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.speed_profile import corner_speed_m_s, leg_speed_m_s, steered_speed_m_s
-from companion.guidance.station_keeping import StationKeeping
+from companion.guidance.station_keeping import LYING_SHARE, StationKeeping, turning_s
 from companion.guidance.turning import Turning
 from companion.state import Demand, NavState
 from companion.units import clamp, wrap_pi
@@ -50,7 +50,7 @@ class Pilot:
         self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float
     ) -> Demand | Drive | Stop:
         """What to hold now. Stop and Drive go through; without a NavState everything else is Stop."""
-        if not isinstance(intent, KeepStation):
+        if not isinstance(intent, KeepStation | FollowLeg):
             self._station_point = None
         if not isinstance(intent, FollowLeg):
             self._leg = self._ahead = self._astern = None
@@ -61,7 +61,7 @@ class Pilot:
         if nav is None:
             return _STOP
         if isinstance(intent, FollowLeg):
-            return self._follow(intent, nav, config)
+            return self._follow(intent, nav, config, dt_s)
         if isinstance(intent, KeepStation):
             return self._keep(intent.point, nav, config, dt_s)
         if isinstance(intent, FollowCircle):
@@ -114,7 +114,7 @@ class Pilot:
         self._station_point = point
         return self._station.update(point, nav, config, dt_s)
 
-    def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Demand:
+    def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         if leg is not self._leg:
             self._begin(leg, nav, config)
         setting, handling = config.guidance, config.handling
@@ -131,6 +131,16 @@ class Pilot:
             ):
                 self._lay_corner(leg, nav, config)
         speed = self._speed_m_s(leg, to_go, config)
+        if leg.next_line is None:
+            carried = nav.set_north_m_s * math.cos(line.course_rad) + nav.set_east_m_s * math.sin(
+                line.course_rad
+            )
+            if carried > LYING_SHARE * setting.min_speed_m_s:
+                # Lest a set from astern carry it past, it turns about before and is let down on the stop.
+                room = to_go - carried * turning_s(config)
+                if room <= 0.0:
+                    return self._keep(leg.end, nav, config, dt_s)
+                speed = min(speed, leg_speed_m_s(leg.speed_m_s, room, carried, config))
         ahead = lookahead_m(ground, config.speed.cruise_m_s, setting)
         distance = math.hypot(to_go, cross_track)
         path = self._astern or self._ahead

@@ -60,7 +60,7 @@ class StationKeeping:
         share = LEAVING_SHARE if self._is_lying else LYING_SHARE
         self._is_lying = set_m_s > share * setting.min_speed_m_s
         if self._is_lying:
-            near = max(NEAR_RADII * setting.station_radius_m, set_m_s * _turning_s(config))
+            near = max(NEAR_RADII * setting.station_radius_m, set_m_s * turning_s(config))
             if distance > near:
                 return self._approach(math.atan2(east, north), distance, nav, config)
             return self._lie(north, east, distance, set_m_s, nav, config, dt_s)
@@ -154,6 +154,6 @@ class StationKeeping:
         return Demand(heading, speed, 0.0, distance)
 
 
-def _turning_s(config: BoatConfig) -> float:
+def turning_s(config: BoatConfig) -> float:
     """How long the boat takes to turn about."""
     return math.pi / config.handling.turn_rate_rad_s + config.handling.yaw_time_s

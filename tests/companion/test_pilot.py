@@ -136,3 +136,13 @@ def test_a_leg_without_length_is_sailed_straight_to_its_end() -> None:
     demand = _demand(Pilot(), FollowLeg(end, end, 2.0), resting)
     assert demand.heading_rad == pytest.approx(math.pi / 4)
     assert demand.distance_m == pytest.approx(math.hypot(10.0, 10.0))
+
+
+def test_a_set_from_astern_turns_the_boat_about_before_its_stop() -> None:
+    carried = replace(NORTHBOUND, set_north_m_s=1.0)
+    assert _demand(Pilot(), LEG, replace(carried, north_m=80.0)).heading_rad == pytest.approx(0.0)
+    early = _demand(Pilot(), LEG, replace(carried, north_m=92.0))
+    assert early.speed_m_s < 2.0
+    near = _demand(Pilot(), LEG, replace(carried, north_m=96.0))
+    assert abs(near.heading_rad) == pytest.approx(math.pi)
+    assert _demand(Pilot(), CORNER, replace(carried, north_m=96.0)).heading_rad < 2.0
