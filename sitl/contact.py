@@ -33,7 +33,12 @@ class Touch(NamedTuple):
 
 
 class Contact:
-    """One hull's touch with shore and movers. is_stuck: a soft shore holds it."""
+    """One hull's touch with shore and movers.
+
+    room_m is how far the hull may go before it can touch the shore; the owner takes off what way it makes,
+    and need not ask `meets` while some is left, unless is_watchful: there are movers. is_stuck: a soft
+    shore holds the hull, and no room is left.
+    """
 
     __slots__ = (
         "_corners",
@@ -42,9 +47,10 @@ class Contact:
         "_lever_m",
         "_movers",
         "_radius_m",
-        "_room_m",
         "_shore",
         "is_stuck",
+        "is_watchful",
+        "room_m",
     )
 
     def __init__(self, hull: VesselParameters, shore: Shore, movers: Movers, hold_n: float) -> None:
@@ -57,9 +63,10 @@ class Contact:
         self._radius_m = max(side, math.hypot(half, transom))
         self._lever_m = half
         self._shore, self._movers, self._hold_n = shore, movers, hold_n
-        self._room_m = 0.0
+        self.room_m = 0.0
         self._has_cast_off = False
         self.is_stuck = False
+        self.is_watchful = bool(movers)
 
     def meets(
         self,
@@ -75,24 +82,22 @@ class Contact:
         """Whether the step that brought the vessel here from a pose made it touch.
 
         If so, pose and velocity are put right. A boat that starts alongside rubs as it casts off: that is no
-        touch yet, until it first has had room to turn on the spot. The distance to the shore, once measured,
-        need not be measured again before that much way is made.
+        touch yet, until it first has had room to turn on the spot.
         """
         if self.is_stuck and self._holds(
             vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s, dt_s
         ):
             return self._has_cast_off
-        self._room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)
-        if self._room_m > 0.0 and (
+        if self.room_m > 0.0 and (
             not self._movers or self._movers.gap_m(vessel.east_m, vessel.north_m, time_s) > self._radius_m
         ):
             return False
         touches = self._touches(vessel, time_s)
         if not touches:
-            self._room_m = self._shore.room_m(vessel.east_m, vessel.north_m) - self._radius_m
-            self._has_cast_off = self._has_cast_off or self._room_m > 0.0
+            self.room_m = self._shore.room_m(vessel.east_m, vessel.north_m) - self._radius_m
+            self._has_cast_off = self._has_cast_off or self.room_m > 0.0
             return False
-        self._room_m = 0.0
+        self.room_m = 0.0
         if self._hold_n > 0.0:
             self.is_stuck = True
         else:

@@ -146,7 +146,7 @@ class Vessel:
 
     @property
     def memory(self) -> tuple[float, float, float]:
-        """What the last step's accelerations leave for the next: part of the state, like pose and velocity."""
+        """What the last step's accelerations leave for the next: part of the state."""
         return self._bend_u, self._bend_v, self._bend_r
 
     def place(self, north_m: float, east_m: float, heading_rad: float) -> None:

@@ -146,7 +146,9 @@ class World:
             surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
         vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
-        if self._contact.meets(
+        contact = self._contact
+        contact.room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)
+        if (contact.room_m <= 0.0 or contact.is_watchful) and contact.meets(
             vessel, north_m, east_m, heading_rad, self._flow_n, self._flow_e, dt_s, time_s
         ):
             self.groundings += not self.truth.grounded
