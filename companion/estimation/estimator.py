@@ -81,7 +81,7 @@ class Estimator:
         if setting.gnss_timeout_s < position_age < math.inf and not faults & _POSITION_LOST:
             position_age = setting.gnss_timeout_s  # dead reckoning stands in
         if setting.compass_timeout_s < heading_age < math.inf and not faults & _HEADING_LOST:
-            heading_age = setting.compass_timeout_s  # the course made good does
+            heading_age = setting.compass_timeout_s  # for a moment steering tells where the bow goes
         in_hull = velocity * complex(math.cos(yaw), -math.sin(yaw))
         set_m_s = model.current.set_m_s
         return NavState(

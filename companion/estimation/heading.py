@@ -36,7 +36,7 @@ _STUCK_RAD: Final = 0.1  # turned by the gyro while the compass said the same,
 _STUCK_RAD_S: Final = 0.03  # and this a second: the gyro's bias may not be known yet
 _SIGMA_RAD: Final = 0.02  # with a compass
 _GYRO_WALK_RAD_S: Final = 0.002  # how fast a gyro alone goes astray
-_BLIND_WALK_RAD_S: Final = 0.1  # and nothing at all
+_BLIND_WALK_RAD_S: Final = 0.2  # and steering alone
 _GIVE_IN_RAD_S: Final = 0.005  # how fast the gate opens to a compass that keeps on disagreeing,
 _GIVE_IN_IDLE_RAD_S: Final = 0.1  # and in a boat that is not under way: nothing is at stake
 
@@ -179,13 +179,18 @@ class HeadingFilter:
         return self.gate_rad + waited_s * (_GIVE_IN_IDLE_RAD_S if self.is_idle else _GIVE_IN_RAD_S)
 
     def draw(self, residual_rad: float, time_constant_s: float, dt_s: float, sigma_rad: float) -> None:
-        """The heading is that much off, says somebody who is right within sigma_rad."""
+        """The heading is that much off, says somebody who is right within sigma_rad.
+
+        It makes up for what the gyro drifts. Without a gyro it is too late to steer by, and does not count.
+        """
         share = 1.0 - math.exp(-dt_s / time_constant_s)
         self.heading_rad = wrap_pi(self.heading_rad + share * residual_rad)
-        self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
+        if self.has_gyro:
+            self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
 
     def stray(self, yaw_rate_rad_s: float, dt_s: float) -> None:
         """No reading has come for dt_s, but somebody has an idea of how fast the boat turns."""
+        self.has_gyro = False
         self.sigma_rad += _BLIND_WALK_RAD_S * dt_s
         self.yaw_rate_rad_s = yaw_rate_rad_s
         self.heading_rad = wrap_pi(self.heading_rad + yaw_rate_rad_s * dt_s)

@@ -186,9 +186,8 @@ class Model:
         heading, set_m_s = self.heading, self.current.set_m_s
         turn = self._course_turn_rad(velocity, through)
         if not math.isnan(turn):
-            has_gyro = heading.has_gyro and self.now_s - heading.time_s <= MAX_PREDICTION_S
             doubt = math.sqrt(self.current.set_variance()) / abs(velocity - set_m_s) + _COURSE_SIGMA_RAD
-            heading.draw(turn, _COURSE_S if has_gyro else _COURSE_ALONE_S, dt, doubt)
+            heading.draw(turn, _COURSE_S if heading.has_gyro else _COURSE_ALONE_S, dt, doubt)
 
     def _compare_course(self, velocity: complex, through: complex, dt: float) -> None:
         """Whether the compass goes with the course; if not by far, it is the compass that is wrong."""
