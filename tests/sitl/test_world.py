@@ -214,3 +214,13 @@ def test_another_seed_gives_another_run() -> None:
 
 def test_leaving_out_the_sonar_changes_nothing_else() -> None:
     assert run("sensors.sonar.fitted=false") == run()
+
+
+def test_the_truth_has_a_value_for_each_of_its_fields() -> None:
+    truth = drive(world("open", "environment.current_m_s=0.3", "environment.wind_m_s=4"), 0.4, 0.5, 1.0)
+    assert len(truth) == len(Truth._fields)
+    assert (truth.left_command, truth.right_command) == (0.4, 0.5)
+    assert truth.current_east_m_s == pytest.approx(0.3)
+    assert truth.wind_north_m_s == pytest.approx(-4.0)
+    assert 11.0 < truth.voltage_v < 12.6
+    assert truth.current_a > 0.6
