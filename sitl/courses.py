@@ -9,6 +9,10 @@ sailed, so that a corner that is cut counts with how far inside it the boat was.
 distance to the nearest place of the whole planned line. The *overshoot* of a corner is how far the boat goes
 beyond the new leg, seen from the inside of the corner, while it sails the first OVERSHOOT_M of it. A run's
 overshoot is that of its worst corner.
+
+The boat starts at rest, that is adrift: until it has gathered way and turned its bow into the set, a
+current carries it aside, and no helm can help that. How far is said apart (*start*): the other figures
+count from RUN_IN_M down the first leg on.
 """
 
 import math
@@ -28,6 +32,7 @@ from sitl.recorder import Recorder
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+RUN_IN_M = 15.0  # of the first leg, within which the boat gathers way
 OVERSHOOT_M = 20.0  # of the new leg, within which a corner is sailed out
 
 COURSES: dict[str, tuple[Point, ...]] = {
@@ -55,6 +60,7 @@ class Tracking:
     path_rms_m: float
     path_max_m: float
     overshoot_m: float | None
+    start_max_m: float
 
 
 def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
@@ -68,19 +74,38 @@ def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
 
 
 def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
-    """The figures of a run along a planned line; None when no leg was sailed."""
+    """The figures of a run along a planned line; None when no leg was sailed beyond the run-in."""
     cross = np.abs(recorder.cross_track_m(planned))
-    if not len(cross):
+    begun = _begun(recorder, planned)
+    if begun >= len(cross):
         return None
-    off = _off_path_m(recorder, planned)
+    off = _off_path_m(recorder, planned)[begun:]
+    kept = cross[begun:]
     return Tracking(
-        rms_m=math.sqrt(float(np.mean(cross * cross))),
-        percentile_95_m=float(np.percentile(cross, 95.0)),
-        max_m=float(cross.max()),
+        rms_m=math.sqrt(float(np.mean(kept * kept))),
+        percentile_95_m=float(np.percentile(kept, 95.0)),
+        max_m=float(kept.max()),
         path_rms_m=math.sqrt(float(np.mean(off * off))),
         path_max_m=float(off.max()),
         overshoot_m=max(overshoots_m(recorder, planned), default=None),
+        start_max_m=float(cross[: begun + 1].max()),
     )
+
+
+def _begun(recorder: Recorder, planned: Sequence[Point]) -> int:
+    """Which of the ticks with a leg is the first beyond the run-in."""
+    if len(planned) < 2:
+        return 0
+    first = Line(planned[0], planned[1])
+    run_in_m = min(RUN_IN_M, 0.5 * first.length_m)
+    sailed = 0
+    for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True):
+        if leg < 0:
+            continue
+        if leg > 0 or first.along_and_cross_track_m(at)[0] >= run_in_m:
+            return sailed
+        sailed += 1
+    return sailed
 
 
 def overshoots_m(recorder: Recorder, planned: Sequence[Point]) -> list[float]:

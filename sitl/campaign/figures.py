@@ -28,7 +28,8 @@ def figures_of(sailing: Sailing, result: Result) -> Figures:
     kept = tracking(sailing.recorder, sailing.planned) if len(sailing.planned) > 1 else None
     if kept is not None:
         out["path_rms_m"], out["path_max_m"] = kept.path_rms_m, kept.path_max_m
-        out["overshoot_m"] = kept.overshoot_m
+        out["kept_rms_m"], out["kept_max_m"] = kept.rms_m, kept.max_m  # once under way
+        out["start_max_m"], out["overshoot_m"] = kept.start_max_m, kept.overshoot_m
     out["command_travel_per_s"] = _command_travel_per_s(sailing)
     if _stays(sailing):
         out.update(station_figures(sailing.recorder, sailing.planned[-1]))

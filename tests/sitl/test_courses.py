@@ -23,7 +23,7 @@ def recorded(*places: tuple[float, float, int]) -> Recorder:
 
 
 def test_a_cut_corner_is_no_overshoot_but_a_cross_track_error() -> None:
-    cut = recorded((5.0, 0.0, 0), (9.0, 1.0, 1), (10.0, 5.0, 1))
+    cut = recorded((6.0, 0.0, 0), (9.0, 1.0, 1), (10.0, 5.0, 1))
     assert overshoots_m(cut, PLANNED) == [0.0]
     figures = tracking(cut, PLANNED)
     assert figures is not None
@@ -49,6 +49,16 @@ def test_the_path_error_is_to_the_nearest_place_of_the_line() -> None:
     assert figures is not None
     assert figures.path_max_m == pytest.approx(math.hypot(2.0, 2.0))
     assert figures.max_m == pytest.approx(2.0)
+
+
+def test_what_the_boat_is_carried_aside_before_it_has_way_is_said_apart() -> None:
+    straight = [Point(0.0, 0.0), Point(200.0, 0.0)]
+    figures = tracking(recorded((0.0, 3.0, 0), (14.0, 1.0, 0), (16.0, 0.2, 0), (150.0, -0.2, 0)), straight)
+    assert figures is not None
+    assert figures.start_max_m == pytest.approx(3.0)
+    assert figures.rms_m == pytest.approx(0.2)
+    assert figures.max_m == pytest.approx(0.2)
+    assert tracking(recorded((0.0, 3.0, 0), (14.0, 1.0, 0)), straight) is None
 
 
 def test_without_a_leg_there_is_nothing_to_say() -> None:
