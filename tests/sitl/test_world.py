@@ -221,6 +221,6 @@ def test_the_truth_has_a_value_for_each_of_its_fields() -> None:
     assert len(truth) == len(Truth._fields)
     assert (truth.left_command, truth.right_command) == (0.4, 0.5)
     assert truth.current_east_m_s == pytest.approx(0.3)
-    assert truth.wind_north_m_s == pytest.approx(-4.0)
+    assert truth.wind_east_m_s == pytest.approx(4.0)
     assert 11.0 < truth.voltage_v < 12.6
     assert truth.current_a > 0.6
