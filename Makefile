@@ -26,6 +26,7 @@ pictures: demo  ## make the pictures of the documents anew
 	mkdir -p docs/pictures
 	cp out/demo.png docs/pictures/demo.png
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
+	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 
 test: setup  ## all tests
 	$(BIN)/python -m pytest -n 2

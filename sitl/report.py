@@ -4,12 +4,16 @@ import dataclasses
 import json
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from companion.geo import Point
 from mission_tools.draw import save_picture
 from sitl.sail import Result, Sailing
+from sitl.world import Truth
 
+_DRAWN = ("north_m", "east_m", "north_m_s", "east_m_s")
 _MAX_DRAWN = 4000  # points of a track: more than a picture has pixels across
 
 
@@ -39,13 +43,15 @@ def print_table(result: Result, console: Console) -> None:
 
 
 def draw(sailing: Sailing, result: Result, path: Path, clearance_m: float = 0.0) -> None:
-    """Chart, plan and true track.
+    """Chart, plan and true track, coloured by speed.
 
     Raises:
         OSError: the file cannot be written.
     """
-    track = sailing.recorder.track()
-    track = track[:: max(1, len(track) // _MAX_DRAWN)]
+    rows = sailing.recorder.rows
+    rows = rows[:: max(1, len(rows) // _MAX_DRAWN)]
+    north_m, east_m, north_m_s, east_m_s = (rows[:, Truth._fields.index(name)] for name in _DRAWN)
+    track = [Point(*at) for at in zip(north_m.tolist(), east_m.tolist(), strict=True)]
     scenario = sailing.scenario
     save_picture(
         path,
@@ -56,6 +62,7 @@ def draw(sailing: Sailing, result: Result, path: Path, clearance_m: float = 0.0)
         subtitle=f"{result.path_length_m:.4g} m sailed in {result.time_s:.0f} s, "
         f"cross-track RMS {_metres(result.cross_track_rms_m)}",
         clearance_m=clearance_m,
+        speeds_m_s=np.hypot(north_m_s, east_m_s).tolist(),
     )
 
 
