@@ -121,7 +121,7 @@ class Estimator:
         at = self.frame.to_local(fix.position)
         if _is_near(at):
             sigma_m = max(sigma_m, MIN_SIGMA_M) / math.sqrt(2.0)
-            self.fixing.take(fix.time_s, complex(*at), velocity, sigma_m, 0)
+            self.fixing.take(fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter)
 
 
 def _is_near(at: Point) -> bool:

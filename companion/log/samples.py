@@ -43,6 +43,7 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.BOAT.pack(
         us, nav.surge_m_s, nav.sway_m_s, nav.yaw_rate_rad_s * _DEG, nav.position_age_s, nav.heading_age_s
     )
+    yield r.EST.pack(us, nav.set_north_m_s, nav.set_east_m_s, nav.position_sigma_m, nav.faults)
     centideg = round(yaw_deg * 100.0) % 36000
     yield r.XKF1.pack(
         us, 0, 0, 0, centideg, nav.north_m_s, nav.east_m_s, 0.0, 0.0, nav.north_m, nav.east_m, 0.0, 0, 0, 0, 0

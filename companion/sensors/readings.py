@@ -9,7 +9,8 @@ class GnssFix(Struct, frozen=True, gc=False):
     """One solution of a satellite receiver, or of whatever stands in for one.
 
     fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float,
-    6 = RTK fixed. Velocity components are over ground; None where the receiver does not say.
+    6 = RTK fixed. Velocity components are over ground; None where the receiver does not say. reset_counter
+    changes when the source begins anew and its positions may leap.
     """
 
     time_s: float
@@ -22,6 +23,7 @@ class GnssFix(Struct, frozen=True, gc=False):
     altitude_m: float = 0.0
     horizontal_accuracy_m: float | None = None
     unix_time_s: float | None = None
+    reset_counter: int = 0
 
 
 class HeadingReading(Struct, frozen=True, gc=False):

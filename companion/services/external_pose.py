@@ -186,6 +186,7 @@ class ExternalPoseService:
             None if velocity is None else velocity.north_m,
             None if velocity is None else velocity.east_m,
             horizontal_accuracy_m=sigma_m,
+            reset_counter=message.reset_counter,
         )
         external.heading = HeadingReading(time_s, wrap_pi(yaw_rad + turn_rad), rate_rad_s)
 

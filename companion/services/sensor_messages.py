@@ -1,4 +1,4 @@
-"""Telemetry of what is measured: gyro, compass, power, rangers, and how well the estimate stands."""
+"""Telemetry of what is measured: gyro, compass, power and rangers."""
 
 import math
 
@@ -8,15 +8,6 @@ from companion.services.snapshot import Snapshot
 from companion.units import clamp
 
 _FIELD = 1000.0  # of the unit vector that stands for the magnetic field
-
-_HEADING_FLAGS = dialect.EKF_ATTITUDE
-_POSITION_FLAGS = (
-    dialect.EKF_VELOCITY_HORIZ
-    | dialect.EKF_POS_HORIZ_REL
-    | dialect.EKF_POS_HORIZ_ABS
-    | dialect.EKF_PRED_POS_HORIZ_REL
-    | dialect.EKF_PRED_POS_HORIZ_ABS
-)
 
 
 def _imu(now: Snapshot) -> tuple[int, int, int] | None:
@@ -63,26 +54,6 @@ def meminfo(now: Snapshot) -> Message | None:
     if free <= 0:
         return None
     return dialect.MAVLink_meminfo_message(0, min(free, 0xFFFF), min(free, 0xFFFFFFFF))
-
-
-def ekf_status_report(now: Snapshot) -> Message:
-    """Which parts of the estimate may be relied on.
-
-    The variances are shares of the time after which a silent sensor's part of the estimate is given up, so
-    that 1 is where stations (and the gate) draw the line.
-    """
-    nav, timeout_s = now.nav, now.config.motors.estimate_timeout_s
-    flags, position, heading = 0, 1.0, 1.0
-    if nav is not None:
-        position = min(nav.position_age_s / timeout_s, 1.0)
-        heading = min(nav.heading_age_s / timeout_s, 1.0)
-    if heading < 1.0:
-        flags |= _HEADING_FLAGS
-    if position < 1.0:
-        flags |= _POSITION_FLAGS
-    if now.frame is None:
-        flags |= dialect.EKF_UNINITIALIZED
-    return dialect.MAVLink_ekf_status_report_message(flags, position, position, 0.0, heading, 0.0)
 
 
 def obstacle_distance(now: Snapshot) -> Message | None:

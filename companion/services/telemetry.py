@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
+from companion.services import estimate_messages as estimate
 from companion.services import modes_info as modes
 from companion.services import motion_messages as motion
 from companion.services import sensor_messages as sensor
@@ -27,7 +28,9 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_RC_CHANNELS: motion.rc_channels,
     _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
-    _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: sensor.ekf_status_report,
+    _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_set,
+    _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: estimate.ekf_status_report,
+    _ID.MAVLINK_MSG_ID_ESTIMATOR_STATUS: estimate.estimator_status,
     _ID.MAVLINK_MSG_ID_MEMINFO: sensor.meminfo,
     _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: sensor.obstacle_distance,
     _ID.MAVLINK_MSG_ID_POWER_STATUS: sensor.power_status,

@@ -1,9 +1,10 @@
 """QGroundControl's connection, row by row: every question answered before the next tick, none left open."""
 
+import dataclasses
 import math
 
 import pytest
-from boat_rig import BOAT, HOME_ITEM, OK, UNSUPPORTED, Rig, waypoint
+from boat_rig import BOAT, HOME_ITEM, OK, UNSUPPORTED, Rig, Silent, waypoint
 
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
@@ -264,3 +265,27 @@ def test_the_origin_can_be_asked_for_and_fits_the_local_position(rig: Rig) -> No
     frame = rig.boat.estimator.frame
     assert frame is not None
     assert origin.latitude == deg_to_e7(frame.origin.lat_deg)
+
+
+def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> None:
+    rig = Rig("open", "environment.current_m_s=0.5", "environment.current_to_deg=90.0").ready()
+    rig.run(20.0)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 250) == OK
+    (drift,) = rig.peer.said("DEBUG_VECT")
+    assert drift.name == "SET"
+    assert (drift.x, drift.y) == pytest.approx((0.0, 0.5), abs=0.1)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 230) == OK
+    (status,) = rig.peer.said("ESTIMATOR_STATUS")
+    assert status.flags & dialect.ESTIMATOR_POS_HORIZ_ABS
+    assert 0.0 < status.pos_horiz_accuracy < 0.5
+
+
+def test_dead_reckoning_is_told_as_what_it_is() -> None:
+    rig = Rig("open").ready()
+    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, gnss=Silent())
+    rig.run(5.0)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 193) == OK
+    (report,) = rig.peer.said("EKF_STATUS_REPORT")
+    assert not report.flags & dialect.EKF_POS_HORIZ_ABS
+    assert report.flags & dialect.EKF_POS_HORIZ_REL
+    assert 0.8 <= report.pos_horiz_variance < 1.0
