@@ -19,7 +19,6 @@ from companion.geo import Point, bearing_rad, distance_m
 from companion.guidance.clear_water import Bounds
 from companion.guidance.detour import STARBOARD, Detour, choose_side, open_course_rad
 from companion.guidance.scene import HULL, Scene
-from companion.guidance.speed_profile import braking_speed_m_s
 from companion.guidance.way_ahead import way_ahead
 from companion.sensors.lookout import Lookout
 from companion.state import Demand, NavState
@@ -43,6 +42,7 @@ _MEMORIES = 3.0  # of the sight: how far ahead the way must be open before a det
 _BACKS_S = 4.0  # longest time astern
 _FAR_M = 1000.0  # where a course leads to
 _LOOK_S = 0.8  # until the sweep comes by again
+_TURNS_S = 2.0  # what a sharp turn takes
 _HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
 _MOST_HITS = 8
 _SAME_PLACE = 4.0  # margins: a new beginning so near an old one is of the same thing
@@ -160,18 +160,18 @@ class Avoidance:
 
     def _hold_speed(self, scene: Scene, lookout: Lookout) -> None:
         """How fast the boat may go, whatever it sails: it can stop before what it is going for."""
-        guidance, heading = scene.config.guidance, scene.nav.heading_rad
-        self.limit_m_s = _sighted_m_s(scene.config, lookout, scene.now_s)
+        heading = scene.nav.heading_rad
+        self.limit_m_s = _sighted_m_s(scene, lookout)
         room_m = scene.motion_m()
         if room_m < math.inf:
-            self.limit_m_s = min(self.limit_m_s, braking_speed_m_s(room_m, 0.0, guidance))
+            self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(room_m))
         ahead_m = scene.nearest_m(heading) - HULL * scene.margin_m
         if ahead_m < scene.sight_m:
-            self.limit_m_s = min(self.limit_m_s, braking_speed_m_s(ahead_m, 0.0, guidance))
+            self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(ahead_m))
         astern_m = scene.nearest_m(heading + math.pi) - HULL * scene.margin_m
         self.astern_m_s = math.inf
         if astern_m < scene.sight_m:
-            self.astern_m_s = braking_speed_m_s(astern_m, 0.0, guidance)
+            self.astern_m_s = scene.stopping_m_s(astern_m)
 
     def _decide(self, scene: Scene) -> Intent | None:
         """What to sail instead of an intent, None for nothing else."""
@@ -183,7 +183,7 @@ class Avoidance:
         guidance = scene.config.guidance
         slow_m = scene.way_m(scene.things)
         if slow_m < math.inf:
-            allowed = braking_speed_m_s(slow_m, 0.0, guidance)
+            allowed = scene.stopping_m_s(slow_m)
             self.limit_m_s = min(self.limit_m_s, max(allowed, guidance.min_speed_m_s))
         free_m = scene.way_m(scene.solid)
         if free_m == math.inf:
@@ -257,11 +257,11 @@ class Avoidance:
             self.stage = Stage.BACK
             return HoldHeading(nav.heading_rad, -guidance.min_speed_m_s)
         self.stage = Stage.ROUND
-        turn = abs(wrap_pi(detour.course_rad - nav.heading_rad))
+        speed = min(_speed_m_s(scene), math.sqrt(2.0 * guidance.corner_accel_m_s2 * scene.margin_m))
+        turn = abs(wrap_pi(scene.heading_for_rad(detour.course_rad, speed) - nav.heading_rad))
         if turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s:
             return HoldHeading(nav.heading_rad, 0.0)
-        turning_m_s = math.sqrt(2.0 * guidance.corner_accel_m_s2 * scene.margin_m)
-        return HoldCourse(detour.course_rad, min(_speed_m_s(scene), turning_m_s))
+        return HoldCourse(detour.course_rad, speed)
 
     def _wait(self, scene: Scene) -> Intent | None:
         """No way round was found: until the way is open, or it is time for the next try."""
@@ -283,7 +283,7 @@ class Avoidance:
 
     def _halt(self, scene: Scene, free_m: float) -> Intent | None:
         """Not to go round: brake, and keep station before it until the way is open."""
-        self.limit_m_s = min(self.limit_m_s, braking_speed_m_s(free_m, 0.0, scene.config.guidance))
+        self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(free_m))
         if free_m > _HALTS * scene.margin_m:
             return None
         self.stage, self._retry_s = Stage.BLOCKED, math.inf
@@ -335,16 +335,18 @@ def _speed_m_s(scene: Scene) -> float:
     return scene.config.speed.cruise_m_s
 
 
-def _sighted_m_s(config: BoatConfig, lookout: Lookout, now_s: float) -> float:
+def _sighted_m_s(scene: Scene, lookout: Lookout) -> float:
     """The speed from which the boat stops in the water that it sees, if it is to keep to that.
 
-    v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers.
+    v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by what a
+    following water carries the boat on while it turns.
     """
-    setting, accel = config.avoidance, config.guidance.accel_m_s2
-    if not setting.by_sight:
+    config, nav = scene.config, scene.nav
+    accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
+    if not config.avoidance.by_sight:
         return math.inf
-    seen_m = lookout.reach_m if now_s - lookout.heard_s <= _HEARD_S else 0.0
-    room_m = max(seen_m - setting.margin_m, 0.0)
+    seen_m = lookout.reach_m if scene.now_s - lookout.heard_s <= _HEARD_S else 0.0
+    along_m_s = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(nav.heading_rad)
+    room_m = max(seen_m - scene.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)
     delayed = accel * (1.0 + _LOOK_S)
-    allowed = math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed
-    return max(allowed, config.guidance.min_speed_m_s)
+    return max(math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed, least_m_s)

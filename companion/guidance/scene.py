@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from companion.config import BoatConfig
 from companion.geo import Point
 from companion.guidance.clear_water import Bounds, ClearWater, clear_m
+from companion.guidance.speed_profile import braking_speed_m_s
 from companion.guidance.way_ahead import way_ahead
 from companion.sensors.lookout import Lookout
 from companion.sensors.track import Track
@@ -16,6 +17,7 @@ WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new b
 HULL = 0.6  # of the margin: nearer than this ahead the boat stops
 _DRIFT_S = 0.8  # a boat that turns is carried along by the water for so long before it holds against it
 _CONE = 0.7  # cosine of 45°
+_GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
 
 
 class Scene:
@@ -76,6 +78,18 @@ class Scene:
         reach_m = reaches * self.sight_m
         way = way_ahead(self.intent, self.nav, self.config, reach_m)
         return clear_m(way, things, share * self.margin_m, reach_m)
+
+    def heading_for_rad(self, course_rad: float, speed_m_s: float) -> float:
+        """Where the bow must point for a course and speed over ground, with the set of the water."""
+        nav = self.nav
+        return math.atan2(
+            speed_m_s * math.sin(course_rad) - nav.set_east_m_s,
+            speed_m_s * math.cos(course_rad) - nav.set_north_m_s,
+        )
+
+    def stopping_m_s(self, room_m: float) -> float:
+        """The speed that the boat can lose in some room."""
+        return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, self.config.guidance)
 
     def motion_m(self) -> float:
         """How far the boat could go on as it goes now before its hull comes too near; infinite at rest."""

@@ -20,6 +20,8 @@ from companion.sensors.occupancy import Occupancy
 SURE_SIGMAS = 3.0
 DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is within this of nothing
 LEAST_LOOKS = 3
+LEAST_GONE = 2  # places
+_LATELY_S = 1.0
 _TRAIL = 8
 _SEEN_THROUGH = 0.0
 
@@ -189,9 +191,8 @@ class Track:
         return towards > max(SURE_SIGMAS * math.sqrt(max(variance, 0.0)), least_m_s)
 
     def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
-        """Whether it was seen through where it has been."""
-        for _, place in self._trail:
-            looks = occupancy.looks(place, now_s)
-            if looks is not None and looks <= 0.0:
-                return True
-        return False
+        """Whether it was seen through in most of the places where it has been."""
+        places = [place for time_s, place in self._trail if now_s - time_s >= _LATELY_S]
+        looks = [occupancy.looks(place, now_s) for place in places]
+        gone = sum(1 for left in looks if left is not None and left <= 0.0)
+        return gone >= LEAST_GONE and 2 * gone > len(places)

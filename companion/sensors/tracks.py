@@ -68,15 +68,14 @@ class Tracks:
         group, self._group = self._group, []
         first, last = group[0], group[-1]
         turned = abs(math.remainder(last.bearing_rad - first.bearing_rad, math.tau))
-        range_m = min(beam.range_m for beam in group)
+        range_m, along_m = min(beam.range_m for beam in group), _RANGE_SIGMA * self._scale_m
         extent_m = range_m * (turned + 0.5 * first.width_rad)
         if turned * range_m > _LONGEST * self._scale_m:
             return
-        middle = group[len(group) // 2]
-        bearing = first.bearing_rad + 0.5 * math.remainder(last.bearing_rad - first.bearing_rad, math.tau)
-        ahead_n, ahead_e = math.cos(bearing), math.sin(bearing)
+        nearest = [beam for beam in group if beam.range_m < range_m + along_m]
+        middle = nearest[len(nearest) // 2]
+        ahead_n, ahead_e = math.cos(middle.bearing_rad), math.sin(middle.bearing_rad)
         at = Point(middle.north_m + range_m * ahead_n, middle.east_m + range_m * ahead_e)
-        along_m = _RANGE_SIGMA * self._scale_m
         across_m = max(_CORRELATED * range_m * first.width_rad / math.sqrt(12.0), along_m)
         track = self._find(at, middle.time_s, (ahead_n, ahead_e), along_m, across_m)
         radius_m = min(max(0.5 * extent_m, 0.3 * self._scale_m), self._scale_m)
