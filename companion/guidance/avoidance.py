@@ -38,7 +38,8 @@ from companion.vehicle.notice import Notice, Severity
 
 PERIOD_S = 0.12  # between decisions
 _FREE = 1.1  # times the margin must be free on the way for a detour to end
-_MEMORIES = 3.0  # of the sight: how far ahead the way must be open before a detour ends
+_MEMORIES = 3.0  # of the sight: how far ahead a detour's end is looked for
+_LEAVES = 1.0  # sights must be free for that
 _BACKS_S = 4.0  # longest time astern
 _FAR_M = 1000.0  # where a course leads to
 _LOOK_S = 0.8  # until the sweep comes by again
@@ -46,6 +47,7 @@ _TURNS_S = 2.0  # what a sharp turn takes
 _HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
 _MOST_HITS = 8
 _SAME_PLACE = 4.0  # margins: a new beginning so near an old one is of the same thing
+_SAME_SPOT = 1.5  # and so near, without progress in between, it has led round in a circle
 _GAIN = 0.3  # of the margin: as much nearer to the goal counts as progress
 _HALTS = 0.25  # margins from the distance to keep, the boat has stopped
 _WAKE_POINTS = 24
@@ -214,7 +216,12 @@ class Avoidance:
         near = [hit for hit in self._hits if distance_m(hit.place, here) < reach_m]
         if not near:
             return choose_side(scene.water, wanted, scene.sight_m)
-        tried = {hit.side for hit in near if hit.to_goal_m - to_goal_m < _GAIN * scene.margin_m}
+        tried = {
+            hit.side
+            for hit in near
+            if hit.to_goal_m - to_goal_m < _GAIN * scene.margin_m
+            and distance_m(hit.place, here) < _SAME_SPOT * scene.margin_m
+        }
         for side in (near[-1].side, -near[-1].side):
             if side not in tried:
                 course = open_course_rad(scene.water, wanted, side, scene.sight_m)
@@ -226,9 +233,8 @@ class Avoidance:
         """Under way round something."""
         here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
         detour.advance(here, margin_m)
-        if scene.way_m(scene.things, _FREE, _MEMORIES) == math.inf and detour.has_gained(
-            here, min(_MEMORIES * scene.sight_m, distance_m(here, detour.goal))
-        ):
+        free_m = scene.way_m(scene.things, _FREE, _MEMORIES)
+        if free_m > _LEAVES * scene.sight_m and detour.has_gained(here, free_m, _GAIN * margin_m):
             self.stage, self._detour = Stage.CLEAR, None
             return None
         if detour.length_m > setting.detour_m or detour.is_round(here, 2.0 * margin_m):

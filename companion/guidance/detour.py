@@ -41,9 +41,9 @@ class Detour:
         self.best_m = min(self.best_m, distance_m(here, self.goal))
         self._has_left = self._has_left or distance_m(here, self.met) > 3.0 * scale_m
 
-    def has_gained(self, here: Point, clear_m: float) -> bool:
-        """Whether going straight for the goal, over so much open water, gets the boat nearer than ever."""
-        return distance_m(here, self.goal) - clear_m < self.best_m
+    def has_gained(self, here: Point, clear_m: float, gain_m: float) -> bool:
+        """Whether so much open water towards the goal gets the boat nearer to it than it has ever been."""
+        return distance_m(here, self.goal) - clear_m < self.best_m - gain_m
 
     def is_round(self, here: Point, scale_m: float) -> bool:
         """Whether it is back where it began: the goal cannot be reached."""
