@@ -4,13 +4,7 @@ import logging
 from collections.abc import Collection, Sequence
 
 from companion.config import BoatConfig
-from companion.control.gate import Gate
-from companion.control.helm import Helm
 from companion.estimation.estimator import Estimator
-from companion.guidance.avoidance import Avoidance
-from companion.guidance.fence_brake import FenceBrake
-from companion.guidance.headway import Headway
-from companion.guidance.pilot import Pilot
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
@@ -23,13 +17,12 @@ from companion.router.configured_port import ConfiguredPort
 from companion.safety_net import Fall, SafetyNet
 from companion.senses import Senses
 from companion.sensors.external import ExternalSensors
-from companion.sensors.lookout import Lookout
 from companion.services.endpoint import Endpoint
 from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
-from companion.state import STOPPED, Demand, MotorCommand, NavState
+from companion.state import STOPPED, MotorCommand, NavState
+from companion.steering import Steering
 from companion.storage import Storage
-from companion.vehicle.intent import Drive, Intent
 from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
 
@@ -83,20 +76,13 @@ class Boat:
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
-        self.lookout = Lookout(config.avoidance)
-        self.avoidance = Avoidance(self.vehicle.conduct.notices)
-        self.pilot = Pilot()
-        self.fence_brake = FenceBrake(self.vehicle.conduct.notices)
-        self.helm = Helm()
-        self.gate = Gate()
-        self.headway = Headway()
+        self.steering = Steering(self.vehicle, config)
         self.net = SafetyNet()
         self.resume = Resume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
         self.free_memory_bytes = 0  # of the computer; the program's to say
         self.command: MotorCommand = STOPPED
         self.nav: NavState | None = None
-        self.demand: Demand | None = None
         self._hardware = hardware
         self._storage = storage
         self._logbook = logbook
@@ -140,6 +126,7 @@ class Boat:
         if not may_drive and (self.command.left or self.command.right):
             self._hardware.motors.stop()  # a disarmed boat does not wait for its next tick
             self.command = STOPPED
+        self.steering.hurry()
         self.endpoint.tell_changes()
         self._flush()
 
@@ -161,10 +148,7 @@ class Boat:
     def _step(self, now_s: float) -> None:
         self._sense(now_s)
         self._receive(now_s, None)
-        if self.vehicle.failsafes.is_due(now_s):
-            self._show_signs()
-        intent = self.vehicle.decide()
-        self.command = self._steer(intent, now_s)
+        self.command = self._steer(now_s)
         self._hardware.motors.write(self.command.left, self.command.right)
         if self._logbook is not None:
             self._logbook.tick(self.look(), self.channels)
@@ -175,9 +159,9 @@ class Boat:
     def _catch(self, error: Exception) -> None:
         """A tick has gone wrong: motors off before anything else, and what was steering begins anew."""
         self._hardware.motors.stop()
-        self.command, self.demand = STOPPED, None
+        self.command = STOPPED
         self.motor_test.stop()
-        self.pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
+        self.steering.begin_anew()
         fall = self.net.caught(error)
         self.vehicle.halt(f"Fault in the program: {type(error).__name__}", disarms=fall is not Fall.HOLD)
         try:
@@ -188,11 +172,13 @@ class Boat:
         if fall is Fall.GIVE_UP:
             raise error
 
-    def _show_signs(self) -> None:
+    def _show_signs(self, now_s: float) -> None:
         """What the failsafes look at, as far as the vehicle does not know it itself."""
+        if not self.vehicle.failsafes.is_due(now_s):
+            return
         signs, senses = self.vehicle.failsafes.signs, self.senses
         signs.left, signs.right = self.command.left, self.command.right
-        signs.headway = self.headway.verdict
+        signs.headway = self.steering.headway.verdict
         signs.load = self.load
         signs.consumed_mah = senses.consumed_mah
         signs.heading, signs.hull = senses.compass, senses.hull
@@ -226,7 +212,7 @@ class Boat:
             senses.external.frame = estimator.frame
         self.nav = estimator.update(senses.fix, senses.heading, now_s, self.command)
         if senses.pings:
-            self.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
+            self.steering.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
         self._keep_date()
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
 
@@ -238,38 +224,19 @@ class Boat:
         elif told_s is not None and not self._has_satellite_date:
             self._unix_offset_s = told_s
 
-    def _steer(self, intent: Intent, now_s: float) -> MotorCommand:
+    def _steer(self, now_s: float) -> MotorCommand:
+        steering, config, nav = self.steering, self.parameters.config, self.nav
+        if steering.is_due(now_s):
+            self._show_signs(now_s)
+            steering.guide(self.vehicle.decide(), nav, config, now_s)
         if self.motor_test.is_running:
+            steering.rest()
             return self._test_motor(now_s)
-        config, nav = self.parameters.config, self.nav
-        is_by_hand = self.vehicle.mode.is_by_hand
-        intent = self.avoidance.update(
-            intent, nav, config, self.lookout, self.vehicle.fence, is_by_hand=is_by_hand, now_s=now_s
-        )
-        steered = self.pilot.update(self.fence_brake.hold(intent), nav, config, TICK_S)
-        steered = self.avoidance.limited(steered, nav, config)
-        steered = self.fence_brake.limit(steered, intent, nav, self.vehicle.fence, config, TICK_S)
-        self.demand = steered if isinstance(steered, Demand) else None
-        thrust = self.helm.update(steered, nav, config, TICK_S)
-        command = self.gate.check(
-            thrust,
-            armed=self.vehicle.armed,
-            command_age_s=now_s - nav.time_s if nav is not None else 0.0,
-            nav=nav,
-            needs_estimate=not isinstance(steered, Drive),
-            setting=config.motors,
-            dt_s=TICK_S,
-            needs_position=self.vehicle.conduct.stemming is None,
-        )
-        if command.reason:
-            self.helm.reset()
-        self.headway.update(self.demand, command, nav, config, TICK_S)
-        return command
+        return steering.drive(nav, config, now_s, TICK_S)
 
     def _test_motor(self, now_s: float) -> MotorCommand:
-        self.demand = None
         thrust = self.motor_test.thrust(now_s)
-        return self.gate.check(
+        return self.steering.gate.check(
             thrust,
             armed=self.motor_test.is_running,
             command_age_s=0.0,
@@ -297,12 +264,12 @@ class Boat:
             fix=senses.fix,
             battery=senses.battery,
             sonar=senses.sonar,
-            demand=self.demand,
-            heading_pid=self.helm.heading_pid,
+            demand=self.steering.demand,
+            heading_pid=self.steering.helm.heading_pid,
             command=self.command,
             consumed_mah=senses.consumed_mah,
             load=self.load,
-            speed_pid=self.helm.speed_pid,
+            speed_pid=self.steering.helm.speed_pid,
             heading=senses.compass,
             sweep=senses.sweep,
             free_memory_bytes=self.free_memory_bytes,

@@ -72,13 +72,14 @@ class Demand(Struct, frozen=True, gc=False):
 
 
 class PidOutput(Struct, frozen=True, gc=False):
-    """One evaluation of a PID: its terms, their limited sum, and whether the limit was met."""
+    """One evaluation of a PID: its terms, feed-forward (ff), their limited sum, whether the limit was met."""
 
     p: float
     i: float
     d: float
     total: float
     saturated: bool
+    ff: float = 0.0
 
 
 class Thrust(Struct, frozen=True, gc=False):

@@ -89,7 +89,7 @@ class Beliefs:
 
 
 def _belief(boat: Boat, shift: Point, now_s: float) -> Belief:
-    nav, demand, command, vehicle = boat.nav, boat.demand, boat.command, boat.vehicle
+    nav, demand, command, vehicle = boat.nav, boat.steering.demand, boat.command, boat.vehicle
     return Belief(
         now_s,
         *(

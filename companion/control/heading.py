@@ -32,7 +32,7 @@ class HeadingControl:
 
         Angles are from north, clockwise; yaw_rate_rad_s is the measured rate, clockwise positive.
         demand_rate_rad_s: how fast the demand itself turns, which the derivative then does not brake.
-        feed_forward: the steering that such a turn takes; it is counted in the output's p.
+        feed_forward: the steering that such a turn takes.
         """
         limit = setting.max_steering
         base = clamp(feed_forward, -limit, limit)
@@ -46,4 +46,4 @@ class HeadingControl:
             -limit - base,
             limit - base,
         )
-        return PidOutput(base + pid.p, pid.i, pid.d, base + pid.total, pid.saturated)
+        return PidOutput(pid.p, pid.i, pid.d, base + pid.total, pid.saturated, base)

@@ -44,7 +44,7 @@ class SpeedControl:
 
         room is the share that steering leaves to throttle, 0..1: the integral must not wind up on what the
         mixer will take away. set_m_s is the part of the water's set along the bow, as far as it is known: the
-        feed-forward is for the rest. It is counted in the output's p.
+        feed-forward is for the rest.
         """
         base = feed_forward(demand_m_s - set_m_s, setting)
         high = min(setting.max_throttle, room)
@@ -54,4 +54,4 @@ class SpeedControl:
         pi = self._pid.update(
             setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base
         )
-        return PidOutput(base + pi.p, pi.i, 0.0, base + pi.total, pi.saturated)
+        return PidOutput(pi.p, pi.i, 0.0, base + pi.total, pi.saturated, base)

@@ -67,14 +67,14 @@ def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int)
         wanted, actual = demand.heading_rad, nav.heading_rad
         error_deg = wrap_pi(wanted - actual) * _DEG
         yield r.PIDS.pack(
-            us, _degrees(wanted), _degrees(actual), error_deg, pid.p, pid.i, pid.d, 0.0, 0.0, 0.0,
-            pid.saturated,
+            us, _degrees(wanted), _degrees(actual), error_deg, pid.p, pid.i, pid.d, pid.ff, 0.0,
+            0.0, pid.saturated,
         )  # fmt: skip
     if (speed_pid := now.speed_pid) is not None:
         error_m_s = demand.speed_m_s - nav.surge_m_s
         yield r.PIDA.pack(
-            us, demand.speed_m_s, nav.surge_m_s, error_m_s, speed_pid.p, speed_pid.i, speed_pid.d, 0.0,
-            0.0, 0.0, speed_pid.saturated,
+            us, demand.speed_m_s, nav.surge_m_s, error_m_s, speed_pid.p, speed_pid.i, speed_pid.d,
+            speed_pid.ff, 0.0, 0.0, speed_pid.saturated,
         )  # fmt: skip
     target_deg = wanted_deg = _degrees(demand.heading_rad)
     if now.frame is not None and (target := now.vehicle.active_position()) is not None:

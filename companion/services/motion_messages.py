@@ -194,7 +194,7 @@ def pid_tuning(now: Snapshot) -> Message | None:
         axis=dialect.PID_TUNING_YAW,
         desired=math.degrees(demand.heading_rad),
         achieved=math.degrees(nav.heading_rad),
-        FF=0.0,
+        FF=pid.ff,
         P=pid.p,
         I=pid.i,
         D=pid.d,

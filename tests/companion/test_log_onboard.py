@@ -6,6 +6,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+import msgspec
 import pytest
 from boat_rig import OK, waypoint
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
@@ -42,8 +43,8 @@ class Voyage:
         self.commands[us] = boat.command
         if boat.nav is not None:
             self.nav[us] = boat.nav
-        if boat.helm.heading_pid is not None and boat.helm.speed_pid is not None:
-            self.heading[us], self.speed[us] = boat.helm.heading_pid, boat.helm.speed_pid
+        if boat.steering.helm.heading_pid is not None and boat.steering.helm.speed_pid is not None:
+            self.heading[us], self.speed[us] = boat.steering.helm.heading_pid, boat.steering.helm.speed_pid
 
     def of(self, name: str) -> list[Record]:
         """Records of a kind from the ticks that were watched."""
@@ -93,6 +94,7 @@ def test_pid_terms_are_those_of_the_loops(voyage: Voyage) -> None:
     for pids in voyage.of("PIDS"):
         pid = voyage.heading[pids.TimeUS]
         assert (pids.P, pids.I, pids.D, pids.Limit) == (near(pid.p), near(pid.i), near(pid.d), pid.saturated)
+        assert near(pid.ff) == pids.FF
         assert math.radians(pids.Err) * voyage.rig.config.heading.kp == pytest.approx(pid.p, abs=1e-5)
     for pida in voyage.of("PIDA"):
         pid = voyage.speed[pida.TimeUS]
@@ -329,8 +331,8 @@ def test_a_log_whose_definitions_are_not_taken_is_given_up(open_rig: OpenRig, tm
 def test_a_number_that_no_field_holds_costs_a_record_not_the_boat(open_rig: OpenRig, tmp_path: Path) -> None:
     rig = open_rig(tmp_path)
     rig.sail(waypoint(500, 0)).run(2.0)
-    rig.boat.helm.heading_pid = PidOutput(1e300, 0.0, 0.0, 0.0, False)
-    rig.log.tick(rig.boat._snapshot(rig.now_s + 1.0), rig.boat.channels)
+    rig.boat.steering.helm.heading_pid = PidOutput(1e300, 0.0, 0.0, 0.0, False)
+    rig.log.tick(msgspec.structs.replace(rig.boat.look(), now_s=rig.now_s + 1.0), rig.boat.channels)
     assert rig.log.faults == 1
     rig.run(2.0)
     assert rig.log.faults == 1

@@ -1,0 +1,95 @@
+"""From what the boat wants to what its motors do: guidance a few times a second, control at every tick.
+
+Where to go changes slowly, and is costly to work out; how the bow swings does not wait. So guidance
+(avoidance, pilot, fence brake) decides every GUIDANCE_S, or at once when something new has been asked; the
+loops behind it (heading, speed, gate) run every tick on its last word.
+"""
+
+from companion.config import BoatConfig
+from companion.control.gate import Gate
+from companion.control.helm import Helm
+from companion.guidance.avoidance import Avoidance
+from companion.guidance.fence_brake import FenceBrake
+from companion.guidance.headway import Headway
+from companion.guidance.pilot import Pilot
+from companion.sensors.lookout import Lookout
+from companion.state import Demand, MotorCommand, NavState
+from companion.vehicle.intent import Drive, Intent, Stop
+from companion.vehicle.vehicle import Vehicle
+
+GUIDANCE_S = 0.1
+_SLACK_S = 1e-6
+_STOP = Stop()
+
+
+class Steering:
+    """demand: what the loops hold now, None while they are open. headway: whether the boat gets on."""
+
+    __slots__ = (
+        "_due_s", "_fence_brake", "_guided_s", "_pilot", "_steered", "_vehicle", "avoidance", "demand",
+        "gate", "headway", "helm", "lookout",
+    )  # fmt: skip
+
+    def __init__(self, vehicle: Vehicle, config: BoatConfig) -> None:
+        self.lookout = Lookout(config.avoidance)
+        self.avoidance = Avoidance(vehicle.conduct.notices)
+        self.helm = Helm()
+        self.gate = Gate()
+        self.headway = Headway()
+        self.demand: Demand | None = None
+        self._vehicle = vehicle
+        self._pilot = Pilot()
+        self._fence_brake = FenceBrake(vehicle.conduct.notices)
+        self._steered: Demand | Drive | Stop = _STOP
+        self._due_s = 0.0
+        self._guided_s = 0.0
+
+    def begin_anew(self) -> None:
+        """Forget what was steered for, after something has gone wrong in it."""
+        self._pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
+        self.rest()
+
+    def rest(self) -> None:
+        """Nothing is steered for; guidance decides at the next tick."""
+        self._steered, self.demand, self._due_s = _STOP, None, 0.0
+
+    def hurry(self) -> None:
+        """Something has changed: guidance decides at the next tick."""
+        self._due_s = 0.0
+
+    def is_due(self, now_s: float) -> bool:
+        """Whether guidance decides at this tick."""
+        return now_s >= self._due_s - _SLACK_S
+
+    def guide(self, intent: Intent, nav: NavState | None, config: BoatConfig, now_s: float) -> None:
+        """Decide what the loops are to hold until GUIDANCE_S from now."""
+        dt_s = min(max(now_s - self._guided_s, 0.0), 2.0 * GUIDANCE_S)
+        self._guided_s = now_s
+        self._due_s = now_s + GUIDANCE_S
+        vehicle = self._vehicle
+        intent = self.avoidance.update(
+            intent, nav, config, self.lookout, vehicle.fence, is_by_hand=vehicle.mode.is_by_hand, now_s=now_s
+        )
+        steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
+        steered = self.avoidance.limited(steered, nav, config)
+        steered = self._fence_brake.limit(steered, intent, nav, vehicle.fence, config, dt_s)
+        self._steered = steered
+        self.demand = steered if isinstance(steered, Demand) else None
+
+    def drive(self, nav: NavState | None, config: BoatConfig, now_s: float, dt_s: float) -> MotorCommand:
+        """Close the loops for one tick."""
+        steered, vehicle = self._steered, self._vehicle
+        command = self.gate.check(
+            self.helm.update(steered, nav, config, dt_s),
+            armed=vehicle.armed,
+            command_age_s=now_s - nav.time_s if nav is not None else 0.0,
+            nav=nav,
+            needs_estimate=not isinstance(steered, Drive),
+            setting=config.motors,
+            dt_s=dt_s,
+            needs_position=vehicle.conduct.stemming is None,
+        )
+        if command.reason:
+            self.helm.reset()
+        self.headway.update(self.demand, command, nav, config, dt_s)
+        return command
