@@ -36,7 +36,7 @@ from companion.vehicle.intent import (
 )
 from companion.vehicle.notice import Notice, Severity
 
-PERIOD_S = 0.12  # between decisions
+PERIOD_S = 0.09  # between decisions, at least
 _FREE = 1.1  # times the margin must be free on the way for a detour to end
 _MEMORIES = 3.0  # of the sight: how far ahead a detour's end is looked for
 _LEAVES = 1.0  # sights must be free for that
@@ -167,13 +167,10 @@ class Avoidance:
         room_m = scene.motion_m()
         if room_m < math.inf:
             self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(room_m))
-        ahead_m = scene.nearest_m(heading) - HULL * scene.margin_m
-        if ahead_m < scene.sight_m:
+        ahead_m, astern_m = scene.room_m(heading), scene.room_m(heading + math.pi)
+        if ahead_m < math.inf:
             self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(ahead_m))
-        astern_m = scene.nearest_m(heading + math.pi) - HULL * scene.margin_m
-        self.astern_m_s = math.inf
-        if astern_m < scene.sight_m:
-            self.astern_m_s = scene.stopping_m_s(astern_m)
+        self.astern_m_s = math.inf if astern_m == math.inf else scene.stopping_m_s(astern_m)
 
     def _decide(self, scene: Scene) -> Intent | None:
         """What to sail instead of an intent, None for nothing else."""

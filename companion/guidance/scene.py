@@ -96,9 +96,16 @@ class Scene:
         nav = self.nav
         if self.speed_m_s < 0.25 * self.config.guidance.min_speed_m_s:
             return math.inf
-        reach_s = self.sight_m / self.speed_m_s
-        on = Point(nav.north_m + nav.north_m_s * reach_s, nav.east_m + nav.east_m_s * reach_s)
-        return clear_m([self.here, on], self.solid, HULL * self.margin_m, self.sight_m)
+        return self.room_m(math.atan2(nav.east_m_s, nav.north_m_s))
+
+    def room_m(self, course_rad: float) -> float:
+        """How far the hull has room along a course; infinite for as far as the boat sees."""
+        reach_m = self.sight_m
+        end = Point(
+            self.here.north_m + reach_m * math.cos(course_rad),
+            self.here.east_m + reach_m * math.sin(course_rad),
+        )
+        return clear_m([self.here, end], self.solid, HULL * self.margin_m, reach_m)
 
     def nearest_m(self, bearing_rad: float) -> float:
         """Distance to the nearest thing within 45° of a bearing; infinite for none."""
