@@ -59,7 +59,7 @@ class FenceBrake:
         if not config.avoidance.enable & _AVOID_FENCE:
             return steered
         reach_m = _reach_m(math.hypot(nav.north_m_s, nav.east_m_s) + _GAIN_M_S, config)
-        if not fence.is_within(nav.point, reach_m) or nav.position_age_s > config.motors.estimate_timeout_s:
+        if not fence.is_near(nav.point, reach_m) or nav.position_age_s > config.motors.estimate_timeout_s:
             return steered
         ahead = _Ahead(nav, fence, reach_m, config)
         if isinstance(steered, Drive):

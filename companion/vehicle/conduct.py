@@ -121,7 +121,7 @@ class Conduct:
     def _nearest_inside(self, now: Situation) -> LatLon:
         """Where to stay: here, or on the nearest water inside the fence."""
         fence, margin_m = self._fence, now.config.fence.margin_m + now.config.guidance.station_radius_m
-        if not fence.is_within(now.nav.point, now.config.fence.margin_m):
+        if fence.margin_m(now.nav.point) >= now.config.fence.margin_m:
             return now.here
         return now.frame.to_global(fence.inside(now.nav.point, margin_m))
 

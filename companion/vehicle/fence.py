@@ -17,6 +17,7 @@ from companion.vehicle.fence_lines import Area, Disc, Ring
 _PROJECTIONS = 20
 _SLACK_M = 1e-3
 _ON_LINE_M = 1e-6
+_ANCHORED_M = 1.0  # so far from the place where the margin was found last it is not looked for again
 _STEP_M = 0.5  # ahead, to see whether a course leads back
 
 
@@ -165,26 +166,30 @@ class Fence:
         way_m = math.hypot(point.north_m - self._anchor_n, point.east_m - self._anchor_e)
         if way_m < abs(self._anchor_m):
             return self._anchor_m < 0.0
-        return self.margin_m(point) < 0.0
+        return not self.allows(point)
 
-    def is_within(self, point: Point, reach_m: float) -> bool:
-        """Whether some line is nearer than reach_m; outside always."""
+    def is_near(self, point: Point, reach_m: float) -> bool:
+        """Whether some line may be nearer than reach_m. Never False wrongly, seldom True wrongly."""
         if not self.is_active:
             return False
         way_m = math.hypot(point.north_m - self._anchor_n, point.east_m - self._anchor_e)
         if self._anchor_m - way_m >= reach_m:  # never so while the anchor is not a number
             return False
-        return self.margin_m(point) < reach_m
+        if way_m < _ANCHORED_M:
+            return True
+        margin_m = self._margin_m(point.north_m, point.east_m, 2.0 * reach_m + _ANCHORED_M)
+        self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
+        return margin_m < reach_m
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         """How far one can go along a course before the line, at most reach_m.
 
         Outside, there is reach_m of room on a course that leads nearer to the allowed water, else none.
         """
-        if not self.is_within(point, reach_m):
+        if not self.is_near(point, reach_m):
             return reach_m
         ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
-        if self._anchor_m < 0.0 and self.is_outside(point):
+        if self.is_outside(point):
             ahead_m = self._margin_m(point.north_m + _STEP_M * ahead_n, point.east_m + _STEP_M * ahead_e)
             return reach_m if ahead_m > self.margin_m(point) else 0.0
         room_m = reach_m

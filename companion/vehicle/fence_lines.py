@@ -13,8 +13,8 @@ from companion.geo import Point
 _SIDES_PER_BAND = 4  # on average, in a convex ring
 _MAX_BANDS = 128
 
-Side = tuple[float, float, float, float, float]
-"""North and east of its start, north and east to its end, 1 / squared length (0 for a point)."""
+Side = tuple[float, float, float, float, float, float, float]
+"""North and east of its start, of its end, north and east to its end, 1 / squared length (0 for a point)."""
 
 
 class Ring:
@@ -42,7 +42,7 @@ class Ring:
         for vertex in vertices:
             north, east = vertex.north_m - before.north_m, vertex.east_m - before.east_m
             squared = north * north + east * east
-            side = (before.north_m, before.east_m, north, east, 1.0 / squared if squared else 0.0)
+            side = (*before, *vertex, north, east, 1.0 / squared if squared else 0.0)
             low, high = sorted((self._band(before.north_m), self._band(vertex.north_m)))
             for band in self._bands[low : high + 1]:
                 band.append(side)
@@ -62,8 +62,8 @@ class Ring:
         if not (self.south_m <= north_m <= self.north_m and self.west_m <= east_m <= self.east_m):
             return False
         inside = False
-        for start_n, start_e, along_n, along_e, _ in self._bands[self._band(north_m)]:
-            if (start_n <= north_m) != (start_n + along_n <= north_m):
+        for start_n, start_e, end_n, _, along_n, along_e, _ in self._bands[self._band(north_m)]:
+            if (start_n <= north_m) != (end_n <= north_m):
                 inside ^= start_e + (north_m - start_n) * along_e / along_n > east_m
         return inside
 
@@ -97,12 +97,13 @@ class Ring:
         low, high = sorted((self._band(north_m), self._band(north_m + reach_m * ahead_n)))
         nearest = reach_m
         for band in self._bands[low : high + 1]:
-            for start_n, start_e, along_n, along_e, _ in band:
+            for start_n, start_e, end_n, end_e, along_n, along_e, _ in band:
                 off_n, off_e = start_n - north_m, start_e - east_m
-                off = ahead_n * off_e - ahead_e * off_n
-                turn = ahead_n * along_e - ahead_e * along_n
-                if (off < 0.0) != (off + turn < 0.0):
-                    ahead_m = (off_n * along_e - off_e * along_n) / turn
+                # Each end is judged by its own place, as on the next side: no way slips through between
+                is_left = ahead_n * off_e < ahead_e * off_n
+                if is_left != (ahead_n * (end_e - east_m) < ahead_e * (end_n - north_m)):
+                    turn = ahead_n * along_e - ahead_e * along_n
+                    ahead_m = (off_n * along_e - off_e * along_n) / turn if turn else 0.0
                     if 0.0 <= ahead_m < nearest:
                         nearest = ahead_m
         return nearest
@@ -111,7 +112,7 @@ class Ring:
         """Whether the line comes nearer than that to the straight way between two points."""
         way_n, way_e = end.north_m - start.north_m, end.east_m - start.east_m
         squared = way_n * way_n + way_e * way_e
-        way = (start.north_m, start.east_m, way_n, way_e, 1.0 / squared if squared else 0.0)
+        way = (*start, *end, way_n, way_e, 1.0 / squared if squared else 0.0)
         south_m, north_m = (
             min(start.north_m, end.north_m) - within_m,
             max(start.north_m, end.north_m) + within_m,
@@ -122,8 +123,7 @@ class Ring:
         limit = within_m * within_m
         for band in self._bands[self._band(south_m) : self._band(north_m) + 1]:
             for side in band:
-                start_n, start_e, along_n, along_e, _ = side
-                end_n, end_e = start_n + along_n, start_e + along_e
+                start_n, start_e, end_n, end_e, _, _, _ = side
                 if (start_e < west_m and end_e < west_m) or (start_e > east_m and end_e > east_m):
                     continue
                 if (start_n < south_m and end_n < south_m) or (start_n > north_m and end_n > north_m):
@@ -142,7 +142,7 @@ class Ring:
         """The point of the line that is nearest."""
         best, found = math.inf, self.vertices[0]
         for band in self._bands:
-            for start_n, start_e, along_n, along_e, inverse in band:
+            for start_n, start_e, _, _, along_n, along_e, inverse in band:
                 share = ((north_m - start_n) * along_n + (east_m - start_e) * along_e) * inverse
                 share = 0.0 if share < 0.0 else 1.0 if share > 1.0 else share
                 n, e = start_n + share * along_n, start_e + share * along_e
@@ -157,7 +157,7 @@ class Ring:
 
 
 def _nearest_squared(sides: Sequence[Side], north_m: float, east_m: float, best: float) -> float:
-    for start_n, start_e, along_n, along_e, inverse in sides:
+    for start_n, start_e, _, _, along_n, along_e, inverse in sides:
         off_n, off_e = north_m - start_n, east_m - start_e
         share = (off_n * along_n + off_e * along_e) * inverse
         if share > 1.0:
@@ -173,11 +173,11 @@ def _nearest_squared(sides: Sequence[Side], north_m: float, east_m: float, best:
 def _cross(one: Side, other: Side) -> bool:
     """Whether two sides cross between their ends."""
     off_n, off_e = other[0] - one[0], other[1] - one[1]
-    turn = one[2] * other[3] - one[3] * other[2]
+    turn = one[4] * other[5] - one[5] * other[4]
     if turn == 0.0:
         return False
-    along_one = (off_n * other[3] - off_e * other[2]) / turn
-    along_other = (off_n * one[3] - off_e * one[2]) / turn
+    along_one = (off_n * other[5] - off_e * other[4]) / turn
+    along_other = (off_n * one[5] - off_e * one[4]) / turn
     return 0.0 <= along_one <= 1.0 and 0.0 <= along_other <= 1.0
 
 
@@ -230,7 +230,7 @@ class Disc:
         """Whether the line comes nearer than that to the straight way between two points."""
         way_n, way_e = end.north_m - start.north_m, end.east_m - start.east_m
         squared = way_n * way_n + way_e * way_e
-        way = (start.north_m, start.east_m, way_n, way_e, 1.0 / squared if squared else 0.0)
+        way = (*start, *end, way_n, way_e, 1.0 / squared if squared else 0.0)
         centre = self.centre
         nearest_m = math.sqrt(_nearest_squared((way,), centre.north_m, centre.east_m, math.inf))
         farthest_m = max(math.dist(centre, start), math.dist(centre, end))

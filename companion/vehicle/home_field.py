@@ -16,7 +16,7 @@ from companion.vehicle.water_grid import WaterGrid
 
 _LOOKS_A_STEP = 12
 _CELLS_A_STEP = 150
-_EXACT_CELLS = 4  # near a goal the distance is measured, where marching would be coarse
+_EXACT_CELLS = 10  # near a goal the distance is measured, where marching would be coarse
 _REACH_CELLS = 12  # from a point that has no free cell of its own, how far to look for one
 
 
