@@ -29,29 +29,24 @@ _MAX_GAIN: Final = 3.0
 
 
 class CurrentFilter:
-    """set_m_s is c and gain is g, of the text above."""
+    """set_m_s is c and gain is g, of the text above; turn_rad: what the heading has to be turned by."""
 
     __slots__ = (
         "_cruise_m_s", "_p00", "_p01", "_p02", "_p03", "_p11", "_p12", "_p13", "_p22", "_p23", "_p33",
-        "_speed_m_s", "_surprises", "_turn_doubt_rad", "gain", "set_m_s",
+        "_speed_m_s", "_surprises", "gain", "set_m_s", "turn_rad",
     )  # fmt: skip
 
     def __init__(self, cruise_m_s: float, turn_doubt_rad: float) -> None:
         """turn_doubt_rad: one standard deviation of the compass's offset."""
         self._cruise_m_s = cruise_m_s
-        self._turn_doubt_rad = turn_doubt_rad
         self._speed_m_s = 0.0
         self._surprises = 0
         self.set_m_s = 0j
         self.gain = 1 + 0j
+        self.turn_rad = 0.0
         self._p00 = self._p11 = (SET_SHARE * cruise_m_s) ** 2
         self._p22, self._p33 = GAIN_DOUBT**2, turn_doubt_rad**2
         self._p01 = self._p02 = self._p03 = self._p12 = self._p13 = self._p23 = 0.0
-
-    @property
-    def turn_rad(self) -> float:
-        """What the heading has to be turned by, clockwise."""
-        return cmath.phase(self.gain)
 
     def velocity_m_s(self, through_water: complex) -> complex:
         """Velocity over ground, from velocity through the water."""
@@ -73,13 +68,8 @@ class CurrentFilter:
     def turn(self, turn_rad: float, doubt_rad: float) -> None:
         """The heading is off by so much more, clockwise; how sure that is."""
         self.gain *= cmath.rect(1.0, turn_rad)
+        self.turn_rad = cmath.phase(self.gain)
         self._p33 += doubt_rad * doubt_rad
-
-    def forget_turn(self) -> None:
-        """The compass is another one now."""
-        self.gain = complex(abs(self.gain), 0.0)
-        self._p03 = self._p13 = self._p23 = 0.0
-        self._p33 = self._turn_doubt_rad**2
 
     def update(self, over_ground: complex, through_water: complex, variance: float, dt_s: float) -> complex:
         """Learn from a velocity over ground and through the water, dt_s after the last one.
@@ -116,6 +106,7 @@ class CurrentFilter:
         size = abs(self.gain)
         if not _MIN_GAIN <= size <= _MAX_GAIN:
             self.gain *= min(max(size, _MIN_GAIN), _MAX_GAIN) / size if size > 0.0 else 1.0
+        self.turn_rad = cmath.phase(self.gain)
         return self.gain * through_water + self.set_m_s - before
 
     def _doubt(self) -> None:

@@ -30,6 +30,7 @@ MIN_SIGMA_M: Final = 0.001
 MAX_SIGMA_M: Final = 1000.0  # what lies beyond is a fault of the part; comparisons let no NaN pass
 MAX_SPEED_M_S: Final = 100.0
 MAX_OFFSET_M: Final = 100_000.0  # from the frame's origin: its projection holds no farther
+_HEALTH_S: Final = 0.0999  # how often the estimate is examined
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 
@@ -37,12 +38,23 @@ _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 class Estimator:
     """`frame` is None before the first good fix."""
 
-    __slots__ = ("_now_s", "_setting", "fixing", "frame", "frame_to_lay", "model")
+    __slots__ = (
+        "_faults",
+        "_health_due_s",
+        "_setting",
+        "_sigma_m",
+        "fixing",
+        "frame",
+        "frame_to_lay",
+        "model",
+    )
 
     def __init__(self, speed: Speed | None = None, setting: Estimation | None = None) -> None:
         """speed: what the motors achieve; setting: how much is believed."""
         self._setting = setting = setting or Estimation()
-        self._now_s = 0.0
+        self._health_due_s = 0.0
+        self._sigma_m = 0.0
+        self._faults = 0
         self.frame: LocalFrame | None = None
         self.frame_to_lay: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
         self.model = Model(speed or Speed(), setting)
@@ -61,8 +73,6 @@ class Estimator:
         With only one of position and heading known, the other one is 0 with an infinite age.
         """
         model, fixing = self.model, self.fixing
-        dt = now_s - self._now_s
-        self._now_s = now_s
         yaw = model.advance(heading, now_s, command)
         if fix is not None and fixing.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
             self._take_fix(fix)
@@ -70,14 +80,13 @@ class Estimator:
         if position_age == math.inf and heading_age == math.inf:
             return None
         yaw = wrap_pi(yaw + model.current.turn_rad)
-        faults, sigma_m = model.faults(), 0.0
         here = velocity = 0j
         if self.frame is not None:
             here, velocity = fixing.here(now_s)
-            fixing.pass_time(now_s, dt)
-            sigma_m = fixing.sigma_m
-            faults |= fixing.faults(now_s)
-        setting = self._setting
+        if now_s >= self._health_due_s:
+            self._health_due_s = now_s + _HEALTH_S
+            self._examine(now_s)
+        setting, faults = self._setting, self._faults
         if setting.gnss_timeout_s < position_age < math.inf and not faults & _POSITION_LOST:
             position_age = setting.gnss_timeout_s  # dead reckoning stands in
         if setting.compass_timeout_s < heading_age < math.inf and not faults & _HEADING_LOST:
@@ -98,9 +107,17 @@ class Estimator:
             heading_age,
             set_m_s.real,
             set_m_s.imag,
-            sigma_m,
+            self._sigma_m,
             faults,
         )
+
+    def _examine(self, now_s: float) -> None:
+        """How certain the position is, and what is wrong."""
+        self._faults = self.model.faults()
+        if self.frame is not None:
+            self.fixing.pass_time(now_s)
+            self._sigma_m = self.fixing.sigma_m
+            self._faults |= self.fixing.faults(now_s)
 
     def _take_fix(self, fix: GnssFix) -> None:
         sigma_m = fix.horizontal_accuracy_m

@@ -46,7 +46,10 @@ class FixWatch:
             self._long_story.append(self._story[-1])
         while time_s - self._story[0][0] > _SPAN_S:
             self._story.popleft()
-        self._repetition.update(is_same, time_s)
+        if is_same:
+            self._repetition.repeat(time_s)
+        else:
+            self._repetition.change(time_s)
 
     def is_frozen(self, speed_m_s: float, least_m_s: float) -> bool:
         """Whether the same fix comes again and again although the boat must have moved.

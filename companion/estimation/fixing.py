@@ -36,8 +36,8 @@ class Fixing:
     """accepted_s: the time of the latest position believed; resets: how often it was begun anew."""
 
     __slots__ = (
-        "_fix_s", "_is_frozen", "_model", "_odd_since_s", "_rejected", "_reset_counter", "_setting",
-        "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "position", "resets",
+        "_fix_s", "_is_frozen", "_model", "_odd_since_s", "_passed_s", "_rejected", "_reset_counter",
+        "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "position", "resets",
     )  # fmt: skip
 
     def __init__(self, model: Model, setting: Estimation) -> None:
@@ -47,11 +47,12 @@ class Fixing:
         self._fix_s = self._velocity_s = self._odd_since_s = -math.inf
         self._way_m = 0j  # through the water, at the time of the latest fix
         self._strayed_m = self._rejected = 0.0
+        self._passed_s = 0.0
         self._is_frozen = False
         self._reset_counter = 0
         self.accepted_s = -math.inf
         self.resets = 0
-        self.position = PositionFilter(model.cruise_m_s, setting.wander_s)
+        self.position = PositionFilter(model.cruise_m_s, setting.wander_s, setting.wander_share)
 
     @property
     def fix_s(self) -> float:
@@ -69,14 +70,18 @@ class Fixing:
         ahead_s = now_s - position.time_s
         fading = math.exp(-ahead_s / UNMODELLED_S)
         unmodelled = position.unmodelled_m_s
-        carried = current.gain * (wake.way_m - self._way_m) + current.set_m_s * ahead_s
+        through = wake.velocity_m_s
+        way_m = wake.way_m + through * (now_s - wake.time_s) - self._way_m
+        carried = current.gain * way_m + current.set_m_s * ahead_s
         return (
             position.position_m + carried + unmodelled * (UNMODELLED_S * (1.0 - fading)),
-            current.velocity_m_s(wake.velocity_m_s) + unmodelled * fading,
+            current.gain * through + current.set_m_s + unmodelled * fading,
         )
 
-    def pass_time(self, now_s: float, dt: float) -> None:
-        """The boat strays while no position is believed."""
+    def pass_time(self, now_s: float) -> None:
+        """The boat strays while no position is believed. To be called some times a second."""
+        dt = now_s - self._passed_s
+        self._passed_s = now_s
         if now_s - self.accepted_s > _GAP_S:
             model = self._model
             by_velocity = now_s - self._velocity_s <= _GAP_S

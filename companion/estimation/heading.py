@@ -133,8 +133,8 @@ class HeadingFilter:
         compass = self._compass
         if compass.update(heading_rad, time_s):
             self._turned_rad += turned
-            if abs(self._turned_rad) > _STUCK_RAD + _STUCK_RAD_S * compass.repetition.run_s:
-                compass.repetition.is_condemned = True
+            if abs(self._turned_rad) > _STUCK_RAD + _STUCK_RAD_S * compass.run_s:
+                compass.condemn()
         else:
             self._turned_rad = 0.0
         if not compass.is_good:

@@ -10,50 +10,64 @@ from companion.units import wrap_pi
 
 _WILD: Final = 0.5  # share of the last second's leaps that is too much
 _CALM: Final = 0.1  # and all is well again
+_NONE: Final = 1e9  # no reading is this
 
 
 class Liveliness:
-    """is_dead and is_wild say what is wrong; is_good that nothing is."""
+    """is_good says that nothing is wrong."""
 
-    __slots__ = ("_leap", "_leap_per_s", "_leaps", "_least_s", "_time_s", "_value", "is_wild", "repetition")
+    __slots__ = (
+        "_is_wild", "_leap", "_leap_per_s", "_leaps", "_least_s", "_repetition", "_time_s", "_value",
+        "is_good",
+    )  # fmt: skip
 
     def __init__(self, leap: float, leap_per_s: float, least_s: float) -> None:
         """A change by more than leap + leap_per_s × time is none. least_s: so long the same is dead."""
-        self.is_wild = False
-        self.repetition = Repetition()
+        self.is_good = True
+        self._is_wild = False
+        self._repetition = Repetition()
         self._leap = leap
         self._leap_per_s = leap_per_s
         self._least_s = least_s
         self._leaps = 0.0
         self._time_s = 0.0
-        self._value = 1e9  # no reading is this
+        self._value = _NONE
 
     @property
-    def is_dead(self) -> bool:
-        """The same reading for too long."""
-        return self.repetition.is_condemned
-
-    @property
-    def is_good(self) -> bool:
-        """Alive and sane."""
-        return not (self.is_wild or self.repetition.is_condemned)
+    def run_s(self) -> float:
+        """For how long it has said the same."""
+        return self._repetition.run_s
 
     def update(self, value: float, time_s: float) -> bool:
         """Take an angle in rad, or a rate in rad/s; whether it is exactly the last one."""
         dt = time_s - self._time_s
         self._time_s = time_s
-        is_same = value == self._value
-        if not is_same and self._value < 1e9:
-            has_leapt = abs(wrap_pi(value - self._value)) > self._leap + self._leap_per_s * dt
-            if has_leapt or self._leaps > 0.0:
-                self._leaps += min(dt, 1.0) * ((1.0 if has_leapt else 0.0) - self._leaps)
-                if self._leaps > _WILD:
-                    self.is_wild = True
-                elif self._leaps < _CALM:
-                    self.is_wild = False
+        change = value - self._value
         self._value = value
-        repetition = self.repetition
-        repetition.update(is_same, time_s)
-        if is_same and repetition.is_unusual(self._least_s):
-            repetition.is_condemned = True
-        return is_same
+        if change == 0.0:
+            self._repetition.repeat(time_s)
+            if self._repetition.is_unusual(self._least_s):
+                self.condemn()
+            return True
+        self._repetition.change(time_s)
+        leap = self._leap + self._leap_per_s * dt
+        if self._leaps > 0.0 or not -leap < change < leap:
+            self._look(abs(wrap_pi(change)) > leap and change > -0.5 * _NONE, dt)
+        elif not self.is_good:
+            self.is_good = not self._is_wild
+        return False
+
+    def condemn(self) -> None:
+        """It is dead until it says something else."""
+        self._repetition.is_condemned = True
+        self.is_good = False
+
+    def _look(self, has_leapt: bool, dt: float) -> None:
+        self._leaps += min(dt, 1.0) * ((1.0 if has_leapt else 0.0) - self._leaps)
+        if self._leaps > _WILD:
+            self._is_wild = True
+        elif self._leaps < _CALM:
+            self._is_wild = False
+            if self._leaps < 0.01 * _CALM:
+                self._leaps = 0.0
+        self.is_good = not self._is_wild

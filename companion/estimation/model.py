@@ -21,6 +21,7 @@ _UNDER_WAY: Final = 0.4  # share of cruise speed that tells a course
 _SLIP: Final = 0.2  # of speed × yaw rate: what the model gets wrong in a turn,
 _SURGE: Final = 0.3  # and of its own acceleration
 _NUDGE_S: Final = 4.0  # how fast what is not modelled is taken for way through the water
+_STRIDE_S: Final = 0.039  # the hull is slow: every second tick is enough
 _IDLE_S: Final = 2.0  # without thrust
 _COURSE_S: Final = 5.0  # how fast the course made good draws the heading, with a gyro
 _COURSE_ALONE_S: Final = 0.7  # and without one
@@ -85,25 +86,31 @@ class Model:
         if reading is not None and heading.time_s < reading.time_s <= now_s:
             _take_heading(heading, reading)
         if heading.time_s == -math.inf:
-            self.wake.advance(now_s, 0j)
             return 0.0
         if now_s - heading.time_s > MAX_PREDICTION_S:
             heading.stray(self._yaw_gain * self._steering, dt)
         yaw = heading.heading_at_rad(now_s)
-        velocity = 0j
+        dt = now_s - self.wake.time_s
+        if dt >= _STRIDE_S:
+            self._move(yaw, now_s, dt, command)
+        return yaw
+
+    def _move(self, yaw: float, now_s: float, dt: float, command: MotorCommand | None) -> None:
+        """Go on through the water."""
+        heading, velocity = self.heading, 0j
         if command is not None:
             water = self.water
+            left, right = command.left, command.right
             water.update(
-                command.left, command.right, heading.yaw_rate_rad_s, self.cruise_m_s, self._cruise_throttle,
+                left, right, heading.yaw_rate_rad_s, self.cruise_m_s, self._cruise_throttle,
                 self._surge_time_s, dt,
             )  # fmt: skip
             velocity = complex(water.surge_m_s, water.sway_m_s) * complex(math.cos(yaw), math.sin(yaw))
-            if command.left or command.right:
+            if left or right:
                 self.idle_since_s = now_s
-            self._steering += min(dt / _YAW_S, 1.0) * (0.5 * (command.left - command.right) - self._steering)
+            self._steering += min(dt / _YAW_S, 1.0) * (0.5 * (left - right) - self._steering)
         heading.is_idle = now_s - self.idle_since_s > _IDLE_S
         self.wake.advance(now_s, velocity)
-        return yaw
 
     def pushed_m2_s3(self, through: complex) -> float:
         """How noisy the model is just now, because the boat turns or gathers way."""

@@ -17,7 +17,6 @@ import math
 from typing import Final
 
 UNMODELLED_S: Final = 3.0  # T_e
-WANDER_SHARE: Final = 0.8  # of a receiver's deviation is wander, the rest white
 _GATE: Final = 25.0  # squared distance over variance, 5 σ: what lies beyond does not belong here
 _STRAY_GATE: Final = 9.0  # for how far it may have strayed: 3 σ
 _ADAPT: Final = 0.05  # of the process noise's logarithm, per fix
@@ -36,7 +35,7 @@ class PositionFilter:
         "_pp",
         "_pw",
         "_q",
-        "_wander_s",
+        "_wander_s", "_wander_share",
         "_ww",
         "position_m",
         "time_s",
@@ -44,9 +43,12 @@ class PositionFilter:
         "wander_m",
     )  # fmt: skip
 
-    def __init__(self, cruise_m_s: float, wander_s: float) -> None:
-        """cruise_m_s gives the scale of what may be unmodelled; wander_s is T_w."""
-        self._wander_s = wander_s
+    def __init__(self, cruise_m_s: float, wander_s: float, wander_share: float) -> None:
+        """cruise_m_s gives the scale of what may be unmodelled; wander_s is T_w.
+
+        wander_share: of a receiver's deviation is wander, the rest is white.
+        """
+        self._wander_s, self._wander_share = wander_s, wander_share
         scale = 2.0 * cruise_m_s * cruise_m_s / UNMODELLED_S
         self._least_q, self._q, self._most_q = scale * _LEAST**2, scale * _FIRST**2, scale * _MOST**2
         self.time_s = -math.inf
@@ -62,7 +64,7 @@ class PositionFilter:
         """Begin here. sigma_m: the fix's deviation per axis; sigma_m_s: of what the model leaves over."""
         self.time_s = time_s
         self.position_m, self.unmodelled_m_s, self.wander_m = at, 0j, 0j
-        wander = (WANDER_SHARE * sigma_m) ** 2
+        wander = (self._wander_share * sigma_m) ** 2
         self._pp, self._pw, self._ww = sigma_m * sigma_m, -wander, wander
         self._ee, self._pe, self._ew = sigma_m_s * sigma_m_s, 0.0, 0.0
 
@@ -86,7 +88,7 @@ class PositionFilter:
         self._pw = k * (self._pw + g * ew)
         self._ee = f * f * ee + q
         self._ew = f * k * ew
-        self._ww = k * k * self._ww + (WANDER_SHARE * sigma_m) ** 2 * (1.0 - k * k)
+        self._ww = k * k * self._ww + (self._wander_share * sigma_m) ** 2 * (1.0 - k * k)
 
     def stray(self, variance_m2: float) -> None:
         """The model may have carried the boat astray."""
@@ -151,7 +153,7 @@ class PositionFilter:
         return self._ee
 
     def _variance(self, sigma_m: float) -> float:
-        white = (1.0 - WANDER_SHARE * WANDER_SHARE) * sigma_m * sigma_m
+        white = (1.0 - self._wander_share * self._wander_share) * sigma_m * sigma_m
         return self._pp + 2.0 * self._pw + self._ww + white
 
     def _blend(self, kp: float, ke: float, kw: float, surprise: complex) -> None:

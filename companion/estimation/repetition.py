@@ -23,10 +23,15 @@ class Repetition:
         self._longest_s = 0.0
         self._changes = 0
 
-    def update(self, is_same: bool, time_s: float) -> None:
-        """A reading has come; is_same: exactly what the last one was."""
-        if is_same:
-            self.run_s = max(time_s - self._since_s, 0.0)
+    def repeat(self, time_s: float) -> None:
+        """The reading is exactly what the last one was."""
+        self.run_s = max(time_s - self._since_s, 0.0)
+
+    def change(self, time_s: float) -> None:
+        """It is another one."""
+        self._since_s = time_s
+        if self.run_s == 0.0 and not self.is_condemned:
+            self._changes += 1
             return
         if self.is_condemned:
             self.is_condemned = False
@@ -34,7 +39,6 @@ class Repetition:
             self._longest_s = max(self._longest_s, self.run_s)
             self._changes += 1
         self.run_s = 0.0
-        self._since_s = time_s
 
     def is_unusual(self, least_s: float) -> bool:
         """Whether it has gone on for longer than this part has ever done, and for least_s."""

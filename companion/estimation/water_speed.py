@@ -15,6 +15,7 @@ half the hull's mass of water sideways: in a turn the hull slides outward and lo
 from typing import Final
 
 _LINEAR: Final = 0.4
+_QUADRATIC: Final = 1.0 - _LINEAR
 _STEEPNESS: Final = 2.0 - _LINEAR  # X'(1)
 _SLIDE: Final = 0.5
 _SLOWED: Final = 1.5
@@ -47,22 +48,20 @@ class WaterSpeed:
         if not cruise_throttle > 0.0:
             self.surge_m_s = self.surge_m_s2 = self.sway_m_s = 0.0
             return
+        u, v = self.surge_m_s, self.sway_m_s
+        if left == 0.0 == right and u == 0.0 == v:
+            return
         dt_s = min(dt_s, _MAX_STEP_S, surge_time_s)
-        u, v, r = self.surge_m_s, self.sway_m_s, yaw_rate_rad_s
-        drive = 0.5 * (_thrust(left / cruise_throttle) + _thrust(right / cruise_throttle))
-        gained = cruise_m_s * (drive - _force(u / cruise_m_s)) / (_STEEPNESS * surge_time_s) + _SLOWED * v * r
+        a, b, x = left / cruise_throttle, right / cruise_throttle, u / cruise_m_s
+        ahead = a * (_LINEAR + _QUADRATIC * a) if a >= 0.0 else _ASTERN * a * (_LINEAR - _QUADRATIC * a)
+        ahead += b * (_LINEAR + _QUADRATIC * b) if b >= 0.0 else _ASTERN * b * (_LINEAR - _QUADRATIC * b)
+        drag = x * (_LINEAR + _QUADRATIC * (x if x >= 0.0 else -x))
+        gained = (
+            cruise_m_s * (0.5 * ahead - drag) / (_STEEPNESS * surge_time_s) + _SLOWED * v * yaw_rate_rad_s
+        )
         self.surge_m_s2 = gained
         limit = _MAX_SHARE * cruise_m_s
-        self.surge_m_s = min(max(u + dt_s * gained, -limit), limit)
-        slid = v - dt_s * _SLIDE * u * r
-        self.sway_m_s = min(max(slid / (1.0 + dt_s / (_SWAY_SHARE * surge_time_s)), -limit), limit)
-
-
-def _thrust(share: float) -> float:
-    """Of one motor, in the same units."""
-    return _force(share) if share >= 0.0 else _ASTERN * _force(share)
-
-
-def _force(share: float) -> float:
-    """Drag or thrust of a share of cruise speed or throttle, in shares of the drag at cruise speed."""
-    return share * (_LINEAR + (1.0 - _LINEAR) * abs(share))
+        slid = (v - dt_s * _SLIDE * u * yaw_rate_rad_s) / (1.0 + dt_s / (_SWAY_SHARE * surge_time_s))
+        u += dt_s * gained
+        self.surge_m_s = limit if u > limit else -limit if u < -limit else u
+        self.sway_m_s = limit if slid > limit else -limit if slid < -limit else slid
