@@ -260,10 +260,12 @@ class Avoidance:
             self.stage = Stage.BACK
             return HoldHeading(nav.heading_rad, -guidance.min_speed_m_s)
         self.stage = Stage.ROUND
+        if (away_rad := scene.away_rad()) is not None:
+            return HoldCourse(away_rad, guidance.min_speed_m_s)
         speed = min(_speed_m_s(scene), math.sqrt(2.0 * guidance.corner_accel_m_s2 * scene.margin_m))
         turn = abs(wrap_pi(scene.heading_for_rad(detour.course_rad, speed) - nav.heading_rad))
         if turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s:
-            return HoldHeading(nav.heading_rad, 0.0)
+            return scene.stop()
         return HoldCourse(detour.course_rad, speed)
 
     def _wait(self, scene: Scene) -> Intent | None:

@@ -4,18 +4,19 @@ import math
 from collections.abc import Sequence
 
 from companion.config import BoatConfig
-from companion.geo import Point
+from companion.geo import Point, bearing_rad, distance_m
 from companion.guidance.clear_water import Bounds, ClearWater, clear_m
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.guidance.way_ahead import way_ahead
 from companion.sensors.lookout import Lookout
 from companion.sensors.track import Track
 from companion.state import NavState
-from companion.vehicle.intent import Intent
+from companion.vehicle.intent import HoldHeading, Intent
 
 WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new beginning
 HULL = 0.6  # of the margin: nearer than this ahead the boat stops
 _DRIFT_S = 0.8  # a boat that turns is carried along by the water for so long before it holds against it
+_STILL_SHARE = 0.4  # of the slowest speed with steerage way: a set as small as that is none
 _CONE = 0.7  # cosine of 45°
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
 
@@ -90,6 +91,23 @@ class Scene:
     def stopping_m_s(self, room_m: float) -> float:
         """The speed that the boat can lose in some room."""
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, self.config.guidance)
+
+    def stop(self) -> HoldHeading:
+        """Take the way off. Where the water sets, only a bow that points into the set can hold against it."""
+        nav, set_m_s = self.nav, math.hypot(self.nav.set_north_m_s, self.nav.set_east_m_s)
+        if set_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s:
+            return HoldHeading(nav.heading_rad, 0.0)
+        return HoldHeading(math.atan2(-nav.set_east_m_s, -nav.set_north_m_s), 0.0)
+
+    def away_rad(self) -> float | None:
+        """The course straight away from what is too near; None while nothing is."""
+        nearest = min(self.things, key=self._distance_m, default=None)
+        if nearest is None or self._distance_m(nearest) > HULL * self.margin_m:
+            return None
+        return bearing_rad(nearest, self.here)
+
+    def _distance_m(self, thing: Point) -> float:
+        return distance_m(self.here, thing)
 
     def motion_m(self) -> float:
         """How far the boat could go on as it goes now before its hull comes too near; infinite at rest."""
