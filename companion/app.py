@@ -15,6 +15,7 @@ from companion.hal.absent import Absent
 from companion.hal.battery import open_ina219
 from companion.hal.compass import open_bno055, open_nmea_compass
 from companion.hal.gnss import open_nmea_gnss
+from companion.hal.hull import open_hull
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Port, Sonar
 from companion.hal.l298n import open_l298n
 from companion.hal.port_url import open_port, parse_port_url
@@ -117,8 +118,9 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         if parts.battery.driver != "none":
             battery = open_ina219(parts.battery, now)
             undo.callback(battery.close)
+        hull = None if parts.hull.driver == "none" else open_hull(parts.hull, now)
         undo.pop_all()
-    return Hardware(motors, gnss, compass, sonar, battery)
+    return Hardware(motors, gnss, compass, sonar, battery, hull=hull)
 
 
 def open_compass(part: CompassPart, now: Now) -> Compass:

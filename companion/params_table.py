@@ -82,6 +82,7 @@ def _tuning() -> list[Row]:
         Row("FENCE_MARGIN", _REAL, "The boat stops so far before a line", "fence.margin_m", unit="m", low=0, high=50),
         Row("FENCE_ACTION", _I8, "Outside the fence, numbers as FS_ACTION; LOITER is on the nearest water inside", "failsafe.fence_action", low=0, high=6),
         Row("RALLY_INCL_HOME", _I8, "RTL goes to home, too, where there are rally points: 0 no, 1 yes", "fence.rally_includes_home", low=0, high=1),
+        Row("FS_STEER_ACT", _I8, "Steering does not turn the boat, a motor runs the wrong way: numbers as FS_ACTION", "failsafe.steering_action", low=0, high=6),
         Row("FS_MOT_ACT", _I8, "A motor does not pull: numbers as FS_ACTION, 7 clears the propellers", "failsafe.motor_action", low=0, high=7),
         Row("FS_STUCK_ACT", _I8, "Something holds the boat: numbers as FS_ACTION, 7 clears the propellers", "failsafe.stuck_action", low=0, high=7),
         Row("FS_CLEAR_TRIES", _I8, "How often the propellers are cleared before the boat goes home", "failsafe.clearing_tries", low=1, high=10),

@@ -60,6 +60,14 @@ class BatteryPart(Section, frozen=True):
     address: int = 0x40
 
 
+class HullPart(Section, frozen=True):
+    """The computer's thermometer, and a switch that closes to ground when the hull is wet."""
+
+    driver: Literal["host", "none"] = "none"
+    thermometer: str = "/sys/class/thermal/thermal_zone0/temp"
+    leak: int = -1  # the switch's pin; −1: none
+
+
 class Parts(Section, frozen=True):
     """Which driver moves which part of this boat."""
 
@@ -68,3 +76,4 @@ class Parts(Section, frozen=True):
     compass: CompassPart = CompassPart()
     sonar: SonarPart = SonarPart()
     battery: BatteryPart = BatteryPart()
+    hull: HullPart = HullPart()

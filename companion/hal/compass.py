@@ -89,7 +89,7 @@ class Bno055Compass:
 
     def step(self) -> float:
         """Read the part once; returns the seconds to wait before the next reading."""
-        heading_deg, rate_rad_s = self._part.euler[0], self._part.gyro[2]
+        (heading_deg, roll_deg, pitch_deg), rate_rad_s = self._part.euler, self._part.gyro[2]
         if heading_deg is None:
             # A dip of its supply sends the part back to configuration mode, where it measures nothing.
             self._knows_north = False
@@ -99,7 +99,9 @@ class Bno055Compass:
         elif 0.0 <= heading_deg <= 360.0:  # a disturbed transfer shows as a heading off the scale
             heading_rad = wrap_pi(math.radians(heading_deg) + self._correction_rad)
             yaw_rate_rad_s = None if rate_rad_s is None else -rate_rad_s
-            self._latest = HeadingReading(self._now(), heading_rad, yaw_rate_rad_s)
+            roll_rad = None if roll_deg is None else math.radians(roll_deg)
+            pitch_rad = None if pitch_deg is None else math.radians(pitch_deg)
+            self._latest = HeadingReading(self._now(), heading_rad, yaw_rate_rad_s, roll_rad, pitch_rad)
         return _BNO055_PERIOD_S
 
     def read(self) -> HeadingReading | None:

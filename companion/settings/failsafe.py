@@ -38,12 +38,13 @@ class Failsafe(Section, frozen=True):
     range_reserve: Share = 0.1  # of the capacity, not to be used at all
     fence_action: ActionNumber = 1  # outside the fence; LOITER is then on the nearest water inside
     position_action: ActionNumber = 6
-    dead_reckoning_s: NonNegative = 60.0  # without a position, bow into the water, before it gives up
+    dead_reckoning_s: NonNegative = 300.0  # without a position, bow into the water, before it gives up
     heading_action: ActionNumber = 2
     gnss_action: ActionNumber = 0
     compass_action: ActionNumber = 0
     sonar_action: ActionNumber = 0
     sonar_timeout_s: Positive = 3.0
+    steering_action: ActionNumber = 2
     motor_action: ClearingNumber = 7
     stuck_action: ClearingNumber = 7
     clearing_tries: Annotated[int, Meta(ge=1, le=10)] = 3

@@ -283,12 +283,15 @@ class Vehicle:
             if alarm.text:
                 self.tell(Severity.NOTICE, f"Failsafe over: {alarm.text}")
             return
+        does_nothing = not self.armed or self.mode is Mode.HOLD or action is Action.NONE
+        if alarm.move is Move.CLIMBS and does_nothing and action is not Action.DISARM:
+            return
         still = ", still" if alarm.move is Move.CLIMBS else ""
         severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
         self.tell(severity, f"Failsafe: {alarm.text}{still}")
         if action is Action.DISARM:
             self.disarm("by failsafe")
-        elif not self.armed or self.mode is Mode.HOLD or action is Action.NONE:
+        elif does_nothing:
             return
         elif action is Action.CLEAR_PROPELLERS:
             self.tell(Severity.WARNING, "Clearing the propellers")
@@ -302,10 +305,10 @@ class Vehicle:
         """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""
         self.clearing.stop()
         for mode in RETREATS[action]:
-            if self.enter(mode, "failsafe").accepted:
-                return
-            if mode is Mode.LOITER and self._can_reckon():
+            if mode is Mode.LOITER and self._estimate_fault() and self._can_reckon():
                 self._enter(mode, "failsafe, by dead reckoning")
+                return
+            if self.enter(mode, "failsafe").accepted:
                 return
         self.enter(Mode.HOLD, "failsafe")
 

@@ -99,10 +99,13 @@ class Failsafes:
         if not signs.mode.is_by_hand and not self.is_active(Condition.HELM_LOST):
             signs.sticks.let_go()
         signs.endurance.learn(signs.battery, signs.nav, signs.config, PERIOD_S)
-        if is_clearing or not signs.armed:
+        if not signs.armed:
             signs.motors.reset()
-        if not is_clearing:
-            signs.motors.update(signs.left, signs.right, signs.battery, signs.nav, PERIOD_S)
+        if is_clearing:
+            signs.motors.pause()
+        else:
+            cruise_m_s = signs.config.speed.cruise_m_s
+            signs.motors.update(signs.left, signs.right, signs.battery, signs.nav, cruise_m_s, PERIOD_S)
 
 
 def concerns(kind: Concerns, mode: Mode) -> bool:

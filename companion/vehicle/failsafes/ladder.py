@@ -22,6 +22,7 @@ class Ladder:
 
     __slots__ = (
         "_calm_s",
+        "_ended_s",
         "_next",
         "_since_s",
         "_step_s",
@@ -34,16 +35,17 @@ class Ladder:
 
     def __init__(self, row: Row) -> None:
         self.row = row
+        self._ended_s = -math.inf
+        self._next = 0
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything."""
+        """Forget everything but what came before, in case it comes again."""
         self.text = ""  # the trouble in words, as it was when it was last seen
         self.action = Action.NONE
         self.is_active = False
         self.is_overruled = False  # the operator has chosen a mode since it fired
         self._since_s = self._calm_s = math.nan
-        self._next = 0
         self._step_s = 0.0
 
     def update(self, text: str, setting: Failsafe, now_s: float) -> Move:
@@ -57,6 +59,7 @@ class Ladder:
             if now_s - self._calm_s < self.row.clear_s:
                 return Move.STAYS
             self.reset()
+            self._ended_s = now_s
             return Move.ENDS
         self._calm_s = math.nan
         self.text = text
@@ -67,7 +70,13 @@ class Ladder:
         if now_s - self._since_s < _seconds(self.row.after, setting):
             return Move.STAYS
         self.is_active, self._step_s = True, now_s
-        self.action = _action(self.row.action, setting)
+        step = self._next_step(setting)
+        if step is not None and now_s - self._ended_s < self.row.relapse_s:
+            self._next += 1  # what was done before has not lasted
+            self.action = _action(step.action, setting)
+        else:
+            self._next = 0
+            self.action = _action(self.row.action, setting)
         return Move.FIRES
 
     def _climb(self, setting: Failsafe, now_s: float) -> Move:

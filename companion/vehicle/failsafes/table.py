@@ -40,6 +40,7 @@ class Condition(IntFlag):
     OVERRUN = 1 << 17
     STORAGE_FAILED = 1 << 18
     FENCE_BREACHED = 1 << 19
+    STEERING_LOST = 1 << 20
 
 
 class Concerns(IntFlag):
@@ -61,7 +62,8 @@ class Row(NamedTuple):
     """One failsafe.
 
     over: what is told when it is over. is_watched_disarmed: else only an armed boat is watched.
-    spares_way_home: a boat under way home goes on. limps: it goes home slowly.
+    spares_way_home: a boat under way home goes on. limps: it goes home slowly. relapse_s: trouble that comes
+    back so soon after it was over goes on with the next step.
     """
 
     condition: Condition
@@ -75,11 +77,12 @@ class Row(NamedTuple):
     is_watched_disarmed: bool = False
     spares_way_home: bool = True
     limps: bool = False
+    relapse_s: float = 0.0
 
 
 _LONG = Step("long_timeout_s", "long_action")
-_CLEAR_AGAIN = Step(20.0, Action.CLEAR_PROPELLERS)
-_LIMP_HOME = Step(20.0, Action.RTL)
+_CLEAR_AGAIN = Step(25.0, Action.CLEAR_PROPELLERS)
+_LIMP_HOME = Step(25.0, Action.RTL)
 _GIVE_UP = Step(90.0, Action.HOLD)
 
 ROWS: tuple[Row, ...] = (
@@ -117,18 +120,22 @@ ROWS: tuple[Row, ...] = (
         after=5.0, clear_s=_NEVER,
     ),
     Row(
+        Condition.STEERING_LOST, propulsion.steering_lost, "steering_action", "",
+        clear_s=_NEVER, concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
+    ),
+    Row(
         Condition.MOTOR_FAILING, propulsion.motor_failing, "motor_action", "motors pull again",
-        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=12.0,
+        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
         concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
     ),
     Row(
         Condition.STUCK, propulsion.stuck, "stuck_action", "free again",
-        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=12.0,
+        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
         concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
     ),
     Row(
         Condition.NO_HEADWAY, propulsion.no_headway, "headway_action", "making way again",
-        then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0,
+        then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0, relapse_s=60.0,
         concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
     ),
     Row(

@@ -1,0 +1,81 @@
+"""What is inside the hull: the computer's own thermometer, and a float switch or water probe on a pin."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from companion import parts
+from companion.errors import HardwareError
+from companion.hal.background import Background
+from companion.hal.optional import import_optional
+from companion.sensors.readings import HullReading
+
+_PERIOD_S = 1.0
+
+
+class Switch(Protocol):
+    """A digital input, as gpiozero's DigitalInputDevice: 1 is water."""
+
+    @property
+    def value(self) -> int: ...
+    def close(self) -> None: ...
+
+
+class HullSensor:
+    """Satisfies `companion.hal.interfaces.Hull`.
+
+    thermometer: a file with millidegrees Celsius, as Linux has them below /sys/class/thermal; one that cannot
+    be read is no reading.
+    """
+
+    def __init__(self, thermometer: Path, switch: Switch | None, now: Callable[[], float]) -> None:
+        self._thermometer = thermometer
+        self._switch = switch
+        self._now = now
+        self._latest: HullReading | None = None
+        self._background = Background(self.step, "hull sensor")
+
+    def start(self) -> None:
+        """Begin to read in a thread."""
+        self._background.start()
+
+    def step(self) -> float:
+        """Read once; returns the seconds to wait before the next reading."""
+        is_wet = None if self._switch is None else bool(self._switch.value)
+        self._latest = HullReading(self._now(), is_wet, _celsius(self._thermometer))
+        return _PERIOD_S
+
+    def read(self) -> HullReading | None:
+        """The latest reading, None before the first."""
+        return self._latest
+
+    def close(self) -> None:
+        """End the thread, let the pin go. May be called twice."""
+        self._background.close()
+        if self._switch is not None:
+            self._switch.close()
+
+
+def _celsius(thermometer: Path) -> float | None:
+    try:
+        return int(thermometer.read_text(encoding="ascii")) / 1000.0
+    except (OSError, ValueError):
+        return None
+
+
+def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
+    """The computer's thermometer, and the switch where there is one, being read.
+
+    Raises:
+        HardwareError: the pin cannot be had.
+    """
+    switch: Switch | None = None
+    if part.leak >= 0:
+        gpiozero = import_optional("gpiozero", "leak switch")
+        try:
+            switch = gpiozero.DigitalInputDevice(part.leak, pull_up=True)  # it closes to ground when wet
+        except Exception as error:
+            raise HardwareError(f"leak switch: pin {part.leak} cannot be had: {error}") from error
+    hull = HullSensor(Path(part.thermometer), switch, now)
+    hull.start()
+    return hull

@@ -1,0 +1,46 @@
+from pathlib import Path
+
+import pytest
+
+from companion.hal.hull import HullSensor
+
+
+class FakeSwitch:
+    """A pin."""
+
+    def __init__(self) -> None:
+        self.value = 0
+        self.is_closed = False
+
+    def close(self) -> None:
+        """Let it go."""
+        self.is_closed = True
+
+
+@pytest.mark.parametrize(
+    ("content", "celsius"), [("48312\n", 48.312), ("-500", -0.5), ("", None), ("hot", None), (None, None)]
+)
+def test_the_computers_thermometer_is_read_in_millidegrees(
+    tmp_path: Path, content: str | None, celsius: float | None
+) -> None:
+    thermometer = tmp_path / "temp"
+    if content is not None:
+        thermometer.write_text(content)
+    hull = HullSensor(thermometer, None, lambda: 7.0)
+    hull.step()
+    reading = hull.read()
+    assert reading is not None
+    assert (reading.time_s, reading.is_wet, reading.temperature_c) == (7.0, None, celsius)
+
+
+def test_the_switch_says_whether_it_is_wet_and_is_let_go(tmp_path: Path) -> None:
+    switch = FakeSwitch()
+    hull = HullSensor(tmp_path / "none", switch, lambda: 0.0)
+    for value in (0, 1, 0):
+        switch.value = value
+        hull.step()
+        reading = hull.read()
+        assert reading is not None
+        assert reading.is_wet is bool(value)
+    hull.close()
+    assert switch.is_closed
