@@ -8,7 +8,8 @@ from typing import Final
 from companion.estimation.repetition import Repetition
 from companion.units import wrap_pi
 
-_WILD: Final = 0.5  # share of the last second's leaps that is too much
+_LATELY_S: Final = 0.3
+_WILD: Final = 0.5  # share of leaps lately that is too much
 _CALM: Final = 0.1  # and all is well again
 _NONE: Final = 1e9  # no reading is this
 
@@ -63,7 +64,7 @@ class Liveliness:
         self.is_good = False
 
     def _look(self, has_leapt: bool, dt: float) -> None:
-        self._leaps += min(dt, 1.0) * ((1.0 if has_leapt else 0.0) - self._leaps)
+        self._leaps += min(dt / _LATELY_S, 1.0) * ((1.0 if has_leapt else 0.0) - self._leaps)
         if self._leaps > _WILD:
             self._is_wild = True
         elif self._leaps < _CALM:
