@@ -87,8 +87,8 @@ class Guidance(Section, frozen=True):
     """Line of sight, corners and station keeping."""
 
     waypoint_radius_m: Positive = 2.0
-    corner_radius_m: Positive = 1.5  # of the arc round a corner, where that passes within waypoint_radius_m
-    lookahead_m: Positive = 4.0
+    corner_radius_m: Positive = 1.0  # of the arc round a corner, where that passes within waypoint_radius_m
+    lookahead_m: Positive = 3.0
     accel_m_s2: Positive = 0.4  # used to slow down for a corner or the end
     corner_accel_m_s2: Positive = 0.5  # centripetal: how hard a corner may be taken
     min_speed_m_s: Positive = 0.4  # slowest speed with steerage way

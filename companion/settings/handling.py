@@ -9,5 +9,5 @@ class Handling(Section, frozen=True):
     top_speed_m_s: Positive = 3.0  # through the water, at full throttle
     surge_time_s: Positive = 1.0  # until throttle taken back shows in the speed
     turn_rate_rad_s: Positive = 0.65  # that full steering reaches under way
-    yaw_time_s: Positive = 0.5  # until the bow follows the heading that is asked for
+    yaw_time_s: Positive = 0.6  # until the bow follows the heading that is asked for
     slip_m: NonNegative = 0.4  # a turning hull slides outward by this times its turn rate

@@ -583,7 +583,7 @@ def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served)
     file = parameter_file((b"HDG_KP", 3.5), (b"NOT_THERE", 1.0), (b"HDG_KI", 99.0))
     session = served.ask(Opcode.CREATE_FILE, b"@PARAM/param.pck").session
     served.ask(Opcode.WRITE_FILE, file, session)
-    assert value(served, "HDG_KP") == 2.5
+    assert value(served, "HDG_KP") == 4.0
     served.service.handle(request_of(77, Opcode.TERMINATE_SESSION, session=session), STATION, 0.0)
     out = served.outbox.take()
     said = [(o.channel, o.message.param_value) for o in out if o.message.get_type() == "PARAM_VALUE"]
@@ -595,7 +595,7 @@ def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served)
 
 def test_a_file_that_is_none_of_parameters_is_refused_at_its_end(served: Served) -> None:
     assert served.put(b"@PARAM/param.pck", parameter_file((b"HDG_KP", 3.5))[:-1]).code is Code.FAIL
-    assert value(served, "HDG_KP") == 2.5
+    assert value(served, "HDG_KP") == 4.0
     assert served.put(b"@PARAM/param.pck", bytes(70_000)).code is Code.FAIL_ERRNO
 
 

@@ -47,7 +47,7 @@ def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
     (proxy.room / "there.bin").write_bytes(CONTENT)
     proxy.wait_for(rf"Received {SERVED} parameters \(ftp\)")
     proxy.say("param show HDG_KP")
-    assert float(proxy.wait_for(r"HDG_KP +([0-9.]+)")[1]) == 2.5
+    assert float(proxy.wait_for(r"HDG_KP +([0-9.]+)")[1]) == 4.0
     proxy.say("ftp list /")
     proxy.wait_for(r"^ *D files$")
     proxy.wait_for("Total size")
