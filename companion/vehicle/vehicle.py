@@ -15,6 +15,7 @@ from companion.vehicle.conduct import Conduct, station_of
 from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
 from companion.vehicle.failsafes.failsafes import Alarm, Failsafes
 from companion.vehicle.failsafes.ladder import Move
+from companion.vehicle.failsafes.power import shortfall
 from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
@@ -24,6 +25,7 @@ from companion.vehicle.orders import carry_out
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
+_RANGE_S = 1.0  # how often the charge is held against the way home
 _LIMP_SHARE = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
@@ -48,6 +50,7 @@ class Vehicle:
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
         self.standing_order = False  # the boat is about to arm itself; any mode or disarming ends that
+        self._range_due_s = 0.0
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
         self._notices = self.conduct.notices
@@ -271,8 +274,11 @@ class Vehicle:
         signs.now_s, signs.config, signs.mode, signs.armed = self._now_s, self.config, self.mode, self.armed
         signs.nav, signs.fix, signs.battery = nav, self.fix, self.battery
         signs.is_guided = self.conduct.is_guided(self.mode)
-        signs.home = None if self.home is None or self.frame is None else self.frame.to_local(self.home)
-        signs.home_distance_m = math.inf if nav is None else self.home_distance_m(nav.point)
+        if self._now_s >= self._range_due_s:
+            self._range_due_s = self._now_s + _RANGE_S
+            signs.home = None if self.home is None or self.frame is None else self.frame.to_local(self.home)
+            signs.home_distance_m = math.inf if nav is None else self.home_distance_m(nav.point)
+            signs.shortfall = shortfall(signs)
         signs.fence.update(self.fence, nav, self.config.motors, self._now_s)
         for alarm in self.failsafes.update(self.clearing.is_running):
             self._act_on(alarm)

@@ -12,6 +12,8 @@ from companion.vehicle.sticks import Sticks
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
+_PLANNER_LOST = int(Condition.PLANNER_LOST)  # plain numbers: an IntFlag's arithmetic costs microseconds
+_HELM_LOST = int(Condition.HELM_LOST)
 _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_OF_RANGE)
 
 
@@ -27,12 +29,13 @@ class Alarm(NamedTuple):
 class Failsafes:
     """`signs` is what the owners write, `active` the bits of what has fired and is not over."""
 
-    __slots__ = ("_due_s", "_ladders", "_was_armed", "active", "signs")
+    __slots__ = ("_due_s", "_ladders", "_was_armed", "_watched", "active", "signs")
 
     def __init__(self, config: BoatConfig, sticks: Sticks) -> None:
         self.signs = Signs(config, sticks)
         self.active = 0
         self._ladders = [Ladder(row) for row in ROWS]
+        self._watched = [(one, one.row.watch, one.row.is_watched_disarmed) for one in self._ladders]
         self._due_s = 0.0
         self._was_armed = False
 
@@ -42,7 +45,7 @@ class Failsafes:
 
     def is_active(self, condition: Condition) -> bool:
         """Whether this has fired and is not over."""
-        return bool(self.active & condition)
+        return bool(self.active & int(condition))
 
     @property
     def pack_is_low(self) -> bool:
@@ -64,14 +67,13 @@ class Failsafes:
         self._learn(is_clearing)
         alarms: list[Alarm] = []
         is_disarmed_now, self._was_armed = self._was_armed and not armed, armed
-        for ladder in self._ladders:
-            row = ladder.row
-            if not armed and not row.is_watched_disarmed:
+        for ladder, watch, is_watched_disarmed in self._watched:
+            if not armed and not is_watched_disarmed:
                 if is_disarmed_now:
                     ladder.reset()
-                    self.active &= ~row.condition
+                    self.active &= ~int(ladder.row.condition)
                 continue
-            text = row.watch(signs)
+            text = watch(signs)
             if not text and not ladder.is_active:
                 if ladder.text:
                     ladder.reset()
@@ -86,17 +88,17 @@ class Failsafes:
     def _alarm(self, ladder: Ladder, move: Move) -> Alarm:
         row = ladder.row
         if move is Move.ENDS:
-            self.active &= ~row.condition
+            self.active &= ~int(row.condition)
             return Alarm(ladder, move, row.over, Action.NONE)
-        self.active |= row.condition
+        self.active |= int(row.condition)
         is_concerned = concerns(row.concerns, self.signs.mode)
         return Alarm(ladder, move, ladder.text, ladder.action if is_concerned else Action.NONE)
 
     def _learn(self, is_clearing: bool) -> None:
         signs = self.signs
-        if not signs.is_guided and not self.is_active(Condition.PLANNER_LOST):
+        if signs.planner.is_steering and not signs.is_guided and not self.active & _PLANNER_LOST:
             signs.planner.release()
-        if not signs.mode.is_by_hand and not self.is_active(Condition.HELM_LOST):
+        if not signs.mode.is_by_hand and not self.active & _HELM_LOST:
             signs.sticks.let_go()
         signs.endurance.learn(signs.battery, signs.nav, signs.config, PERIOD_S)
         if not signs.armed:

@@ -89,7 +89,12 @@ def _below(signs: "Signs", limit_v: float, what: str) -> str:
 
 
 def out_of_range(signs: "Signs") -> str:
-    """What is left of the charge will soon no longer take the boat home."""
+    """The point of no return, as it was found when last looked for."""
+    return signs.shortfall
+
+
+def shortfall(signs: "Signs") -> str:
+    """Whether what is left of the charge will soon no longer take the boat home, in words."""
     nav, home, battery = signs.nav, signs.home, signs.battery
     if nav is None or home is None or battery is None or battery.current_a is None:
         return ""

@@ -130,8 +130,7 @@ class MotorWatch:
         if abs(left) < _IDLE_SHARE and abs(right) < _IDLE_SHARE:
             self._idle_a += min(dt_s / _SMOOTH_S, 1.0) * (current_a - self._idle_a)
         if not is_telling:
-            self._odd_s = 0.0
-            return
+            return  # what was odd before is neither confirmed nor refuted
         gain_a = max(current_a - self._idle_a, 0.0) / _load(left, right)
         if self._driven_s >= _ENOUGH_S:
             self._ratio += min(dt_s / _SMOOTH_S, 1.0) * (gain_a / max(self._gain_a, 1e-3) - self._ratio)

@@ -44,6 +44,7 @@ class Signs:
         "operator",
         "planner",
         "right",
+        "shortfall",
         "sonar_s",
         "sticks",
         "storage_fault",
@@ -66,6 +67,7 @@ class Signs:
         self.battery: BatteryReading | None = None
         self.home: Point | None = None
         self.home_distance_m = math.inf  # by the water; infinite while no way is known
+        self.shortfall = ""  # of charge for the way home, in words
         self.heading: HeadingReading | None = None  # as the part gave it
         self.hull: HullReading | None = None
         self.consumed_mah = 0.0
