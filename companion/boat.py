@@ -272,6 +272,8 @@ class Boat:
             speed_pid=self.steering.helm.speed_pid,
             heading=senses.compass,
             sweep=senses.sweep,
+            lookout=self.steering.lookout,
+            avoidance=self.steering.avoidance,
             free_memory_bytes=self.free_memory_bytes,
         )
 

@@ -18,6 +18,7 @@ from companion.control.speed import feed_forward
 from companion.geo import Point, bearing_rad, distance_m
 from companion.guidance.clear_water import Bounds
 from companion.guidance.detour import STARBOARD, Detour, choose_side, open_course_rad
+from companion.guidance.passing import STRAIGHT_ON, choose_passing
 from companion.guidance.scene import HULL, Scene
 from companion.guidance.way_ahead import way_ahead
 from companion.sensors.lookout import Lookout
@@ -61,6 +62,7 @@ class Stage(IntEnum):
     ROUND = 1  # sails round something
     BACK = 2  # goes astern from it
     BLOCKED = 3  # keeps station: there is no way round, or it is not to look for one
+    PASSING = 4  # turns aside from something that moves, or lets it pass
 
 
 class _Hit(NamedTuple):
@@ -84,6 +86,7 @@ class Avoidance:
         "_hits",
         "_instead",
         "_notices",
+        "_passing",
         "_retry_s",
         "_wake",
         "astern_m_s",
@@ -101,6 +104,7 @@ class Avoidance:
         self._given: Intent | None = None
         self._instead: Intent | None = None
         self._due_s = 0.0
+        self._passing = STRAIGHT_ON
         self._back_s = 0.0
         self._retry_s = 0.0
 
@@ -108,6 +112,7 @@ class Avoidance:
         """Forget what it was doing."""
         self.stage, self.limit_m_s, self.astern_m_s = Stage.CLEAR, math.inf, math.inf
         self._detour = self._given = self._instead = None
+        self._passing = STRAIGHT_ON
         self._hits.clear()
 
     def update(
@@ -139,7 +144,7 @@ class Avoidance:
             self._given = intent
             scene = Scene(intent, nav, config, lookout, bounds, now_s)
             self._hold_speed(scene, lookout)
-            self._instead = None if is_by_hand else self._decide(scene)
+            self._instead = None if is_by_hand else self._let_pass(scene, self._decide(scene))
         return intent if self._instead is None else self._instead
 
     def limited(
@@ -175,7 +180,7 @@ class Avoidance:
     def _decide(self, scene: Scene) -> Intent | None:
         """What to sail instead of an intent, None for nothing else."""
         self._keep_wake(scene)
-        if self.stage is Stage.BLOCKED or (self.stage is not Stage.CLEAR and self._detour is None):
+        if self.stage is Stage.BLOCKED:
             return self._wait(scene)
         if self._detour is not None:
             return self._go_on(scene, self._detour)
@@ -190,6 +195,27 @@ class Avoidance:
         if not scene.config.avoidance.goes_round or isinstance(scene.intent, HoldTurn):
             return self._halt(scene, free_m)
         return self._begin(scene)
+
+    def _let_pass(self, scene: Scene, instead: Intent | None) -> Intent | None:
+        """Of what lies still the boat keeps clear already; now what moves."""
+        if not scene.movers or self.stage not in (Stage.CLEAR, Stage.PASSING):
+            self._passing = STRAIGHT_ON
+            if self.stage is Stage.PASSING:
+                self.stage = Stage.CLEAR
+            return instead
+        course, speed = _wanted(scene, instead)
+        self._passing = choose_passing(scene, course, speed, self._passing)
+        turn, pace = self._passing
+        if self._passing == STRAIGHT_ON:
+            if self.stage is Stage.PASSING:
+                self.stage = Stage.CLEAR
+            return instead
+        if self.stage is Stage.CLEAR:
+            self.stage = Stage.PASSING
+            self._tell(Severity.INFO, "Obstacle moves: letting it pass")
+        if not pace:
+            return scene.stop()
+        return HoldCourse(wrap_pi(course + turn), pace * speed)
 
     def _begin(self, scene: Scene) -> Intent:
         """The way is shut: choose a side to pass on."""
@@ -331,6 +357,17 @@ def _goal(scene: Scene) -> Point:
         return intent.end
     reach_m = _FAR_M if isinstance(intent, HoldCourse | HoldHeading) else scene.sight_m
     return way_ahead(intent, scene.nav, scene.config, reach_m)[-1]
+
+
+def _wanted(scene: Scene, instead: Intent | None) -> tuple[float, float]:
+    """Course and speed over ground that the boat would hold now."""
+    intent = scene.intent if instead is None else instead
+    if isinstance(intent, HoldCourse):
+        return intent.course_rad, intent.speed_m_s
+    way = way_ahead(intent, scene.nav, scene.config, scene.sight_m)
+    if len(way) < 2 or (isinstance(intent, KeepStation) and distance_m(way[0], way[1]) < scene.margin_m):
+        return scene.nav.heading_rad, 0.0
+    return bearing_rad(way[0], way[1]), _speed_m_s(scene)
 
 
 def _speed_m_s(scene: Scene) -> float:

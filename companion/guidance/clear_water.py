@@ -66,6 +66,10 @@ class ClearWater:
         if bounds.is_active:
             self._bounds, self._inside_m = bounds, inside_m
 
+    def room_m(self, course_rad: float) -> float:
+        """How far the way is clear of things on a course."""
+        return self._rooms_m[round(course_rad / SECTOR_RAD) % SECTORS]
+
     def first_open_rad(self, from_rad: float, side: int, need_m: float) -> float | None:
         """The first course that is open for need_m, turning from from_rad to starboard (side 1) or port (−1).
 

@@ -22,6 +22,7 @@ XKF1: Final = RecordKind(
 )  # fmt: skip
 BOAT: Final = RecordKind(4, "BOAT", "Qfffff", "TimeUS,Surge,Sway,YawRate,PosAge,HdgAge", "snnkss", "F00000")
 EST: Final = RecordKind(11, "EST", "QfffB", "TimeUS,SetN,SetE,PosSD,Flt", "snnm-", "F000-")
+AVD: Final = RecordKind(12, "AVD", "QBffBf", "TimeUS,Stg,Lim,dR0,Mov,Cls", "s-nm-n", "F-00-0")
 PIDS: Final = RecordKind(5, "PIDS", *_PID, "sddd-------", "F000-------")
 PIDA: Final = RecordKind(6, "PIDA", *_PID, "snnn-------", "F000-------")
 NTUN: Final = RecordKind(
@@ -79,7 +80,7 @@ MAV: Final = RecordKind(
 DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv", "s--bbbb", "F--0000")
 
 KINDS: Final = (
-    ATT, POS, XKF1, BOAT, EST, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, BAT, MODE, MSG, EV,
-    ERR, ARM, ORGN, CMD, MISE, PARM, VER, PM, MAV, DSF,
+    ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, BAT, MODE, MSG,
+    EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

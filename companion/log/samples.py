@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from companion.geo import bearing_rad
+from companion.geo import bearing_rad, distance_m
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
 from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
@@ -44,6 +44,7 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
         us, nav.surge_m_s, nav.sway_m_s, nav.yaw_rate_rad_s * _DEG, nav.position_age_s, nav.heading_age_s
     )
     yield r.EST.pack(us, nav.set_north_m_s, nav.set_east_m_s, nav.position_sigma_m, nav.faults)
+    yield from _around(now, us, nav)
     centideg = round(yaw_deg * 100.0) % 36000
     yield r.XKF1.pack(
         us, 0, 0, 0, centideg, nav.north_m_s, nav.east_m_s, 0.0, 0.0, nav.north_m, nav.east_m, 0.0, 0, 0, 0, 0
@@ -59,6 +60,26 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.THR.pack(us, 0, 50.0 * (left + right), wanted_m_s, nav.surge_m_s, _NAN)
     if demand is not None:
         yield from _loops(now, us, nav, demand, centideg)
+
+
+def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
+    """What lies around, and what is done about it: dR0 is the paper's equation 1, to the nearest thing; Cls
+    how fast the nearest one that moves approaches. Nothing while there is nothing.
+    """
+    lookout, avoidance = now.lookout, now.avoidance
+    if lookout is None or avoidance is None or lookout.is_empty:
+        return
+    here, now_s = nav.point, now.now_s
+    nearest_m = min((distance_m(here, thing) for thing in lookout.solid(now_s)), default=_NAN)
+    movers = lookout.movers(now_s)
+    closing = _NAN
+    if movers:
+        mover = min(movers, key=lambda one: one.distance_m(here, now_s))
+        closing = mover.closing_m_s(here, nav.north_m_s, nav.east_m_s, now_s)
+    limit = avoidance.limit_m_s
+    yield r.AVD.pack(
+        us, avoidance.stage, limit if math.isfinite(limit) else _NAN, nearest_m, len(movers), closing
+    )
 
 
 def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int) -> Iterator[bytes]:

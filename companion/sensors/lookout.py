@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 
 from companion.geo import Point
-from companion.sensors.occupancy import SOLID, SUSPECT, Beam, Occupancy
+from companion.sensors.occupancy import SUSPECT, Beam, Occupancy
 from companion.sensors.readings import SonarReading
 from companion.sensors.track import Track
 from companion.sensors.tracks import Tracks
@@ -19,7 +19,6 @@ CELLS_A_MARGIN = 5.0  # the map is as fine as the distance that is kept asks for
 MAX_AGE_S = 1.0  # a later ping tells nothing of now, an earlier one nothing at all
 STALE_POSE_S = 2.0  # a boat that does not know where it is cannot say where an echo came from
 _TIDY_S = 1.0
-_SURELY_STILL = 3.0  # looks
 _REMEMBERED_REACHES = 3.0
 _MAX_TURNS_RAD = 20.0
 
@@ -68,27 +67,16 @@ class Lookout:
             self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
 
     def solid(self, now_s: float) -> list[Point]:
-        """What lies still, as cells' centres; what is known to move is not among them."""
-        return self._still(SOLID, now_s)
+        """What surely lies there, as cells' centres. What moves is there as well, as it was seen."""
+        return self.occupancy.things(now_s)
 
     def suspects(self, now_s: float) -> list[Point]:
         """The same with what was seen only once."""
-        return self._still(SUSPECT, now_s)
+        return self.occupancy.things(now_s, SUSPECT)
 
     def movers(self, now_s: float) -> list[Track]:
         """What is known to move."""
         return self.tracks.movers(now_s)
-
-    def _still(self, least: float, now_s: float) -> list[Point]:
-        """What was seen again and again lies still, whatever has been made of it."""
-        movers = self.movers(now_s)
-        if not movers:
-            return self.occupancy.things(now_s, least)
-        still = self.occupancy.things(now_s, _SURELY_STILL)
-        for thing in self.occupancy.things(now_s, least, _SURELY_STILL):
-            if not any(one.has_passed(thing, now_s) for one in movers):
-                still.append(thing)
-        return still
 
     def _change(self, setting: Avoidance) -> None:
         if (setting.margin_m, setting.memory_s) != (self._setting.margin_m, self._setting.memory_s):

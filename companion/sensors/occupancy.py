@@ -95,15 +95,15 @@ class Occupancy:
         )
         return None if cell is None else self._left(cell, now_s)
 
-    def things(self, now_s: float, least: float = SOLID, most: float = math.inf) -> list[Point]:
-        """The centres of the cells that so many looks speak for, at least and less than at most."""
+    def things(self, now_s: float, least: float = SOLID) -> list[Point]:
+        """The centres of the cells that at least so many looks speak for."""
         if not self._cells:
             return []
         fade_s = self._fade_s
         return [
             Point(cell.north_m, cell.east_m)
             for cell in self._cells.values()
-            if least <= cell.looks - (now_s - cell.seen_s) / fade_s < most
+            if cell.looks - (now_s - cell.seen_s) / fade_s >= least
         ]
 
     def forget(self, at: Point, reach_m: float, now_s: float) -> None:

@@ -19,10 +19,12 @@ from companion.sensors.occupancy import Occupancy
 
 SURE_SIGMAS = 3.0
 DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is within this of nothing
-LEAST_LOOKS = 3
+LEAST_LOOKS = 2
 LEAST_GONE = 2  # places
 _LATELY_S = 1.0
 _TRAIL = 8
+_ANYWHERE_M2 = 100.0
+_ANY_PACE_M2_S2 = 1.0
 _SEEN_THROUGH = 0.0
 
 
@@ -43,7 +45,8 @@ class Track:
         "seen_s",
     )
 
-    def __init__(self, number: int, seen_s: float, at: Point, radius_m: float, sigma_m: float) -> None:
+    def __init__(self, number: int, seen_s: float, at: Point, radius_m: float) -> None:
+        """Begin at rest, with all doubt; the first look is taken in by `correct` as every other."""
         self.number = number
         self.seen_s = self._time_s = seen_s
         self.radius_m = radius_m
@@ -51,7 +54,7 @@ class Track:
         self.is_mover = False
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
-        place, pace = sigma_m * sigma_m, 1.0
+        place, pace = _ANYWHERE_M2, _ANY_PACE_M2_S2
         self._covariance = [
             [place, 0.0, 0.0, 0.0],
             [0.0, place, 0.0, 0.0],
@@ -113,17 +116,6 @@ class Track:
         distance = max(math.hypot(north, east), 1e-6)
         return ((north_m_s - self._state[2]) * north + (east_m_s - self._state[3]) * east) / distance
 
-    def has_passed(self, thing: Point, now_s: float) -> bool:
-        """Whether an echo at a place is this thing's own, of now or of the way that it has come."""
-        head = self.point(now_s + 0.5)
-        tail = self._trail[0][1]
-        north, east = head.north_m - tail.north_m, head.east_m - tail.east_m
-        to_n, to_e = thing.north_m - tail.north_m, thing.east_m - tail.east_m
-        square = north * north + east * east
-        share = 0.0 if square <= 0.0 else min(max((to_n * north + to_e * east) / square, 0.0), 1.0)
-        gap = math.hypot(to_n - share * north, to_e - share * east)
-        return gap < self.radius_m
-
     # What Tracks does with it
 
     def predict(self, now_s: float, accel_m_s2: float) -> None:
@@ -180,8 +172,10 @@ class Track:
         speed, sigma = self.speed_m_s, self.speed_sigma_m_s
         if self.is_mover:
             self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
-        elif self.looks >= LEAST_LOOKS and speed > max(SURE_SIGMAS * sigma, least_m_s):
-            self.is_mover = self._comes_surely(least_m_s) or self._has_left(occupancy, now_s)
+        elif self._comes_surely(least_m_s):
+            self.is_mover = self.looks >= LEAST_LOOKS
+        elif speed > max(SURE_SIGMAS * sigma, least_m_s):
+            self.is_mover = self.looks > LEAST_LOOKS and self._has_left(occupancy, now_s)
 
     def _comes_surely(self, least_m_s: float) -> bool:
         """Whether it comes towards the boat over ground."""

@@ -79,11 +79,13 @@ class Tracks:
         across_m = max(_CORRELATED * range_m * first.width_rad / math.sqrt(12.0), along_m)
         track = self._find(at, middle.time_s, (ahead_n, ahead_e), along_m, across_m)
         radius_m = min(max(0.5 * extent_m, 0.3 * self._scale_m), self._scale_m)
+        is_new = track is None
         if track is None:
-            self._begin(middle.time_s, at, radius_m, across_m)
-            return
+            track = self._begin(middle.time_s, at, radius_m)
         track.correct(at, ahead_n, ahead_e, along_m)
         track.correct(at, -ahead_e, ahead_n, across_m)
+        if is_new:
+            return
         track.keep(radius_m, ahead_n, ahead_e)
         track.judge(occupancy, _LEAST_PACE * self._scale_m, middle.time_s)
 
@@ -104,11 +106,13 @@ class Tracks:
                 found, least = track, surprise
         return found
 
-    def _begin(self, time_s: float, at: Point, radius_m: float, sigma_m: float) -> None:
+    def _begin(self, time_s: float, at: Point, radius_m: float) -> Track:
         if len(self.all) >= MAX_TRACKS:
             self.all.remove(min(self.all, key=_last_look_s))
-        self.all.append(Track(self._next_number, time_s, at, radius_m, sigma_m))
+        track = Track(self._next_number, time_s, at, radius_m)
+        self.all.append(track)
         self._next_number += 1
+        return track
 
 
 def _last_look_s(track: Track) -> float:

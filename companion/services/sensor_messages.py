@@ -3,7 +3,6 @@
 import math
 
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.sweep import SECTOR_RAD
 from companion.services.snapshot import Snapshot
 from companion.units import clamp
 
@@ -54,22 +53,3 @@ def meminfo(now: Snapshot) -> Message | None:
     if free <= 0:
         return None
     return dialect.MAVLink_meminfo_message(0, min(free, 0xFFFF), min(free, 0xFFFFFFFF))
-
-
-def obstacle_distance(now: Snapshot) -> Message | None:
-    """The rangers' latest sweep, 72 sectors clockwise from the bow; silent while nothing is heard at all."""
-    sweep = now.sweep
-    if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
-        return None
-    distances, farthest_cm = sweep.distances_cm(now.now_s)
-    return dialect.MAVLink_obstacle_distance_message(
-        time_usec=now.boot_us,
-        sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
-        distances=distances,
-        increment=round(math.degrees(SECTOR_RAD)),
-        min_distance=round(100.0 * sweep.latest.min_range_m),
-        max_distance=farthest_cm,
-        increment_f=math.degrees(SECTOR_RAD),
-        angle_offset=0.0,
-        frame=dialect.MAV_FRAME_BODY_FRD,
-    )

@@ -4,6 +4,8 @@ from msgspec import Struct
 
 from companion.config import BoatConfig
 from companion.geo import LocalFrame
+from companion.guidance.avoidance import Avoidance
+from companion.sensors.lookout import Lookout
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
 from companion.sensors.sweep import Sweep
 from companion.state import Demand, MotorCommand, NavState, PidOutput
@@ -30,6 +32,8 @@ class Snapshot(Struct, frozen=True):
     speed_pid: PidOutput | None = None
     heading: HeadingReading | None = None  # as the part gave it
     sweep: Sweep | None = None  # what the rangers have seen around
+    lookout: Lookout | None = None  # what lies and moves around
+    avoidance: Avoidance | None = None  # what is being done about it
     free_memory_bytes: int = 0  # of the boat's computer, 0 while not known
 
     @property

@@ -8,6 +8,7 @@ from companion.services import component_metadata as metadata
 from companion.services import estimate_messages as estimate
 from companion.services import modes_info as modes
 from companion.services import motion_messages as motion
+from companion.services import obstacle_messages as obstacle
 from companion.services import sensor_messages as sensor
 from companion.services import status_messages as status
 from companion.services.outbox import Outbox
@@ -32,7 +33,8 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: estimate.ekf_status_report,
     _ID.MAVLINK_MSG_ID_ESTIMATOR_STATUS: estimate.estimator_status,
     _ID.MAVLINK_MSG_ID_MEMINFO: sensor.meminfo,
-    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: sensor.obstacle_distance,
+    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: obstacle.obstacle_distance,
+    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE_3D: obstacle.obstacle_distance_3d,
     _ID.MAVLINK_MSG_ID_POWER_STATUS: sensor.power_status,
     _ID.MAVLINK_MSG_ID_RAW_IMU: sensor.raw_imu,
     _ID.MAVLINK_MSG_ID_SCALED_IMU: sensor.scaled_imu,
