@@ -30,6 +30,7 @@ logger = logging.getLogger(__name__)
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
+_LINKS_S = 0.1  # how often a tick looks for links that come and go without a descriptor to tell of it
 
 
 class Boat:
@@ -89,6 +90,7 @@ class Boat:
         self._unix_offset_s = unix_offset_s
         self._has_satellite_date = False
         self._now_s = 0.0
+        self._links_due_s = 0.0
 
     def receive(self, now_s: float, ready: Collection[int] | None = None) -> int:
         """Take in new links and what stations have said, pass on what is for others, and answer at once.
@@ -97,27 +99,29 @@ class Boat:
         Returns how many frames it took. `channels.has_more` says whether there are more to take.
         """
         try:
-            return self._receive(now_s, ready)
+            return self._receive(now_s, ready, looks_for_links=True)
         except Exception as error:
             self._catch(error)
             return 0
 
-    def _receive(self, now_s: float, ready: Collection[int] | None) -> int:
-        taken = self.channels.taken
-        is_news = False
-        for number in self.channels.accept(ready):
-            self.endpoint.open(number, self.channels.open[number].policy.stream_hz)
-            is_news = True
+    def _receive(self, now_s: float, ready: Collection[int] | None, *, looks_for_links: bool) -> int:
+        channels = self.channels
+        taken, is_news = channels.taken, False
+        if looks_for_links:
+            for number in channels.accept(ready):
+                self.endpoint.open(number, channels.open[number].policy.stream_hz)
+                is_news = True
         if self._logbook is not None:
-            self._logbook.follow(self.channels, now_s + self._unix_offset_s)
-        for number, received in self.channels.receive(now_s, ready):
+            self._logbook.follow(channels, now_s + self._unix_offset_s)
+        for number, received in channels.receive(now_s, ready):
             self.endpoint.handle(number, received, now_s)
             is_news = True
         if is_news:
             self._act_on_news()
-        for number in self.channels.drop_closed():
-            self.endpoint.forget(number, now_s)
-        return self.channels.taken - taken
+        if looks_for_links:
+            for number in channels.drop_closed():
+                self.endpoint.forget(number, now_s)
+        return channels.taken - taken
 
     def _act_on_news(self) -> None:
         """What stations have just changed takes effect, and is told, at once."""
@@ -147,7 +151,10 @@ class Boat:
 
     def _step(self, now_s: float) -> None:
         self._sense(now_s)
-        self._receive(now_s, None)
+        looks_for_links = now_s >= self._links_due_s
+        if looks_for_links:
+            self._links_due_s = now_s + _LINKS_S
+        self._receive(now_s, None, looks_for_links=looks_for_links)
         self.command = self._steer(now_s)
         self._hardware.motors.write(self.command.left, self.command.right)
         if self._logbook is not None:
@@ -278,5 +285,7 @@ class Boat:
         )
 
     def _flush(self) -> None:
-        for outgoing in self.endpoint.outbox.take():
-            self.channels.send(outgoing.message, outgoing.channel)
+        outbox = self.endpoint.outbox
+        if not outbox.is_empty:
+            for message, channel in outbox.take():
+                self.channels.send(message, channel)

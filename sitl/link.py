@@ -63,9 +63,12 @@ _SILENT = Quality(loss=1.0)
 
 
 class Air:
-    """What all links of one boat have in common: the scenario's quality, and what faults add to it."""
+    """What all links of one boat have in common: the scenario's quality, and what faults add to it.
 
-    __slots__ = ("_faulty", "_joined", "_links", "_outages", "_own", "_seed", "computer", "now")
+    is_perfect: but for faults they are as good as their drivers.
+    """
+
+    __slots__ = ("_faulty", "_joined", "_links", "_outages", "_own", "_seed", "computer", "is_perfect", "now")
 
     def __init__(
         self, settings: LinkSettings, seed: int, computer: Computer, now: Callable[[], float]
@@ -76,14 +79,10 @@ class Air:
         self.now = now
         self._own = own if own != Quality(backlog_s=own.backlog_s) else WHOLE
         self._outages = sorted(settings.outages)
+        self.is_perfect = self._own is WHOLE and not self._outages
         self._seed = seed
         self._links = 0
         self._faulty, self._joined = WHOLE, self._own
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether links are as good as their drivers are."""
-        return self._own is WHOLE and self.computer.link_quality is WHOLE and not self._outages
 
     def quality(self, now_s: float) -> Quality:
         """What becomes of what is sent now."""
@@ -128,7 +127,7 @@ class AirLink:
 
     def receive(self) -> list[bytes]:
         """What has come through by now; what is due to leave does."""
-        if self._is_open:
+        if self._is_open():
             return self._link.receive()
         now_s = self._air.now()
         inward = self._inward
@@ -140,7 +139,7 @@ class AirLink:
 
     def send(self, data: bytes) -> bool:
         """Put a frame on the air: the sender never learns what becomes of it."""
-        if self._is_open:
+        if self._is_open():
             return self._link.send(data)
         now_s = self._air.now()
         self._outward.quality = self._air.quality(now_s)
@@ -148,10 +147,12 @@ class AirLink:
         self._flush(now_s)
         return True
 
-    @property
     def _is_open(self) -> bool:
         """Nothing between the driver and the boat, and nothing left from when there was."""
-        return self._air.is_clear and self._inward.is_empty and self._outward.is_empty
+        air = self._air
+        if not (air.is_perfect and air.computer.link_quality is WHOLE):
+            return False
+        return self._inward.is_empty and self._outward.is_empty
 
     def _flush(self, now_s: float) -> None:
         for data in self._outward.receive(now_s):

@@ -89,13 +89,8 @@ class Station:
             for frame in self._finder.feed(chunk):
                 if frame.message_id in self._heard and frame.layout is not None:
                     self._hear(frame.layout.unpack(frame.payload), frame.sender, now_s)
-        self._sender.tick(now_s)
-        for message in self._sender.take_outbox():
-            self.send(message)
-        for event in self._sender.take_events():
-            if isinstance(event, Completed | Failed):
-                self.uploaded = isinstance(event, Completed)
-                self.refusal = "" if isinstance(event, Completed) else self._why(event)
+        if not self._sender.is_idle:
+            self._go_on(now_s)
         if now_s - self._heartbeat_s >= _HEARTBEAT_S:
             self._heartbeat_s = now_s
             self.send(
@@ -109,6 +104,16 @@ class Station:
                 )
             )
 
+    def _go_on(self, now_s: float) -> None:
+        sender = self._sender
+        sender.tick(now_s)
+        for message in sender.take_outbox():
+            self.send(message)
+        for event in sender.take_events():
+            if isinstance(event, Completed | Failed):
+                self.uploaded = isinstance(event, Completed)
+                self.refusal = "" if isinstance(event, Completed) else self._why(event)
+
     def _why(self, failed: Failed) -> str:
         """The boat's own words, where it had any."""
         said = [text for text in self.texts if "upload failed" in text or "refused" in text]
@@ -119,6 +124,7 @@ class Station:
         self.latest[name] = message
         if name.startswith("MISSION_"):
             self._sender.handle(message, sender, now_s)
+            self._go_on(now_s)
             if name == "MISSION_ITEM_REACHED":
                 self.reached.append(message.seq)
         elif name == "COMMAND_ACK":

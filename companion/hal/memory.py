@@ -42,6 +42,8 @@ class MemoryLink:
 
     def receive(self) -> list[bytes]:
         """Everything that the other end has sent since the last call."""
+        if not self._arrived:
+            return []
         chunks = list(self._arrived)
         self._arrived.clear()
         return chunks

@@ -3,7 +3,7 @@
 import logging
 import struct
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from companion.hal.interfaces import Link
 from companion.mavlink.address import Address
@@ -94,11 +94,14 @@ class Channel:
         """Whether something has arrived that `take` has not handed over."""
         return bool(self._frames or self._chunks)
 
-    def take(self, most: int) -> list[Frame]:
+    def take(self, most: int) -> Sequence[Frame]:
         """The next frames that have arrived, no more than `most`. What is left is kept; no more is read."""
         frames, chunks = self._frames, self._chunks
         if not (frames or chunks):
-            chunks.extend(self.link.receive())
+            arrived = self.link.receive()
+            if not arrived:
+                return ()  # as at most ticks
+            chunks.extend(arrived)
         while chunks and len(frames) < most:
             frames.extend(self._finder.feed(chunks.popleft()))
         if len(frames) <= most:

@@ -39,6 +39,7 @@ class Channels:
         self._now_s = 0.0
         self._filenos: list[int] | None = None
         self._first = 0  # whose turn it is when not everybody gets one
+        self._order: tuple[Channel, ...] = ()  # the open ones: a tick must not see the table change
 
     def accept(self, ready: Collection[int] | None = None) -> list[int]:
         """Numbers of the channels that have come into being since the last call.
@@ -56,7 +57,7 @@ class Channels:
                 self.open[channel.number] = channel
                 self.router.open(channel.number, policy.forwards)
                 new.append(channel.number)
-                self._filenos = None
+                self._has_changed()
                 logger.info("link %s is up", link.name)
         return new
 
@@ -65,14 +66,17 @@ class Channels:
         gone = [
             number for number, channel in self.open.items() if channel.link.is_closed and not channel.has_more
         ]
-        if gone:
-            self._filenos = None
         for number in gone:
             link = self.open.pop(number).link
             link.close()
             self.router.forget(number)
+            self._has_changed()
             logger.info("link %s is down", link.name)
         return gone
+
+    def _has_changed(self) -> None:
+        self._filenos = None
+        self._order = tuple(self.open.values())
 
     def receive(
         self, now_s: float = 0.0, ready: Collection[int] | None = None
@@ -84,7 +88,7 @@ class Channels:
         self._now_s = now_s
         self.has_more = False
         left = _FRAMES_PER_CALL
-        channels = list(self.open.values())
+        channels = self._order
         if self._first:
             self._first %= len(channels) or 1
             channels = channels[self._first :] + channels[: self._first]
@@ -104,7 +108,9 @@ class Channels:
                 self.has_more |= channel.has_more
                 yield from self._hand_on(channel, frames, now_s)
 
-    def _hand_on(self, channel: Channel, frames: list[Frame], now_s: float) -> Iterator[tuple[int, Received]]:
+    def _hand_on(
+        self, channel: Channel, frames: Sequence[Frame], now_s: float
+    ) -> Iterator[tuple[int, Received]]:
         number, route, wanted, opened = channel.number, self.router.route, self.wanted, self.open
         for frame in frames:
             if not channel.admits(frame):
@@ -150,5 +156,6 @@ class Channels:
         for channel in self.open.values():
             channel.link.close()
         self.open.clear()
+        self._has_changed()
         for port in self._ports:
             port.close()

@@ -55,7 +55,8 @@ class HeartbeatService:
 
     def tell_change(self) -> None:
         """Send if mode or arming differ from what was said last."""
-        if (self._vehicle.mode, self._vehicle.armed) != self._said:
+        said, vehicle = self._said, self._vehicle
+        if vehicle.mode is not said[0] or vehicle.armed is not said[1]:
             self._say()
 
     def _say(self) -> None:

@@ -126,8 +126,9 @@ class LogService:
         """Go on with lists and downloads. load: the share of the tick that the boat needs for all it does."""
         if self._logbook is not None and self._logbook.onboard is not None:
             self._texts.tell(self._logbook.onboard.take_notices())
-        for channel in list(self._entries):
-            self._send_entries(channel)
+        if self._entries:
+            for channel in list(self._entries):
+                self._send_entries(channel)
         if self._downloads:
             if load < _BUSY_LOAD:
                 self._per_tick = min(self._per_tick + _FASTER_BY, _MOST_PER_TICK)

@@ -32,6 +32,11 @@ class Outbox:
         self.room: Callable[[int], int] = lambda _: _UNLIMITED_BYTES
         """How many bytes of lists and files a channel takes at the moment; the links' to say."""
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to take."""
+        return not self._queue
+
     def send(self, channel: int, message: Message) -> None:
         """To whoever listens on one channel."""
         self._queue.append(Outgoing(message, channel))

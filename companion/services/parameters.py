@@ -86,8 +86,9 @@ class ParameterService:
         if fault := self._parameters.take_fault():
             self._texts.tell([Notice(Severity.ERROR, f"Parameters not stored: {fault}")])
         self._left = _LIST_PER_TICK
-        for channel in list(self._listing):
-            self._go_on(channel)
+        if self._listing:
+            for channel in list(self._listing):
+                self._go_on(channel)
 
     def _go_on(self, channel: int) -> None:
         """Send of a list what the line has room for now."""

@@ -80,6 +80,7 @@ class GuardedRig(Rig):
         """A further station, which signs with a key, or does not sign."""
         near, far = memory_pair("station")
         self.port.offer(near)
+        self.receive()
         return Peer(SealedLink(far, key), address)  # type: ignore[arg-type]
 
     def state(self) -> tuple[object, ...]:
