@@ -1,10 +1,13 @@
 """The boat: the whole data flow, from links and sensors to motors and telemetry, in one step."""
 
 import logging
+import math
 from collections.abc import Collection, Sequence
 
 from companion.config import BoatConfig
+from companion.control.thruster_trim import ThrusterTrim
 from companion.estimation.estimator import Estimator
+from companion.guidance.avoidance import Stage
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
@@ -24,6 +27,7 @@ from companion.state import STOPPED, MotorCommand, NavState
 from companion.steering import Steering
 from companion.storage import Storage
 from companion.vehicle.motor_test import MotorTest
+from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
@@ -52,6 +56,7 @@ class Boat:
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.motor_test = MotorTest(self.vehicle)
+        self.trials = Trials(self.vehicle)
         self.senses = Senses(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
         self.signing = SigningStore(storage, unix_offset_s)
@@ -68,6 +73,7 @@ class Boat:
             signing=self.signing,
             channels=self.channels.open,
             motor_test=self.motor_test,
+            trials=self.trials,
             external=self.senses.external,
             faults=hardware.faults,
             look=self.look,
@@ -78,6 +84,7 @@ class Boat:
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
         self.steering = Steering(self.vehicle, config)
+        self.trim = ThrusterTrim()
         self.net = SafetyNet()
         self.resume = Resume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
@@ -156,7 +163,9 @@ class Boat:
             self._links_due_s = now_s + _LINKS_S
         self._receive(now_s, None, looks_for_links=looks_for_links)
         self.command = self._steer(now_s)
-        self._hardware.motors.write(self.command.left, self.command.right)
+        is_bare = self.trials.is_bare or self.motor_test.is_running
+        self.trim.update(self.command, self.parameters.config.thrusters, is_bare=is_bare)
+        self._hardware.motors.write(self.trim.left, self.trim.right)
         if self._logbook is not None:
             self._logbook.tick(self.look(), self.channels)
         self.endpoint.tick(now_s, self._unix_s, self.senses.compass, self.load)
@@ -168,6 +177,7 @@ class Boat:
         self._hardware.motors.stop()
         self.command = STOPPED
         self.motor_test.stop()
+        self.trials.stop("fault in the program")
         self.steering.begin_anew()
         fall = self.net.caught(error)
         self.vehicle.halt(f"Fault in the program: {type(error).__name__}", disarms=fall is not Fall.HOLD)
@@ -233,9 +243,16 @@ class Boat:
 
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav = self.steering, self.parameters.config, self.nav
-        if steering.is_due(now_s):
+        trials = self.trials
+        if steering.is_due(now_s) or trials.is_running:
             self._show_signs(now_s)
-            steering.guide(self.vehicle.decide(), nav, config, now_s)
+            intent = self.vehicle.decide()
+            if trials.is_running:
+                if steering.avoidance.stage is not Stage.CLEAR:
+                    trials.stop("an obstacle")
+                is_slowed = steering.avoidance.limit_m_s < math.inf
+                intent = trials.update(intent, nav, self.senses.fix, self.command, is_slowed, now_s)
+            steering.guide(intent, nav, config, now_s)
         if self.motor_test.is_running:
             steering.rest()
             return self._test_motor(now_s)

@@ -22,6 +22,7 @@ from companion.settings.estimation import Estimation
 from companion.settings.failsafe import Failsafe
 from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
+from companion.settings.thrusters import Thrusters
 
 
 class LinkConfig(Section, frozen=True):
@@ -218,6 +219,7 @@ class BoatConfig(Section, frozen=True):
     heading: Heading = Heading()
     speed: Speed = Speed()
     motors: Motors = Motors()
+    thrusters: Thrusters = Thrusters()
     guidance: Guidance = Guidance()
     handling: Handling = Handling()
     estimation: Estimation = Estimation()

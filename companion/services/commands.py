@@ -23,6 +23,7 @@ from companion.services.command import (
 )
 from companion.services.commands_faults import FaultCommands
 from companion.services.commands_messages import MessageCommands
+from companion.services.commands_trials import TrialCommands
 from companion.services.commands_upkeep import UpkeepCommands
 from companion.services.commands_vehicle import Tell, VehicleCommands
 from companion.services.external_pose import ExternalPoseService
@@ -30,6 +31,7 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry import TelemetryService
 from companion.vehicle.motor_test import MotorTest
+from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
 
 RESEND_S = 2.0
@@ -58,23 +60,26 @@ class CommandService:
         parameters: ParameterService,
         tell: Tell,
         pose: ExternalPoseService,
+        trials: Trials,
         faults: FaultInjector | None = None,
     ) -> None:
         self._vehicle = vehicle
         self._outbox = outbox
         self._motor_test = motor_test
         self._upkeep = UpkeepCommands(vehicle, motor_test, parameters, tell)
+        self._trials = TrialCommands(trials, parameters, tell)
         self._questions = MessageCommands(telemetry, outbox).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
+            **self._trials.table,
             **VehicleCommands(vehicle, parameters, tell).table,
             **FaultCommands(faults, tell).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
         self._done: Command | None = None  # the latest of those not to be done twice
         self._left_behind: tuple[object, ...] = ()  # what it made of the vehicle
-        self._slow: Command | None = None  # whose calibration is under way
+        self._slow: Command | None = None  # whose calibration or trial is under way
         self._progress_s = math.inf
 
     @property
@@ -127,15 +132,21 @@ class CommandService:
     def tick(self, heading: HeadingReading | None, now_s: float) -> None:
         """Go on with what takes time. heading: as the part gave it."""
         result = self._upkeep.tick(heading, now_s)
-        slow, job = self._slow, self._upkeep.calibration
+        if result is None:
+            result = self._trials.tick()
+        slow = self._slow
         if slow is None:
             return
         if result is not None:
             self._slow = None
             self._answer(slow, result)
-        elif job is not None and now_s >= self._progress_s:
-            self._progress_s = now_s + _PROGRESS_S
-            self._answer(slow, IN_PROGRESS, job.progress_percent(now_s))
+        elif now_s >= self._progress_s:
+            job, percent = self._upkeep.calibration, self._trials.progress_percent(now_s)
+            if job is not None:
+                percent = job.progress_percent(now_s)
+            if percent is not None:
+                self._progress_s = now_s + _PROGRESS_S
+                self._answer(slow, IN_PROGRESS, percent)
 
     def _situation(self) -> tuple[object, ...]:
         return self._vehicle.mode, self._vehicle.armed, self._motor_test.is_running

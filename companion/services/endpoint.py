@@ -38,6 +38,7 @@ from companion.services.telemetry import Look, MaySend, TelemetryService, always
 from companion.services.time_sync import TimeService
 from companion.storage import FolderStorage, Storage
 from companion.vehicle.motor_test import MotorTest
+from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
@@ -94,6 +95,7 @@ class Endpoint:
         signing: SigningStore,
         channels: Mapping[int, Channel],
         motor_test: MotorTest,
+        trials: Trials,
         external: ExternalSensors,
         look: Look,
         faults: FaultInjector | None = None,
@@ -121,7 +123,15 @@ class Endpoint:
         )
         self._listings = ParameterService(parameters, self.outbox, self._texts)
         self._commands = CommandService(
-            vehicle, self._telemetry, self.outbox, motor_test, self._listings, tell, self._pose, faults
+            vehicle,
+            self._telemetry,
+            self.outbox,
+            motor_test,
+            self._listings,
+            tell,
+            self._pose,
+            trials,
+            faults,
         )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle, self._texts)

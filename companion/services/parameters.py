@@ -52,6 +52,17 @@ class ParameterService:
             self._outbox.broadcast(self._value(index))
         return reason
 
+    def value(self, name: str) -> float:
+        """The present one, as stations see it.
+
+        Raises:
+            KeyError: no such parameter.
+        """
+        index = self._parameters.index_of(name)
+        if index is None:
+            raise KeyError(name)
+        return self._parameters.value(self._parameters.rows[index])
+
     def reset(self) -> None:
         """Go back to the boat's file; everyone hears the values that have changed."""
         before = self._values()

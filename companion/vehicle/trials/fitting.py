@@ -1,0 +1,46 @@
+"""Least squares, for few unknowns and as many measurements as come."""
+
+import math
+from collections.abc import Sequence
+
+
+class Fit:
+    """value = Σ coefficient × regressor, measured many times; the normal equations are all that is kept."""
+
+    __slots__ = ("_rows", "_square", "count")
+
+    def __init__(self, unknowns: int) -> None:
+        self.count = 0
+        self._rows = [[0.0] * (unknowns + 1) for _ in range(unknowns)]
+        self._square = 0.0
+
+    def add(self, regressors: Sequence[float], value: float, weight: float = 1.0) -> None:
+        """One more measurement, as good as its weight says."""
+        self.count += 1
+        self._square += weight * value * value
+        for row, one in zip(self._rows, regressors, strict=True):
+            for column, other in enumerate(regressors):
+                row[column] += weight * one * other
+            row[-1] += weight * one * value
+
+    def solve(self) -> tuple[list[float], float] | None:
+        """The coefficients, and one standard deviation of the first; None where they cannot be told apart.
+
+        Gauss-Jordan with the diagonal for pivots, which the equations' symmetry allows.
+        """
+        size = len(self._rows)
+        rows = [[*row, float(at == 0)] for at, row in enumerate(self._rows)]  # and a column of the inverse
+        for pivot in range(size):
+            if not rows[pivot][pivot] > 1e-9 * self._rows[pivot][pivot]:
+                return None
+            for row in range(size):
+                if row != pivot:
+                    share = rows[row][pivot] / rows[pivot][pivot]
+                    rows[row] = [a - share * b for a, b in zip(rows[row], rows[pivot], strict=True)]
+        found = [rows[at][size] / rows[at][at] for at in range(size)]
+        variance = self.residual(found) / max(self.count - size, 1)
+        return found, math.sqrt(max(variance * rows[0][size + 1] / rows[0][0], 0.0))
+
+    def residual(self, found: Sequence[float]) -> float:
+        """The sum of squares that the solution leaves."""
+        return max(self._square - sum(a * row[-1] for a, row in zip(found, self._rows, strict=True)), 0.0)
