@@ -63,10 +63,13 @@ def lay_out(course: str, scenario: Scenario) -> Mission:
 def fence_along(scenario: Scenario) -> list[MissionItem]:
     """The outline of the scenario's water as a fence, islands and areas to keep out of as exclusions.
 
-    Open water has no outer line.
+    Open water has no outer line. Of waters that are apart it is the one that the boat lies in: a boat must
+    be inside of every inclusion.
     """
     polygons = []
-    for area in shapely.get_parts(scenario.chart.navigable):
+    start = shapely.Point(scenario.start.east_m, scenario.start.north_m)
+    waters = shapely.get_parts(scenario.chart.navigable)
+    for area in [] if not len(waters) else [min(waters, key=start.distance)]:
         for number, ring in enumerate(shapely.get_rings(area)):
             if number == 0 and scenario.chart.is_open:
                 continue

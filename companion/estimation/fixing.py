@@ -19,6 +19,8 @@ VELOCITY_SIGMA_M_S: Final = 0.05  # Doppler velocity of a common receiver, per a
 _AT_REST: Final = 0.1  # share of cruise speed
 _GAP_S: Final = 0.5  # without a fix for longer, the boat strays:
 _BY_VELOCITY: Final = 0.025  # by so much of cruise speed as long as velocities are believed
+_HUNG_S: Final = 0.5  # a loop that was not run for longer knows little of what the boat did meanwhile:
+_HUNG: Final = 0.5  # it is off by such a share of cruise speed
 _REJECTED: Final = 0.5  # share of the last second's fixes that is too much
 _SUSPECT: Final = 0.3  # and one that asks for more care
 _STEP_S: Final = (
@@ -82,6 +84,8 @@ class Fixing:
         """The boat strays while no position is believed. To be called some times a second."""
         dt = now_s - self._passed_s
         self._passed_s = now_s
+        if dt > _HUNG_S:
+            self._strayed_m += _HUNG * self._model.cruise_m_s * dt
         if now_s - self.accepted_s > _GAP_S:
             model = self._model
             by_velocity = now_s - self._velocity_s <= _GAP_S
@@ -184,7 +188,7 @@ class Fixing:
             self._velocity_s = time_s
         self._watch.forget_creep()
         self._way_m = way_m
-        self.accepted_s = time_s
+        self.accepted_s = self._passed_s = time_s
         self._odd_since_s = math.inf
         self._strayed_m = self._rejected = 0.0
 

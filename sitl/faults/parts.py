@@ -93,17 +93,15 @@ class ComputerPart:
 
 
 class ClockPart:
-    """The computer's clock: it jumps when the fault begins, and back when it ends."""
+    """The computer's clock. It is monotonic: it may leap ahead, and nothing sets it back but a new start."""
 
     def __init__(self, computer: Computer) -> None:
         self._computer = computer
-        self._jump_s = 0.0
 
     def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Jump."""
-        jump_s = 0.0 if fault is None else fault.amount
-        self._computer.set_clock_offset(self._computer.clock_offset_s + jump_s - self._jump_s)
-        self._jump_s = jump_s
+        """Leap ahead."""
+        if fault is not None:
+            self._computer.set_clock_offset(self._computer.clock_offset_s + fault.amount)
 
 
 class DiskPart:

@@ -4,6 +4,7 @@ import pytest
 from asked_figures import ASKED
 from boat_rig import HOME_ITEM, scenario, waypoint
 
+from companion.geo import LatLon
 from companion.mavlink.items import MissionItem
 from sitl.missions import fence_along, plan_mission, wire_items
 from sitl.sail import SailError, Sailing
@@ -79,6 +80,16 @@ def test_the_outline_of_the_water_goes_aboard_as_a_fence_before_the_mission() ->
     islands = [item for item in fence if item.command == 5002]
     assert len(inside) > 20
     assert len(islands) > 20
+
+
+def test_of_waters_that_are_apart_the_fence_is_the_one_with_the_boat_in_it() -> None:
+    water = [[-50.0, -50.0], [50.0, -50.0], [50.0, 50.0], [-50.0, 50.0]]
+    across = [[-60.0, 10.0], [60.0, 10.0], [60.0, 20.0], [-60.0, 20.0]]
+    dam = f'{{name = "Dam", kind = "island", polygon = {across}}}'
+    cut = scenario("random", f"map.water={water}", f"map.obstacles=[{dam}]", "route.start=[0.0, -20.0]")
+    inclusions = [item for item in fence_along(cut) if item.command == 5001]
+    norths = [cut.frame.to_local(LatLon(item.x / 1e7, item.y / 1e7)).north_m for item in inclusions]
+    assert max(norths) == pytest.approx(10.0, abs=0.1)
 
 
 def test_open_water_has_no_outline() -> None:
