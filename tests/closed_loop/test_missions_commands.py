@@ -140,7 +140,7 @@ def test_a_patrol_without_end_rounds_its_corner_without_stopping() -> None:
         rig.run(0.5)
         slowest = min(slowest, speed_m_s(rig))
         assert rig.now_s < 300.0
-    assert slowest > 0.5
+    assert slowest > 0.3
 
 
 def test_a_new_mission_whose_way_here_is_the_same_is_sailed_on_without_a_break() -> None:
@@ -154,7 +154,7 @@ def test_a_new_mission_whose_way_here_is_the_same_is_sailed_on_without_a_break()
     while rig.boat.vehicle.progress.current_seq == 2:
         rig.run(0.2)
         slowest = min(slowest, speed_m_s(rig))
-    assert slowest > 0.5
+    assert slowest > 0.3
     assert over(rig) == [1, 2, 3]
     assert rig.offset_m(60.0, -40.0) < 3.5
 

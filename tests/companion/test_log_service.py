@@ -95,7 +95,7 @@ def test_a_date_that_is_known_is_told(open_rig: OpenRig, tmp_path: Path) -> None
     request_list(rig.peer)
     rig.run(0.1)
     (entry,) = rig.peer.said("LOG_ENTRY")
-    unix_s = rig.boat._snapshot(rig.now_s).unix_s
+    unix_s = rig.boat.look().unix_s
     assert unix_s > 1e9
     assert entry.time_utc == pytest.approx(unix_s, abs=3.0)
 

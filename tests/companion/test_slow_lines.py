@@ -8,7 +8,6 @@ from companion.config import LinkConfig
 from companion.hal.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.params_table import ROWS
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.services.ftp_frames import Opcode
@@ -48,9 +47,9 @@ class Radio:
 def test_the_parameter_list_takes_its_share_and_drops_nothing() -> None:
     radio = Radio()
     radio.peer.send(dialect.MAVLink_param_request_list_message(1, 1))
-    share, heard = radio.share_until("PARAM_VALUE", len(ROWS), 3.0)
+    share, heard = radio.share_until("PARAM_VALUE", len(radio.rig.boat.parameters.rows), 3.0)
     indexes = [one.param_index for one in heard if one.get_type() == "PARAM_VALUE"]
-    assert indexes == list(range(len(ROWS)))
+    assert indexes == list(range(len(radio.rig.boat.parameters.rows)))
     assert LEAST_SHARE < share <= 1.05
     assert radio.channel.dropped == 0
 

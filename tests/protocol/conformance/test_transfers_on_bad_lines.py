@@ -88,7 +88,8 @@ def test_500_items_end_within_the_clients_own_retries_or_leave_the_old_plan_whol
     result = station.upload(new)
     up_s = station.line.now_s - began_s
     held = truth(station)
-    assert same(held, new if result == dialect.MAV_MISSION_ACCEPTED else old, MISSION)
+    # A last word that is lost leaves the station without an answer and the boat with the new plan
+    assert same(held, new, MISSION) or (result != dialect.MAV_MISSION_ACCEPTED and same(held, old, MISSION))
     station.line.quality = PERFECT
     assert station.upload(new) == dialect.MAV_MISSION_ACCEPTED
     station.line.quality = bad(loss)
