@@ -90,7 +90,7 @@ def test_a_compass_that_falls_silent_stops_a_boat_that_steers_by_it() -> None:
     rig.run(rig.config.motors.estimate_timeout_s + 0.3)
     assert any("Failsafe: Heading lost" in text for text in rig.peer.texts)
     assert rig.mode == "HOLD"
-    assert rig.boat.steering.helm.heading_pid is None  # nothing is learned, and nothing told, of a loop that is open
+    assert rig.boat.steering.helm.heading_pid is None  # an open loop learns nothing and tells nothing
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 
