@@ -25,6 +25,7 @@ logger = logging.getLogger(__name__)
 
 FILE = "voyage.json"
 PERIOD_S = 0.5  # how often it looks whether there is something to write
+LOOK_S = 0.1  # and whether mode, arming or item have changed, which is written at once
 ALONG_M = 5.0  # further along the leg is worth a new record,
 ALONG_S = 10.0  # but not more often than this
 REPEAT_S = 30.0
@@ -60,6 +61,7 @@ class Resume:
     __slots__ = (
         "_countdown_s",
         "_due_s",
+        "_look_s",
         "_mission",
         "_offer",
         "_plan",
@@ -75,7 +77,7 @@ class Resume:
 
     def __init__(self, storage: Storage, vehicle: Vehicle) -> None:
         self.fault = ""
-        self._due_s = 0.0
+        self._due_s = self._look_s = 0.0
         self._sign = (vehicle.mode, vehicle.armed, 0)
         self._storage = storage
         self._vehicle = vehicle
@@ -90,6 +92,9 @@ class Resume:
 
     def tick(self, now_s: float) -> None:
         """Write what is worth it; say, or do, what there is to take up."""
+        if now_s < self._look_s:
+            return
+        self._look_s = now_s + LOOK_S
         vehicle = self._vehicle
         sign = (vehicle.mode, vehicle.armed, vehicle.progress.current_seq)
         if now_s < self._due_s and sign == self._sign:

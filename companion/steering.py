@@ -13,7 +13,7 @@ from companion.guidance.fence_brake import FenceBrake
 from companion.guidance.headway import Headway
 from companion.guidance.pilot import Pilot
 from companion.sensors.lookout import Lookout
-from companion.state import Demand, MotorCommand, NavState
+from companion.state import STOPPED, Demand, MotorCommand, NavState
 from companion.vehicle.intent import Drive, Intent, Stop
 from companion.vehicle.vehicle import Vehicle
 
@@ -26,8 +26,8 @@ class Steering:
     """demand: what the loops hold now, None while they are open. headway: whether the boat gets on."""
 
     __slots__ = (
-        "_due_s", "_fence_brake", "_guided_s", "_pilot", "_steered", "_vehicle", "avoidance", "demand",
-        "gate", "headway", "helm", "lookout",
+        "_command", "_due_s", "_fence_brake", "_guided_s", "_pilot", "_steered", "_vehicle", "avoidance",
+        "demand", "gate", "headway", "helm", "lookout",
     )  # fmt: skip
 
     def __init__(self, vehicle: Vehicle, config: BoatConfig) -> None:
@@ -41,6 +41,7 @@ class Steering:
         self._pilot = Pilot()
         self._fence_brake = FenceBrake(vehicle.conduct.notices)
         self._steered: Demand | Drive | Stop = _STOP
+        self._command = STOPPED
         self._due_s = 0.0
         self._guided_s = 0.0
 
@@ -66,6 +67,7 @@ class Steering:
         dt_s = min(max(now_s - self._guided_s, 0.0), 2.0 * GUIDANCE_S)
         self._guided_s = now_s
         self._due_s = now_s + GUIDANCE_S
+        self.headway.update(self.demand, self._command, nav, config, dt_s)
         vehicle = self._vehicle
         intent = self.avoidance.update(
             intent, nav, config, self.lookout, vehicle.fence, is_by_hand=vehicle.mode.is_by_hand, now_s=now_s
@@ -91,5 +93,5 @@ class Steering:
         )
         if command.reason:
             self.helm.reset()
-        self.headway.update(self.demand, command, nav, config, dt_s)
+        self._command = command
         return command

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from companion.geo import Point
+from companion.vehicle.modes import Mode
 from sitl.faults.catalogue import FaultSetting
 from sitl.lockstep import Lockstep
 
@@ -38,7 +39,7 @@ class Timeline:
         self.events: list[Event] = []
         self.touched: list[str] = []  # what the hull has touched, in order, each once
         self.late_commands = 0  # ticks on which a motor was driven though the boat was not armed
-        self._mode = ""
+        self._mode: Mode | None = None
         self._armed = False
         self._grounded = False
         self._faults: dict[str, FaultSetting] = {}
@@ -49,9 +50,9 @@ class Timeline:
         """To be called after each step."""
         boat, station, truth = lockstep.boat, lockstep.station, lockstep.world.truth
         vehicle = boat.vehicle
-        if vehicle.mode.name != self._mode:
-            self._mode = vehicle.mode.name
-            self._add(truth.time_s, "mode", self._mode)
+        if vehicle.mode is not self._mode:
+            self._mode = vehicle.mode
+            self._add(truth.time_s, "mode", vehicle.mode.name)
         if vehicle.armed is not self._armed:
             self._armed = vehicle.armed
             self._add(truth.time_s, "arming", "armed" if vehicle.armed else "disarmed")

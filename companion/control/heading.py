@@ -36,7 +36,7 @@ class HeadingControl:
         """
         limit = setting.max_steering
         base = clamp(feed_forward, -limit, limit)
-        pid = self._pid.update(
+        return self._pid.update(
             setting.kp,
             setting.ki,
             setting.kd,
@@ -45,5 +45,5 @@ class HeadingControl:
             dt_s,
             -limit - base,
             limit - base,
+            base,
         )
-        return PidOutput(pid.p, pid.i, pid.d, base + pid.total, pid.saturated, base)

@@ -67,11 +67,13 @@ class Pid:
         dt_s: float,
         low: float,
         high: float,
+        feed_forward: float = 0.0,
     ) -> PidOutput:
         """Advance by dt_s and evaluate.
 
         error is demand minus measurement, error_rate its time derivative with the demand held still (the
-        measured rate with its sign changed). The total is limited to [low, high], which must contain 0.
+        measured rate with its sign changed). The sum of the terms is limited to [low, high], which must
+        contain 0; the total is that and feed_forward.
         An error that is not finite makes the total NaN and leaves no trace in the integral.
         """
         p = kp * error
@@ -84,7 +86,7 @@ class Pid:
             integral = min(integral, max(integral + step, min(low - p - d, 0.0), low))
         wanted = p + integral + d
         if not math.isfinite(wanted):
-            return PidOutput(p, self.integral, d, math.nan, True)
+            return PidOutput(p, self.integral, d, math.nan, True, feed_forward)
         self.integral = integral
         total = clamp(wanted, low, high)
-        return PidOutput(p, integral, d, total, total != wanted)
+        return PidOutput(p, integral, d, feed_forward + total, total != wanted, feed_forward)

@@ -51,7 +51,6 @@ class SpeedControl:
         low = -min(setting.max_throttle * ASTERN_SHARE, room)
         # The PI works inside what the feed-forward leaves, whose span must contain 0.
         base = clamp(base, low, high)
-        pi = self._pid.update(
-            setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base
+        return self._pid.update(
+            setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base, base
         )
-        return PidOutput(pi.p, pi.i, 0.0, base + pi.total, pi.saturated, base)

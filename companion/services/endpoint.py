@@ -268,7 +268,8 @@ class Endpoint:
             self._modes.tick(now_s)
             self._time.tick(now_s)
             self._texts.tick(_UPKEEP_S)
-        self._texts.tell(self._vehicle.take_notices())
+        if notices := self._vehicle.take_notices():
+            self._texts.tell(notices)
         self._telemetry.tick(now_s)
 
     def _note_planner(self, message: Message, sender: Address, now_s: float) -> None:
