@@ -11,6 +11,9 @@ J. Process Control 13, 2003, for an integrating process with a lag, in the paral
 
     Kc = 1 / (K (τc + θ))     Td = τ     Ti = 4 (τc + θ)     Kp = Kc (1 + Td / Ti)     Kd = Kc Td
 
+τc is θ, or longer: a twelfth of the swing's period, for the motors' own slowness is not in θ, and as long as
+the gyro's noise takes to move the steering by no more than _TREMOR.
+
 The integral is left slower than that, at 2.2 periods of the swing (B. D. Tyreus and W. L. Luyben, *Tuning PI
 controllers for integrator/dead time processes*, Ind. Eng. Chem. Res. 31, 1992), for it has nothing fast to
 do: wind and unequal motors change slowly, and guidance looks after the drift.
@@ -36,6 +39,7 @@ _EASE: Final = 0.5  # of what the half-periods say the offset lacks
 _MOST_OFFSET: Final = 0.7  # of the throw
 _LONGEST_HALF_S: Final = 30.0
 _OFF_RAD: Final = 1.0  # off the heading, and the boat is not under control
+_TREMOR: Final = 0.015  # of full steering, one standard deviation, from the gyro's noise times Kd
 _TIGHTEST: Final = 1.0 / 12.0  # of the swing's period: τc, or θ if that is longer
 
 
@@ -138,7 +142,8 @@ def _swing(sight: Sight, heading_rad: float, swing: Swing, stretch: YawFit, want
 
 def gains(model: YawModel, period_s: float) -> list[Finding]:
     """Kp, Ki and Kd: see the text above."""
-    answer_s = max(model.delay_s, _TIGHTEST * period_s) + model.delay_s
+    calm_s = model.time_s * model.noise_rad_s / (model.gain_rad_s * _TREMOR)
+    answer_s = max(max(model.delay_s, _TIGHTEST * period_s) + model.delay_s, calm_s)
     gain = 1.0 / (model.gain_rad_s * answer_s)
     kp = gain * (1.0 + model.time_s / (4.0 * answer_s))
     return [

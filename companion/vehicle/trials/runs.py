@@ -6,7 +6,6 @@ round on the way back, so that the mean is right to the first order.
 """
 
 import math
-from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from companion.estimation.water_speed import WaterSpeed
@@ -27,15 +26,15 @@ _BRAKED: Final = 2.0  # times the way it takes to stop, the fence's brake begins
 _LATENCY_S: Final = 0.1  # of a receiver
 _MODEL_S: Final = 0.1
 _SEARCHES: Final = 24
-_TURN_S: Final = 2.0
-_SMOOTH_S: Final = 0.5
+_TURN_S: Final = 2.25
+_TURNING_S: Final = 0.5  # of it, its last part, is looked at
 
 
 class Run(NamedTuple):
     """One crossing. north_m_s, east_m_s: over ground, in its steady part, as left and right: commands.
 
-    speeds: along the heading over ground, over the time since the start. is_steady: it did not gain speed any
-    more.
+    samples: time since the start, speed over ground along the heading, and the mean of both commands since
+    the last one. is_steady: it did not gain speed any more.
     """
 
     heading_rad: float
@@ -43,7 +42,7 @@ class Run(NamedTuple):
     east_m_s: float
     left: float
     right: float
-    speeds: tuple[tuple[float, float], ...]
+    samples: tuple[tuple[float, float, float], ...]
     is_steady: bool
 
 
@@ -54,21 +53,24 @@ class Crossing:
         self.run: Run | None = None
         self._heading_rad = heading_rad
         self._speed_m_s = speed_m_s
-        self._fixes: list[tuple[float, float, float]] = []
+        self._fixes: list[tuple[float, float, float, float]] = []
         self._commands: list[tuple[float, float, float]] = []
 
     def sail(self, sight: Sight) -> Step:
         """From the near edge to as far as the boat can still stop in."""
         intent = HoldHeading(self._heading_rad, self._speed_m_s)
         sight = yield from aim(sight, self._heading_rad)
-        began_s = sight.now_s
+        began_s, pushed, ticks = sight.now_s, 0.0, 0
         while (
             not sight.is_slowed and sight.now_s - began_s < _LONGEST_S and has_room(sight, self._heading_rad)
         ):
             sight = yield intent
+            left, right = sight.command.left, sight.command.right
+            self._commands.append((sight.now_s - began_s, left, right))
+            pushed, ticks = pushed + 0.5 * (left + right), ticks + 1
             if sight.fix is not None and len(self._fixes) < _FIXES:
-                self._fixes.append((sight.fix.time_s - began_s, *over_ground(sight)))
-            self._commands.append((sight.now_s - began_s, sight.command.left, sight.command.right))
+                self._fixes.append((sight.fix.time_s - began_s, *over_ground(sight), pushed / ticks))
+                pushed, ticks = 0.0, 0
         length_s = sight.now_s - began_s
         if not sight.is_slowed:
             self.run = self._result(length_s)
@@ -85,7 +87,7 @@ class Crossing:
             raise TrialError("too little room, or too few fixes, for a run")
         c, s = math.cos(self._heading_rad), math.sin(self._heading_rad)
         rising = Fit(2)
-        for t, n, e in fixes:
+        for t, n, e, _ in fixes:
             rising.add((t, 1.0), c * n + s * e)
         solved = rising.solve()
         north, east = (sum(fix[axis] for fix in fixes) / len(fixes) for axis in (1, 2))
@@ -96,7 +98,7 @@ class Crossing:
             east,
             sum(one[1] for one in commands) / len(commands),
             sum(one[2] for one in commands) / len(commands),
-            tuple([(t, c * n + s * e) for t, n, e in self._fixes]),
+            tuple([(t, c * n + s * e, push) for t, n, e, push in self._fixes]),
             gained < _RISING * math.hypot(north, east),
         )
 
@@ -176,7 +178,7 @@ class Pair(NamedTuple):
 
 
 class Turn:
-    """Full steering to one side from a straight run; rate_rad_s is what it comes to within _TURN_S."""
+    """Full steering to one side from a straight run; rate_rad_s is what it comes to in two seconds."""
 
     def __init__(self, heading_rad: float, drive: Drive) -> None:
         self.rate_rad_s = 0.0
@@ -198,12 +200,12 @@ class Turn:
             if along > 0.0 or not has_room(sight, self._heading_rad):
                 break
             sight = yield intent
-        began_s, smooth, last_s = sight.now_s, 0.0, sight.now_s
+        began_s, turned, ticks = sight.now_s, 0.0, 0
         while sight.now_s - began_s < _TURN_S:
             sight = yield self._drive
-            smooth += (sight.now_s - last_s) / _SMOOTH_S * (sight.nav.yaw_rate_rad_s - smooth)
-            last_s = sight.now_s
-            self.rate_rad_s = max(self.rate_rad_s, abs(smooth))
+            if sight.now_s - began_s > _TURN_S - _TURNING_S:
+                turned, ticks = turned + sight.nav.yaw_rate_rad_s, ticks + 1
+        self.rate_rad_s = abs(turned) / max(ticks, 1)
         return sight
 
 
@@ -216,9 +218,7 @@ def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle:
         first, second = high - golden * (high - low), low + golden * (high - low)
         costs = [
             sum(
-                _misfit(
-                    run.speeds, pair.set_along_m_s(run), throttle, cruise_m_s, cruise_throttle, math.exp(at)
-                )
+                _misfit(run, pair.set_along_m_s(run), throttle, cruise_m_s, cruise_throttle, math.exp(at))
                 for run in pair
             )
             for at in (first, second)
@@ -231,18 +231,16 @@ def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle:
 
 
 def _misfit(
-    speeds: Sequence[tuple[float, float]],
-    set_m_s: float,
-    throttle: float,
-    cruise_m_s: float,
-    cruise_throttle: float,
-    time_s: float,
+    run: Run, set_m_s: float, throttle: float, cruise_m_s: float, cruise_throttle: float, time_s: float
 ) -> float:
+    """The sum of squares between a run and the model. throttle: what the steady part's commands come to."""
     model, now_s, sum_ = WaterSpeed(), 0.0, 0.0
-    model.surge_m_s = speeds[0][1] - set_m_s
-    for t, speed in speeds:
+    model.surge_m_s = run.samples[0][1] - set_m_s
+    scale = 2.0 * throttle / max(run.left + run.right, 1e-3)
+    for t, speed, push in run.samples:
+        share = scale * push
         while now_s + 0.5 * _MODEL_S < t - _LATENCY_S:
-            model.update(throttle, throttle, 0.0, cruise_m_s, cruise_throttle, time_s, _MODEL_S)
+            model.update(share, share, 0.0, cruise_m_s, cruise_throttle, time_s, _MODEL_S)
             now_s += _MODEL_S
         sum_ += (model.surge_m_s + set_m_s - speed) ** 2
     return sum_

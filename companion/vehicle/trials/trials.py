@@ -2,9 +2,9 @@
 else happens.
 
 A trial takes the place of LOITER's (or GUIDED's) station keeping. It breaks off when the mode or what is
-asked of the boat changes, a failsafe fires, the estimate has a fault, something is in the way, the boat leaves
-the circle, or time is up; the boat then keeps its station again, or does what it was asked, and nothing has
-been changed.
+asked of the boat changes, a failsafe fires, the estimate has a fault, something is in the way, the boat
+leaves the circle, or time is up; the boat then keeps its station again, or does what it was asked, and
+nothing has been changed.
 """
 
 import math
