@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import campaign, codec, emulator, loop, memory, planner, radio, router, transfer
+from benchmarks import campaign, codec, emulator, fleet, loop, memory, planner, radio, router, transfer
 from benchmarks.measure import Row
 
 PAGE = Path("docs/benchmarks.md")
@@ -20,6 +20,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "planner": planner.rows,
     "emulator": emulator.rows,
     "campaign": campaign.rows,
+    "fleet": fleet.rows,
     "transfer": transfer.rows,
     "radio": radio.rows,
     "router": router.rows,

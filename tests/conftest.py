@@ -16,6 +16,15 @@ settings.load_profile("ci" if os.environ.get("CI") else "default")
 # pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from compiled.modules import stale  # noqa: E402
+
+
+def pytest_configure() -> None:
+    """Compiled modules stand before their sources: old ones would be tested instead."""
+    if names := stale():
+        more = f" and {len(names) - 1} more" if names[1:] else ""
+        raise pytest.UsageError(f"{names[0]}{more} changed since make fast: run it again, or make slow")
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """What `tests/protocol/conformance` is to be pointed at instead of our own boat."""

@@ -25,9 +25,9 @@ from companion.vehicle.vehicle import Vehicle
 
 CHUNK_BYTES: Final = 90
 _FRAME_BYTES: Final = 12 + 7 + CHUNK_BYTES
-_MOST_PER_TICK: Final = 256  # chunks, of all downloads: 1.1 MB/s at 50 Hz
-_FIRST_PER_TICK: Final = 32
-_LEAST_PER_TICK: Final = 8
+_MOST_PER_TICK: Final = 256.0  # chunks, of all downloads: 1.1 MB/s at 50 Hz
+_FIRST_PER_TICK: Final = 32.0
+_LEAST_PER_TICK: Final = 8.0
 _BUSY_LOAD: Final = 0.5  # the share of the tick beyond which the boat has better things to do
 _FASTER_BY, _SLOWER_BY = 4, 0.95  # a tick; the load is smoothed over about fifty
 _ENTRIES_PER_TICK: Final = 20
@@ -55,7 +55,7 @@ class _Download:
         self.ranges: deque[_Range] = deque()
         self.last: _Range | None = None  # what was sent last, and when
         self.last_s = 0.0
-        self.chunks_left = _LEAST_PER_TICK  # until the next tick
+        self.chunks_left = int(_LEAST_PER_TICK)  # until the next tick
 
     def want(self, wanted: _Range, now_s: float) -> None:
         """Take a request.
@@ -101,7 +101,7 @@ class LogService:
         self._listed: dict[int, tuple[LogFile, ...]] = {}  # by channel: what its numbers stand for
         self._entries: dict[int, deque[int]] = {}
         self._downloads: dict[int, _Download] = {}
-        self._per_tick: float = _FIRST_PER_TICK
+        self._per_tick = _FIRST_PER_TICK
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """Take one request. Only one that names this boat counts."""

@@ -1,16 +1,16 @@
 """Lines for the operator."""
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 
 class Severity:
     """MAVLink's MAV_SEVERITY, as far as the boat uses it."""
 
-    CRITICAL = 2
-    ERROR = 3
-    WARNING = 4
-    NOTICE = 5
-    INFO = 6
+    CRITICAL: Final = 2
+    ERROR: Final = 3
+    WARNING: Final = 4
+    NOTICE: Final = 5
+    INFO: Final = 6
 
 
 class Notice(NamedTuple):

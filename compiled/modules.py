@@ -1,0 +1,95 @@
+"""Which modules are compiled, and whether those that lie there still are what their sources say."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).parents[1]
+STAMP: Final = Path("build/compiled.json")  # sources and their digests, as they were compiled
+PATTERNS: Final = (
+    "companion/boat.py",
+    "companion/control/*.py",
+    "companion/estimation/*.py",
+    "companion/geo.py",
+    "companion/guidance/*.py",
+    "companion/hal/memory.py",
+    "companion/mavlink/address.py",
+    "companion/mavlink/codec.py",
+    "companion/mavlink/finder.py",
+    "companion/mavlink/framing.py",
+    "companion/resume.py",
+    "companion/router/*.py",
+    "companion/senses.py",
+    "companion/sensors/*.py",
+    "companion/services/*_messages.py",
+    "companion/services/endpoint.py",
+    "companion/services/heartbeat.py",
+    "companion/services/outbox.py",
+    "companion/services/snapshot.py",
+    "companion/services/statustext.py",
+    "companion/services/streams.py",
+    "companion/services/telemetry.py",
+    "companion/state.py",
+    "companion/steering.py",
+    "companion/units.py",
+    "companion/vehicle/*.py",
+    "companion/vehicle/failsafes/*.py",
+    "sitl/battery.py",
+    "sitl/beliefs.py",
+    "sitl/channel.py",
+    "sitl/contact.py",
+    "sitl/drive/*.py",
+    "sitl/electronics.py",
+    "sitl/environment/*.py",
+    "sitl/link.py",
+    "sitl/lockstep.py",
+    "sitl/program.py",
+    "sitl/recorder.py",
+    "sitl/sensors/*.py",
+    "sitl/station.py",
+    "sitl/timeline.py",
+    "sitl/vessel.py",
+    "sitl/windage.py",
+    "sitl/world.py",
+)
+
+
+def sources(root: Path = ROOT) -> list[str]:
+    """What is to be compiled, as paths below the root. Empty files have nothing to compile."""
+    found = {path for pattern in PATTERNS for path in root.glob(pattern) if path.stat().st_size}
+    return sorted(str(path.relative_to(root)) for path in found)
+
+
+def libraries(root: Path = ROOT) -> list[Path]:
+    """The compiled modules that Python takes before their sources, and the library that holds their code."""
+    return sorted({*root.glob("*__mypyc*.so"), *root.glob("companion/**/*.so"), *root.glob("sitl/**/*.so")})
+
+
+def digests(root: Path = ROOT) -> dict[str, str]:
+    """The sources as they are now."""
+    return {name: hashlib.sha256((root / name).read_bytes()).hexdigest() for name in sources(root)}
+
+
+def remember(root: Path = ROOT) -> None:
+    """Note that what lies there was compiled from the sources of now."""
+    stamp = root / STAMP
+    stamp.parent.mkdir(exist_ok=True)
+    stamp.write_text(json.dumps(digests(root), indent=0))
+
+
+def stale(root: Path = ROOT) -> list[str]:
+    """The sources that have changed since they were compiled; none where nothing is compiled."""
+    if not libraries(root):
+        return []
+    stamp = root / STAMP
+    before = json.loads(stamp.read_text()) if stamp.exists() else {}
+    now = digests(root)
+    return sorted(name for name in before.keys() | now.keys() if before.get(name) != now.get(name))
+
+
+def remove(root: Path = ROOT) -> None:
+    """Back to the sources."""
+    for library in libraries(root):
+        library.unlink()
+    (root / STAMP).unlink(missing_ok=True)

@@ -1,0 +1,81 @@
+"""Compiled modules: never older than their sources, and the same to the byte."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from compiled.modules import ROOT, libraries, remember, remove, sources, stale
+
+_SAIL = """
+import compiled.modules
+from sitl.courses import course_mission
+from sitl.missions import wire_items
+from sitl.sail import Sailing
+from sitl.scenario import load_scenario
+
+scenario = load_scenario("open")
+items = wire_items(course_mission("zigzag", scenario.frame, scenario.start))
+print(len(compiled.modules.libraries()), Sailing(scenario, items).run(30.0).state_hash)
+"""
+
+
+def house(tmp_path: Path) -> Path:
+    """A few sources, and something compiled beside one."""
+    for name in ("companion/geo.py", "companion/units.py", "sitl/world.py"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("HERE = 1\n")
+    (tmp_path / "companion/geo.so").touch()
+    (tmp_path / "0123__mypyc.so").touch()
+    return tmp_path
+
+
+def test_what_is_listed_is_there() -> None:
+    assert "companion/estimation/estimator.py" in sources()
+    assert "sitl/world.py" in sources()
+    assert not [name for name in sources() if name.endswith("__init__.py") and not (ROOT / name).read_text()]
+
+
+def test_what_was_just_compiled_is_not_stale(tmp_path: Path) -> None:
+    root = house(tmp_path)
+    remember(root)
+    assert stale(root) == []
+
+
+def test_a_source_that_has_changed_or_gone_or_come_is_named(tmp_path: Path) -> None:
+    root = house(tmp_path)
+    remember(root)
+    (root / "companion/geo.py").write_text("HERE = 2\n")
+    (root / "sitl/world.py").unlink()
+    (root / "sitl/vessel.py").write_text("HERE = 3\n")
+    assert stale(root) == ["companion/geo.py", "sitl/vessel.py", "sitl/world.py"]
+
+
+def test_modules_of_which_nobody_knows_when_they_were_compiled_are_stale(tmp_path: Path) -> None:
+    assert stale(house(tmp_path)) == ["companion/geo.py", "companion/units.py", "sitl/world.py"]
+
+
+def test_removing_leaves_the_sources_and_nothing_to_be_stale(tmp_path: Path) -> None:
+    root = house(tmp_path)
+    remember(root)
+    remove(root)
+    assert libraries(root) == []
+    assert stale(root) == []
+    assert len(sources(root)) == 3
+
+
+@pytest.mark.skipif(not libraries(), reason="nothing is compiled: make fast")
+def test_a_run_is_the_same_to_the_byte_compiled_or_not(tmp_path: Path) -> None:
+    for package in ("companion", "sitl", "compiled"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.so"))
+    fast, slow = (_sail(root) for root in (ROOT, tmp_path))
+    assert int(fast[0]) > 0
+    assert int(slow[0]) == 0
+    assert fast[1] == slow[1]
+
+
+def _sail(root: Path) -> list[str]:
+    command = [sys.executable, "-c", _SAIL]
+    return subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout.split()
