@@ -79,7 +79,7 @@ def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
     begun = _begun(recorder, planned)
     if begun >= len(cross):
         return None
-    off = _off_path_m(recorder, planned)[begun:]
+    off = off_path_m(recorder, planned)[begun:]
     kept = cross[begun:]
     return Tracking(
         rms_m=math.sqrt(float(np.mean(kept * kept))),
@@ -126,7 +126,7 @@ def overshoots_m(recorder: Recorder, planned: Sequence[Point]) -> list[float]:
     return [beyond[leg] for leg in sorted(beyond)]
 
 
-def _off_path_m(recorder: Recorder, planned: Sequence[Point]) -> "NDArray[np.float64]":
+def off_path_m(recorder: Recorder, planned: Sequence[Point]) -> "NDArray[np.float64]":
     """Distance to the nearest place of the planned line, at every tick that had a leg."""
     sailed = recorder.legs >= 0
     at = np.asarray(recorder.track(), dtype=np.float64)[sailed]

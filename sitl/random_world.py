@@ -1,7 +1,8 @@
 """Waters, weather and mishaps drawn at random from a seed: a scenario's table [random].
 
 What is drawn lies under the scenario's own tables, which may still say otherwise. Start and goal lie in one
-piece of free water, so that there is always a way between them that keeps the clearance.
+piece of free water, so that there is always a way between them that keeps the clearance; and from the
+start the boat may drift for as long as it takes to boot.
 """
 
 import math
@@ -19,6 +20,8 @@ from sitl.sensors import generator
 Tree = dict[str, Any]
 Place = tuple[float, float]  # east and north, metres
 
+_BOOT_S = 8.0  # from the first drift to the first thrust
+_LEEWAY = 0.06  # of the wind, at most: what it makes of a boat without thrust
 _SPARE_M = 1.0  # of clearance at start and goal beyond what is asked for
 _TRIES = 20  # at a world, each with an islet less
 _PAIRS = 200  # at start and goal in one world
@@ -51,13 +54,25 @@ def random_world(settings: RandomWater, seed: int) -> Tree:
         ValueError: no water of the asked size has room for a way of the asked length.
     """
     random = generator(seed, "world")
-    tree = _waters(settings, random) | {"environment": _weather(settings, generator(seed, "weather"))}
+    weather = _weather(settings, generator(seed, "weather"))
+    tree = _waters(settings, random, _drift_m(weather)) | {"environment": weather}
     if settings.fault:
         tree["faults"] = [_fault(generator(seed, "mishap"))]
     return tree
 
 
-def _waters(settings: RandomWater, random: Random) -> Tree:
+def _drift_m(weather: Tree) -> Place:
+    """How far, at most, water and wind carry a boat while it boots and is told what to do."""
+    towards = math.radians(weather["current_to_deg"])
+    blown = math.radians(weather["wind_from_deg"] + 180.0)
+    current_m, leeway_m = weather["current_m_s"] * _BOOT_S, _LEEWAY * weather["gust_m_s"] * _BOOT_S
+    return (
+        current_m * math.sin(towards) + leeway_m * math.sin(blown),
+        current_m * math.cos(towards) + leeway_m * math.cos(blown),
+    )
+
+
+def _waters(settings: RandomWater, random: Random, drift_m: Place) -> Tree:
     low_m, high_m = settings.distance_m
     for attempt in range(_TRIES):
         crowd = 1.0 - attempt / _TRIES
@@ -70,7 +85,7 @@ def _waters(settings: RandomWater, random: Random) -> Tree:
         solid = shapely.union_all([Polygon(thing["polygon"]) for thing in things])
         free = Polygon(shore).difference(solid).buffer(-(settings.clearance_m + _SPARE_M))
         largest = max(shapely.get_parts(free), key=lambda part: part.area, default=Polygon())
-        ends = None if largest.is_empty else _ends(random, largest, low_m, high_m)
+        ends = None if largest.is_empty else _ends(random, largest, low_m, high_m, drift_m)
         if ends is not None:
             return {
                 "map": {"name": "Random water", "water": shore, "obstacles": things},
@@ -82,12 +97,15 @@ def _waters(settings: RandomWater, random: Random) -> Tree:
     )
 
 
-def _ends(random: Random, free: Polygon, low_m: float, high_m: float) -> tuple[Place, Place] | None:
-    """Start and goal, if possible with something between them."""
+def _ends(
+    random: Random, free: Polygon, low_m: float, high_m: float, drift_m: Place
+) -> tuple[Place, Place] | None:
+    """Start and goal, if possible with something between them. From the start it may drift by drift_m."""
     found = None
     for _ in range(_PAIRS):
         start, goal = _place(random, free), _place(random, free)
-        if low_m <= math.dist(start, goal) <= high_m:
+        adrift = start[0] + drift_m[0], start[1] + drift_m[1]
+        if low_m <= math.dist(start, goal) <= high_m and free.covers(shapely.LineString((start, adrift))):
             found = start, goal
             if not free.covers(shapely.LineString(found)):
                 break

@@ -7,6 +7,7 @@ import numpy as np
 from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
 from sitl.beliefs import Belief
+from sitl.campaign.fault_figures import fault_figures
 from sitl.courses import tracking
 from sitl.sail import Result, Sailing
 from sitl.stationing import station_figures
@@ -33,6 +34,7 @@ def figures_of(sailing: Sailing, result: Result) -> Figures:
     out["command_travel_per_s"] = _command_travel_per_s(sailing)
     if _stays(sailing):
         out.update(station_figures(sailing.recorder, sailing.planned[-1]))
+    out.update(fault_figures(sailing))
     out["fault"] = ", ".join(f"{fault.what} {fault.kind}" for fault in sailing.scenario.faults)
     out["touches"] = len(sailing.timeline.touched)
     out["late_commands"] = sailing.timeline.late_commands

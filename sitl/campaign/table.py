@@ -23,7 +23,8 @@ def tabulate(campaign: Campaign, outcomes: Sequence[Outcome]) -> Table:
 
 def _of_run(run: Run) -> dict[str, Any]:
     named = {name: value for name in ("case", "course", "mission") if (value := getattr(run, name))}
-    return {"run": run.number, "scenario": run.scenario, **named, "seed": run.seed, **run.factors}
+    factors = {name: _plain(value) for name, value in run.factors.items()}
+    return {"run": run.number, "scenario": run.scenario, **named, "seed": run.seed, **factors}
 
 
 def _of_outcome(outcome: Outcome) -> dict[str, Any]:

@@ -96,7 +96,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         Condition.POSITION_LOST, estimate.position_lost, "position_action", "position known again",
-        then=(Step("dead_reckoning_s", Action.HOLD),),
+        after=0.5, then=(Step("dead_reckoning_s", Action.HOLD),),
         clear_s=2.0, concerns=Concerns.STEERED_BY_POSITION, spares_way_home=False,
     ),
     Row(
