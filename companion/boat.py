@@ -20,6 +20,7 @@ from companion.router.configured_port import ConfiguredPort
 from companion.safety_net import Fall, SafetyNet
 from companion.senses import Senses
 from companion.sensors.external import ExternalSensors
+from companion.sensors.readings import GnssFix
 from companion.services.endpoint import Endpoint
 from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
@@ -96,6 +97,7 @@ class Boat:
         self._logbook = logbook
         self._unix_offset_s = unix_offset_s
         self._has_satellite_date = False
+        self._dated_fix: GnssFix | None = None
         self._now_s = 0.0
         self._links_due_s = 0.0
 
@@ -235,7 +237,10 @@ class Boat:
 
     def _keep_date(self) -> None:
         """The date by satellites; until there is one, a station's goes before the computer's own."""
-        fix, told_s = self.senses.fix, self.endpoint.unix_offset_s
+        fix = self.senses.fix
+        if fix is self._dated_fix and self._has_satellite_date:
+            return
+        self._dated_fix, told_s = fix, self.endpoint.unix_offset_s
         if fix is not None and fix.unix_time_s is not None:
             self._unix_offset_s, self._has_satellite_date = fix.unix_time_s - fix.time_s, True
         elif told_s is not None and not self._has_satellite_date:

@@ -51,8 +51,10 @@ class Senses:
         self.compass = hardware.compass.read()
         self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
         if hardware.battery is not None:
-            self.battery = hardware.battery.read()
-            self._charge.add(self.battery)
+            battery = hardware.battery.read()
+            if battery is not self.battery:
+                self.battery = battery
+                self._charge.add(battery)
         if hardware.hull is not None:
             self.hull = hardware.hull.read()
         if self.pings:

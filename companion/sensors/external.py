@@ -36,7 +36,7 @@ class ExternalSensors:
 
     def choose_fix(self, own: GnssFix | None, setting: External, now_s: float) -> GnssFix | None:
         """The fix to steer by."""
-        if setting.position == Use.NEVER:
+        if not setting.position:  # Use.NEVER, as mostly
             return own
         usable = own if own is not None and own.fix_type >= MIN_FIX_TYPE else None
         if _takes_external(usable, self.fix, setting.position, setting.timeout_s, now_s):
@@ -47,7 +47,7 @@ class ExternalSensors:
         self, own: HeadingReading | None, setting: External, now_s: float
     ) -> HeadingReading | None:
         """The heading to steer by."""
-        if setting.heading == Use.NEVER:
+        if not setting.heading:
             return own
         if _takes_external(own, self.heading, setting.heading, setting.timeout_s, now_s):
             return self.heading
