@@ -2,7 +2,8 @@
 
 The arc of radius r leaves the first leg r tan(|turn|/2) before the corner, passes the corner at r
 (1/cos(|turn|/2) − 1), and joins the second leg as far behind it. Distances along the path count from where
-the arc begins: negative on the first leg, beyond `length_m` on the second one.
+the arc begins: negative on the first leg, beyond `length_m` on the second one. A fast set is stemmed
+(`stemming.py`) where the arc can be tighter so.
 """
 
 import math
@@ -10,7 +11,8 @@ import math
 from companion.config import BoatConfig
 from companion.geo import Line, Point
 from companion.guidance.course_to_steer import course_to_steer
-from companion.guidance.speed_profile import TURN_SHARE, corner_speed_m_s
+from companion.guidance.speed_profile import TURN_SHARE, corner_speed_m_s, leg_speed_m_s
+from companion.guidance.stemming import COASTING_SHARE, Stemming, stemming, stemming_radius_m
 from companion.units import clamp, wrap_pi
 
 CIRCLE_SHARE = 0.6  # of the waypoint's radius: how near the corner the arc must pass
@@ -20,11 +22,15 @@ LEAST_TURN_RAD = 1e-3  # less is no corner
 
 
 class Corner:
-    """turn_rad is positive to starboard, in [−π, π)."""
+    """turn_rad is positive to starboard, in [−π, π). stemming: how, None where the bow points ahead."""
 
-    __slots__ = ("_centre", "_entry_rad", "entry_m", "length_m", "line", "next_line", "radius_m", "turn_rad")
+    __slots__ = (
+        "_centre", "_entry_rad", "entry_m", "length_m", "line", "next_line", "radius_m", "stemming",
+        "turn_rad",
+    )  # fmt: skip
 
-    def __init__(self, line: Line, next_line: Line, radius_m: float) -> None:
+    def __init__(self, line: Line, next_line: Line, radius_m: float, stemmed: Stemming | None = None) -> None:
+        self.stemming = stemmed
         self.line = line
         self.next_line = next_line
         self.radius_m = radius_m
@@ -59,6 +65,35 @@ class Corner:
         share = clamp(along_m / self.length_m, 0.0, 1.0)
         return self.line.course_rad + share * self.turn_rad
 
+    @property
+    def exit_m(self) -> float:
+        """How far behind the arc the corner is sailed out."""
+        return 0.0 if self.stemming is None else self.stemming.exit_m
+
+    def speed_m_s(self, along_m: float, wanted_m_s: float, config: BoatConfig) -> float:
+        """Speed over ground allowed at a place along the path."""
+        stemmed, before_m, beyond_m = self.stemming, -along_m, along_m - self.length_m
+        if stemmed is None:
+            slow = corner_speed_m_s(self.radius_m, config)
+        else:
+            slow = stemmed.speed_m_s
+            before_m -= stemmed.turn_m + stemmed.settle_m
+            if before_m > 0.0:
+                slow = max(slow, stemmed.carried_m_s)
+        if beyond_m > 0.0:
+            grown = math.sqrt(slow * slow + 2.0 * config.guidance.accel_m_s2 * beyond_m)
+            return min(wanted_m_s, grown)
+        return leg_speed_m_s(wanted_m_s, before_m, slow, config)
+
+    def least_ahead_m_s(self, along_m: float, config: BoatConfig) -> float:
+        """Least speed through the water along the course at a place along the path; negative where the
+        boat may be let down stern first.
+        """
+        stemmed, slow = self.stemming, config.guidance.min_speed_m_s
+        if stemmed is None:
+            return slow
+        return COASTING_SHARE * slow if 0.0 < stemmed.turn_m <= -along_m else -config.handling.top_speed_m_s
+
 
 def corner_between(
     line: Line,
@@ -72,7 +107,8 @@ def corner_between(
     length.
 
     radius_m: how near the waypoint must be passed. The arc's own radius is the configured one, or wider
-    where the set makes the bow swing further than the course, within what passes CIRCLE_SHARE of the
+    where the set makes the bow swing further than the course, stemmed if that takes less; within what passes
+    CIRCLE_SHARE of the
     waypoint's radius from the corner and takes no more than LEG_SHARE of the shorter leg.
     """
     turn = wrap_pi(next_line.course_rad - line.course_rad)
@@ -85,14 +121,18 @@ def corner_between(
         CIRCLE_SHARE * radius_m / (1.0 / math.cos(half) - 1.0), LEG_SHARE * shorter_m / math.tan(half)
     )
     wanted_m = config.guidance.corner_radius_m
+    speed = corner_speed_m_s(wanted_m, config)
+    slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
+    ahead_m, fastest, bows = wanted_m, speed, []
+    for course in (line.course_rad, next_line.course_rad):
+        fastest = max(fastest, set_north_m_s * math.cos(course) + set_east_m_s * math.sin(course) + slow)
+        bows.append(course_to_steer(course, speed, set_north_m_s, set_east_m_s, slow, top)[0])
+    swing = abs(wrap_pi(bows[1] - bows[0]))
     if set_north_m_s or set_east_m_s:
-        speed = corner_speed_m_s(wanted_m, config)
-        slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
-        bows, fastest = [], speed
-        for course in (line.course_rad, next_line.course_rad):
-            set_along = set_north_m_s * math.cos(course) + set_east_m_s * math.sin(course)
-            fastest = max(fastest, set_along + slow)
-            bows.append(course_to_steer(course, speed, set_north_m_s, set_east_m_s, slow, top)[0])
-        swing = abs(wrap_pi(bows[1] - bows[0]))
-        wanted_m = max(wanted_m, swing * fastest / (size * TURN_SHARE * config.handling.turn_rate_rad_s))
-    return Corner(line, next_line, min(wanted_m, widest_m))
+        ahead_m = max(wanted_m, swing * fastest / (size * TURN_SHARE * config.handling.turn_rate_rad_s))
+    if fastest > speed:
+        sails = (line.course_rad, turn, speed, set_north_m_s, set_east_m_s, config)
+        stemmed_m = max(stemming_radius_m(*sails), wanted_m)
+        if stemmed_m < ahead_m:
+            return Corner(line, next_line, min(stemmed_m, widest_m), stemming(*sails))
+    return Corner(line, next_line, min(ahead_m, widest_m))

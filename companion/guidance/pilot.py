@@ -8,7 +8,7 @@ from companion.guidance.circle import circle_course_rad, circle_speed_m_s
 from companion.guidance.corner import SHARPEST_RAD, Corner, corner_between
 from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
-from companion.guidance.speed_profile import corner_speed_m_s, leg_speed_m_s, steered_speed_m_s
+from companion.guidance.speed_profile import leg_speed_m_s, steered_speed_m_s
 from companion.guidance.station_keeping import LYING_SHARE, StationKeeping, turning_s
 from companion.guidance.turning import Turning
 from companion.state import Demand, NavState
@@ -27,6 +27,7 @@ from companion.vehicle.intent import (
 
 _STOP = Stop()
 _GLIMPSE_S = 0.1  # over which the coming turn of the heading is measured
+_LEAP = 2.0  # times the fastest turn: the heading asked for does not turn, it is another one
 _LAY_RADII = 1.0  # of a waypoint before its arc: up to there the arc is laid anew as the set changes
 _NEW_SET_SHARE = 0.25  # of min_speed_m_s: that much change
 _LOST_RADII = 1.5  # of a waypoint: this far off its arc, a corner is done with
@@ -69,7 +70,7 @@ class Pilot:
             distance = distance_m(nav.point, intent.centre)
             speed = circle_speed_m_s(intent, config)
             later = course + turn * _GLIMPSE_S
-            return self._make_good(course, speed, nav, config, cross_track, distance, later)
+            return self._make_good(course, speed, nav, config, cross_track, distance, later, speed)
         if isinstance(intent, HoldCourse):
             return self._make_good(intent.course_rad, intent.speed_m_s, nav, config)
         heading = (
@@ -89,21 +90,31 @@ class Pilot:
         cross_track_m: float = 0.0,
         distance_m: float = 0.0,
         next_course_rad: float | None = None,
+        next_speed_m_s: float = 0.0,
+        least_ahead_m_s: float | None = None,
     ) -> Demand:
         """Point the bow so that the boat goes that way over ground.
 
-        next_course_rad: the course wanted _GLIMPSE_S later, where it turns.
+        next_course_rad, next_speed_m_s: what is wanted _GLIMPSE_S later, where it changes.
+        least_ahead_m_s: through the water along the course, negative where the boat may be let down.
         """
         set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
-        slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
+        top = config.handling.top_speed_m_s
+        slow = config.guidance.min_speed_m_s if least_ahead_m_s is None else least_ahead_m_s
         heading, water = course_to_steer(course_rad, speed_m_s, set_n, set_e, slow, top)
         yaw_rate = 0.0
         if next_course_rad is not None:
-            later, _ = course_to_steer(next_course_rad, speed_m_s, set_n, set_e, slow, top)
+            later, _ = course_to_steer(next_course_rad, next_speed_m_s, set_n, set_e, slow, top)
+            yaw_rate = wrap_pi(later - heading) / _GLIMPSE_S
             fastest = config.handling.turn_rate_rad_s
-            yaw_rate = clamp(wrap_pi(later - heading) / _GLIMPSE_S, -fastest, fastest)
+            if abs(yaw_rate) > _LEAP * fastest:
+                yaw_rate = 0.0  # nothing to go along with
+            yaw_rate = clamp(yaw_rate, -fastest, fastest)
         heading = wrap_pi(heading)
-        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
+        if slow < 0.0:
+            water *= max(math.cos(heading - nav.heading_rad), 0.0)  # what the bow, as it points, makes of it
+        else:
+            water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
         along_bow = set_n * math.cos(nav.heading_rad) + set_e * math.sin(nav.heading_rad)
         return Demand(heading, water + along_bow, cross_track_m, distance_m, yaw_rate)
 
@@ -151,19 +162,29 @@ class Pilot:
         along, cross = path.along_and_cross_track_m(here)
         if path is self._ahead and along > path.length_m:
             self._ahead = None  # the corner was missed: the rest of this leg is sailed without
-        if path is self._astern:
-            if along > path.length_m or abs(cross) > _LOST_RADII * setting.waypoint_radius_m:
+        if path is self._ahead:
+            next_speed = self._speed_m_s(leg, to_go - ground * _GLIMPSE_S, config)
+        else:
+            speed = next_speed = min(speed, path.speed_m_s(along, leg.speed_m_s, config))
+            if along > path.length_m + path.exit_m or abs(cross) > _LOST_RADII * setting.waypoint_radius_m:
                 self._astern = None
-            else:
-                speed = min(speed, corner_speed_m_s(path.radius_m, config))
         tangent = path.course_rad(along)
         cross_speed = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
         preview = along + handling.slip_m + handling.yaw_time_s * ground
         correction = desired_course_rad(0.0, cross, cross_speed, ahead, handling.yaw_time_s)
         course = path.course_rad(preview)
         later = path.course_rad(preview + _GLIMPSE_S * ground)
+        least = path.least_ahead_m_s(along, config)
         return self._make_good(
-            course + correction, speed, nav, config, cross_track, distance, later + correction
+            course + correction,
+            speed,
+            nav,
+            config,
+            cross_track,
+            distance,
+            later + correction,
+            next_speed,
+            least,
         )
 
     def _begin(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> None:
@@ -190,8 +211,7 @@ class Pilot:
     def _speed_m_s(self, leg: FollowLeg, to_go_m: float, config: BoatConfig) -> float:
         corner, onward = self._ahead, leg.next_line
         if corner is not None:
-            allowed = corner_speed_m_s(corner.radius_m, config)
-            return leg_speed_m_s(leg.speed_m_s, to_go_m - corner.entry_m, allowed, config)
+            return corner.speed_m_s(corner.entry_m - to_go_m, leg.speed_m_s, config)
         if onward is not None and abs(wrap_pi(onward.course_rad - leg.line.course_rad)) < SHARPEST_RAD:
             return leg.speed_m_s
         return leg_speed_m_s(leg.speed_m_s, to_go_m, 0.0, config)
