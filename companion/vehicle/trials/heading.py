@@ -14,9 +14,8 @@ J. Process Control 13, 2003, for an integrating process with a lag, in the paral
 τc is θ, or longer: a twelfth of the swing's period, for the motors' own slowness is not in θ, and as long as
 the gyro's noise takes to move the steering by no more than _TREMOR.
 
-The integral is left slower than that, at 2.2 periods of the swing (B. D. Tyreus and W. L. Luyben, *Tuning PI
-controllers for integrator/dead time processes*, Ind. Eng. Chem. Res. 31, 1992), for it has nothing fast to
-do: wind and unequal motors change slowly, and guidance looks after the drift.
+The integral is left far slower, at _INTEGRAL periods of the swing, for it has nothing fast to do: wind and
+unequal motors change slowly, guidance looks after the drift, and each turn would leave something in it.
 """
 
 from statistics import median
@@ -39,6 +38,7 @@ _EASE: Final = 0.5  # of what the half-periods say the offset lacks
 _MOST_OFFSET: Final = 0.7  # of the throw
 _LONGEST_HALF_S: Final = 30.0
 _OFF_RAD: Final = 1.0  # off the heading, and the boat is not under control
+_INTEGRAL: Final = 4.0
 _TREMOR: Final = 0.015  # of full steering, one standard deviation, from the gyro's noise times Kd
 _TIGHTEST: Final = 1.0 / 12.0  # of the swing's period: τc, or θ if that is longer
 
@@ -148,6 +148,6 @@ def gains(model: YawModel, period_s: float) -> list[Finding]:
     kp = gain * (1.0 + model.time_s / (4.0 * answer_s))
     return [
         Finding("HDG_KP", kp),
-        Finding("HDG_KI", kp / (2.2 * period_s)),
+        Finding("HDG_KI", kp / (_INTEGRAL * period_s)),
         Finding("HDG_KD", gain * model.time_s),
     ]

@@ -1,0 +1,118 @@
+"""The heading's autotune, from gains that are a third of the usual ones, on both boats."""
+
+import math
+from typing import NamedTuple
+
+import pytest
+from boat_rig import OK, Rig
+
+from companion.config import BoatConfig
+from companion.mavlink.dialect import dialect
+from companion.requests import SetPoint
+from companion.units import wrap_pi
+from companion.vehicle.intent import HoldHeading
+
+AUTOTUNE, LOITER, GUIDED, IN_PROGRESS = dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 5, 15, 5
+STEP_RAD = math.radians(30.0)
+WATER = {
+    "lake": ("environment.wind_m_s=3.0", "environment.current_m_s=0.3"),
+    "pool": ("environment.wind_m_s=0.0", "environment.current_m_s=0.005"),
+}
+
+
+class Response(NamedTuple):
+    """To a step of the heading at cruise speed: shares of the step, and seconds."""
+
+    overshoot: float
+    error_s: float  # the integral of what is left
+    settled_s: float  # within a tenth for good
+
+
+def third(model: str) -> dict[str, object]:
+    heading = Rig("open", f"boat.model='{model}'").config.heading
+    return {f"heading.{name}": getattr(heading, name) / 3.0 for name in ("kp", "ki", "kd")}
+
+
+def gains_of(config: BoatConfig) -> dict[str, object]:
+    return {f"heading.{name}": getattr(config.heading, name) for name in ("kp", "ki", "kd")}
+
+
+def afloat(model: str, config: dict[str, object], seed: int) -> Rig:
+    settings = (f"boat.model='{model}'", f"seed={seed}", "sensors.sonar.fitted=false", *WATER[model])
+    return Rig("open", *settings, config=config).ready()
+
+
+def response(model: str, gains: dict[str, object]) -> Response:
+    rig = afloat(model, gains, seed=12)
+    assert rig.set_mode(GUIDED) == OK
+    assert rig.arm() == OK
+    speed_m_s = rig.config.speed.cruise_m_s
+
+    def hold(heading_rad: float, seconds: int) -> list[float]:
+        off = []
+        for _ in range(seconds):
+            rig.boat.vehicle.request(SetPoint(HoldHeading(heading_rad, speed_m_s)))
+            rig.boat.steering.hurry()
+            for _ in range(50):
+                rig.step()
+                off.append(wrap_pi(rig.world.truth.heading_rad - heading_rad) / STEP_RAD)
+            rig.peer.listen()
+        return off
+
+    hold(0.0, 40)
+    off = hold(STEP_RAD, 20)
+    unsettled = [tick for tick, one in enumerate(off) if abs(one) > 0.1]
+    return Response(max(off), sum(abs(one) for one in off) * 0.02, unsettled[-1] * 0.02)
+
+
+@pytest.mark.parametrize("model", ["lake", "pool"])
+def test_the_autotune_finds_good_gains_from_bad_ones(model: str) -> None:
+    bad = third(model)
+    rig = afloat(model, bad, seed=5)
+    assert rig.set_mode(LOITER) == OK
+    assert rig.arm() == OK
+    rig.run(10.0)
+    assert rig.ask(AUTOTUNE, 1.0, 4.0) == IN_PROGRESS
+    for _ in range(400):
+        rig.run(1.0)
+        rig.peer.listen()
+        if not rig.boat.trials.is_running:
+            break
+    rig.run(0.1)
+    assert any(text == "Heading autotune done: 3 parameters set" for text in rig.peer.texts), rig.peer.texts
+    before, after = response(model, bad), response(model, gains_of(rig.boat.parameters.config))
+    assert after.overshoot < min(0.6 * before.overshoot, 0.05)
+    assert after.error_s < 0.92 * before.error_s
+    assert after.settled_s < before.settled_s
+    assert after.settled_s < 3.0
+
+
+def test_gains_do_not_depend_on_the_gains_before_nor_on_the_side_that_pulls_less() -> None:
+    found = []
+    for right_gain in (1.0, 0.85):
+        rig = afloat("lake", {} if right_gain == 1.0 else third("lake"), seed=6)
+        rig.world._thrusters.right.gain = right_gain
+        assert rig.set_mode(LOITER) == OK
+        assert rig.arm() == OK
+        rig.run(10.0)
+        assert rig.ask(AUTOTUNE, 1.0) == IN_PROGRESS
+        for _ in range(400):
+            rig.run(1.0)
+            rig.peer.listen()
+            if not rig.boat.trials.is_running:
+                break
+        found.append(rig.boat.parameters.config.heading)
+    assert found[1].kp == pytest.approx(found[0].kp, rel=0.2)
+    assert found[1].kd == pytest.approx(found[0].kd, rel=0.2)
+
+
+def test_a_boat_that_needs_all_its_thrust_for_cruise_speed_is_not_swung() -> None:
+    rig = afloat("lake", {"speed.cruise_throttle": 0.95}, seed=1)
+    rig.set_mode(LOITER)
+    assert rig.arm() == OK
+    rig.run(5.0)
+    assert rig.ask(AUTOTUNE, 1.0) == IN_PROGRESS
+    rig.until(lambda: not rig.boat.trials.is_running, 5.0)
+    rig.run(0.1)
+    assert "Heading autotune broken off: cruise speed leaves no thrust to steer with" in rig.peer.texts
+    assert rig.boat.parameters.config.heading == rig.config.heading
