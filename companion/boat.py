@@ -167,7 +167,8 @@ class Boat:
         self.command = self._steer(now_s)
         is_bare = self.trials.is_bare or self.motor_test.is_running
         self.trim.update(self.command, self.parameters.config.thrusters, is_bare=is_bare)
-        self._hardware.motors.write(self.trim.left, self.trim.right)
+        probe, left, right = self.vehicle.probe, self.trim.left, self.trim.right
+        self._hardware.motors.write(-left if probe.left < 0 else left, -right if probe.right < 0 else right)
         if self._logbook is not None:
             self._logbook.tick(self.look(), self.channels)
         self.endpoint.tick(now_s, self._unix_s, self.senses.compass, self.load)

@@ -5,12 +5,16 @@ Where to go changes slowly, and is costly to work out; how the bow swings does n
 loops behind it (heading, speed, gate) run every tick on its last word.
 """
 
+import math
+
 from companion.config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
+from companion.control.lame import LAME_SHARE, LameHelm
 from companion.guidance.avoidance import Avoidance
 from companion.guidance.fence_brake import FenceBrake
 from companion.guidance.headway import Headway
+from companion.guidance.lee import lee_demand
 from companion.guidance.pilot import Pilot
 from companion.sensors.lookout import Lookout
 from companion.state import STOPPED, Demand, MotorCommand, NavState
@@ -18,6 +22,7 @@ from companion.vehicle.intent import Drive, Intent, Stop
 from companion.vehicle.vehicle import Vehicle
 
 GUIDANCE_S = 0.1
+_LEE_S = 2.0  # how often the way of a boat adrift is chosen anew
 _SLACK_S = 1e-6
 _STOP = Stop()
 
@@ -26,8 +31,8 @@ class Steering:
     """demand: what the loops hold now, None while they are open. headway: whether the boat gets on."""
 
     __slots__ = (
-        "_command", "_due_s", "_fence_brake", "_guided_s", "_pilot", "_steered", "_vehicle", "avoidance",
-        "demand", "gate", "headway", "helm", "lookout",
+        "_command", "_due_s", "_fence_brake", "_guided_s", "_lame", "_lee", "_lee_due_s", "_pilot",
+        "_steered", "_vehicle", "avoidance", "demand", "gate", "headway", "helm", "lookout",
     )  # fmt: skip
 
     def __init__(self, vehicle: Vehicle, config: BoatConfig) -> None:
@@ -44,6 +49,9 @@ class Steering:
         self._command = STOPPED
         self._due_s = 0.0
         self._guided_s = 0.0
+        self._lame = LameHelm()
+        self._lee: Demand | None = None
+        self._lee_due_s = 0.0
 
     def begin_anew(self) -> None:
         """Forget what was steered for, after something has gone wrong in it."""
@@ -75,14 +83,33 @@ class Steering:
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
         steered = self.avoidance.limited(steered, nav, config)
         steered = self._fence_brake.limit(steered, intent, nav, vehicle.fence, config, dt_s)
+        if vehicle.probe.is_lame and isinstance(steered, Demand) and nav is not None:
+            steered = self._limp(steered, nav, config, now_s)
         self._steered = steered
         self.demand = steered if isinstance(steered, Demand) else None
+
+    def _limp(self, wanted: Demand, nav: NavState, config: BoatConfig, now_s: float) -> Demand:
+        """One motor: where the water is faster, the boat can but choose where it is carried."""
+        speed_m_s = LAME_SHARE * config.handling.top_speed_m_s
+        if math.hypot(nav.set_north_m_s, nav.set_east_m_s) <= speed_m_s:
+            self._lee = None
+            return wanted
+        if self._lee is None or now_s >= self._lee_due_s:
+            self._lee_due_s = now_s + _LEE_S
+            self._lee = lee_demand(nav, self._vehicle.fence, speed_m_s)
+        return self._lee
 
     def drive(self, nav: NavState | None, config: BoatConfig, now_s: float, dt_s: float) -> MotorCommand:
         """Close the loops for one tick."""
         steered, vehicle = self._steered, self._vehicle
+        probe = vehicle.probe
+        if probe.is_lame and isinstance(steered, Demand) and nav is not None:
+            most = config.speed.max_throttle
+            thrust = self._lame.update(steered, nav, is_left=probe.left != 0, most=most)
+        else:
+            thrust = self.helm.update(steered, nav, config, dt_s)
         command = self.gate.check(
-            self.helm.update(steered, nav, config, dt_s),
+            thrust,
             armed=vehicle.armed,
             command_age_s=now_s - nav.time_s if nav is not None else 0.0,
             nav=nav,

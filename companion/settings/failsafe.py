@@ -9,13 +9,15 @@ from companion.section import NonNegative, Positive, Section, Share
 
 ActionNumber = Annotated[int, Meta(ge=0, le=6)]
 ClearingNumber = Annotated[int, Meta(ge=0, le=7)]
+MotorNumber = Annotated[int, Meta(ge=0, le=8)]
 
 
 class Failsafe(Section, frozen=True):
     """Limits and actions of the failsafes; `vehicle/failsafes/table.py` has them all side by side.
 
     Actions are Rover's FS_ACTION numbers: 0 told only, 1 RTL, 2 HOLD, 3 SMART_RTL or RTL, 4 SMART_RTL or
-    HOLD, 5 disarm, 6 LOITER or HOLD; and 7, the boat's own: clear the propellers by pulses astern, go on.
+    HOLD, 5 disarm, 6 LOITER or HOLD; and the boat's own, 7: clear the propellers by pulses astern, go on,
+    8: try the motors one by one, and go on with what answers.
     """
 
     gcs_enabled: bool = True
@@ -44,10 +46,10 @@ class Failsafe(Section, frozen=True):
     compass_action: ActionNumber = 0
     sonar_action: ActionNumber = 0
     sonar_timeout_s: Positive = 3.0
-    steering_action: ActionNumber = 2
-    motor_action: ClearingNumber = 7
+    steering_action: MotorNumber = 8
+    motor_action: MotorNumber = 7
     stuck_action: ClearingNumber = 7
-    clearing_tries: Annotated[int, Meta(ge=1, le=10)] = 3
+    clearing_tries: Annotated[int, Meta(ge=1, le=10)] = 2
     headway_action: ActionNumber = 1
     capsize_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.radians(60.0)  # 0: off
     capsize_action: ActionNumber = 5

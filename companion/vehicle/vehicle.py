@@ -20,6 +20,7 @@ from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
 from companion.vehicle.modes import Mode
+from companion.vehicle.motor_probe import MotorProbe
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.orders import carry_out
 from companion.vehicle.situation import Situation
@@ -44,6 +45,7 @@ class Vehicle:
         self.operator = self.failsafes.signs.operator
         self.planner = self.failsafes.signs.planner
         self.clearing = Clearing()
+        self.probe = MotorProbe()
         self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
         self.nav: NavState | None = None
         self.frame: LocalFrame | None = None
@@ -92,16 +94,28 @@ class Vehicle:
             self.conduct.record(self.mode, now)
         if self.clearing.is_running:
             return self.clearing.intent(self._now_s)
+        if self.probe.is_running:
+            return self._try_motors()
         if self.mode is Mode.MANUAL:
             return self.conduct.sticks.intent(self.mode, self.config, self._now_s)
         if self.mode is Mode.HOLD or now is None:
             return _STOP
+        if self.probe.is_due(self._now_s):
+            self.probe.begin(self._now_s)
         intent = self.conduct.decide(self.mode, now)
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
                 self.set_home(position)
             if self.progress.finished:
                 return self._end_mission(intent, now)
+        return intent
+
+    def _try_motors(self) -> Intent:
+        intent = self.probe.intent(self.nav, self._now_s)
+        if not self.probe.is_running:
+            self.tell(Severity.WARNING, self.probe.found())
+            self.failsafes.signs.lame = self.probe.fault()
+            self.failsafes.signs.motors.reset()
         return intent
 
     def take_notices(self) -> list[Notice]:
@@ -148,6 +162,7 @@ class Vehicle:
         if outcome.accepted:
             self.standing_order = False
             self.clearing.stop()
+            self.probe.stop()
             self.failsafes.overrule()
         return outcome
 
@@ -161,6 +176,7 @@ class Vehicle:
             return
         self.tell(Severity.CRITICAL, f"{why}, motors off")
         self.clearing.stop()
+        self.probe.stop()
         if disarms:
             self.disarm("by the program")
         else:
@@ -247,6 +263,8 @@ class Vehicle:
         if self.armed:
             self.armed = False
             self.clearing.stop()
+            self.probe.reset()
+            self.failsafes.signs.lame = ""
             self.tell(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 
@@ -280,7 +298,7 @@ class Vehicle:
             signs.home_distance_m = math.inf if nav is None else self.home_distance_m(nav.point)
             signs.shortfall = shortfall(signs)
         signs.fence.update(self.fence, nav, self.config.motors, self._now_s)
-        for alarm in self.failsafes.update(self.clearing.is_running):
+        for alarm in self.failsafes.update(self.clearing.is_running or self.probe.is_running):
             self._act_on(alarm)
 
     def _act_on(self, alarm: Alarm) -> None:
@@ -302,6 +320,10 @@ class Vehicle:
         elif action is Action.CLEAR_PROPELLERS:
             self.tell(Severity.WARNING, "Clearing the propellers")
             self.clearing.begin(self._now_s)
+        elif action is Action.TRY_MOTORS:
+            self.tell(Severity.WARNING, "Trying the motors")
+            self.clearing.stop()
+            self.probe.begin(self._now_s)
         elif not (row.spares_way_home and self.mode in WAYS_HOME and action is not Action.HOLD):
             self._retreat(action)
             if row.limps:
@@ -310,6 +332,7 @@ class Vehicle:
     def _retreat(self, action: Action) -> None:
         """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""
         self.clearing.stop()
+        self.probe.stop()
         for mode in RETREATS[action]:
             if mode is Mode.LOITER and self._estimate_fault() and self._can_reckon():
                 self._enter(mode, "failsafe, by dead reckoning")

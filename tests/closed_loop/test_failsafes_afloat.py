@@ -77,7 +77,7 @@ def test_a_silent_compass_is_noticed_in_three_seconds_and_then_nothing_is_steere
 
 
 @pytest.mark.parametrize(("motor", "name"), [("motor_left", "Left"), ("motor_right", "Right")])
-def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_gives_up_in_the_end(
+def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_with_the_other(
     motor: str, name: str
 ) -> None:
     rig = under_way()
@@ -86,8 +86,13 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_gives_up_
     told(rig, "Clearing the propellers", 1.0)
     rig.until(lambda: rig.boat.command.left < -0.5 and rig.boat.command.right < -0.5, 3.0)
     rig.until(lambda: rig.mode == "RTL", 120.0)
-    assert sum(text == "Clearing the propellers" for text in rig.peer.texts) == 3
-    rig.until(lambda: rig.mode == "HOLD", 120.0)
+    assert sum(text == "Clearing the propellers" for text in rig.peer.texts) == 2
+    assert sum(text == "Trying the motors" for text in rig.peer.texts) == 1
+    rig.until(lambda: rig.mode == "LOITER", 120.0)
+    dead = 0 if name == "Left" else 1
+    for _ in range(20):
+        rig.run(0.5)
+        assert (rig.boat.command.left, rig.boat.command.right)[dead] == 0.0
 
 
 def test_weed_that_comes_off_lets_the_mission_go_on() -> None:
@@ -102,13 +107,20 @@ def test_weed_that_comes_off_lets_the_mission_go_on() -> None:
     assert math.hypot(rig.world.truth.north_m_s, rig.world.truth.east_m_s) > 1.5
 
 
-def test_a_motor_that_runs_the_wrong_way_is_not_steered_with() -> None:
+def test_a_motor_that_runs_the_wrong_way_is_found_out_and_driven_the_other_way_round() -> None:
     rig = under_way()
     begin(rig, "motor_left", "wrong")
-    told(rig, "Failsafe: Steering lost", 40.0)
-    rig.run(0.5)
-    assert rig.mode == "HOLD"
-    assert (rig.boat.command.left, rig.boat.command.right) == (0.0, 0.0)
+    told(rig, "Left motor is reversed", 60.0)
+    told(rig, "Failsafe over", 40.0)
+    assert rig.mode == "AUTO"
+    rig.run(10.0)
+    assert rig.world.truth.surge_m_s > 1.5
+    assert abs(rig.world.truth.yaw_rate_rad_s) < 0.2
+    rig.world.electronics.faults.end("motor_left")
+    told(rig, "Left motor pulls, right pulls", 90.0)
+    rig.run(20.0)
+    assert rig.mode == "AUTO"
+    assert rig.world.truth.surge_m_s > 1.5
 
 
 @pytest.mark.parametrize("motor", ["motor_left", "motor_right"])

@@ -6,7 +6,7 @@ from companion.vehicle.modes import Mode
 
 
 class Action(IntEnum):
-    """ArduPilot Rover's FS_ACTION numbers, and one of the boat's own."""
+    """ArduPilot Rover's FS_ACTION numbers, and two of the boat's own."""
 
     NONE = 0
     RTL = 1
@@ -16,6 +16,7 @@ class Action(IntEnum):
     DISARM = 5
     LOITER_OR_HOLD = 6
     CLEAR_PROPELLERS = 7
+    TRY_MOTORS = 8
 
 
 RETREATS: dict[Action, tuple[Mode, ...]] = {

@@ -12,6 +12,7 @@ from companion.vehicle.sticks import Sticks
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
+_ON_THE_SPOT = (Action.CLEAR_PROPELLERS, Action.TRY_MOTORS)
 _PLANNER_LOST = int(Condition.PLANNER_LOST)  # plain numbers: an IntFlag's arithmetic costs microseconds
 _HELM_LOST = int(Condition.HELM_LOST)
 _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_OF_RANGE)
@@ -60,7 +61,7 @@ class Failsafes:
         self.signs.sticks.let_go()
 
     def update(self, is_clearing: bool) -> list[Alarm]:
-        """Look once. Nothing is judged of motors and way while the propellers are being cleared."""
+        """Look once. is_clearing: propellers are cleared, or motors tried; nothing is judged of them then."""
         signs = self.signs
         now_s, setting, armed = signs.now_s, signs.config.failsafe, signs.armed
         self._due_s = now_s + PERIOD_S - _SLACK_S
@@ -78,7 +79,7 @@ class Failsafes:
                 if ladder.text:
                     ladder.reset()
                 continue
-            if is_clearing and ladder.action is Action.CLEAR_PROPELLERS:
+            if is_clearing and ladder.action in _ON_THE_SPOT:
                 text = ladder.text
             move = ladder.update(text, setting, now_s)
             if move is not Move.STAYS:

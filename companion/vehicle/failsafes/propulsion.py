@@ -26,6 +26,9 @@ _ASTRAY_S = 2.5
 _BALANCED = 0.3  # of command: the mean of the two drives the boat nowhere to speak of
 _FAST_SHARE = 0.35  # of cruise speed
 _TURNS_RAD_S = 0.05
+_HELPLESS_S = 6.0  # steered like that, and hardly any turn: whatever the current says
+_HELPLESS_RAD_S = 0.1
+_EVEN = 0.5  # of one motor's thrust: with more between the two, nothing is learned of what is normal
 _SAME = 0.1  # difference in thrust that points at neither side
 
 NO_HEADWAY, STUCK = 1, 2  # guidance's verdicts
@@ -49,6 +52,7 @@ class MotorWatch:
         "_difference",
         "_driven_s",
         "_gain_a",
+        "_helpless_s",
         "_idle_a",
         "_left",
         "_lopsided_s",
@@ -80,7 +84,7 @@ class MotorWatch:
         self._left = self._right = 0.0
         self._difference = self._turn_rad_s = 0.0
         self._ratio = 1.0
-        self._odd_s = self._lopsided_s = self._well_s = self._astray_s = 0.0
+        self._odd_s = self._lopsided_s = self._well_s = self._astray_s = self._helpless_s = 0.0
 
     def update(
         self,
@@ -104,7 +108,7 @@ class MotorWatch:
             self._weigh(left, right, battery.current_a, is_telling, dt_s)
         if fault := self._judge(left, right):
             self.fault, self._well_s = fault, 0.0
-        elif self.fault and is_telling and self._odd_s == 0.0 and self._lopsided_s == 0.0:
+        elif self.fault and is_telling and self._odd_s + self._lopsided_s + self._helpless_s == 0.0:
             self._well_s += dt_s
             if self._well_s >= _WELL_S:
                 self.fault = ""
@@ -112,8 +116,10 @@ class MotorWatch:
     def _look(self, nav: NavState, cruise_m_s: float, blend: float, dt_s: float) -> None:
         """How the boat answers to being steered."""
         self._turn_rad_s += blend * (nav.yaw_rate_rad_s - self._turn_rad_s)
-        turns = math.copysign(self._turn_rad_s, self._turn_rad_s * self._difference) >= _TURNS_RAD_S
-        steered = 0.0 if turns else abs(self._difference)
+        turn = math.copysign(self._turn_rad_s, self._turn_rad_s * self._difference)
+        steered = 0.0 if turn >= _TURNS_RAD_S else abs(self._difference)
+        is_helpless = abs(self._difference) > _LOPSIDED and turn < _HELPLESS_RAD_S
+        self._helpless_s = self._helpless_s + dt_s if is_helpless else 0.0
         self._lopsided_s = self._lopsided_s + dt_s if steered > _LOPSIDED else 0.0
         set_ahead_m_s = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(
             nav.heading_rad
@@ -137,14 +143,14 @@ class MotorWatch:
             self._lopsided_s = 0.0  # the current knows better
         is_odd = not _PALTRY < self._ratio < _EXCESSIVE
         self._odd_s = self._odd_s + dt_s if is_odd else 0.0
-        if not is_odd and not self.fault:
+        if not is_odd and not self.fault and abs(self._difference) < _EVEN:
             self._driven_s += dt_s
             self._gain_a += dt_s / min(self._driven_s, _LEARN_S) * (gain_a - self._gain_a)
 
     def _judge(self, left: float, right: float) -> str:
         if self._odd_s >= _ODD_S and self._ratio >= _EXCESSIVE:
             return "Motors draw too much, weed on a propeller"
-        if self._odd_s >= _ODD_S or self._lopsided_s >= _ODD_S:
+        if self._odd_s >= _ODD_S or self._lopsided_s >= _ODD_S or self._helpless_s >= _HELPLESS_S:
             if abs(self._difference) < _SAME:
                 return "A motor does not pull"
             return f"{'Left' if abs(left) > abs(right) else 'Right'} motor does not pull"
@@ -159,7 +165,7 @@ def _load(left: float, right: float) -> float:
 
 def motor_failing(signs: "Signs") -> str:
     """A motor is driven, and what should come of it does not."""
-    return signs.motors.fault
+    return signs.lame or signs.motors.fault
 
 
 def steering_lost(signs: "Signs") -> str:

@@ -35,6 +35,7 @@ class Signs:
         "home_distance_m",
         "hull",
         "is_guided",
+        "lame",
         "left",
         "load",
         "mode",
@@ -62,6 +63,7 @@ class Signs:
         self.mode = Mode.HOLD
         self.armed = False
         self.is_guided = False
+        self.lame = ""  # which motor, when it was tried, did not pull
         self.nav: NavState | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None

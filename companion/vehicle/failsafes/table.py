@@ -81,9 +81,10 @@ class Row(NamedTuple):
 
 
 _LONG = Step("long_timeout_s", "long_action")
-_CLEAR_AGAIN = Step(25.0, Action.CLEAR_PROPELLERS)
-_LIMP_HOME = Step(25.0, Action.RTL)
-_GIVE_UP = Step(90.0, Action.HOLD)
+_CLEAR_AGAIN = Step(12.0, Action.CLEAR_PROPELLERS)
+_TRY = Step(12.0, Action.TRY_MOTORS)
+_LIMP_HOME = Step(10.0, Action.RTL)
+_GIVE_UP = Step(90.0, Action.LOITER_OR_HOLD)
 
 ROWS: tuple[Row, ...] = (
     Row(
@@ -120,12 +121,13 @@ ROWS: tuple[Row, ...] = (
         after=5.0, clear_s=_NEVER,
     ),
     Row(
-        Condition.STEERING_LOST, propulsion.steering_lost, "steering_action", "",
-        clear_s=_NEVER, concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
+        Condition.STEERING_LOST, propulsion.steering_lost, "steering_action", "steering turns the boat again",
+        then=(_TRY, Step(15.0, Action.LOITER_OR_HOLD)), clear_s=10.0, relapse_s=60.0,
+        concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
     ),
     Row(
         Condition.MOTOR_FAILING, propulsion.motor_failing, "motor_action", "motors pull again",
-        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
+        then=(_CLEAR_AGAIN, _TRY, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
         concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
     ),
     Row(

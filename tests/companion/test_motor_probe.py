@@ -1,0 +1,135 @@
+"""Trying the motors, and getting on with what is left."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.control.lame import LameHelm
+from companion.geo import Point
+from companion.guidance.lee import lee_demand
+from companion.state import Demand, NavState
+from companion.vehicle.intent import Drive, Stop
+from companion.vehicle.motor_probe import MotorProbe
+
+
+def nav_at(
+    now_s: float = 0.0, yaw_rate: float = 0.0, heading: float = 0.0, set_m_s: tuple[float, float] = (0.0, 0.0)
+) -> NavState:
+    return NavState(
+        now_s, 0.0, 0.0, heading, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1,
+        set_north_m_s=set_m_s[0], set_east_m_s=set_m_s[1],
+    )  # fmt: skip
+
+
+def tried(probe: MotorProbe, left: float, right: float, wind_rad_s2: float = 0.0) -> None:
+    """A hull whose motors turn it by so much at full drive, rad/s², while wind turns it too."""
+    probe.begin(10.0)
+    now_s, rate = 10.0, 0.1
+    for _ in range(1000):
+        intent = probe.intent(nav_at(now_s, rate), now_s)
+        if not probe.is_running:
+            return
+        a, b = 0.0, 0.0
+        if isinstance(intent, Drive):
+            a, b = intent.throttle + intent.steering, intent.throttle - intent.steering
+            assert min(abs(a), abs(b)) < 1e-9, "one at a time"
+        else:
+            assert isinstance(intent, Stop)
+        rate += 0.02 * (left * a - right * b + wind_rad_s2)
+        now_s += 0.02
+    raise AssertionError("it does not end")
+
+
+@pytest.mark.parametrize("wind", [-0.05, 0.0, 0.05])
+@pytest.mark.parametrize("left", [1, 0, -1])
+@pytest.mark.parametrize("right", [1, -1])
+def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wind: float) -> None:
+    probe = MotorProbe()
+    tried(probe, 0.25 * left, 0.25 * right, wind)
+    assert (probe.left, probe.right) == (left, right)
+    assert probe.is_lame is (left == 0)
+    assert bool(probe.fault()) is probe.is_lame
+
+
+def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
+    probe = MotorProbe()
+    tried(probe, 0.0, 0.0, 0.05)
+    assert (probe.left, probe.right) == (1, 1)
+
+
+def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> None:
+    probe = MotorProbe()
+    tried(probe, 0.25, -0.25)
+    tried(probe, 0.25, 0.25)  # as it is driven now
+    assert (probe.left, probe.right) == (1, -1)
+    tried(probe, 0.25, -0.25)  # the wires are right again
+    assert (probe.left, probe.right) == (1, 1)
+
+
+def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
+    probe = MotorProbe()
+    tried(probe, 0.0, 0.25)
+    assert not probe.is_due(60.0)
+    assert probe.is_due(71.0)
+    tried(probe, 0.25, 0.25)
+    assert not probe.is_due(1000.0)
+
+
+def test_without_an_estimate_the_trying_is_broken_off() -> None:
+    probe = MotorProbe()
+    probe.begin(0.0)
+    assert probe.intent(None, 1.0) == Stop()
+    assert not probe.is_running
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.floats(-2.0, 2.0), st.booleans())
+def test_one_motor_is_all_that_a_lame_helm_drives(
+    heading: float, wanted: float, speed: float, is_left: bool
+) -> None:
+    thrust = LameHelm().update(Demand(wanted, speed), nav_at(heading=heading), is_left=is_left, most=0.8)
+    alone, dead = (thrust.left, thrust.right) if is_left else (thrust.right, thrust.left)
+    assert dead == 0.0
+    assert abs(alone) in (0.0, 0.8)
+
+
+def test_a_lame_boat_swings_to_and_fro_about_its_heading() -> None:
+    helm, demand = LameHelm(), Demand(0.0, 1.0)
+    thrusts = [
+        helm.update(demand, nav_at(heading=heading), is_left=True, most=1.0).left
+        for heading in (0.0, 0.7, 0.9, 0.0, -0.7, -0.9, 0.0)
+    ]
+    assert thrusts == [1.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0]
+
+
+def test_who_asks_only_for_what_the_water_does_rests() -> None:
+    thrust = LameHelm().update(Demand(0.0, 0.3), nav_at(set_m_s=(0.3, 0.0)), is_left=True, most=1.0)
+    assert (thrust.left, thrust.right) == (0.0, 0.0)
+
+
+class Wall:
+    """A line across the way north, open to the east of it."""
+
+    is_active = True
+
+    def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
+        north, east = math.cos(course_rad), math.sin(course_rad)
+        if north <= 0.0:
+            return reach_m
+        way_m = (40.0 - point.north_m) / north
+        return reach_m if point.east_m + way_m * east > 15.0 else min(way_m, reach_m)
+
+
+def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
+    demand = lee_demand(nav_at(set_m_s=(0.8, 0.0)), Wall(), 0.35)
+    north = 0.8 + 0.35 * math.cos(demand.heading_rad)
+    east = 0.35 * math.sin(demand.heading_rad)
+    assert 40.0 / north * east > 15.0
+    through = demand.speed_m_s - 0.8 * math.cos(demand.heading_rad)
+    assert through == pytest.approx(0.35)
+
+
+def test_with_room_all_round_it_points_into_the_set() -> None:
+    demand = lee_demand(nav_at(set_m_s=(0.0, -0.8)), Wall(), 0.35)
+    assert demand.heading_rad == pytest.approx(math.pi / 2.0)
