@@ -9,24 +9,22 @@ water costs two comparisons.
 import math
 from collections import deque
 from enum import IntEnum
-from typing import NamedTuple
 
 from msgspec.structs import replace
 
 from companion.config import BoatConfig
 from companion.control.speed import feed_forward
-from companion.geo import Point, bearing_rad, distance_m
+from companion.geo import Point, distance_m
 from companion.guidance.clear_water import Bounds
-from companion.guidance.detour import STARBOARD, Detour, choose_side, open_course_rad
+from companion.guidance.detour import STARBOARD, Detour
 from companion.guidance.passing import STRAIGHT_ON, choose_passing
 from companion.guidance.scene import HULL, Scene
-from companion.guidance.way_ahead import way_ahead
+from companion.guidance.tries import Tries
 from companion.sensors.lookout import Lookout
 from companion.state import Demand, NavState
 from companion.units import wrap_pi
 from companion.vehicle.intent import (
     Drive,
-    FollowCircle,
     FollowLeg,
     HoldCourse,
     HoldHeading,
@@ -42,14 +40,6 @@ _FREE = 1.1  # times the margin must be free on the way for a detour to end
 _MEMORIES = 3.0  # of the sight: how far ahead a detour's end is looked for
 _LEAVES = 1.0  # sights must be free for that
 _BACKS_S = 4.0  # longest time astern
-_FAR_M = 1000.0  # where a course leads to
-_LOOK_S = 0.8  # until the sweep comes by again
-_TURNS_S = 2.0  # what a sharp turn takes
-_HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
-_MOST_HITS = 8
-_SAME_PLACE = 4.0  # margins: a new beginning so near an old one is of the same thing
-_SAME_SPOT = 1.5  # and so near, without progress in between, it has led round in a circle
-_GAIN = 0.3  # of the margin: as much nearer to the goal counts as progress
 _HALTS = 0.25  # margins from the distance to keep, the boat has stopped
 _WAKE_POINTS = 24
 _WAKE_STEP = 0.5  # of the margin
@@ -65,14 +55,6 @@ class Stage(IntEnum):
     PASSING = 4  # turns aside from something that moves, or lets it pass
 
 
-class _Hit(NamedTuple):
-    """Where a detour began, on which side, and how far from its goal."""
-
-    place: Point
-    side: int
-    to_goal_m: float
-
-
 class Avoidance:
     """stage says what it does; limit_m_s and astern_m_s how fast the boat may go; what there is to say goes
     to `notices`.
@@ -83,11 +65,12 @@ class Avoidance:
         "_detour",
         "_due_s",
         "_given",
-        "_hits",
         "_instead",
         "_notices",
         "_passing",
         "_retry_s",
+        "_station",
+        "_tries",
         "_wake",
         "astern_m_s",
         "limit_m_s",
@@ -99,7 +82,7 @@ class Avoidance:
         self.limit_m_s = self.astern_m_s = math.inf
         self._notices = notices
         self._detour: Detour | None = None
-        self._hits: list[_Hit] = []  # of this goal
+        self._tries = Tries()
         self._wake: deque[Point] = deque(maxlen=_WAKE_POINTS)  # where the boat has come along
         self._given: Intent | None = None
         self._instead: Intent | None = None
@@ -107,13 +90,14 @@ class Avoidance:
         self._passing = STRAIGHT_ON
         self._back_s = 0.0
         self._retry_s = 0.0
+        self._station: KeepStation | None = None  # while it is blocked
 
     def reset(self) -> None:
         """Forget what it was doing."""
         self.stage, self.limit_m_s, self.astern_m_s = Stage.CLEAR, math.inf, math.inf
         self._detour = self._given = self._instead = None
         self._passing = STRAIGHT_ON
-        self._hits.clear()
+        self._tries.forget()
 
     def update(
         self,
@@ -139,7 +123,7 @@ class Avoidance:
         if now_s >= self._due_s or type(intent) is not type(self._given):
             self._due_s = now_s + PERIOD_S
             if not _is_same_goal(intent, self._given):
-                self._hits.clear()
+                self._tries.forget()
                 self._detour, self.stage = None, Stage.CLEAR
             self._given = intent
             scene = Scene(intent, nav, config, lookout, bounds, now_s)
@@ -168,7 +152,7 @@ class Avoidance:
     def _hold_speed(self, scene: Scene, lookout: Lookout) -> None:
         """How fast the boat may go, whatever it sails: it can stop before what it is going for."""
         heading = scene.nav.heading_rad
-        self.limit_m_s = _sighted_m_s(scene, lookout)
+        self.limit_m_s = scene.sighted_m_s(lookout)
         room_m = scene.motion_m()
         if room_m < math.inf:
             self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(room_m))
@@ -191,7 +175,8 @@ class Avoidance:
             self.limit_m_s = min(self.limit_m_s, max(allowed, guidance.min_speed_m_s))
         free_m = scene.way_m(scene.solid)
         if free_m == math.inf:
-            return None
+            is_shut_in = scene.motion_m() < math.inf
+            return scene.stop() if is_shut_in and scene.must_stop_to_turn(scene.wanted(None)[0]) else None
         if not scene.config.avoidance.goes_round or isinstance(scene.intent, HoldTurn):
             return self._halt(scene, free_m)
         return self._begin(scene)
@@ -203,7 +188,7 @@ class Avoidance:
             if self.stage is Stage.PASSING:
                 self.stage = Stage.CLEAR
             return instead
-        course, speed = _wanted(scene, instead)
+        course, speed = scene.wanted(instead)
         self._passing = choose_passing(scene, course, speed, self._passing)
         turn, pace = self._passing
         if self._passing == STRAIGHT_ON:
@@ -217,66 +202,42 @@ class Avoidance:
             return scene.stop()
         return HoldCourse(wrap_pi(course + turn), pace * speed)
 
-    def _begin(self, scene: Scene) -> Intent:
+    def _begin(self, scene: Scene) -> Intent | None:
         """The way is shut: choose a side to pass on."""
-        goal = _goal(scene)
-        chosen = self._choose(scene, goal)
-        if chosen is None:
+        told = self._tries.last_side
+        detour = self._tries.begin(scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m)
+        if detour is None:
             return self._give_up(scene)
-        side, course = chosen
-        if not self._hits or self._hits[-1].side != side:
-            self._tell(Severity.INFO, f"Obstacle: going round to {_name(side)}")
-        del self._hits[: -(_MOST_HITS - 1)]
-        self._hits.append(_Hit(scene.here, side, distance_m(scene.here, goal)))
-        self._detour = Detour(scene.here, goal, side, course)
-        self.stage = Stage.ROUND
-        return self._sail_round(scene, self._detour)
-
-    def _choose(self, scene: Scene, goal: Point) -> tuple[int, float] | None:
-        """Side and course. A side that has brought the boat nearer is kept, one that has not is given up."""
-        here, reach_m = scene.here, _SAME_PLACE * scene.margin_m
-        wanted, to_goal_m = bearing_rad(here, goal), distance_m(here, goal)
-        near = [hit for hit in self._hits if distance_m(hit.place, here) < reach_m]
-        if not near:
-            return choose_side(scene.water, wanted, scene.sight_m)
-        tried = {
-            hit.side
-            for hit in near
-            if hit.to_goal_m - to_goal_m < _GAIN * scene.margin_m
-            and distance_m(hit.place, here) < _SAME_SPOT * scene.margin_m
-        }
-        for side in (near[-1].side, -near[-1].side):
-            if side not in tried:
-                course = open_course_rad(scene.water, wanted, side, scene.sight_m)
-                if course is not None:
-                    return side, course
-        return None
+        if detour.side != told:
+            self._tell(Severity.INFO, f"Obstacle: going round to {_name(detour.side)}")
+        self._detour, self.stage = detour, Stage.ROUND
+        return self._sail_round(scene, detour)
 
     def _go_on(self, scene: Scene, detour: Detour) -> Intent | None:
         """Under way round something."""
         here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
         detour.advance(here, margin_m)
         free_m = scene.way_m(scene.things, _FREE, _MEMORIES)
-        if free_m > _LEAVES * scene.sight_m and detour.has_gained(here, free_m, _GAIN * margin_m):
+        if free_m > _LEAVES * scene.sight_m and detour.has_gained(here, free_m, margin_m):
+            if scene.must_stop_to_turn(scene.wanted(None)[0]):
+                return scene.stop()
+            self._tries.roamed_m += detour.length_m
             self.stage, self._detour = Stage.CLEAR, None
             return None
-        if detour.length_m > setting.detour_m or detour.is_round(here, 2.0 * margin_m):
+        if self._tries.roamed_m + detour.length_m > setting.detour_m or detour.is_round(here, 2.0 * margin_m):
             return self._give_up(scene)
         if not detour.steer(here, scene.things, scene.water, scene.sight_m):
-            if any(hit.side == -detour.side for hit in self._hits):
+            if self._tries.has_taken(-detour.side):
                 return self._give_up(scene)
             detour.turn_back()
-            self._hits.append(_Hit(here, detour.side, distance_m(here, detour.goal)))
+            self._tries.take(here, detour.side, detour.goal)
             if not detour.steer(here, scene.things, scene.water, scene.sight_m):
                 return self._give_up(scene)
             self._tell(Severity.INFO, f"Obstacle: turns to {_name(detour.side)}")
         return self._sail_round(scene, detour)
 
     def _sail_round(self, scene: Scene, detour: Detour) -> Intent:
-        """The detour's course; astern where something is right ahead; stopped first where the turn is sharp.
-
-        A boat that turns on the spot has no thrust left to brake with.
-        """
+        """The detour's course; astern where something is right ahead; stopped before a sharp turn."""
         nav, guidance = scene.nav, scene.config.guidance
         ahead_m = scene.nearest_m(nav.heading_rad)
         is_backing = self.stage is Stage.BACK and ahead_m < scene.margin_m and scene.now_s < self._back_s
@@ -288,9 +249,8 @@ class Avoidance:
         self.stage = Stage.ROUND
         if (away_rad := scene.away_rad()) is not None:
             return HoldCourse(away_rad, guidance.min_speed_m_s)
-        speed = min(_speed_m_s(scene), math.sqrt(2.0 * guidance.corner_accel_m_s2 * scene.margin_m))
-        turn = abs(wrap_pi(scene.heading_for_rad(detour.course_rad, speed) - nav.heading_rad))
-        if turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s:
+        speed = min(scene.asked_m_s(), math.sqrt(2.0 * guidance.corner_accel_m_s2 * scene.margin_m))
+        if scene.must_stop_to_turn(scene.heading_for_rad(detour.course_rad, speed)):
             return scene.stop()
         return HoldCourse(detour.course_rad, speed)
 
@@ -298,19 +258,22 @@ class Avoidance:
         """No way round was found: until the way is open, or it is time for the next try."""
         is_open = scene.way_m(scene.things, _FREE, _MEMORIES) == math.inf
         if not is_open and scene.now_s < self._retry_s:
-            self.limit_m_s = min(self.limit_m_s, scene.config.guidance.min_speed_m_s)
-            return self._instead
+            least_m_s = scene.config.guidance.min_speed_m_s
+            self.limit_m_s = min(self.limit_m_s, least_m_s)
+            is_going_for_it = scene.speed_m_s > least_m_s and scene.motion_m() < math.inf
+            return scene.stop() if is_going_for_it else self._station
         self._tell(Severity.INFO, "Obstacle: the way is open" if is_open else "Obstacle: tries again")
-        self._hits.clear()
+        self._tries.forget()
         self.stage, self._detour = Stage.CLEAR, None
         return None
 
-    def _give_up(self, scene: Scene) -> KeepStation:
+    def _give_up(self, scene: Scene) -> Intent | None:
         """No way round: keep station where there was room, tell, and try again later."""
         self.stage, self._detour = Stage.BLOCKED, None
         self._retry_s = scene.now_s + scene.config.avoidance.retry_s
         self._tell(Severity.NOTICE, "Obstacle: no way round, keeping station")
-        return KeepStation(self._roomy(scene))
+        self._station = KeepStation(self._roomy(scene))
+        return self._wait(scene)
 
     def _halt(self, scene: Scene, free_m: float) -> Intent | None:
         """Not to go round: brake, and keep station before it until the way is open."""
@@ -319,7 +282,8 @@ class Avoidance:
             return None
         self.stage, self._retry_s = Stage.BLOCKED, math.inf
         self._tell(Severity.NOTICE, "Obstacle ahead: keeping station before it")
-        return KeepStation(scene.here)
+        self._station = KeepStation(scene.here)
+        return self._station
 
     def _keep_wake(self, scene: Scene) -> None:
         step_m = _WAKE_STEP * scene.margin_m
@@ -348,47 +312,3 @@ def _is_same_goal(intent: Intent, last: Intent | None) -> bool:
     if isinstance(intent, KeepStation) and isinstance(last, KeepStation):
         return intent.point == last.point
     return type(intent) is type(last)
-
-
-def _goal(scene: Scene) -> Point:
-    """Where the boat wants to get to."""
-    intent = scene.intent
-    if isinstance(intent, FollowLeg):
-        return intent.end
-    reach_m = _FAR_M if isinstance(intent, HoldCourse | HoldHeading) else scene.sight_m
-    return way_ahead(intent, scene.nav, scene.config, reach_m)[-1]
-
-
-def _wanted(scene: Scene, instead: Intent | None) -> tuple[float, float]:
-    """Course and speed over ground that the boat would hold now."""
-    intent = scene.intent if instead is None else instead
-    if isinstance(intent, HoldCourse):
-        return intent.course_rad, intent.speed_m_s
-    way = way_ahead(intent, scene.nav, scene.config, scene.sight_m)
-    if len(way) < 2 or (isinstance(intent, KeepStation) and distance_m(way[0], way[1]) < scene.margin_m):
-        return scene.nav.heading_rad, 0.0
-    return bearing_rad(way[0], way[1]), _speed_m_s(scene)
-
-
-def _speed_m_s(scene: Scene) -> float:
-    intent = scene.intent
-    if isinstance(intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading):
-        return abs(intent.speed_m_s)
-    return scene.config.speed.cruise_m_s
-
-
-def _sighted_m_s(scene: Scene, lookout: Lookout) -> float:
-    """The speed from which the boat stops in the water that it sees, if it is to keep to that.
-
-    v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by what a
-    following water carries the boat on while it turns.
-    """
-    config, nav = scene.config, scene.nav
-    accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
-    if not config.avoidance.by_sight:
-        return math.inf
-    seen_m = lookout.reach_m if scene.now_s - lookout.heard_s <= _HEARD_S else 0.0
-    along_m_s = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(nav.heading_rad)
-    room_m = max(seen_m - scene.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)
-    delayed = accel * (1.0 + _LOOK_S)
-    return max(math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed, least_m_s)

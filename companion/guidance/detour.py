@@ -15,7 +15,7 @@ from companion.units import wrap_pi
 
 STARBOARD, PORT = 1, -1
 _ALIKE_RAD = 0.35  # sides that differ by less are alike, and starboard it is
-_ABAFT_RAD, _AHEAD_RAD = 2.6, 0.7  # what is followed lies between these, measured from the course to its side
+_ABAFT_RAD, _AHEAD_RAD = 1.9, 0.7  # what is followed lies between these, measured from the course to its side
 _NEEDS = (1.0, 0.5, 0.25)  # of the sight: how far a course should be open, the most first
 
 
@@ -89,11 +89,14 @@ def choose_side(water: ClearWater, course_rad: float, sight_m: float) -> tuple[i
     None when neither side is open.
     """
     turns: list[tuple[float, int, float]] = []
-    for side in (STARBOARD, PORT):
-        open_rad = open_course_rad(water, course_rad, side, sight_m)
-        if open_rad is not None:
-            turn = (side * (open_rad - course_rad)) % math.tau
-            turns.append((turn - (_ALIKE_RAD if side == STARBOARD else 0.0), side, open_rad))
+    for share in _NEEDS:
+        for side in (STARBOARD, PORT):
+            open_rad = water.first_open_rad(course_rad, side, share * sight_m)
+            if open_rad is not None:
+                turn = (side * (open_rad - course_rad)) % math.tau
+                turns.append((turn - (_ALIKE_RAD if side == STARBOARD else 0.0), side, open_rad))
+        if turns:
+            break
     if not turns:
         return None
     _, side, open_rad = min(turns)

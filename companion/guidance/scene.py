@@ -11,12 +11,17 @@ from companion.guidance.way_ahead import way_ahead
 from companion.sensors.lookout import Lookout
 from companion.sensors.track import Track
 from companion.state import NavState
-from companion.vehicle.intent import HoldHeading, Intent
+from companion.units import wrap_pi
+from companion.vehicle.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, Intent, KeepStation
 
 WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new beginning
 HULL = 0.6  # of the margin: nearer than this ahead the boat stops
 _DRIFT_S = 0.8  # a boat that turns is carried along by the water for so long before it holds against it
 _STILL_SHARE = 0.4  # of the slowest speed with steerage way: a set as small as that is none
+_FAR_M = 1000.0  # where a course leads to
+_LOOK_S = 0.8  # until the sweep comes by again
+_TURNS_S = 2.0  # what a sharp turn takes
+_HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
 _CONE = 0.7  # cosine of 45°
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
 
@@ -92,6 +97,12 @@ class Scene:
         """The speed that the boat can lose in some room."""
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, self.config.guidance)
 
+    def must_stop_to_turn(self, heading_rad: float) -> bool:
+        """Whether to take the way off first: turning on the spot leaves no thrust to brake with."""
+        nav, guidance = self.nav, self.config.guidance
+        turn = abs(wrap_pi(heading_rad - nav.heading_rad))
+        return turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s
+
     def stop(self) -> HoldHeading:
         """Take the way off. Where the water sets, only a bow that points into the set can hold against it."""
         nav, set_m_s = self.nav, math.hypot(self.nav.set_north_m_s, self.nav.set_east_m_s)
@@ -134,3 +145,43 @@ class Scene:
             if distance < nearest and north * ahead_n + east * ahead_e > _CONE * distance:
                 nearest = distance
         return nearest
+
+    def goal(self) -> Point:
+        """Where the boat wants to get to."""
+        if isinstance(self.intent, FollowLeg):
+            return self.intent.end
+        reach_m = _FAR_M if isinstance(self.intent, HoldCourse | HoldHeading) else self.sight_m
+        return way_ahead(self.intent, self.nav, self.config, reach_m)[-1]
+
+    def wanted(self, instead: Intent | None) -> tuple[float, float]:
+        """Course and speed over ground that the boat would hold now. instead: of the intent, if not None."""
+        intent = self.intent if instead is None else instead
+        if isinstance(intent, HoldCourse):
+            return intent.course_rad, intent.speed_m_s
+        way = way_ahead(intent, self.nav, self.config, self.sight_m)
+        if len(way) < 2 or (isinstance(intent, KeepStation) and distance_m(way[0], way[1]) < self.margin_m):
+            return self.nav.heading_rad, 0.0
+        return bearing_rad(way[0], way[1]), self.asked_m_s()
+
+    def asked_m_s(self) -> float:
+        """The speed asked for."""
+        if isinstance(self.intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading):
+            return abs(self.intent.speed_m_s)
+        return self.config.speed.cruise_m_s
+
+    def sighted_m_s(self, lookout: Lookout) -> float:
+        """The speed from which the boat stops in the water that it sees, if it is to keep to that.
+
+        v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by
+        what a following water carries the boat on while it turns.
+        """
+        config, nav = self.config, self.nav
+        accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
+        if not config.avoidance.by_sight:
+            return math.inf
+        seen_m = lookout.reach_m if self.now_s - lookout.heard_s <= _HEARD_S else 0.0
+        ahead_n, ahead_e = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        along_m_s = nav.set_north_m_s * ahead_n + nav.set_east_m_s * ahead_e
+        room_m = max(seen_m - self.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)
+        delayed = accel * (1.0 + _LOOK_S)
+        return max(math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed, least_m_s)

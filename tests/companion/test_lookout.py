@@ -1,0 +1,109 @@
+import math
+
+import msgspec
+import pytest
+from boat_rig import nav_at
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.geo import Point, distance_m
+from companion.sensors.lookout import Lookout
+from companion.sensors.occupancy import SUSPECT
+from companion.sensors.readings import SonarReading
+from companion.settings.avoidance import Avoidance
+from companion.state import NavState
+
+SETTING = Avoidance()
+
+
+def ping(time_s: float = 0.0, bearing_rad: float = 0.0, range_m: float | None = 3.0) -> SonarReading:
+    return SonarReading(time_s, bearing_rad, range_m)
+
+
+def seen_from(
+    nav: NavState, *pings: SonarReading, now_s: float = 0.0, setting: Avoidance = SETTING
+) -> Lookout:
+    lookout = Lookout(setting)
+    lookout.take([(one, None) for one in pings], nav, setting, now_s)
+    return lookout
+
+
+def test_an_echo_is_put_where_the_boat_was_and_pointed() -> None:
+    nav = msgspec.structs.replace(nav_at(10.0, 5.0), heading_rad=math.pi / 2)
+    (thing, *_) = seen_from(nav, ping(bearing_rad=math.pi / 2)).suspects(0.0)
+    assert distance_m(thing, Point(7.0, 5.0)) < 0.5
+
+
+def test_a_ping_is_taken_back_to_the_time_it_was_sent() -> None:
+    nav = msgspec.structs.replace(nav_at(10.0), north_m_s=2.0, surge_m_s=2.0)
+    things = seen_from(nav, ping(time_s=0.0, range_m=3.0), now_s=0.5).suspects(0.5)
+    assert max(abs(thing.north_m - 12.0) for thing in things) < 0.3
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        ping(range_m=math.nan),
+        ping(range_m=-1.0),
+        ping(bearing_rad=math.nan),
+        ping(bearing_rad=math.inf),
+        ping(time_s=math.nan),
+        ping(time_s=5.0),
+        ping(time_s=-5.0),
+        SonarReading(0.0, 0.0, 1.0, 0.02, math.nan),
+    ],
+)
+def test_pings_that_cannot_be_are_dropped_and_counted(bad: SonarReading) -> None:
+    lookout = seen_from(nav_at(), bad)
+    assert lookout.dropped == 1
+    assert lookout.is_empty
+
+
+def test_a_boat_that_does_not_know_where_it_is_puts_nothing_on_the_map() -> None:
+    assert seen_from(nav_at(age_s=10.0), ping()).is_empty
+    lost = Lookout(SETTING)
+    lost.take([(ping(), None)], None, SETTING, 0.0)
+    assert lost.is_empty
+    assert lost.dropped == 1
+
+
+def test_what_is_beyond_the_lookahead_is_left_alone() -> None:
+    near = msgspec.structs.replace(SETTING, lookahead_m=2.0)
+    assert seen_from(nav_at(), ping(range_m=3.0), setting=near).is_empty
+    assert not seen_from(nav_at(), ping(range_m=1.9), setting=near).is_empty
+
+
+def test_another_margin_begins_another_map() -> None:
+    lookout = seen_from(nav_at(), ping())
+    wider = msgspec.structs.replace(SETTING, margin_m=2.0)
+    lookout.take([], nav_at(), wider, 0.1)
+    assert lookout.is_empty
+
+
+def test_what_lies_far_behind_is_forgotten_in_time() -> None:
+    lookout = seen_from(nav_at(), ping())
+    lookout.take([(ping(2.0, range_m=None), None)], nav_at(100.0, time_s=2.0), SETTING, 2.0)
+    assert lookout.is_empty
+
+
+@given(
+    st.lists(
+        st.builds(
+            SonarReading,
+            time_s=st.floats(),
+            bearing_rad=st.floats(),
+            range_m=st.none() | st.floats(),
+            min_range_m=st.floats(),
+            max_range_m=st.floats(),
+        ),
+        max_size=20,
+    ),
+    st.none() | st.floats(),
+)
+def test_whatever_a_ranger_says_the_map_stays_sane(
+    pings: list[SonarReading], width_rad: float | None
+) -> None:
+    lookout = Lookout(SETTING)
+    lookout.take([(one, width_rad) for one in pings], nav_at(), SETTING, 0.0)
+    for thing in lookout.occupancy.things(0.0, SUSPECT):
+        assert distance_m(Point(0.0, 0.0), thing) <= SETTING.lookahead_m + 1.0

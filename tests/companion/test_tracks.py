@@ -1,0 +1,122 @@
+"""Followed things, from beams that this file sends itself: a boat that sees discs, still or moving."""
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from companion.geo import Point
+from companion.sensors.occupancy import Beam, Occupancy
+from companion.sensors.track import Track
+from companion.sensors.tracks import LOST_S, MAX_TRACKS, Tracks
+from sitl.sensors.sampling import generator
+
+WIDTH_RAD = math.radians(15.0)
+RADIUS_M = 0.4
+Path = Callable[[float], Point]
+
+
+def sweep_rad(number: int) -> float:
+    """To and fro over 180° in steps of 15°."""
+    step = number % 24
+    return math.radians(-90.0 + 15.0 * (step if step <= 12 else 24 - step))
+
+
+def echo_m(eye: Point, bearing_rad: float, centre: Point) -> float:
+    """What a beam hears of a disc: the nearest of three rays."""
+    nearest = math.inf
+    for side in (-1.0, 0.0, 1.0):
+        ray = bearing_rad + 0.5 * side * WIDTH_RAD
+        north, east = centre.north_m - eye.north_m, centre.east_m - eye.east_m
+        along = north * math.cos(ray) + east * math.sin(ray)
+        across = east * math.cos(ray) - north * math.sin(ray)
+        if along > 0.0 and abs(across) < RADIUS_M:
+            nearest = min(nearest, along - math.sqrt(RADIUS_M**2 - across**2))
+    return nearest if nearest <= 4.0 else math.inf
+
+
+def follow(thing: Path, boat: Path, seconds: float, seed: int = 1) -> tuple[Tracks, list[bool]]:
+    """Look out for so long; the tracks, and whether anything was taken for a mover at each look."""
+    tracks, occupancy, noise = Tracks(1.0), Occupancy(0.2, 25.0), generator(seed, "tracks")
+    moved = []
+    for number in range(round(seconds / 0.06)):
+        now_s = 0.06 * number
+        eye, bearing = boat(now_s), sweep_rad(number)
+        range_m = echo_m(eye, bearing, thing(now_s)) + noise.gauss(0.0, 0.01)
+        beam = Beam(now_s, eye, bearing, WIDTH_RAD, range_m, 4.0)
+        occupancy.add(beam)
+        tracks.add(beam, occupancy)
+        moved.append(bool(tracks.movers(now_s)))
+    return tracks, moved
+
+
+def still(north_m: float, east_m: float) -> Path:
+    return lambda now_s: Point(north_m, east_m)
+
+
+def moving(north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> Path:
+    return lambda now_s: Point(north_m + north_m_s * now_s, east_m + east_m_s * now_s)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("east_m", [-2.0, -0.9, 0.9, 2.0])
+def test_a_rock_that_the_boat_sails_past_stands_still(east_m: float, seed: int) -> None:
+    _, moved = follow(still(4.0, east_m), moving(0.0, 0.0, 0.9, 0.0), 6.0, seed)
+    assert not any(moved)
+
+
+def test_what_comes_towards_a_boat_at_rest_moves_and_approaches() -> None:
+    tracks, moved = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 5.0)
+    assert moved[-1]
+    (mover,) = tracks.movers(5.0)
+    assert mover.north_m_s == pytest.approx(-0.5, abs=3.0 * max(mover.speed_sigma_m_s, 0.05))
+    assert mover.closing_m_s(Point(0.0, 0.0), 0.0, 0.0, 5.0) > 0.3
+    assert mover.distance_m(Point(0.0, 0.0), 5.0) == pytest.approx(4.4 - 2.5 - RADIUS_M, abs=0.3)
+
+
+def test_what_goes_ahead_faster_than_the_boat_recedes() -> None:
+    tracks, moved = follow(moving(1.5, 0.0, 0.5, 0.0), still(0.0, 0.0), 4.5)
+    assert moved[-1]
+    (mover,) = tracks.movers(4.5)
+    assert mover.closing_m_s(Point(0.0, 0.0), 0.0, 0.0, 4.5) < -0.3
+
+
+def test_its_speed_is_told_with_an_honest_doubt() -> None:
+    errors = []
+    for seed in range(10):
+        tracks, _ = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 4.0, seed)
+        track = tracks.all[0]
+        errors.append((track.speed_m_s - 0.5) / track.speed_sigma_m_s)
+    assert max(abs(error) for error in errors) < 3.0
+
+
+def test_a_long_shore_is_not_followed() -> None:
+    tracks, occupancy = Tracks(1.0), Occupancy(0.2, 25.0)
+    for number in range(48):
+        bearing = sweep_rad(number)
+        range_m = 2.0 / math.cos(bearing) if abs(bearing) < 1.0 else math.inf
+        tracks.add(Beam(0.06 * number, Point(0.0, 0.0), bearing, WIDTH_RAD, range_m, 4.0), occupancy)
+    assert tracks.all == []
+
+
+def test_what_is_out_of_sight_for_long_is_forgotten() -> None:
+    tracks, _ = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 4.0)
+    assert tracks.movers(4.0)
+    assert tracks.movers(4.0 + 2.0 * LOST_S) == []
+    assert tracks.all == []
+
+
+def test_there_are_never_more_tracks_than_there_is_room_for() -> None:
+    tracks, occupancy = Tracks(0.05), Occupancy(0.2, 25.0)
+    for number in range(200):
+        bearing = 0.5 * number
+        beam = Beam(0.06 * number, Point(3.0 * number, 0.0), bearing, WIDTH_RAD, 2.0, 4.0)
+        tracks.add(beam, occupancy)
+    assert 0 < len(tracks.all) <= MAX_TRACKS
+
+
+def test_doubt_about_the_place_grows_with_time() -> None:
+    track = Track(1, 0.0, Point(2.0, 0.0), 0.3)
+    track.correct(Point(2.0, 0.0), 1.0, 0.0, 0.05)
+    track.correct(Point(2.0, 0.0), 0.0, 1.0, 0.3)
+    assert track.sigma_m(0.0) < track.sigma_m(1.0) < track.sigma_m(3.0)
