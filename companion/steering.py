@@ -56,6 +56,8 @@ class Steering:
     def begin_anew(self) -> None:
         """Forget what was steered for, after something has gone wrong in it."""
         self._pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
+        self.avoidance.reset()
+        self.lookout.occupancy.clear()
         self.rest()
 
     def rest(self) -> None:

@@ -120,6 +120,9 @@ class Avoidance:
             if self._given is not None:
                 self.reset()
             return intent
+        if self.stage is Stage.CLEAR and not setting.by_sight and not lookout.is_near(nav.point):
+            self.limit_m_s = self.astern_m_s = math.inf
+            return intent
         if now_s >= self._due_s or type(intent) is not type(self._given):
             self._due_s = now_s + PERIOD_S
             if not _is_same_goal(intent, self._given):

@@ -42,6 +42,10 @@ class Lookout:
         """Whether nothing at all is known to be there. What moves leaves its echoes on the map as well."""
         return len(self.occupancy) == 0
 
+    def is_near(self, at: Point) -> bool:
+        """Whether anything is known to be within sight of a place."""
+        return not self.is_empty and self.occupancy.is_near(at, self.reach_m + self._setting.margin_m)
+
     def take(
         self,
         pings: Sequence[tuple[SonarReading, float | None]],
@@ -52,9 +56,15 @@ class Lookout:
         """Take the tick's pings, each with the width of its beam in rad; None is the boat's own ranger's."""
         if setting is not self._setting:
             self._change(setting)
+        is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > STALE_POSE_S
         for ping, width_rad in pings:
+            if ping.range_m is None and self.is_empty and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
+                reach_m = min(ping.max_range_m, setting.lookahead_m)  # silence over open water, as mostly
+                if reach_m > 0.0 and not is_lost:
+                    self.reach_m, self.heard_s = reach_m, ping.time_s
+                    continue
             beam = None
-            if nav is not None and max(nav.position_age_s, nav.heading_age_s) <= STALE_POSE_S:
+            if nav is not None and not is_lost:
                 beam = _beam(ping, width_rad or setting.beam_rad, nav, setting, now_s)
             if beam is None:
                 self.dropped += 1

@@ -20,6 +20,7 @@ _DOUBTS = -1.0  # what a cell that was seen through goes on with before it is fo
 _THROUGH = 1.0  # looks that an echo from beyond takes away
 _SILENCE = 0.5  # and a beam without an echo: a smooth wall met at an angle sends none back
 _CORE = 0.7  # of the beam: at its edges it is weak
+_SECOND_LOOK_S = 3.0  # what stands there is seen again in the next sweep or two
 MAX_CELLS = 600
 
 
@@ -106,6 +107,14 @@ class Occupancy:
             if cell.looks - (now_s - cell.seen_s) / fade_s >= least
         ]
 
+    def is_near(self, at: Point, reach_m: float) -> bool:
+        """Whether anything at all was seen within reach_m to either side of a place."""
+        north_m, east_m = at
+        for cell in self._cells.values():
+            if abs(cell.north_m - north_m) < reach_m and abs(cell.east_m - east_m) < reach_m:
+                return True
+        return False
+
     def forget(self, at: Point, reach_m: float, now_s: float) -> None:
         """Drop what has faded, and what lies farther than reach_m from a place."""
         gone = [
@@ -114,6 +123,7 @@ class Occupancy:
             if abs(cell.north_m - at.north_m) > reach_m
             or abs(cell.east_m - at.east_m) > reach_m
             or abs(cell.looks) <= (now_s - cell.seen_s) / self._fade_s
+            or (cell.looks < SOLID and now_s - cell.seen_s > _SECOND_LOOK_S)
         ]
         for key in gone:
             del self._cells[key]

@@ -100,8 +100,8 @@ class Track:
         )
 
     def point(self, now_s: float) -> Point:
-        """Where it is, or will be."""
-        ahead_s, state = now_s - self._time_s, self._state
+        """Where it is, or will be; what is not known to move is where it was seen."""
+        ahead_s, state = now_s - self._time_s if self.is_mover else 0.0, self._state
         return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
 
     def distance_m(self, boat: Point, now_s: float) -> float:

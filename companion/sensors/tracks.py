@@ -46,13 +46,17 @@ class Tracks:
         if is_echo:
             self._group.append(beam)
 
-    def movers(self, now_s: float) -> list[Track]:
-        """What is known to move, and was seen of late."""
+    def known(self, now_s: float) -> list[Track]:
+        """What was seen of late, and more than once."""
         if not self.all:
             return []
         if any(now_s - track.seen_s > LOST_S for track in self.all):
             self.all = [track for track in self.all if now_s - track.seen_s <= LOST_S]
-        return [track for track in self.all if track.is_mover]
+        return [track for track in self.all if track.looks > 1]
+
+    def movers(self, now_s: float) -> list[Track]:
+        """What is known to move."""
+        return [track for track in self.known(now_s) if track.is_mover] if self.all else []
 
     def _is_neighbour(self, last: Beam, beam: Beam) -> bool:
         """Whether two echoes are of one thing: beams side by side, ranges alike."""

@@ -53,10 +53,11 @@ def _remembered_cm(now: Snapshot) -> dict[int, int]:
 def obstacle_distance_3d(now: Snapshot) -> Message | None:
     """The nearest thing that is followed, ahead and to starboard of the boat, with its own number."""
     lookout, nav = now.lookout, now.nav
-    if lookout is None or nav is None or not lookout.tracks.all:
+    known = [] if lookout is None else lookout.tracks.known(now.now_s)
+    if lookout is None or nav is None or not known:
         return None
     here = nav.point
-    track = min(lookout.tracks.all, key=lambda one: one.distance_m(here, now.now_s))
+    track = min(known, key=lambda one: one.distance_m(here, now.now_s))
     at: Point = track.point(now.now_s)
     north, east = at.north_m - here.north_m, at.east_m - here.east_m
     c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
