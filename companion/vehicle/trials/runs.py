@@ -16,6 +16,7 @@ from companion.vehicle.trials.fitting import Fit
 from companion.vehicle.trials.trial import Sight, Step, TrialError, aim
 
 START_SHARE: Final = 0.6  # of the radius: where a run begins
+END_SHARE: Final = 0.88  # of it: where a boat that has ended a run, and turns about, is to stop
 _GOING_S: Final = 180.0
 _LONGEST_S: Final = 120.0
 _STEADY_SHARE: Final = 0.4  # of a run, its last part
@@ -112,11 +113,11 @@ def over_ground(sight: Sight) -> tuple[float, float]:
 
 
 def has_room(sight: Sight, heading_rad: float) -> bool:
-    """Whether the boat can go on that way, and still stop within the radius."""
+    """Whether the boat can go on that way, and still stop well within the radius."""
     nav, c, s = sight.nav, math.cos(heading_rad), math.sin(heading_rad)
     north, east = nav.north_m - sight.centre.north_m, nav.east_m - sight.centre.east_m
     along, across = c * north + s * east, c * east - s * north
-    room_m = math.sqrt(max(sight.radius_m**2 - across**2, 0.0)) - along
+    room_m = math.sqrt(max((END_SHARE * sight.radius_m) ** 2 - across**2, 0.0)) - along
     speed = max(c * nav.north_m_s + s * nav.east_m_s, 0.0)
     handling, guidance = sight.config.handling, sight.config.guidance
     stop_m = speed * handling.surge_time_s + speed * speed / (2.0 * guidance.accel_m_s2)
