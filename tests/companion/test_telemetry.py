@@ -63,6 +63,7 @@ def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
     silent = (
         dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
         dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,
+        dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE_3D,
         dialect.MAVLINK_MSG_ID_FENCE_STATUS,
     )
     for message_id, builder in BUILDERS.items():
