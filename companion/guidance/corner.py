@@ -15,7 +15,7 @@ from companion.guidance.speed_profile import TURN_SHARE, corner_speed_m_s, leg_s
 from companion.guidance.stemming import COASTING_SHARE, Stemming, stemming, stemming_radius_m
 from companion.units import clamp, wrap_pi
 
-CIRCLE_SHARE = 0.6  # of the waypoint's radius: how near the corner the arc must pass
+CIRCLE_SHARE = 0.45  # of the waypoint's radius: how near the corner the arc must pass
 LEG_SHARE = 0.5  # of either leg that the arc may take
 SHARPEST_RAD = 2.4  # a sharper one is turned on the spot
 LEAST_TURN_RAD = 1e-3  # less is no corner

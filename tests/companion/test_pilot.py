@@ -109,7 +109,7 @@ def test_the_arc_is_laid_wider_once_a_set_from_astern_is_known() -> None:
     pilot = Pilot()
     far = replace(NORTHBOUND, north_m=40.0)
     _demand(pilot, CORNER, far)
-    at = replace(NORTHBOUND, north_m=96.5, set_north_m_s=0.5)
+    at = replace(NORTHBOUND, north_m=97.3, north_m_s=1.0, surge_m_s=1.0, set_north_m_s=0.5)
     assert _demand(pilot, CORNER, replace(at, set_north_m_s=0.0)).yaw_rate_rad_s == 0.0
     _demand(pilot, CORNER, replace(far, set_north_m_s=0.5))
     assert _demand(pilot, CORNER, at).yaw_rate_rad_s > 0.0
