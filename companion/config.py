@@ -56,13 +56,15 @@ class Identity(Section, frozen=True):
 class Heading(Section, frozen=True):
     """Heading PID in the paper's form, Gc = Kp (1 + 1/(Ti s) + Td s), given as Kp, Ki = Kp/Ti, Kd = Kp Td.
 
-    Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad.
+    Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad. So from cruise
+    speed on; at rest in the water all are slow_gain times as high, in between in proportion.
     """
 
     kp: NonNegative = 4.0
     ki: NonNegative = 0.15
     kd: NonNegative = 3.0
     max_steering: Share = 1.0
+    slow_gain: Annotated[float, Meta(ge=0.2, le=5.0)] = 1.0  # 1: the same gains at every speed
 
 
 class Speed(Section, frozen=True):

@@ -19,6 +19,7 @@ def _tuning() -> list[Row]:
         Row("HDG_KP", _REAL, "Heading PID: share of full steering per radian of error", "heading.kp", low=0, high=50),
         Row("HDG_KI", _REAL, "Heading PID: integral gain, Kp/Ti", "heading.ki", low=0, high=50),
         Row("HDG_KD", _REAL, "Heading PID: derivative gain on the measured yaw rate, Kp Td", "heading.kd", low=0, high=50),
+        Row("HDG_SLOW_GAIN", _REAL, "Heading PID: its gains at rest, times those at cruise speed", "heading.slow_gain", low=0.2, high=5),
         Row("HDG_STR_MAX", _REAL, "Largest share of differential thrust for steering", "heading.max_steering", low=0, high=1),
         Row("CRUISE_SPEED", _REAL, "Speed over ground in AUTO, GUIDED and RTL", "speed.cruise_m_s", unit="m/s", low=0.001, high=20),
         Row("CRUISE_THROTTLE", _REAL, "Throttle that holds cruise speed in still water", "speed.cruise_throttle", scale=100.0, unit="%", low=0, high=100),

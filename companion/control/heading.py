@@ -1,4 +1,12 @@
-"""The heading loop: a PID from heading error to a share of full differential thrust."""
+"""The heading loop: a PID from heading error to a share of full differential thrust.
+
+Its gains are scheduled by speed. To steering u a hull answers as T ṙ + r = K u (Nomoto's first order; T.
+I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, chapter 7), and poles
+placed at ω and ζ (the same, chapter 15) take Kp = ω² T/K and Kd = (2 ζ ω T − 1)/K. On two thrusters it
+is K/T, the angular acceleration that steering gives, that changes with speed: thrust grows with the square of
+the shaft's speed, so about a low throttle the same difference of the two sides gives less of it. The damping
+1/T changes little. Hence all gains go with T/K, which falls from rest to cruise speed and is level beyond.
+"""
 
 from companion.config import Heading
 from companion.control.pid import Pid
@@ -27,19 +35,20 @@ class HeadingControl:
         dt_s: float,
         demand_rate_rad_s: float = 0.0,
         feed_forward: float = 0.0,
+        schedule: float = 1.0,
     ) -> PidOutput:
         """Steering share, −max_steering..max_steering, positive to starboard.
 
         Angles are from north, clockwise; yaw_rate_rad_s is the measured rate, clockwise positive.
         demand_rate_rad_s: how fast the demand itself turns, which the derivative then does not brake.
-        feed_forward: the steering that such a turn takes.
+        feed_forward: the steering that such a turn takes. schedule: what the gains are multiplied by.
         """
         limit = setting.max_steering
         base = clamp(feed_forward, -limit, limit)
         return self._pid.update(
-            setting.kp,
-            setting.ki,
-            setting.kd,
+            schedule * setting.kp,
+            schedule * setting.ki,
+            schedule * setting.kd,
             wrap_pi(demand_rad - heading_rad),
             demand_rate_rad_s - yaw_rate_rad_s,
             dt_s,
@@ -47,3 +56,8 @@ class HeadingControl:
             limit - base,
             base,
         )
+
+
+def gain_schedule(water_m_s: float, cruise_m_s: float, slow_gain: float) -> float:
+    """What the gains at cruise speed are to be multiplied by, at a speed along the bow through the water."""
+    return 1.0 + (slow_gain - 1.0) * max(1.0 - abs(water_m_s) / cruise_m_s, 0.0)

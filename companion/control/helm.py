@@ -3,7 +3,7 @@
 import math
 
 from companion.config import BoatConfig
-from companion.control.heading import HeadingControl
+from companion.control.heading import HeadingControl, gain_schedule
 from companion.control.mixer import mix
 from companion.control.speed import SpeedControl
 from companion.state import Demand, NavState, PidOutput, Thrust
@@ -45,6 +45,9 @@ class Helm:
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
+        set_along = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(
+            nav.heading_rad
+        )
         heading = self._heading.update(
             demand.heading_rad,
             nav.heading_rad,
@@ -53,9 +56,7 @@ class Helm:
             dt_s,
             turn,
             turn / config.handling.turn_rate_rad_s if turn else 0.0,
-        )
-        set_along = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(
-            nav.heading_rad
+            gain_schedule(nav.surge_m_s - set_along, config.speed.cruise_m_s, config.heading.slow_gain),
         )
         room = 1.0 - abs(heading.total)
         speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, set_along)

@@ -62,7 +62,34 @@ def test_open_loops_forget_what_they_learned(pause: Stop | Drive) -> None:
 
 def test_new_gains_count_from_the_next_tick() -> None:
     helm = Helm()
-    before = helm.update(Demand(0.1, 0.0), STILL, with_value(CONFIG, "heading.ki", 0.0), 0.02)
+    before = helm.update(Demand(0.05, 0.0), STILL, with_value(CONFIG, "heading.ki", 0.0), 0.02)
     config = with_value(with_value(CONFIG, "heading.ki", 0.0), "heading.kp", 2.0 * CONFIG.heading.kp)
-    after = helm.update(Demand(0.1, 0.0), STILL, config, 0.02)
+    after = helm.update(Demand(0.05, 0.0), STILL, config, 0.02)
     assert after.left - after.right == pytest.approx(2.0 * (before.left - before.right))
+
+
+def test_the_heading_gains_rise_toward_rest_and_are_level_beyond_cruise() -> None:
+    config = with_value(CONFIG, "heading.slow_gain", 1.5)
+    shares = []
+    for speed in (0.0, 1.0, 2.0, 3.0):
+        helm = Helm()
+        helm.update(Demand(0.01, speed), replace(STILL, north_m_s=speed, surge_m_s=speed), config, 0.02)
+        assert helm.heading_pid is not None
+        shares.append(helm.heading_pid.p / (0.01 * config.heading.kp))
+    assert shares == pytest.approx([1.5, 1.25, 1.0, 1.0])
+
+
+def test_it_is_the_speed_through_the_water_that_counts() -> None:
+    config = with_value(CONFIG, "heading.slow_gain", 1.5)
+    helm = Helm()
+    helm.update(Demand(0.01, 2.0), replace(CRUISING, set_north_m_s=2.0), config, 0.02)
+    assert helm.heading_pid is not None
+    assert helm.heading_pid.p == pytest.approx(1.5 * 0.01 * config.heading.kp)
+
+
+def test_without_a_schedule_the_gains_are_the_same_at_every_speed() -> None:
+    config = with_value(CONFIG, "heading.slow_gain", 1.0)
+    helm = Helm()
+    helm.update(Demand(0.01, 0.0), STILL, config, 0.02)
+    assert helm.heading_pid is not None
+    assert helm.heading_pid.p == 0.01 * config.heading.kp
