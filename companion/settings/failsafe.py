@@ -47,7 +47,7 @@ class Failsafe(Section, frozen=True):
     sonar_action: ActionNumber = 0
     sonar_timeout_s: Positive = 3.0
     steering_action: MotorNumber = 8
-    motor_action: MotorNumber = 7
+    motor_action: MotorNumber = 8
     stuck_action: ClearingNumber = 7
     clearing_tries: Annotated[int, Meta(ge=1, le=10)] = 2
     headway_action: ActionNumber = 1

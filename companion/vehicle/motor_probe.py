@@ -46,6 +46,11 @@ class MotorProbe:
         """Whether only one motor is left to steer and sail with."""
         return self.left * self.right == 0
 
+    @property
+    def is_turned(self) -> bool:
+        """Whether one is driven the other way round."""
+        return self.left < 0 or self.right < 0
+
     def reset(self) -> None:
         """Both are thought to be well."""
         self.stop()

@@ -27,6 +27,7 @@ from companion.vehicle.situation import Situation
 
 _STOP = Stop()
 _RANGE_S = 1.0  # how often the charge is held against the way home
+_DRIFT_S = 30.0  # clearing the propellers, trying the motors, and getting under way again
 _LIMP_SHARE = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
@@ -93,7 +94,7 @@ class Vehicle:
         if now is not None and not lacks_position(now.nav, self.config.motors.estimate_timeout_s):
             self.conduct.record(self.mode, now)
         if self.clearing.is_running:
-            return self.clearing.intent(self._now_s)
+            return self._clear()
         if self.probe.is_running:
             return self._try_motors()
         if self.mode is Mode.MANUAL:
@@ -110,12 +111,20 @@ class Vehicle:
                 return self._end_mission(intent, now)
         return intent
 
+    def _clear(self) -> Intent:
+        intent = self.clearing.intent(self._now_s)
+        if self.probe.is_lame and not self.clearing.is_running:
+            self.probe.begin(self._now_s)  # has it helped?
+        return intent
+
     def _try_motors(self) -> Intent:
         intent = self.probe.intent(self.nav, self._now_s)
         if not self.probe.is_running:
             self.tell(Severity.WARNING, self.probe.found())
             self.failsafes.signs.lame = self.probe.fault()
-            self.failsafes.signs.motors.reset()
+            motors = self.failsafes.signs.motors
+            motors.heeds_current = self.probe.is_lame or self.probe.is_turned
+            motors.reset()
         return intent
 
     def take_notices(self) -> list[Notice]:
@@ -265,6 +274,7 @@ class Vehicle:
             self.clearing.stop()
             self.probe.reset()
             self.failsafes.signs.lame = ""
+            self.failsafes.signs.motors.heeds_current = True
             self.tell(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 
@@ -313,10 +323,14 @@ class Vehicle:
         still = ", still" if alarm.move is Move.CLIMBS else ""
         severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
         self.tell(severity, f"Failsafe: {alarm.text}{still}")
+        if action is Action.CLEAR_PROPELLERS and self.probe.is_turned:
+            action = Action.TRY_MOTORS  # what was turned round may be right again
         if action is Action.DISARM:
             self.disarm("by failsafe")
         elif does_nothing:
             return
+        elif action is Action.CLEAR_PROPELLERS and self.probe.is_lame and not self._may_drift():
+            return  # sailing with one motor is all that keeps it off
         elif action is Action.CLEAR_PROPELLERS:
             self.tell(Severity.WARNING, "Clearing the propellers")
             self.clearing.begin(self._now_s)
@@ -328,6 +342,15 @@ class Vehicle:
             self._retreat(action)
             if row.limps:
                 self.speed_m_s = _LIMP_SHARE * self.config.speed.cruise_m_s
+
+    def _may_drift(self) -> bool:
+        """Whether the water carries the boat over no line while it clears its propellers."""
+        nav = self.nav
+        if nav is None:
+            return True
+        drift_m = _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        course = math.atan2(nav.set_east_m_s, nav.set_north_m_s)
+        return self.fence.room_m(nav.point, course, drift_m) >= drift_m
 
     def _retreat(self, action: Action) -> None:
         """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""

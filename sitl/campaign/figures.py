@@ -8,6 +8,7 @@ from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
 from sitl.beliefs import Belief
 from sitl.campaign.fault_figures import fault_figures
+from sitl.campaign.inevitable import inevitable
 from sitl.courses import tracking
 from sitl.sail import Result, Sailing
 from sitl.stationing import station_figures
@@ -37,6 +38,9 @@ def figures_of(sailing: Sailing, result: Result) -> Figures:
     out.update(fault_figures(sailing))
     out["fault"] = ", ".join(f"{fault.what} {fault.kind}" for fault in sailing.scenario.faults)
     out["touches"] = len(sailing.timeline.touched)
+    why = inevitable(sailing) if sailing.timeline.touched else ""
+    out["inevitable"] = why
+    out["avoidable_touches"] = 0 if why else len(sailing.timeline.touched)
     out["late_commands"] = sailing.timeline.late_commands
     out["is_settled"] = result.completed or not _still_sails(sailing)
     environment = sailing.scenario.environment

@@ -124,13 +124,14 @@ def _runs_to_look_at(page: Page, plan: Campaign, outcomes: Sequence[Outcome], ta
         "bad" if outcome.touched or outcome.ended == "error" else "" for _, outcome, _ in odd
     ]
     page.table(
-        ("run", "ended", "fault", "touched", "why", "again"),
+        ("run", "ended", "fault", "touched", "inevitable", "why", "again"),
         [
             (
                 run.number,
                 outcome.ended,
                 row.get("fault") or "",
                 "; ".join(outcome.touched),
+                row.get("inevitable") or "",
                 outcome.why,
                 again(run),
             )

@@ -83,11 +83,13 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_w
     rig = under_way()
     begin(rig, motor)
     told(rig, f"Failsafe: {name} motor does not pull", 20.0)
-    told(rig, "Clearing the propellers", 1.0)
+    told(rig, "Trying the motors", 1.0)
+    told(rig, "Clearing the propellers", 30.0)
     rig.until(lambda: rig.boat.command.left < -0.5 and rig.boat.command.right < -0.5, 3.0)
     rig.until(lambda: rig.mode == "RTL", 120.0)
     assert sum(text == "Clearing the propellers" for text in rig.peer.texts) == 2
-    assert sum(text == "Trying the motors" for text in rig.peer.texts) == 1
+    found = [text for text in rig.peer.texts if text.endswith("does not pull") or "does not pull, r" in text]
+    assert len(found) >= 3, "tried at once, and after each clearing"
     rig.until(lambda: rig.mode == "LOITER", 120.0)
     dead = 0 if name == "Left" else 1
     for _ in range(20):
@@ -98,7 +100,7 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_w
 def test_weed_that_comes_off_lets_the_mission_go_on() -> None:
     rig = under_way()
     begin(rig, "motor_left")
-    told(rig, "Clearing the propellers", 20.0)
+    told(rig, "Clearing the propellers", 50.0)
     rig.run(4.0)
     rig.world.electronics.faults.end("motor_left")
     told(rig, "Failsafe over: motors pull again", 60.0)
@@ -118,16 +120,16 @@ def test_a_motor_that_runs_the_wrong_way_is_found_out_and_driven_the_other_way_r
     assert abs(rig.world.truth.yaw_rate_rad_s) < 0.2
     rig.world.electronics.faults.end("motor_left")
     told(rig, "Left motor pulls, right pulls", 90.0)
-    rig.run(20.0)
+    rig.run(30.0)
     assert rig.mode == "AUTO"
-    assert rig.world.truth.surge_m_s > 1.5
+    assert rig.world.truth.north_m_s > 1.0
 
 
 @pytest.mark.parametrize("motor", ["motor_left", "motor_right"])
 def test_the_operators_mode_ends_the_clearing_at_once(motor: str) -> None:
     rig = under_way()
     begin(rig, motor)
-    told(rig, "Clearing the propellers", 20.0)
+    told(rig, "Clearing the propellers", 50.0)
     rig.run(2.0)
     assert rig.set_mode(4) == OK
     rig.run(0.5)

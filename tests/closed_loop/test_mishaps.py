@@ -28,3 +28,22 @@ def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float) -
     nav = sailing.lockstep.boat.nav
     assert nav is not None
     assert not nav.faults
+
+
+def test_a_battery_monitor_that_talks_nonsense_ends_no_mission() -> None:
+    deaf = ("battery_low_v=0.0", "battery_critical_v=0.0", "range_action=0")
+    settings = [f"vehicle.failsafe.{setting}" for setting in deaf]
+    sailing, result = sail("what='battery', kind='garbage', at_s=25.0", *settings)
+    assert result.completed, said(sailing)
+
+
+def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_it() -> None:
+    slow = ("environment.current_m_s=0.2",)
+    sailing, result = sail("what='motor_left', at_s=15.0", *slow, linger_s=60.0)
+    assert not result.completed
+    assert any("Left motor does not pull" in text for text in said(sailing))
+    rows = sailing.recorder.rows
+    late = rows[rows[:, 0] > 60.0]
+    adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
+    assert adrift_m > 12.0
+    assert float(late[-1, 2] - late[0, 2]) < 0.5 * adrift_m

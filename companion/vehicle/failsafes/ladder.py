@@ -97,7 +97,9 @@ class Ladder:
         if not steps or steps[0].action is not Action.CLEAR_PROPELLERS:
             return steps[self._next] if self._next < len(steps) else None
         begun = _action(self.row.action, setting)
-        again = setting.clearing_tries - 1 if begun is Action.CLEAR_PROPELLERS else 0
+        again = 0
+        if begun in (Action.CLEAR_PROPELLERS, Action.TRY_MOTORS):
+            again = setting.clearing_tries - (begun is Action.CLEAR_PROPELLERS)
         if self._next < again:
             return steps[0]
         place = self._next - again + 1

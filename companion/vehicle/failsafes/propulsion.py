@@ -62,10 +62,12 @@ class MotorWatch:
         "_turn_rad_s",
         "_well_s",
         "fault",
+        "heeds_current",
         "is_astray",
     )
 
     def __init__(self) -> None:
+        self.heeds_current = True  # not once motors that it accused were tried, and pulled
         self._idle_a = 0.0
         self._gain_a = 0.0  # current of both motors at full command
         self._driven_s = 0.0
@@ -104,7 +106,7 @@ class MotorWatch:
         if nav is not None:
             self._look(nav, cruise_m_s, blend, dt_s)
         is_telling = is_steady and _load(left, right) >= _DRIVING
-        if battery is not None and battery.current_a is not None:
+        if self.heeds_current and battery is not None and battery.current_a is not None:
             self._weigh(left, right, battery.current_a, is_telling, dt_s)
         if fault := self._judge(left, right):
             self.fault, self._well_s = fault, 0.0

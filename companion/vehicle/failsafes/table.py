@@ -81,9 +81,9 @@ class Row(NamedTuple):
 
 
 _LONG = Step("long_timeout_s", "long_action")
-_CLEAR_AGAIN = Step(12.0, Action.CLEAR_PROPELLERS)
-_TRY = Step(12.0, Action.TRY_MOTORS)
-_LIMP_HOME = Step(10.0, Action.RTL)
+_CLEAR_AGAIN = Step(18.0, Action.CLEAR_PROPELLERS)
+_TRY = Step(15.0, Action.TRY_MOTORS)
+_LIMP_HOME = Step(15.0, Action.RTL)
 _GIVE_UP = Step(90.0, Action.LOITER_OR_HOLD)
 
 ROWS: tuple[Row, ...] = (
@@ -127,7 +127,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         Condition.MOTOR_FAILING, propulsion.motor_failing, "motor_action", "motors pull again",
-        then=(_CLEAR_AGAIN, _TRY, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
+        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
         concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
     ),
     Row(

@@ -1,0 +1,86 @@
+"""Which touches nobody could have avoided."""
+
+import numpy as np
+import pytest
+from boat_rig import scenario
+from numpy.typing import NDArray
+
+from sitl.campaign.inevitable import left_speed_m_s, survives
+from sitl.faults.catalogue import FaultSetting
+from sitl.scenario import Scenario
+from sitl.world import Truth
+
+DEAD = FaultSetting(what="motor_left", at_s=10.0)
+WATER = [[-100.0, -100.0], [100.0, -100.0], [100.0, 100.0], [-100.0, 100.0]]
+
+
+def water(*islands: list[list[float]]) -> Scenario:
+    things = ", ".join(f'{{name = "{n}", kind = "island", polygon = {at}}}' for n, at in enumerate(islands))
+    return scenario("random", f"map.water={WATER}", f"map.obstacles=[{things}]", "route.start=[0.0, -50.0]")
+
+
+Rows = NDArray[np.float64]
+
+
+def drift(current_m_s: float, seconds: float, north_m: float = 0.0) -> Rows:
+    """A boat that is carried north from 10 s on, one row a tenth of a second."""
+    rows = []
+    for n in range(round(seconds / 0.1)):
+        at_s = 0.1 * n
+        north = north_m + current_m_s * at_s
+        still = Truth(10.0 + at_s, north, *[0.0] * 5, current_m_s, *[0.0] * 3, grounded=False)
+        truth = still._replace(current_north_m_s=current_m_s, wind_north_m_s=current_m_s)
+        rows.append(tuple(map(float, truth)))
+    return np.array(rows)
+
+
+ROCK = [[-3.0, 60.0], [3.0, 60.0], [3.0, 64.0], [-3.0, 64.0]]
+BAR = [[-99.0, 60.0], [99.0, 60.0], [99.0, 64.0], [-99.0, 64.0]]
+
+
+@pytest.mark.parametrize(
+    ("current_m_s", "island", "is_avoidable"),
+    [
+        (0.4, ROCK, True),  # aside
+        (0.8, BAR, False),
+        (0.2, BAR, True),  # one motor is faster
+    ],
+)
+def test_one_motor_gets_round_a_rock_but_not_off_a_lee_shore(
+    current_m_s: float, island: list[list[float]], is_avoidable: bool
+) -> None:
+    rows = drift(current_m_s, 60.0 / current_m_s + 2.0)
+    place, until_s = water(island), float(rows[-1, 0])
+    speed_m_s = left_speed_m_s(DEAD, place)
+    assert 0.2 < speed_m_s < 0.8
+    assert survives(place, rows, DEAD, speed_m_s, until_s) is is_avoidable
+
+
+def test_a_fault_that_is_found_out_too_late_leaves_no_way() -> None:
+    place = water(ROCK)
+    rows = drift(1.0, 20.0, north_m=44.0)
+    assert not survives(place, rows, DEAD, left_speed_m_s(DEAD, place), float(rows[-1, 0]))
+
+
+def test_without_power_the_boat_goes_where_it_went_and_after_that_where_it_likes() -> None:
+    place = water(ROCK)
+    rows = drift(1.0, 60.0)
+    short, long = (FaultSetting(what="computer", at_s=10.0, for_s=for_s) for for_s in (20.0, 50.0))
+    assert survives(place, rows, short, 0.0, float(rows[-1, 0]))
+    assert not survives(place, rows, long, 0.0, float(rows[-1, 0]))
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "is_whole"),
+    [
+        ("off", None, False),
+        ("stuck", None, False),
+        ("weed", 0.2, True),
+        ("slow", 0.5, True),
+        ("wrong", None, True),
+    ],
+)
+def test_only_a_motor_without_thrust_counts_as_none(kind: str, size: float | None, is_whole: bool) -> None:
+    place = water(ROCK)
+    speed_m_s = left_speed_m_s(FaultSetting(what="motor_right", kind=kind, size=size), place)
+    assert (speed_m_s == place.vehicle.handling.top_speed_m_s) is is_whole
