@@ -14,9 +14,10 @@ more than hold_n.
 import math
 from typing import NamedTuple
 
+from sitl.hull import VesselParameters
 from sitl.movers import Movers
 from sitl.shore import Shore
-from sitl.vessel import Vessel, VesselParameters
+from sitl.vessel import Vessel
 
 FRICTION = 0.3  # plastic on wet stone or wood
 _ATTEMPTS = 3  # to find a pose beside the shore: in a corner one blow leads into the next

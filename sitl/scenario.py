@@ -29,12 +29,12 @@ from sitl.battery import BatteryParameters
 from sitl.drive import ThrusterParameters
 from sitl.environment import Environment
 from sitl.faults.catalogue import FaultSetting
+from sitl.hull import VesselParameters
 from sitl.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.link import LinkSettings
 from sitl.movers import MoverSettings
 from sitl.random_world import RandomWater, random_world
 from sitl.sensors import Sensors
-from sitl.vessel import VesselParameters
 
 HERE = Path(__file__).parent
 DEFAULT_BOAT = "lake"

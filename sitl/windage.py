@@ -21,20 +21,9 @@ light of.
 
 import math
 
-from companion.section import NonNegative, Section
+from sitl.hull import WindageParameters
 
 AIR_KG_M3 = 1.225
-
-
-class WindageParameters(Section, frozen=True):
-    """What the hull shows to the wind. The lateral area's centre lies lever_m ahead of amidships."""
-
-    frontal_area_m2: NonNegative = 0.05
-    lateral_area_m2: NonNegative = 0.14
-    frontal_drag: NonNegative = 0.8
-    lateral_drag: NonNegative = 0.9
-    turning: NonNegative = 0.08
-    lever_m: float = 0.0
 
 
 class Windage:

@@ -13,15 +13,16 @@ import struct
 from typing import NamedTuple
 
 from companion.units import wrap_pi
-from sitl.battery import Pack
 from sitl.contact import Contact
 from sitl.drive import Thrusters
 from sitl.electronics import Electronics
 from sitl.environment import Current, Waves, Wind
+from sitl.hull import LONGEST_STEP_S
 from sitl.movers import Movers
+from sitl.pack import Pack
 from sitl.scenario import Scenario
 from sitl.shore import Shore
-from sitl.vessel import LONGEST_STEP_S, Vessel
+from sitl.vessel import Vessel
 from sitl.wind_knobs import WindKnobs
 from sitl.windage import Windage
 

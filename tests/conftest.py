@@ -16,14 +16,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "default")
 # pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from compiled.modules import stale  # noqa: E402
-
-
-def pytest_configure() -> None:
-    """Compiled modules stand before their sources: old ones would be tested instead."""
-    if names := stale():
-        more = f" and {len(names) - 1} more" if names[1:] else ""
-        raise pytest.UsageError(f"{names[0]}{more} changed since make fast: run it again, or make slow")
+from compiled.modules import libraries  # noqa: E402
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -38,7 +31,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests against the wall clock share their machine with whatever else runs there: each may be tried
     again, and says so in the report. Tests in simulated time get no second chance.
+
+    Tests are for the sources: compiled modules stand before them, old or not, and let nothing be put in
+    place of what they hold.
     """
+    if libraries() and any(item.path.name != "test_compiled.py" for item in items):
+        raise pytest.UsageError("modules are compiled, and tests are for their sources: run make slow first")
     for item in items:
         if item.get_closest_marker("realtime") is not None:
             item.add_marker(pytest.mark.flaky(reruns=2))

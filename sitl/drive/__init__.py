@@ -3,7 +3,8 @@
 from sitl.drive.bridge import BridgeParameters
 from sitl.drive.motor import MotorParameters
 from sitl.drive.propeller import PropellerParameters
-from sitl.drive.thruster import Thruster, ThrusterParameters, Thrusters
+from sitl.drive.settings import ThrusterParameters
+from sitl.drive.thruster import Thruster, Thrusters
 
 __all__ = [
     "BridgeParameters",

@@ -18,21 +18,10 @@ power d V I covers what bridge, winding and friction turn to heat, and the prope
 Commands are shares of full drive, −1..1, positive ahead.
 """
 
-from companion.section import Positive, Section
-from sitl.drive.bridge import BridgeParameters
-from sitl.drive.motor import MotorParameters
-from sitl.drive.propeller import Propeller, PropellerParameters
+from sitl.drive.propeller import Propeller
+from sitl.drive.settings import ThrusterParameters
 
 _WEED_TORQUE = 1.1  # of the stall torque, for a propeller that is wholly overgrown
-
-
-class ThrusterParameters(Section, frozen=True):
-    """A pair of equal thrusters; apart_m is the distance between the two shafts."""
-
-    apart_m: Positive
-    motor: MotorParameters
-    propeller: PropellerParameters
-    bridge: BridgeParameters = BridgeParameters()
 
 
 class Thruster:

@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable
 
 from companion.errors import ConfigError
+from sitl.hull import LONGEST_STEP_S
 from sitl.physics.servo_packet import parse_servos
 from sitl.physics.state_line import state_line
 from sitl.scenario import Scenario
-from sitl.vessel import LONGEST_STEP_S
 from sitl.world import Truth, World
 
 CHANNELS = 16

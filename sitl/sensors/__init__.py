@@ -5,13 +5,19 @@ sensor more or less never shifts what another one hears. Settings are in the uni
 (degrees); everything handed on is in SI and radians.
 """
 
-from companion.section import Section
-from sitl.sensors.battery_monitor import BatteryMonitorSettings, SimBattery
-from sitl.sensors.compass import CompassSettings, SimCompass
+from sitl.sensors.battery_monitor import SimBattery
+from sitl.sensors.compass import SimCompass
 from sitl.sensors.fault import SensorFault
-from sitl.sensors.gnss import GnssSettings, SimGnss
+from sitl.sensors.gnss import SimGnss
 from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator
-from sitl.sensors.sonar import SimSonar, SonarSettings, sweep_bearings_rad
+from sitl.sensors.settings import (
+    BatteryMonitorSettings,
+    CompassSettings,
+    GnssSettings,
+    Sensors,
+    SonarSettings,
+)
+from sitl.sensors.sonar import SimSonar, sweep_bearings_rad
 
 __all__ = [
     "EPOCH_UNIX_S",
@@ -29,12 +35,3 @@ __all__ = [
     "generator",
     "sweep_bearings_rad",
 ]
-
-
-class Sensors(Section, frozen=True):
-    """The sensors aboard."""
-
-    gnss: GnssSettings = GnssSettings()
-    compass: CompassSettings = CompassSettings()
-    sonar: SonarSettings = SonarSettings()
-    battery: BatteryMonitorSettings = BatteryMonitorSettings()

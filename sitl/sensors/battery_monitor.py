@@ -2,19 +2,10 @@
 
 import msgspec
 
-from companion.section import NonNegative, Section
 from companion.sensors.readings import BatteryReading
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import TIME_SLACK_S, generator, normal
-
-
-class BatteryMonitorSettings(Section, frozen=True):
-    """White noise on each, and a gain of the current that the shunt is off by (1 is right)."""
-
-    voltage_noise_v: NonNegative = 0.0
-    current_noise_a: NonNegative = 0.0
-    current_gain: NonNegative = 1.0
-
+from sitl.sensors.settings import BatteryMonitorSettings
 
 _PERFECT = BatteryMonitorSettings()
 

@@ -4,37 +4,13 @@ import math
 
 import msgspec
 
-from companion.section import NonNegative, Positive, Section
 from companion.sensors.readings import HeadingReading
 from companion.units import wrap_pi
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
+from sitl.sensors.settings import CompassSettings
 
 _SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not from sample to sample
-
-
-class CompassSettings(Section, frozen=True):
-    """A magnetic compass with a yaw gyro, clockwise positive.
-
-    The compass is off by white noise and by the deviation that calibration has left over, after Archibald
-    Smith's coefficients: a constant A (bias_deg), a semicircular part by hard iron, which turns once with the
-    heading, and a quadrantal part by soft iron, which turns twice. The motors' leads act as hard iron that
-    grows with their current. The *_at_deg are the headings where a part is zero and rising.
-    The gyro is off by white noise, a fixed bias and its random walk (the deviation after a minute).
-    """
-
-    rate_hz: Positive = 50.0
-    noise_deg: NonNegative = 0.8
-    bias_deg: float = 1.0
-    hard_iron_deg: NonNegative = 0.0
-    hard_iron_at_deg: float = 60.0
-    soft_iron_deg: NonNegative = 0.0
-    soft_iron_at_deg: float = 20.0
-    motor_deg_per_a: NonNegative = 0.0
-    motor_at_deg: float = -30.0
-    gyro_noise_deg_s: NonNegative = 0.3
-    gyro_bias_deg_s: float = 0.1
-    gyro_walk_deg_s: NonNegative = 0.0
 
 
 class SimCompass:

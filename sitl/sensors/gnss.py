@@ -3,43 +3,19 @@
 import math
 import random
 from collections import deque
-from typing import Annotated
 
 import msgspec
-from msgspec import Meta
 
 from companion.geo import LocalFrame, Point
-from companion.section import NonNegative, Positive, Section
 from companion.sensors.readings import GnssFix
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
+from sitl.sensors.settings import GnssSettings
 from sitl.shore import Shore
 
 _MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
 _JAMMED_NOISE_M = 8.0  # when the jammer is about to win
 _NO_FIX = 1  # GPS_FIX_TYPE_NO_FIX
-
-
-class GnssSettings(Section, frozen=True):
-    """A satellite receiver, or what stands in for one.
-
-    Position error is white noise plus a first-order Gauss-Markov wander of the given deviation and
-    correlation time, per axis. Near the shore, trees and walls add reflections: a further, faster wander of
-    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away. A fix carries the
-    time it was valid for and arrives latency_s later.
-    """
-
-    rate_hz: Positive = 5.0
-    noise_m: NonNegative = 0.10
-    wander_m: NonNegative = 0.15
-    wander_s: Positive = 60.0
-    velocity_noise_m_s: NonNegative = 0.05
-    multipath_m: NonNegative = 0.0
-    multipath_reach_m: Positive = 4.0
-    latency_s: NonNegative = 0.1
-    fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
-    satellites: Annotated[int, Meta(ge=0, le=60)] = 12
-    hdop: Positive = 0.9
 
 
 class SimGnss:

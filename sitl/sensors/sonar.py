@@ -2,41 +2,18 @@
 
 import math
 from collections import deque
-from typing import Annotated, Protocol
+from typing import Protocol
 
 import msgspec
-from msgspec import Meta
 
-from companion.section import NonNegative, Positive, Section, Share
 from companion.sensors.readings import SonarReading
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import TIME_SLACK_S, generator, normal
+from sitl.sensors.settings import SonarSettings
 from sitl.shore import Shore
 
 CONE_RAYS = (-1.0, 0.0, 1.0)
 _SPRAY_M = 0.6  # water thrown up by the bow comes no further
-
-
-class SonarSettings(Section, frozen=True):
-    """An ultrasonic ranger on a servo that sweeps to and fro over sweep_deg about the bow.
-
-    A surface that is met at more than specular_deg from square throws the sound away like a mirror: smooth
-    walls from about 30°, stones and reeds hardly ever (90 loses nothing). spray_per_m is the share of pings
-    that meet spray instead, per metre of wave height. ghost_share of the pings hear an echo by a detour, or
-    of an earlier ping: a range where nothing is.
-    """
-
-    fitted: bool = True
-    ping_s: Positive = 0.06
-    sweep_deg: Annotated[float, Meta(ge=0.0, le=360.0)] = 180.0
-    step_deg: Positive = 15.0
-    cone_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 15.0
-    specular_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
-    min_range_m: NonNegative = 0.02
-    max_range_m: Positive = 4.0
-    noise_m: NonNegative = 0.01
-    spray_per_m: NonNegative = 0.0
-    ghost_share: Share = 0.0
 
 
 class MovingObstacles(Protocol):

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
+from sitl.hull import VesselParameters
 from sitl.scenario import load_scenario
-from sitl.vessel import Vessel, VesselParameters
+from sitl.vessel import Vessel
 
 DT_S = 0.02
 LAKE = load_scenario("open").hull

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from sitl.environment import Environment, Wind
 from sitl.environment.wind import PEAK_FACTOR
+from sitl.hull import WindageParameters
 from sitl.scenario import load_scenario
-from sitl.windage import AIR_KG_M3, Windage, WindageParameters
+from sitl.windage import AIR_KG_M3, Windage
 from sitl.world import Truth, World
 
 DT_S = 0.02

@@ -1,0 +1,92 @@
+"""The sensors' settings: a table each of a scenario."""
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from companion.section import NonNegative, Positive, Section, Share
+
+
+class GnssSettings(Section, frozen=True):
+    """A satellite receiver, or what stands in for one.
+
+    Position error is white noise plus a first-order Gauss-Markov wander of the given deviation and
+    correlation time, per axis. Near the shore, trees and walls add reflections: a further, faster wander of
+    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away. A fix carries the
+    time it was valid for and arrives latency_s later.
+    """
+
+    rate_hz: Positive = 5.0
+    noise_m: NonNegative = 0.10
+    wander_m: NonNegative = 0.15
+    wander_s: Positive = 60.0
+    velocity_noise_m_s: NonNegative = 0.05
+    multipath_m: NonNegative = 0.0
+    multipath_reach_m: Positive = 4.0
+    latency_s: NonNegative = 0.1
+    fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
+    satellites: Annotated[int, Meta(ge=0, le=60)] = 12
+    hdop: Positive = 0.9
+
+
+class CompassSettings(Section, frozen=True):
+    """A magnetic compass with a yaw gyro, clockwise positive.
+
+    The compass is off by white noise and by the deviation that calibration has left over, after Archibald
+    Smith's coefficients: a constant A (bias_deg), a semicircular part by hard iron, which turns once with the
+    heading, and a quadrantal part by soft iron, which turns twice. The motors' leads act as hard iron that
+    grows with their current. The *_at_deg are the headings where a part is zero and rising.
+    The gyro is off by white noise, a fixed bias and its random walk (the deviation after a minute).
+    """
+
+    rate_hz: Positive = 50.0
+    noise_deg: NonNegative = 0.8
+    bias_deg: float = 1.0
+    hard_iron_deg: NonNegative = 0.0
+    hard_iron_at_deg: float = 60.0
+    soft_iron_deg: NonNegative = 0.0
+    soft_iron_at_deg: float = 20.0
+    motor_deg_per_a: NonNegative = 0.0
+    motor_at_deg: float = -30.0
+    gyro_noise_deg_s: NonNegative = 0.3
+    gyro_bias_deg_s: float = 0.1
+    gyro_walk_deg_s: NonNegative = 0.0
+
+
+class SonarSettings(Section, frozen=True):
+    """An ultrasonic ranger on a servo that sweeps to and fro over sweep_deg about the bow.
+
+    A surface that is met at more than specular_deg from square throws the sound away like a mirror: smooth
+    walls from about 30°, stones and reeds hardly ever (90 loses nothing). spray_per_m is the share of pings
+    that meet spray instead, per metre of wave height. ghost_share of the pings hear an echo by a detour, or
+    of an earlier ping: a range where nothing is.
+    """
+
+    fitted: bool = True
+    ping_s: Positive = 0.06
+    sweep_deg: Annotated[float, Meta(ge=0.0, le=360.0)] = 180.0
+    step_deg: Positive = 15.0
+    cone_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 15.0
+    specular_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
+    min_range_m: NonNegative = 0.02
+    max_range_m: Positive = 4.0
+    noise_m: NonNegative = 0.01
+    spray_per_m: NonNegative = 0.0
+    ghost_share: Share = 0.0
+
+
+class BatteryMonitorSettings(Section, frozen=True):
+    """White noise on each, and a gain of the current that the shunt is off by (1 is right)."""
+
+    voltage_noise_v: NonNegative = 0.0
+    current_noise_a: NonNegative = 0.0
+    current_gain: NonNegative = 1.0
+
+
+class Sensors(Section, frozen=True):
+    """The sensors aboard."""
+
+    gnss: GnssSettings = GnssSettings()
+    compass: CompassSettings = CompassSettings()
+    sonar: SonarSettings = SonarSettings()
+    battery: BatteryMonitorSettings = BatteryMonitorSettings()
