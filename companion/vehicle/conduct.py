@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 from companion.config import BoatConfig
-from companion.estimation.health import lacks_position
+from companion.estimation.health import lacks_heading, lacks_position
 from companion.geo import LatLon, LocalFrame
 from companion.requests import SetPoint
 from companion.state import NavState
@@ -176,8 +176,13 @@ class Conduct:
         return intent
 
     def _loiter(self, now: Situation) -> Intent:
-        """Keep station; without a position, keep the bow into the water's last known set and stem it."""
+        """Keep station; without a position, keep the bow into the water's last known set and stem it. Without
+        a heading nothing can be steered: wait, and stay where the boat is when it is known again.
+        """
         nav = now.nav
+        if lacks_heading(nav, now.config.motors.estimate_timeout_s):
+            self.passage.stay(now.here)
+            return _STOP
         if not lacks_position(nav, now.config.motors.estimate_timeout_s):
             if self.stemming is not None:
                 self.stemming = None

@@ -28,6 +28,7 @@ from companion.vehicle.situation import Situation
 _STOP = Stop()
 _RANGE_S = 1.0  # how often the charge is held against the way home
 _DRIFT_S = 30.0  # clearing the propellers, trying the motors, and getting under way again
+_NO_HEADING = "no heading"
 _LIMP_SHARE = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
@@ -231,7 +232,7 @@ class Vehicle:
             return "no position yet"
         if lacks_position(self.nav, self.config.motors.estimate_timeout_s):
             return "position is stale"
-        return "no heading" if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
+        return _NO_HEADING if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
 
     def _mode_fault(self, mode: Mode) -> str:
         now = self._situation()
@@ -359,6 +360,9 @@ class Vehicle:
         for mode in RETREATS[action]:
             if mode is Mode.LOITER and self._estimate_fault() and self._can_reckon():
                 self._enter(mode, "failsafe, by dead reckoning")
+                return
+            if mode is Mode.LOITER and self._estimate_fault() == _NO_HEADING:
+                self._enter(mode, "failsafe, adrift until there is a heading")
                 return
             if self.enter(mode, "failsafe").accepted:
                 return

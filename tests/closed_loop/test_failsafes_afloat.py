@@ -71,7 +71,7 @@ def test_a_silent_compass_is_noticed_in_three_seconds_and_then_nothing_is_steere
     begin(rig, "compass")
     begin(rig, "gyro")
     assert told(rig, "Failsafe: Compass lost", 3.0) < 3.0
-    rig.until(lambda: rig.mode == "HOLD", 30.0)
+    rig.until(lambda: rig.mode == "LOITER", 30.0)
     rig.run(0.5)
     assert (rig.boat.command.left, rig.boat.command.right) == (0.0, 0.0)
 

@@ -4,6 +4,7 @@ import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
 from sitl.sail import Result, Sailing
+from sitl.world import Truth
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 
@@ -47,3 +48,16 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
     adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
     assert adrift_m > 12.0
     assert float(late[-1, 2] - late[0, 2]) < 0.5 * adrift_m
+
+
+def test_a_boat_that_finds_its_heading_again_stays_there() -> None:
+    fault = "what='compass', at_s=15.0, for_s=10.0"
+    sailing, _ = sail(fault, linger_s=60.0)
+    assert sailing.lockstep.boat.vehicle.mode.name == "LOITER"
+    rows = sailing.recorder.rows
+    blind = rows[(rows[:, 0] > 19.0) & (rows[:, 0] < 25.0)]
+    assert not blind[:, Truth._fields.index("left_command")].any(), "nothing is steered without a heading"
+    late = rows[rows[:, 0] > 40.0]
+    assert late[-1, 0] > 70.0
+    assert abs(late[:, 1] - late[0, 1]).max() < 2.0
+    assert abs(late[:, 2] - late[0, 2]).max() < 2.0
