@@ -38,8 +38,9 @@ class Fixing:
     """accepted_s: the time of the latest position believed; resets: how often it was begun anew."""
 
     __slots__ = (
-        "_fix_s", "_is_frozen", "_model", "_odd_since_s", "_passed_s", "_rejected", "_reset_counter",
-        "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "position", "resets",
+        "_fix_s", "_hung_m", "_hung_s", "_is_frozen", "_model", "_odd_since_s", "_passed_s", "_rejected",
+        "_reset_counter", "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "position",
+        "resets",
     )  # fmt: skip
 
     def __init__(self, model: Model, setting: Estimation) -> None:
@@ -48,7 +49,8 @@ class Fixing:
         self._watch = FixWatch()
         self._fix_s = self._velocity_s = self._odd_since_s = -math.inf
         self._way_m = 0j  # through the water, at the time of the latest fix
-        self._strayed_m = self._rejected = 0.0
+        self._strayed_m = self._rejected = self._hung_m = 0.0
+        self._hung_s = math.inf  # since when the loop was not run, and how far that may have led astray
         self._passed_s = 0.0
         self._is_frozen = False
         self._reset_counter = 0
@@ -64,7 +66,7 @@ class Fixing:
     @property
     def sigma_m(self) -> float:
         """One standard deviation of the position, per axis."""
-        return math.sqrt(self.position.variance_m2) + self._strayed_m
+        return math.sqrt(self.position.variance_m2) + self._strayed_m + self._hung_m
 
     def here(self, now_s: float) -> tuple[complex, complex]:
         """Position in m and velocity over ground in m/s, north + i east."""
@@ -85,7 +87,7 @@ class Fixing:
         dt = now_s - self._passed_s
         self._passed_s = now_s
         if dt > _HUNG_S:
-            self._strayed_m += _HUNG * self._model.cruise_m_s * dt
+            self._hung_s, self._hung_m = now_s - dt, self._hung_m + _HUNG * self._model.cruise_m_s * dt
         if now_s - self.accepted_s > _GAP_S:
             model = self._model
             by_velocity = now_s - self._velocity_s <= _GAP_S
@@ -111,6 +113,9 @@ class Fixing:
             self._reset_counter = reset_counter
             self._begin(time_s, at, velocity, sigma_m, variance, way_m, through)
             return
+        if time_s > self._hung_s:  # an older one tells nothing of where the boat has been carried since
+            self._strayed_m += self._hung_m
+            self._hung_m, self._hung_s = 0.0, math.inf
         modelled = model.current.velocity_m_s(through)
         self._is_frozen = watch.is_frozen(abs(modelled), _AT_REST * model.cruise_m_s)
         if self._is_frozen:
@@ -190,7 +195,8 @@ class Fixing:
         self._way_m = way_m
         self.accepted_s = self._passed_s = time_s
         self._odd_since_s = math.inf
-        self._strayed_m = self._rejected = 0.0
+        self._strayed_m = self._rejected = self._hung_m = 0.0
+        self._hung_s = math.inf
 
     def is_spent(self, now_s: float) -> bool:
         """Whether dead reckoning has gone on for too long; without a heading there is none."""
