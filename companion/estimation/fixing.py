@@ -39,8 +39,8 @@ class Fixing:
 
     __slots__ = (
         "_fix_s", "_hung_m", "_hung_s", "_is_frozen", "_model", "_odd_since_s", "_passed_s", "_rejected",
-        "_reset_counter", "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "position",
-        "resets",
+        "_reset_counter", "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s",
+        "position", "resets",
     )  # fmt: skip
 
     def __init__(self, model: Model, setting: Estimation) -> None:
