@@ -89,7 +89,7 @@ def test_a_compass_that_falls_silent_stops_a_boat_that_steers_by_it() -> None:
     rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=stuck)
     rig.run(rig.config.motors.estimate_timeout_s + 0.3)
     assert any("Failsafe: Heading lost" in text for text in rig.peer.texts)
-    assert rig.mode == "HOLD"
+    assert rig.mode == "LOITER"
     assert rig.boat.steering.helm.heading_pid is None  # an open loop learns nothing and tells nothing
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
