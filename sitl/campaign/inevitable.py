@@ -10,7 +10,8 @@ reached that is so nearly.
 
 What speed a fault leaves: none without power, which makes what happens then inevitable; with one motor dead
 LAME_SHARE of top speed, which the lame helm makes and no other way of sailing was found to beat by much; the
-whole in every other case.
+whole in every other case. With a motor dead or reversed the boat steers otherwise than it means to until that
+is recognised; who touches before had no time.
 """
 
 import math
@@ -37,6 +38,7 @@ _RESTART_S: Final = (
 )
 _STALLED: Final = 0.4  # of weed, and more, hold a motor fast
 _MOTORS: Final = ("motor_left", "motor_right")
+_TREACHEROUS: Final = ("off", "stuck", "wrong")  # the boat steers otherwise than it means to
 
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.float64]
@@ -51,6 +53,9 @@ def inevitable(sailing: Sailing) -> str:
     fault, touch_s = scenario.faults[0], float(rows[int(aground.argmax()), 0])
     if touch_s < fault.at_s:
         return ""
+    after_s = touch_s - fault.at_s
+    if fault.what in _MOTORS and fault.kind in _TREACHEROUS and after_s < _RECOGNISED_S:
+        return f"no time: {after_s:.0f} s after the fault"
     speed_m_s = left_speed_m_s(fault, scenario)
     if not speed_m_s < scenario.vehicle.handling.top_speed_m_s:
         return ""

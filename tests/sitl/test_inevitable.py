@@ -1,12 +1,15 @@
 """Which touches nobody could have avoided."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from boat_rig import scenario
 from numpy.typing import NDArray
 
-from sitl.campaign.inevitable import left_speed_m_s, survives
+from sitl.campaign.inevitable import inevitable, left_speed_m_s, survives
 from sitl.faults.catalogue import FaultSetting
+from sitl.sail import Sailing
 from sitl.scenario import Scenario
 from sitl.world import Truth
 
@@ -84,3 +87,14 @@ def test_only_a_motor_without_thrust_counts_as_none(kind: str, size: float | Non
     place = water(ROCK)
     speed_m_s = left_speed_m_s(FaultSetting(what="motor_right", kind=kind, size=size), place)
     assert (speed_m_s == place.vehicle.handling.top_speed_m_s) is is_whole
+
+
+@pytest.mark.parametrize(("at_s", "is_inevitable"), [(52.0, True), (25.0, False)])
+def test_who_touches_before_a_reversed_motor_can_be_recognised_had_no_time(
+    at_s: float, is_inevitable: bool
+) -> None:
+    fault = FaultSetting(what="motor_left", kind="wrong", at_s=at_s)
+    sailing = Sailing(dataclasses.replace(water(BAR), faults=(fault,)), [])
+    aground = Truth(60.0, *[0.0] * 10, grounded=True)
+    sailing.recorder.record(aground)
+    assert (inevitable(sailing) == f"no time: {60.0 - at_s:.0f} s after the fault") is is_inevitable
