@@ -19,7 +19,7 @@ from sitl.sail import Sailing
 SETTINGS = (
     ["environment.current_m_s=0.4"],
     ["environment.wind_m_s=6"],
-    ["sensors.gnss.noise_m=0.5", "link.loss=0.2"],
+    ["sensors.gnss.noise_m=0.5", "link.delay_s=0.2"],
 )
 print(len(libraries()))
 for settings in SETTINGS:
