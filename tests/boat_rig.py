@@ -149,6 +149,9 @@ class Rig:
         """A further station on a link of its own."""
         near, far = memory_pair(f"station {address}", is_datagram)
         self.port.offer(near)
+        self.boat.receive(
+            self.world.clock_s, (near.fileno(),)
+        )  # as the runner has it: a new link is heard at once
         return Peer(far, address)
 
     def step(self, ticks: int = 1) -> None:

@@ -21,6 +21,7 @@ from companion.config import BoatConfig
 from companion.errors import LinkError
 from companion.hal.interfaces import Hardware
 from companion.parts import CompassPart, GnssPart, Parts
+from companion.safety_net import GIVE_UP_LEVEL
 from companion.shutdown import Shutdown
 
 pytestmark = pytest.mark.realtime
@@ -51,9 +52,12 @@ def shutdown() -> Iterator[Shutdown]:
 
 
 class Event:
-    """Something that happens to the boat at a reading of its compass, once the motors turn."""
+    """Something that happens to the boat at a reading of its compass, once the motors turn; again: at every
+    further one, too.
+    """
 
-    def __init__(self, pi: MockPi, happen: Callable[[], object]) -> None:
+    def __init__(self, pi: MockPi, happen: Callable[[], object], again: bool = False) -> None:
+        self._again = again
         self.is_due = threading.Event()
         self.changes_before = 0
         self.readings_after = 0
@@ -65,6 +69,8 @@ class Event:
         """Called once a tick."""
         if self._has_happened:
             self.readings_after += 1
+            if self._again:
+                self._happen()
         elif self.is_due.is_set():
             self._has_happened = True
             self.changes_before = len(self._pi.history)
@@ -119,7 +125,7 @@ def test_a_signal_ends_the_loop_within_its_tick_and_the_motors_are_off(
     assert_went_off_at_once(pi, event)
 
 
-def test_a_part_that_fails_ends_the_loop_and_the_motors_are_off(
+def test_a_part_that_fails_once_stops_the_motors_and_not_the_boat(
     pi: MockPi, caplog: pytest.LogCaptureFixture
 ) -> None:
     def fail() -> None:
@@ -127,10 +133,25 @@ def test_a_part_that_fails_ends_the_loop_and_the_motors_are_off(
 
     caplog.set_level(logging.INFO)
     event = Event(pi, fail)
+    run_until_it_happens(pi, event, lambda: event.readings_after > 25, caplog)
+    assert pi.is_off
+    assert not any(change.value for change in pi.history[event.changes_before :])
+
+
+def test_a_part_that_goes_on_failing_ends_the_loop_and_the_motors_stay_off(
+    pi: MockPi, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail() -> None:
+        raise OSError("the wire has come off")
+
+    caplog.set_level(logging.INFO)
+    event = Event(pi, fail, again=True)
     with pytest.raises(OSError, match="the wire has come off"):
         run_until_it_happens(pi, event, lambda: False, caplog)
-    assert_went_off_at_once(pi, event)
+    assert pi.is_off
+    assert event.readings_after >= GIVE_UP_LEVEL - 1.0, "the loop ended before its time"
     assert not any(change.value for change in pi.history[event.changes_before :])
+    assert not pi.both_legs_were_on()
 
 
 def test_a_link_that_cannot_be_opened_leaves_the_pins_off_and_free_for_the_next_try(pi: MockPi) -> None:
