@@ -133,7 +133,7 @@ class VehicleCommands:
         return DENIED if position is None else self._ask(SetHome(position))
 
     def _fence_enable(self, command: Command) -> int:
-        """The same as the parameter FENCE_ENABLE; param1 = 2 takes only the floor away, which a boat lacks."""
+        """As parameter FENCE_ENABLE; param1 = 2 takes only the floor away, which a boat has not."""
         wanted = command.whole(0)
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED

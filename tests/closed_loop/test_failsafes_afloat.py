@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import pytest
 from boat_rig import OK, PLANNER, Rig, waypoint
@@ -15,7 +16,7 @@ from sitl.faults import FaultSetting
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 
 
-def under_way(*settings: str, config: dict[str, object] | None = None, **parts: object) -> Rig:
+def under_way(*settings: str, config: dict[str, object] | None = None, **parts: Any) -> Rig:  # noqa: ANN401
     """Half a minute into a long leg north."""
     rig = Rig("open", *settings, config=config, **parts).sail(waypoint(600.0, 0.0), waypoint(600.0, 100.0))
     rig.run(35.0)

@@ -5,6 +5,7 @@ import pytest
 from boat_rig import OK, Rig, waypoint
 
 from companion.safety_net import Fall, SafetyNet
+from companion.vehicle.intent import Intent
 
 
 @pytest.fixture(autouse=True)
@@ -24,7 +25,7 @@ class Trap:
         self._decide = rig.boat.vehicle.decide
         rig.boat.vehicle.decide = self.decide  # type: ignore[method-assign]
 
-    def decide(self) -> object:
+    def decide(self) -> Intent:
         """As the vehicle's own, or not at all."""
         if self.is_set:
             raise ZeroDivisionError

@@ -23,6 +23,7 @@ def water(*islands: list[list[float]]) -> Scenario:
 
 
 Rows = NDArray[np.float64]
+STILL = Truth(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
 
 
 def drift(current_m_s: float, seconds: float, north_m: float = 0.0) -> Rows:
@@ -31,8 +32,13 @@ def drift(current_m_s: float, seconds: float, north_m: float = 0.0) -> Rows:
     for n in range(round(seconds / 0.1)):
         at_s = 0.1 * n
         north = north_m + current_m_s * at_s
-        still = Truth(10.0 + at_s, north, *[0.0] * 5, current_m_s, *[0.0] * 3, grounded=False)
-        truth = still._replace(current_north_m_s=current_m_s, wind_north_m_s=current_m_s)
+        truth = STILL._replace(
+            time_s=10.0 + at_s,
+            north_m=north,
+            north_m_s=current_m_s,
+            current_north_m_s=current_m_s,
+            wind_north_m_s=current_m_s,
+        )
         rows.append(tuple(map(float, truth)))
     return np.array(rows)
 
@@ -95,6 +101,6 @@ def test_who_touches_before_a_reversed_motor_can_be_recognised_had_no_time(
 ) -> None:
     fault = FaultSetting(what="motor_left", kind="wrong", at_s=at_s)
     sailing = Sailing(dataclasses.replace(water(BAR), faults=(fault,)), [])
-    aground = Truth(60.0, *[0.0] * 10, grounded=True)
+    aground = STILL._replace(time_s=60.0, grounded=True)
     sailing.recorder.record(aground)
     assert (inevitable(sailing) == f"no time: {60.0 - at_s:.0f} s after the fault") is is_inevitable
