@@ -202,7 +202,7 @@ class Boat:
         signs.load = self.load
         signs.consumed_mah = senses.consumed_mah
         signs.heading, signs.hull = senses.compass, senses.hull
-        if senses.sonar is not None:
+        if senses.sonar is not None and not self.steering.lookout.is_babbling:
             signs.sonar_s = senses.sonar.time_s
         signs.storage_fault = self.resume.fault
         if self._logbook is not None and self._logbook.sink.fault:

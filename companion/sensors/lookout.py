@@ -1,13 +1,15 @@
 """The look-out: makes of pings, and of where the boat was when it sent them, what lies and what moves around
 it.
 
-Pings that cannot be (not a number, no direction, from another time) are dropped and counted.
+Pings that cannot be (not a number, no direction, from another time) are dropped and counted. A ranger of the
+boat's own that talks nonsense is not believed, and what it has said is forgotten.
 """
 
 import math
 from collections.abc import Sequence
 
 from companion.geo import Point
+from companion.sensors.babble import Babble
 from companion.sensors.occupancy import SUSPECT, Beam, Occupancy
 from companion.sensors.readings import SonarReading
 from companion.sensors.track import Track
@@ -26,16 +28,22 @@ _MAX_TURNS_RAD = 20.0
 class Lookout:
     """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used."""
 
-    __slots__ = ("_setting", "_tidy_s", "dropped", "heard_s", "occupancy", "reach_m", "tracks")
+    __slots__ = ("_babble", "_setting", "_tidy_s", "dropped", "heard_s", "occupancy", "reach_m", "tracks")
 
     def __init__(self, setting: Avoidance) -> None:
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
         self.tracks = Tracks(setting.margin_m)
         self.dropped = 0
+        self._babble = Babble()
         self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
         self.heard_s = -math.inf
         self._setting = setting
         self._tidy_s = 0.0
+
+    @property
+    def is_babbling(self) -> bool:
+        """Whether the boat's own ranger talks nonsense."""
+        return self._babble.is_babbling
 
     @property
     def is_empty(self) -> bool:
@@ -58,6 +66,9 @@ class Lookout:
             self._change(setting)
         is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > STALE_POSE_S
         for ping, width_rad in pings:
+            if width_rad is None and self._is_nonsense(ping):
+                self.dropped += 1
+                continue
             if ping.range_m is None and self.is_empty and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
                 reach_m = min(ping.max_range_m, setting.lookahead_m)  # silence over open water, as mostly
                 if reach_m > 0.0 and not is_lost:
@@ -88,11 +99,23 @@ class Lookout:
         """What is known to move."""
         return self.tracks.movers(now_s)
 
+    def _is_nonsense(self, ping: SonarReading) -> bool:
+        was_babbling = self._babble.is_babbling
+        self._babble.update(ping.range_m, ping.max_range_m)
+        if self._babble.is_babbling and not was_babbling:
+            self._forget()
+        return self._babble.is_babbling
+
     def _change(self, setting: Avoidance) -> None:
-        if (setting.margin_m, setting.memory_s) != (self._setting.margin_m, self._setting.memory_s):
-            self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
-            self.tracks = Tracks(setting.margin_m)
+        is_other = (setting.margin_m, setting.memory_s) != (self._setting.margin_m, self._setting.memory_s)
         self._setting = setting
+        if is_other:
+            self._forget()
+
+    def _forget(self) -> None:
+        setting = self._setting
+        self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
+        self.tracks = Tracks(setting.margin_m)
 
 
 def _beam(

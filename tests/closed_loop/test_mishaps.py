@@ -62,3 +62,9 @@ def test_a_boat_that_finds_its_heading_again_stays_there() -> None:
     assert late[-1, 0] > 70.0
     assert abs(late[:, 1] - late[0, 1]).max() < 2.0
     assert abs(late[:, 2] - late[0, 2]).max() < 2.0
+
+
+def test_a_sonar_that_talks_nonsense_is_not_believed_and_ends_no_mission() -> None:
+    sailing, result = sail("what='sonar', kind='garbage', at_s=15.0")
+    assert result.completed, said(sailing)
+    assert any("Sonar lost" in text for text in said(sailing))

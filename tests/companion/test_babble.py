@@ -1,0 +1,29 @@
+"""A ranger that talks nonsense."""
+
+from random import Random
+
+from companion.sensors.babble import Babble
+
+
+def test_random_ranges_are_found_out_within_four_seconds_and_forgiven_once_they_end() -> None:
+    babble, random = Babble(), Random(7)
+    for _ in range(65):
+        babble.update(random.uniform(0.02, 4.0), 4.0)
+    assert babble.is_babbling
+    for _ in range(60):
+        babble.update(None, 4.0)
+    assert not babble.is_babbling
+
+
+def test_a_rock_in_every_other_direction_is_no_nonsense() -> None:
+    babble = Babble()
+    for n in range(500):
+        babble.update((1.0, 1.1, 3.5, 3.4, None)[n % 5], 4.0)
+        assert not babble.is_babbling
+
+
+def test_a_range_that_never_changes_is_no_nonsense() -> None:
+    babble = Babble()
+    for _ in range(200):
+        babble.update(2.0, 4.0)
+    assert not babble.is_babbling
