@@ -23,6 +23,7 @@ from companion.vehicle.vehicle import Vehicle
 
 GUIDANCE_S = 0.1
 _LEE_S = 2.0  # how often the way of a boat adrift is chosen anew
+_LAME_ROOM_M = 8.0  # a boat that swings to and fro keeps this from lines, with only one motor
 _SLACK_S = 1e-6
 _STOP = Stop()
 
@@ -91,9 +92,10 @@ class Steering:
         self.demand = steered if isinstance(steered, Demand) else None
 
     def _limp(self, wanted: Demand, nav: NavState, config: BoatConfig, now_s: float) -> Demand:
-        """One motor: where the water is faster, the boat can but choose where it is carried."""
+        """One motor: near a line, or in faster water, the boat can but choose where it is carried."""
         speed_m_s = LAME_SHARE * config.handling.top_speed_m_s
-        if math.hypot(nav.set_north_m_s, nav.set_east_m_s) <= speed_m_s:
+        is_slow = math.hypot(nav.set_north_m_s, nav.set_east_m_s) <= speed_m_s
+        if is_slow and not self._vehicle.fence.is_near(nav.point, _LAME_ROOM_M):
             self._lee = None
             return wanted
         if self._lee is None or now_s >= self._lee_due_s:

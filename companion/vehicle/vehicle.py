@@ -27,7 +27,7 @@ from companion.vehicle.situation import Situation
 
 _STOP = Stop()
 _RANGE_S = 1.0  # how often the charge is held against the way home
-_DRIFT_S = 30.0  # clearing the propellers, trying the motors, and getting under way again
+_DRIFT_S = 60.0  # clearing the propellers and trying the motors, twice over, and getting under way again
 _NO_HEADING = "no heading"
 _LIMP_SHARE = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
