@@ -29,6 +29,7 @@ SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that do not say how accurate they
 MIN_SIGMA_M: Final = 0.001
 MAX_SIGMA_M: Final = 1000.0  # what lies beyond is a fault of the part; comparisons let no NaN pass
 MAX_SPEED_M_S: Final = 100.0
+MAX_FIX_AGE_S: Final = 10.0  # as it comes: where the boat was then says nothing of where it is
 MAX_OFFSET_M: Final = 100_000.0  # from the frame's origin: its projection holds no farther
 _HEALTH_S: Final = 0.0999  # how often the estimate is examined
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
@@ -75,7 +76,7 @@ class Estimator:
         model, fixing = self.model, self.fixing
         yaw = model.advance(heading, now_s, command)
         if fix is not None and fixing.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
-            self._take_fix(fix)
+            self._take_fix(fix, now_s)
         position_age, heading_age = now_s - fixing.accepted_s, now_s - model.heading.time_s
         if position_age == math.inf and heading_age == math.inf:
             return None
@@ -119,7 +120,9 @@ class Estimator:
             self._sigma_m = self.fixing.sigma_m
             self._faults |= self.fixing.faults(now_s)
 
-    def _take_fix(self, fix: GnssFix) -> None:
+    def _take_fix(self, fix: GnssFix, now_s: float) -> None:
+        if not now_s - fix.time_s <= MAX_FIX_AGE_S:
+            return
         sigma_m = fix.horizontal_accuracy_m
         if sigma_m is None:
             sigma_m = SIGMA_PER_HDOP_M * fix.hdop

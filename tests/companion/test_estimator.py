@@ -222,6 +222,14 @@ headings = st.builds(
 )
 
 
+def test_a_fix_from_long_ago_is_left_out() -> None:
+    estimator = Estimator()
+    for long_ago_s in (-6.7e153, -11.0):
+        old = GnssFix(time_s=long_ago_s, position=LatLon(50.0, -1.2), fix_type=3, satellites=9, hdop=0.9)
+        assert estimator.update(old, None, 0.0) is None
+    assert estimator.frame is None
+
+
 @given(st.lists(st.tuples(st.none() | fixes, st.none() | headings), max_size=30))
 def test_whatever_the_sensors_say_the_estimate_stays_finite(
     readings: list[tuple[GnssFix | None, HeadingReading | None]],
