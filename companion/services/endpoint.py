@@ -256,6 +256,7 @@ class Endpoint:
             logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
 
     def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
+        self._signing.tick(now_s, unix_s)  # just booted, it answers nobody before its stamps are kept ahead
         self._heartbeat.tick(now_s)
         self._missions.tick(now_s)
         self._commands.tick(heading, now_s)
@@ -264,7 +265,6 @@ class Endpoint:
         self._logs.tick(now_s, load)
         if now_s >= self._upkeep_s:
             self._upkeep_s = now_s + _UPKEEP_S
-            self._signing.tick(now_s, unix_s)
             self._modes.tick(now_s)
             self._time.tick(now_s)
             self._texts.tick(_UPKEEP_S)
