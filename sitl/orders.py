@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from companion.errors import BoatError
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem
+from companion.mavlink.items import MissionItem, MissionType
 from sitl.lockstep import Lockstep
 
 BOOT_S = 60.0  # longest wait for the boat to become armable
@@ -12,8 +12,8 @@ UPLOAD_S = 60.0
 ANSWER_S = 5.0
 
 
-class OrderError(BoatError):
-    """The boat did not do what was ordered; the message says what, and what the boat said."""
+class SailError(BoatError):
+    """The run ended before it should, or the boat did not do as ordered; the message says what and why."""
 
 
 class Orders:
@@ -27,60 +27,68 @@ class Orders:
         """Let time pass until something is so.
 
         Raises:
-            OrderError: it was not within limit_s.
+            SailError: it was not within limit_s.
         """
         deadline_s = self._lockstep.time_s + limit_s
         while not is_so():
             if self._lockstep.time_s > deadline_s:
-                raise OrderError(f"{failure} within {limit_s:g} simulated seconds")
+                raise SailError(f"{failure} within {limit_s:g} simulated seconds")
             self._step()
 
     def command(self, number: int, *params: float, what: str) -> None:
         """Send a command until it is accepted.
 
         Raises:
-            OrderError: it was refused, or not answered.
+            SailError: it was refused, or not answered.
         """
         station = self._lockstep.station
         station.command(number, *params)
         self.wait(lambda: station.answer(number) is not None, ANSWER_S, f"{what} was not answered")
         if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
             said = station.texts[-1] if station.texts else "it did not say why"
-            raise OrderError(f"the boat refused {what}: {said}")
+            raise SailError(f"the boat refused {what}: {said}")
 
     def until_armable(self) -> None:
         """Wait for the boat to say that it may be armed.
 
         Raises:
-            OrderError: it never does.
+            SailError: it never does.
         """
         self.wait(self._is_armable, BOOT_S, "the boat did not become armable")
 
-    def upload(self, items: Sequence[MissionItem]) -> None:
-        """Give the boat a mission.
+    def upload(self, items: Sequence[MissionItem], kind: MissionType = MissionType.MISSION) -> None:
+        """Give the boat a mission, or another list.
 
         Raises:
-            OrderError: it was refused, or did not end.
+            SailError: it was refused, or did not end.
         """
         station = self._lockstep.station
-        station.upload(items, self._lockstep.time_s)
+        station.upload(items, self._lockstep.time_s, kind)
         self.wait(lambda: station.uploaded is not None, UPLOAD_S, "the upload did not end")
         if not station.uploaded:
-            raise OrderError(f"the boat refused the mission: {station.refusal}")
+            raise SailError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
 
     def arm(self) -> None:
         """Let the motors turn.
 
         Raises:
-            OrderError: the boat refused.
+            SailError: the boat refused.
         """
         self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
+
+    def start_mission(self) -> None:
+        """Sail the mission.
+
+        Raises:
+            SailError: the boat refused.
+        """
+        self.command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
 
     def change_mode(self, number: int) -> None:
         """Enter a mode by its Rover number.
 
         Raises:
-            OrderError: the boat refused.
+            SailError: the boat refused.
         """
         flag = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         self.command(dialect.MAV_CMD_DO_SET_MODE, flag, float(number), what=f"mode {number}")

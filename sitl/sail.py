@@ -6,10 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from companion.boat import TICK_S
-from companion.errors import BoatError
 from companion.geo import Point, distance_m
 from companion.log.logbook import Logbook
-from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.vehicle.mission_steps import Waypoint
 from companion.vehicle.modes import Mode
@@ -17,17 +15,12 @@ from companion.vehicle.places import locate
 from companion.vehicle.vehicle import Vehicle
 from sitl.beliefs import Beliefs
 from sitl.lockstep import Lockstep
+from sitl.orders import BOOT_S, Orders
 from sitl.recorder import NO_LEG, Recorder
 from sitl.scenario import Scenario
 from sitl.timeline import Timeline
 
-_BOOT_S = 60.0  # longest wait for the boat to become armable
-_UPLOAD_S = 60.0
-_SLACK = 4.0  # a mission may take this many times its length at cruise speed, plus _BOOT_S
-
-
-class SailError(BoatError):
-    """The run ended before the mission did; the message says where and why."""
+_SLACK = 4.0  # a mission may take this many times its length at cruise speed, plus BOOT_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +89,7 @@ class Sailing:
         self._prepare()
         started_s = self.lockstep.time_s
         planned_m = sum(distance_m(a, b) for a, b in zip(self.planned, self.planned[1:], strict=False))
-        limit_s = timeout_s or _BOOT_S + _SLACK * planned_m / self.scenario.vehicle.speed.cruise_m_s
+        limit_s = timeout_s or BOOT_S + _SLACK * planned_m / self.scenario.vehicle.speed.cruise_m_s
         completed = self._sail(started_s + limit_s, tell, linger_s)
         cpu_s = time.process_time() - began_s
         lockstep = self.lockstep
@@ -125,45 +118,19 @@ class Sailing:
 
     def _prepare(self) -> None:
         lockstep = self.lockstep
-        self._wait(self._is_armable, _BOOT_S, "the boat did not become armable")
+        orders = Orders(lockstep, self._step)
+        orders.until_armable()
         if self._fence:
-            self._upload(self._fence, MissionType.FENCE)
-        self._upload(self.items, MissionType.MISSION)
-        self._command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
-        self._command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
+            orders.upload(self._fence, MissionType.FENCE)
+        orders.upload(self.items)
+        orders.arm()
+        orders.start_mission()
         truth = lockstep.world.truth
         self.planned = [Point(truth.north_m, truth.east_m)]
         for seq, step in enumerate(lockstep.boat.vehicle.progress.mission):
             if isinstance(step, Waypoint):
                 self._leg_of_seq[seq] = len(self.planned) - 1
                 self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))
-
-    def _upload(self, items: Sequence[MissionItem], kind: MissionType) -> None:
-        station = self.lockstep.station
-        station.upload(items, self.lockstep.time_s, kind)
-        self._wait(lambda: station.uploaded is not None, _UPLOAD_S, "the upload did not end")
-        if not station.uploaded:
-            raise SailError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
-
-    def _is_armable(self) -> bool:
-        status = self.lockstep.station.latest.get("SYS_STATUS")
-        bit = dialect.MAV_SYS_STATUS_PREARM_CHECK
-        return status is not None and bool(status.onboard_control_sensors_health & bit)
-
-    def _command(self, number: int, *params: float, what: str) -> None:
-        station = self.lockstep.station
-        station.command(number, *params)
-        self._wait(lambda: station.answer(number) is not None, 5.0, f"{what} was not answered")
-        if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
-            said = station.texts[-1] if station.texts else "it did not say why"
-            raise SailError(f"the boat refused {what}: {said}")
-
-    def _wait(self, is_so: Callable[[], bool], limit_s: float, failure: str) -> None:
-        deadline_s = self.lockstep.time_s + limit_s
-        while not is_so():
-            if self.lockstep.time_s > deadline_s:
-                raise SailError(f"{failure} within {limit_s:g} simulated seconds")
-            self._step()
 
     def _step(self) -> None:
         self.lockstep.step()

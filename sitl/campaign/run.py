@@ -15,7 +15,8 @@ from mission_tools.errors import MissionToolsError
 from sitl.campaign.figures import Figures, figures_of
 from sitl.layers import Layer
 from sitl.missions import fence_along, lay_out, plan_mission, read_mission, wire_items
-from sitl.sail import SailError, Sailing
+from sitl.orders import SailError
+from sitl.sail import Sailing
 from sitl.scenario import Scenario, load_scenario
 from sitl.stationing import STATION, STAY_S
 

@@ -14,9 +14,10 @@ from companion.log.worker import InlineWorker
 from mission_tools.errors import UsageError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
+from sitl.orders import SailError
 from sitl.report import as_json, draw, print_table
 from sitl.run_record import RunRecord
-from sitl.sail import Result, SailError, Sailing
+from sitl.sail import Result, Sailing
 
 
 def sail(

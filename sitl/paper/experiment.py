@@ -22,7 +22,7 @@ def sail_all(
     tell: called after each run.
 
     Raises:
-        OrderError: a boat would not arm or change mode.
+        SailError: a boat would not arm or change mode.
     """
     wanted = list(product(cases, methods, seeds))
     done: dict[tuple[str, Method, int], Sailed] = {}

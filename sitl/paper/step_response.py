@@ -66,7 +66,7 @@ def step_responses(seed: int = 1) -> list[Response]:
     """One response for each gain set, in the pool boat's own water without walls.
 
     Raises:
-        OrderError: the boat would not arm or change mode.
+        SailError: the boat would not arm or change mode.
     """
     scenario = load_scenario("open", ("boat.model=pool", f"seed={seed}"))
     return [_respond(scenario, gains) for gains in GAIN_SETS]

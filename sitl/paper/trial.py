@@ -73,7 +73,7 @@ def sail_trial(case: str, method: Method, seed: int) -> Sailed:
     """Sail one trial from boot to its goal, or until MOST_S have passed.
 
     Raises:
-        OrderError: the boat would not arm or change mode.
+        SailError: the boat would not arm or change mode.
     """
     scenario = conditions(case, seed)
     points = planned(case, method.is_exact)
@@ -92,7 +92,7 @@ def sail_trial(case: str, method: Method, seed: int) -> Sailed:
     if method in (Method.LOS, Method.EXACT):
         orders.upload(wire_items(mission_along([scenario.frame.to_global(point) for point in points])))
         orders.arm()
-        orders.command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
+        orders.start_mission()
     else:
         law = OnOff(scenario) if method is Method.ON_OFF else HeadingPid(scenario)
         helmsman = Helmsman(station, law, points, REACHED_M)

@@ -7,7 +7,8 @@ from boat_rig import HOME_ITEM, scenario, waypoint
 from companion.geo import LatLon
 from companion.mavlink.items import MissionItem
 from sitl.missions import fence_along, plan_mission, wire_items
-from sitl.sail import SailError, Sailing
+from sitl.orders import SailError
+from sitl.sail import Sailing
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 
