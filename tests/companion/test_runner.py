@@ -2,32 +2,18 @@ import os
 from collections.abc import Callable, Collection
 
 import pytest
+from fake_clock import FakeClock
 
 from companion.runner import Runner
 
 PERIOD_S = 0.02
 
 
-class FakeClock:
-    """Time that passes only when somebody waits or works."""
-
-    def __init__(self) -> None:
-        self.time_s = 100.0
-
-    def now_s(self) -> float:
-        """The time."""
-        return self.time_s
-
-    def sleep(self, seconds: float) -> None:
-        """Let it pass."""
-        self.time_s += max(seconds, 0.0)
-
-
 class Loop:
     """A runner over a fake clock; `work_s` says how long each tick takes."""
 
     def __init__(self, work_s: Callable[[int], float], *, skip_missed: bool = True) -> None:
-        self.clock = FakeClock()
+        self.clock = FakeClock(100.0)
         self.began_s: list[float] = []
         self.numbers: list[int] = []
         self._work_s = work_s

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from boat_rig import scenario
+from fake_clock import FakeClock
 
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
@@ -17,22 +18,7 @@ from sitl.craft import Berth, Craft
 CUT = 'faults=[{what="computer", at_s=2, for_s=3}]'
 
 
-class HandClock:
-    """Time that passes only by waiting."""
-
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now_s(self) -> float:
-        """The time."""
-        return self.time_s
-
-    def sleep(self, seconds: float) -> None:
-        """Let it pass."""
-        self.time_s += max(seconds, 0.0)
-
-
-def live(craft: Craft, clock: HandClock, seconds: float) -> None:
+def live(craft: Craft, clock: FakeClock, seconds: float) -> None:
     """Let the boat live, without waiting for anybody."""
     runner = Runner(clock, 0.02, lambda _: None, lambda _: None, list)
     for _ in range(round(seconds / 0.02)):
@@ -50,7 +36,7 @@ def heard(station: socket.socket) -> set[str]:
 
 
 def test_the_port_is_silent_without_power_and_the_same_one_after_it() -> None:
-    clock = HandClock()
+    clock = FakeClock()
     craft = Craft(scenario("open", CUT), ["udpin:127.0.0.1:0"], clock)
     port = craft.port_names[0]
     number = int(port.rsplit(":", 1)[1])
@@ -76,7 +62,7 @@ def test_the_port_is_silent_without_power_and_the_same_one_after_it() -> None:
 
 def test_files_survive_the_power_cut_and_a_full_disk_refuses_new_ones(tmp_path: Path) -> None:
     faults = 'faults=[{what="computer", at_s=2, for_s=1}, {what="disk", at_s=4}]'
-    clock = HandClock()
+    clock = FakeClock()
     craft = Craft(scenario("open", faults), [], clock, Berth(state_folder=str(tmp_path)))
     craft.boat.parameters.set("WP_RADIUS", 3.25)
     live(craft, clock, 4.5)
@@ -89,7 +75,7 @@ def test_files_survive_the_power_cut_and_a_full_disk_refuses_new_ones(tmp_path: 
 
 @pytest.mark.parametrize("loss", [0.0, 1.0])
 def test_the_scenarios_link_is_between_the_ports_and_the_boat(loss: float) -> None:
-    clock = HandClock()
+    clock = FakeClock()
     craft = Craft(scenario("open", f"link.loss={loss}"), ["udpin:127.0.0.1:0"], clock)
     number = int(craft.port_names[0].rsplit(":", 1)[1])
     hello = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))

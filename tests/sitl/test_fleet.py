@@ -5,6 +5,7 @@ import socket
 
 import pytest
 from boat_rig import scenario
+from fake_clock import FakeClock
 
 from companion.config import LinkConfig
 from companion.errors import ConfigError
@@ -16,21 +17,6 @@ from companion.vehicle.modes import Mode
 from sitl.craft import Berth
 from sitl.fleet import fleet, moor
 from sitl.serve import Server
-
-
-class HandClock:
-    """Time that passes only by waiting."""
-
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now_s(self) -> float:
-        """The time."""
-        return self.time_s
-
-    def sleep(self, seconds: float) -> None:
-        """Let it pass."""
-        self.time_s += max(seconds, 0.0)
 
 
 def test_ids_and_seeds_count_up_and_places_lie_apart() -> None:
@@ -55,7 +41,7 @@ def test_a_pool_too_small_for_the_fleet_is_said() -> None:
 
 
 def test_every_boat_sails_in_its_own_water() -> None:
-    boats, clock = fleet(scenario("open"), 5), HandClock()
+    boats, clock = fleet(scenario("open"), 5), FakeClock()
     crafts = moor(boats, [[]] * 5, clock, [Berth()] * 5)
     for number, craft in enumerate(crafts):
         craft.boat.vehicle.mode = Mode.MANUAL
@@ -66,7 +52,7 @@ def test_every_boat_sails_in_its_own_water() -> None:
 
 
 def test_one_port_reaches_every_boat_and_each_answers_for_itself() -> None:
-    boats, clock = fleet(scenario("open"), 3), HandClock()
+    boats, clock = fleet(scenario("open"), 3), FakeClock()
     links = [[LinkConfig(url="udpin:127.0.0.1:0")], [], []]
     crafts = moor(boats, links, clock, [Berth()] * 3)
     server = Server(crafts, clock)

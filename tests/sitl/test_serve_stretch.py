@@ -2,6 +2,7 @@ import socket
 
 import pytest
 from boat_rig import scenario
+from fake_clock import FakeClock
 
 from companion.config import BoatConfig
 from companion.errors import LinkError
@@ -24,21 +25,6 @@ def test_the_timers_that_wait_for_stations_are_stretched_and_nothing_else_is(spe
     assert after.guidance == before.guidance
     if speedup == 1.0:
         assert after == before
-
-
-class FakeClock:
-    """Time that passes only by waiting."""
-
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now_s(self) -> float:
-        """The time."""
-        return self.time_s
-
-    def sleep(self, seconds: float) -> None:
-        """Let it pass."""
-        self.time_s += max(seconds, 0.0)
 
 
 @pytest.mark.parametrize("speedup", [1.0, 20.0])
