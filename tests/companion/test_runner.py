@@ -92,7 +92,7 @@ class Pipe:
 
 @pytest.mark.parametrize(("chunks", "heard"), [(3, 3), (1000, 200)])
 def test_links_are_heard_between_ticks_but_a_flood_does_not_eat_the_loop(chunks: int, heard: int) -> None:
-    pipe, clock = Pipe(chunks), FakeClock()
+    pipe, clock = Pipe(chunks), FakeClock(100.0)
     order: list[str] = []
 
     def receive(ready: Collection[int]) -> None:
