@@ -7,7 +7,7 @@ on a worker thread, because an SD card may take a tenth of a second and the cont
 import logging
 import os
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Protocol
 
@@ -30,7 +30,7 @@ class Storage(Protocol):
     """Named blobs that survive a power cut."""
 
     def load(self, name: str) -> bytes:
-        """The content last saved under this name, empty when there is none."""
+        """The content last saved under this name, empty when there is none. Waits for saves under way."""
 
     def save(self, name: str, content: bytes) -> Saving:
         """Begin to replace the content under this name."""
@@ -89,6 +89,7 @@ class FolderStorage:
         self._folder = folder
         self._write = write or write_atomically
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="storage")
+        self._under_way: list[Future[None]] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -102,6 +103,7 @@ class FolderStorage:
     def load(self, name: str) -> bytes:
         """The content last saved under this name, empty when there is none."""
         try:
+            wait(self._under_way)
             return (self._folder / name).read_bytes()
         except FileNotFoundError:
             return b""
@@ -110,7 +112,9 @@ class FolderStorage:
 
     def save(self, name: str, content: bytes) -> Saving:
         """Begin to replace the content under this name; saves are carried out in order."""
-        return _FutureSaving(self._worker.submit(self._write, self._folder / name, content))
+        saving = self._worker.submit(self._write, self._folder / name, content)
+        self._under_way = [saving]  # one worker: the last to begin is the last to end
+        return _FutureSaving(saving)
 
     def close(self) -> None:
         """Wait for what is under way."""

@@ -141,6 +141,14 @@ def test_saves_of_one_name_are_carried_out_in_order(tmp_path: Path) -> None:
     assert storage.load("a") == b"49"
 
 
+def test_what_is_being_saved_is_loaded(tmp_path: Path) -> None:
+    storage = FolderStorage(tmp_path)
+    for n in range(50):
+        storage.save("a", str(n).encode())
+    assert storage.load("a") == b"49"
+    storage.close()
+
+
 def test_a_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(StorageError, match="file"):
