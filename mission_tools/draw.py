@@ -17,6 +17,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.transforms import Bbox
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -42,6 +43,7 @@ from mission_tools.view import view_of
 
 LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
 WATER = "#b7daeb"
+NAMES = 6  # the layer of features' names
 TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
 
 
@@ -162,6 +164,7 @@ def draw_picture(
         draw_waypoints(axes, route)
     elif track:
         draw_waypoints(axes, (track[0], track[-1]))
+    _hide_crowded_names(axes)
     draw_frame(axes, chart, view)
     draw_scale_bar(axes, view)
     draw_north_arrow(axes)
@@ -220,7 +223,7 @@ def _name(axes: Axes, feature: Feature, **style: Any) -> None:  # noqa: ANN401 (
     """In the middle of the thing."""
     style = {"color": INK, "fontsize": 9.0, "ha": "center", "va": "center", **style}
     at = feature.shape.centroid
-    axes.text(at.x, at.y, feature.name, path_effects=HALO, zorder=6, clip_on=True, **style)
+    axes.text(at.x, at.y, feature.name, path_effects=HALO, zorder=NAMES, clip_on=True, **style)
 
 
 def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
@@ -240,8 +243,19 @@ def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
     _, edge, offset = sides[alignment]
     axes.annotate(
         feature.name, (edge, middle), xytext=(offset, 0), textcoords="offset points", ha=alignment,
-        va="center", fontsize=8.0, color=INK, path_effects=HALO, zorder=6, annotation_clip=True,
+        va="center", fontsize=8.0, color=INK, path_effects=HALO, zorder=NAMES, annotation_clip=True,
     )  # fmt: skip
+
+
+def _hide_crowded_names(axes: Axes) -> None:
+    """Of names that would lie over each other only the first stays; Start, Goal and numbers all do."""
+    taken: list[Bbox] = []
+    for text in sorted(axes.texts, key=lambda text: text.zorder == NAMES):
+        box = text.get_window_extent()
+        if text.zorder == NAMES and box.count_overlaps(taken):
+            text.set_visible(False)
+        else:
+            taken.append(box)
 
 
 def _dense(route: Sequence[Point]) -> list[Point]:
@@ -260,7 +274,7 @@ def _draw_landmark(axes: Axes, chart: Chart, feature: Feature) -> None:
     axes.annotate(
         feature.name, (at.x, at.y), xytext=(-8 if is_west else 8, 0), textcoords="offset points",
         ha="right" if is_west else "left", va="center", fontsize=9.0, fontweight="bold", color=INK,
-        path_effects=HALO, zorder=6, annotation_clip=True,
+        path_effects=HALO, zorder=NAMES, annotation_clip=True,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import shapely
 from matplotlib.figure import Figure
 
 from companion.geo import LatLon, LocalFrame, Point
-from mission_tools.draw import draw_chart, draw_track, save_picture
+from mission_tools.draw import draw_chart, draw_picture, draw_track, save_picture
 from mission_tools.maps import Chart, Feature, build_chart, load_geojson
 from mission_tools.planning import plan
 
@@ -69,6 +69,17 @@ def test_the_view_closes_in_on_a_route_far_smaller_than_the_water(pond: Chart, t
 
     assert land_share("far.png") > 0.2
     assert land_share("near.png") < 0.1
+
+
+def test_a_name_that_would_lie_over_another_is_left_out() -> None:
+    posts = [
+        Feature(f"Post {n}", "obstacle", shapely.box(east, 10.0, east + 1.0, 11.0))
+        for n, east in enumerate((10.0, 11.5, 60.0))
+    ]
+    figure = draw_picture(build_chart("Posts", LocalFrame(ORIGIN), shapely.box(0.0, 0.0, 100.0, 80.0), posts))
+    shown = {text.get_text() for text in figure.axes[0].texts if text.get_visible()}
+    assert {"Post 0", "Post 2"} <= shown
+    assert "Post 1" not in shown
 
 
 def test_drawing_touches_only_the_axes_handed_in(pond: Chart) -> None:
