@@ -1,6 +1,5 @@
 """The vehicle: mode, arming, home, mission and failsafes. Requests go in, an intent comes out each tick."""
 
-import math
 from collections.abc import Sequence
 
 from companion.config import BoatConfig
@@ -12,10 +11,7 @@ from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults
 from companion.vehicle.clearing import Clearing
 from companion.vehicle.conduct import Conduct, station_of
-from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
-from companion.vehicle.failsafes.failsafes import Alarm, Failsafes
-from companion.vehicle.failsafes.ladder import Move
-from companion.vehicle.failsafes.power import shortfall
+from companion.vehicle.failsafes.failsafes import Failsafes
 from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
@@ -23,13 +19,10 @@ from companion.vehicle.modes import Mode
 from companion.vehicle.motor_probe import MotorProbe
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.orders import carry_out
+from companion.vehicle.response import NO_HEADING, Response
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
-_RANGE_S = 1.0  # how often the charge is held against the way home
-_DRIFT_S = 60.0  # clearing the propellers and trying the motors, twice over, and getting under way again
-_NO_HEADING = "no heading"
-_LIMP_SHARE = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
 class Vehicle:
@@ -54,7 +47,7 @@ class Vehicle:
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
         self.standing_order = False  # the boat is about to arm itself; any mode or disarming ends that
-        self._range_due_s = 0.0
+        self._response = Response(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
         self._notices = self.conduct.notices
@@ -86,7 +79,7 @@ class Vehicle:
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""
         if self.failsafes.is_due(self._now_s):
-            self._watch()
+            self._response.watch(self._now_s)
         if not self.armed:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s):
                 self.tell(Severity.CRITICAL, f"PreArm: {fault}")
@@ -178,7 +171,7 @@ class Vehicle:
 
     def can_enter(self, mode: Mode) -> bool:
         """Whether the boat could change to a mode that steers by the position."""
-        return not (self._estimate_fault() or self._mode_fault(mode))
+        return not (self.estimate_fault() or self._mode_fault(mode))
 
     def halt(self, why: str, *, disarms: bool) -> None:
         """Something in the program has gone wrong: HOLD, or disarm. Told once, however often it happens."""
@@ -190,15 +183,16 @@ class Vehicle:
         if disarms:
             self.disarm("by the program")
         else:
-            self._enter(Mode.HOLD, "fault")
+            self.fall_back(Mode.HOLD, "fault")
 
     def enter(self, mode: Mode, why: str = "") -> Outcome:
         """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""
-        if mode.needs_position and (fault := self._estimate_fault() or self._mode_fault(mode)):
+        if mode.needs_position and (fault := self.estimate_fault() or self._mode_fault(mode)):
             return self.refuse(f"{mode.name}: {fault}")
-        return self._enter(mode, why)
+        return self.fall_back(mode, why)
 
-    def _enter(self, mode: Mode, why: str) -> Outcome:
+    def fall_back(self, mode: Mode, why: str) -> Outcome:
+        """Change mode, whatever it lacks."""
         if mode is not self.mode:
             self.mode = mode
             self.speed_m_s = None
@@ -226,13 +220,13 @@ class Vehicle:
         speed_m_s = self.speed_m_s or self.config.speed.cruise_m_s
         return Situation(self.nav, self.frame, self.config, self.home, speed_m_s, self._now_s)
 
-    def _estimate_fault(self) -> str:
+    def estimate_fault(self) -> str:
         """Why the boat cannot steer by its position; empty when it can."""
         if self.nav is None or self.frame is None:
             return "no position yet"
         if lacks_position(self.nav, self.config.motors.estimate_timeout_s):
             return "position is stale"
-        return _NO_HEADING if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
+        return NO_HEADING if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
 
     def _mode_fault(self, mode: Mode) -> str:
         now = self._situation()
@@ -263,7 +257,7 @@ class Vehicle:
         if not self._home_is_chosen and now is not None:
             self.home = now.here
         self.conduct.sticks.release()
-        self.conduct.trail.begin(None if self._estimate_fault() or self.nav is None else self.nav.point)
+        self.conduct.trail.begin(None if self.estimate_fault() or self.nav is None else self.nav.point)
         self.conduct.begin(self.mode, now)
         self.tell(Severity.INFO, "Armed")
         return ACCEPTED
@@ -294,80 +288,3 @@ class Vehicle:
     def refuse(self, reason: str) -> Outcome:
         self.tell(Severity.WARNING, reason)
         return Outcome(False, reason)
-
-    # Failsafes
-
-    def _watch(self) -> None:
-        """Let the failsafes look, and do what they ask."""
-        signs, nav = self.failsafes.signs, self.nav
-        signs.now_s, signs.config, signs.mode, signs.armed = self._now_s, self.config, self.mode, self.armed
-        signs.nav, signs.fix, signs.battery = nav, self.fix, self.battery
-        signs.is_guided = self.conduct.is_guided(self.mode)
-        if self._now_s >= self._range_due_s:
-            self._range_due_s = self._now_s + _RANGE_S
-            signs.home = None if self.home is None or self.frame is None else self.frame.to_local(self.home)
-            signs.home_distance_m = math.inf if nav is None else self.home_distance_m(nav.point)
-            signs.shortfall = shortfall(signs)
-        signs.fence.update(self.fence, nav, self.config.motors, self._now_s)
-        for alarm in self.failsafes.update(self.clearing.is_running or self.probe.is_running):
-            self._act_on(alarm)
-
-    def _act_on(self, alarm: Alarm) -> None:
-        action, row = alarm.action, alarm.ladder.row
-        if alarm.move is Move.ENDS:
-            if alarm.text:
-                self.tell(Severity.NOTICE, f"Failsafe over: {alarm.text}")
-            return
-        does_nothing = not self.armed or self.mode is Mode.HOLD or action is Action.NONE
-        if alarm.move is Move.CLIMBS and does_nothing and action is not Action.DISARM:
-            return
-        still = ", still" if alarm.move is Move.CLIMBS else ""
-        severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
-        self.tell(severity, f"Failsafe: {alarm.text}{still}")
-        if action is Action.CLEAR_PROPELLERS and self.probe.is_turned:
-            action = Action.TRY_MOTORS  # what was turned round may be right again
-        if action is Action.DISARM:
-            self.disarm("by failsafe")
-        elif does_nothing:
-            return
-        elif action is Action.CLEAR_PROPELLERS and self.probe.is_lame and not self._may_drift():
-            return  # sailing with one motor is all that keeps it off
-        elif action is Action.CLEAR_PROPELLERS:
-            self.tell(Severity.WARNING, "Clearing the propellers")
-            self.clearing.begin(self._now_s)
-        elif action is Action.TRY_MOTORS:
-            self.tell(Severity.WARNING, "Trying the motors")
-            self.clearing.stop()
-            self.probe.begin(self._now_s)
-        elif not (row.spares_way_home and self.mode in WAYS_HOME and action is not Action.HOLD):
-            self._retreat(action)
-            if row.limps:
-                self.speed_m_s = _LIMP_SHARE * self.config.speed.cruise_m_s
-
-    def _may_drift(self) -> bool:
-        """Whether the water carries the boat over no line while it clears its propellers."""
-        nav = self.nav
-        if nav is None:
-            return True
-        drift_m = _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
-        course = math.atan2(nav.set_east_m_s, nav.set_north_m_s)
-        return self.fence.room_m(nav.point, course, drift_m) >= drift_m
-
-    def _retreat(self, action: Action) -> None:
-        """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""
-        self.clearing.stop()
-        self.probe.stop()
-        for mode in RETREATS[action]:
-            if mode is Mode.LOITER and self._estimate_fault() and self._can_reckon():
-                self._enter(mode, "failsafe, by dead reckoning")
-                return
-            if mode is Mode.LOITER and self._estimate_fault() == _NO_HEADING:
-                self._enter(mode, "failsafe, adrift until there is a heading")
-                return
-            if self.enter(mode, "failsafe").accepted:
-                return
-        self.enter(Mode.HOLD, "failsafe")
-
-    def _can_reckon(self) -> bool:
-        nav, timeout_s = self.nav, self.config.motors.estimate_timeout_s
-        return nav is not None and self.frame is not None and not lacks_heading(nav, timeout_s)

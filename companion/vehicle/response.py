@@ -1,0 +1,117 @@
+"""What the vehicle does when a failsafe fires."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from companion.estimation.health import lacks_heading
+from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
+from companion.vehicle.failsafes.failsafes import Alarm
+from companion.vehicle.failsafes.ladder import Move
+from companion.vehicle.failsafes.power import shortfall
+from companion.vehicle.modes import Mode
+from companion.vehicle.notice import Severity
+
+if TYPE_CHECKING:
+    from companion.vehicle.vehicle import Vehicle
+
+NO_HEADING: Final = "no heading"
+_RANGE_S: Final = 1.0  # how often the charge is held against the way home
+_DRIFT_S: Final = (
+    60.0  # clearing the propellers and trying the motors, twice over, and getting under way again
+)
+_LIMP_SHARE: Final = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
+
+
+class Response:
+    """The vehicle's own; asked while the failsafes are due."""
+
+    __slots__ = ("_range_due_s", "_vehicle")
+
+    def __init__(self, vehicle: "Vehicle") -> None:
+        self._vehicle = vehicle
+        self._range_due_s = 0.0
+
+    def watch(self, now_s: float) -> None:
+        """Let the failsafes look, and do what they ask."""
+        vehicle = self._vehicle
+        signs, nav = vehicle.failsafes.signs, vehicle.nav
+        signs.now_s, signs.config, signs.mode, signs.armed = (
+            now_s,
+            vehicle.config,
+            vehicle.mode,
+            vehicle.armed,
+        )
+        signs.nav, signs.fix, signs.battery = nav, vehicle.fix, vehicle.battery
+        signs.is_guided = vehicle.conduct.is_guided(vehicle.mode)
+        if now_s >= self._range_due_s:
+            self._range_due_s = now_s + _RANGE_S
+            home, frame = vehicle.home, vehicle.frame
+            signs.home = None if home is None or frame is None else frame.to_local(home)
+            signs.home_distance_m = math.inf if nav is None else vehicle.home_distance_m(nav.point)
+            signs.shortfall = shortfall(signs)
+        signs.fence.update(vehicle.fence, nav, vehicle.config.motors, now_s)
+        for alarm in vehicle.failsafes.update(vehicle.clearing.is_running or vehicle.probe.is_running):
+            self._act_on(alarm, now_s)
+
+    def _act_on(self, alarm: Alarm, now_s: float) -> None:
+        vehicle = self._vehicle
+        action, row = alarm.action, alarm.ladder.row
+        if alarm.move is Move.ENDS:
+            if alarm.text:
+                vehicle.tell(Severity.NOTICE, f"Failsafe over: {alarm.text}")
+            return
+        does_nothing = not vehicle.armed or vehicle.mode is Mode.HOLD or action is Action.NONE
+        if alarm.move is Move.CLIMBS and does_nothing and action is not Action.DISARM:
+            return
+        still = ", still" if alarm.move is Move.CLIMBS else ""
+        severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
+        vehicle.tell(severity, f"Failsafe: {alarm.text}{still}")
+        if action is Action.CLEAR_PROPELLERS and vehicle.probe.is_turned:
+            action = Action.TRY_MOTORS  # what was turned round may be right again
+        if action is Action.DISARM:
+            vehicle.disarm("by failsafe")
+        elif does_nothing:
+            return
+        elif action is Action.CLEAR_PROPELLERS and vehicle.probe.is_lame and not self._may_drift():
+            return  # sailing with one motor is all that keeps it off
+        elif action is Action.CLEAR_PROPELLERS:
+            vehicle.tell(Severity.WARNING, "Clearing the propellers")
+            vehicle.clearing.begin(now_s)
+        elif action is Action.TRY_MOTORS:
+            vehicle.tell(Severity.WARNING, "Trying the motors")
+            vehicle.clearing.stop()
+            vehicle.probe.begin(now_s)
+        elif not (row.spares_way_home and vehicle.mode in WAYS_HOME and action is not Action.HOLD):
+            self._retreat(action)
+            if row.limps:
+                vehicle.speed_m_s = _LIMP_SHARE * vehicle.config.speed.cruise_m_s
+
+    def _may_drift(self) -> bool:
+        """Whether the water carries the boat over no line while it clears its propellers."""
+        nav = self._vehicle.nav
+        if nav is None:
+            return True
+        drift_m = _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        course = math.atan2(nav.set_east_m_s, nav.set_north_m_s)
+        return self._vehicle.fence.room_m(nav.point, course, drift_m) >= drift_m
+
+    def _retreat(self, action: Action) -> None:
+        """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""
+        vehicle = self._vehicle
+        vehicle.clearing.stop()
+        vehicle.probe.stop()
+        for mode in RETREATS[action]:
+            fault = vehicle.estimate_fault() if mode is Mode.LOITER else ""
+            if fault and self._can_reckon():
+                vehicle.fall_back(mode, "failsafe, by dead reckoning")
+                return
+            if fault == NO_HEADING:
+                vehicle.fall_back(mode, "failsafe, adrift until there is a heading")
+                return
+            if vehicle.enter(mode, "failsafe").accepted:
+                return
+        vehicle.enter(Mode.HOLD, "failsafe")
+
+    def _can_reckon(self) -> bool:
+        nav, timeout_s = self._vehicle.nav, self._vehicle.config.motors.estimate_timeout_s
+        return nav is not None and self._vehicle.frame is not None and not lacks_heading(nav, timeout_s)
