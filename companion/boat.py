@@ -20,7 +20,6 @@ from companion.router.configured_port import ConfiguredPort
 from companion.safety_net import Fall, SafetyNet
 from companion.senses import Senses
 from companion.sensors.external import ExternalSensors
-from companion.sensors.readings import GnssFix
 from companion.services.endpoint import Endpoint
 from companion.services.signing_store import SigningStore
 from companion.services.snapshot import Snapshot
@@ -30,6 +29,7 @@ from companion.storage import Storage
 from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
+from companion.wall_time import WallTime
 
 logger = logging.getLogger(__name__)
 
@@ -80,7 +80,9 @@ class Boat:
             look=self.look,
         )
         if logbook is not None:
-            logbook.onboard = OnboardLog(logbook.sink, self.parameters, self.endpoint.mission_items)
+            logbook.onboard = OnboardLog(
+                logbook.sink, self.parameters, self.endpoint.mission_items, self.vehicle
+            )
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
@@ -95,9 +97,7 @@ class Boat:
         self._hardware = hardware
         self._storage = storage
         self._logbook = logbook
-        self._unix_offset_s = unix_offset_s
-        self._has_satellite_date = False
-        self._dated_fix: GnssFix | None = None
+        self._wall_time = WallTime(unix_offset_s)
         self._now_s = 0.0
         self._links_due_s = 0.0
 
@@ -121,7 +121,7 @@ class Boat:
                 self.endpoint.open(number, channels.open[number].policy.stream_hz)
                 is_news = True
         if self._logbook is not None:
-            self._logbook.follow(channels, now_s + self._unix_offset_s)
+            self._logbook.follow(channels, now_s + self._wall_time.offset_s)
         for number, received in channels.receive(now_s, ready):
             self.endpoint.handle(number, received, now_s)
             is_news = True
@@ -170,8 +170,8 @@ class Boat:
         probe, left, right = self.vehicle.probe, self.trim.left, self.trim.right
         self._hardware.motors.write(-left if probe.left < 0 else left, -right if probe.right < 0 else right)
         if self._logbook is not None:
-            self._logbook.tick(self.look(), self.channels)
-        self.endpoint.tick(now_s, self._unix_s, self.senses.compass, self.load)
+            self._logbook.tick(now_s, self.look, self.channels)
+        self.endpoint.tick(now_s, self._wall_time.unix_s(now_s), self.senses.compass, self.load)
         self.resume.tick(now_s)
         self._flush()
 
@@ -233,19 +233,8 @@ class Boat:
         self.nav = estimator.update(senses.fix, senses.heading, now_s, self.command)
         if senses.pings:
             self.steering.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
-        self._keep_date()
+        self._wall_time.keep(senses.fix, self.endpoint.unix_offset_s)
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
-
-    def _keep_date(self) -> None:
-        """The date by satellites; until there is one, a station's goes before the computer's own."""
-        fix = self.senses.fix
-        if fix is self._dated_fix and self._has_satellite_date:
-            return
-        self._dated_fix, told_s = fix, self.endpoint.unix_offset_s
-        if fix is not None and fix.unix_time_s is not None:
-            self._unix_offset_s, self._has_satellite_date = fix.unix_time_s - fix.time_s, True
-        elif told_s is not None and not self._has_satellite_date:
-            self._unix_offset_s = told_s
 
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav = self.steering, self.parameters.config, self.nav
@@ -260,33 +249,16 @@ class Boat:
                 intent = trials.update(intent, nav, self.senses.fix, self.command, is_slowed, now_s)
             steering.guide(intent, nav, config, now_s)
         if self.motor_test.is_running:
-            steering.rest()
-            return self._test_motor(now_s)
+            thrust = self.motor_test.thrust(now_s)  # which may be the end of it
+            return steering.turn(thrust, config, TICK_S, may_turn=self.motor_test.is_running)
         return steering.drive(nav, config, now_s, TICK_S)
-
-    def _test_motor(self, now_s: float) -> MotorCommand:
-        thrust = self.motor_test.thrust(now_s)
-        return self.steering.gate.check(
-            thrust,
-            armed=self.motor_test.is_running,
-            command_age_s=0.0,
-            nav=None,
-            needs_estimate=False,
-            setting=self.parameters.config.motors,
-            dt_s=TICK_S,
-        )
-
-    @property
-    def _unix_s(self) -> float:
-        """The date, 0 while it is not known."""
-        return self._now_s + self._unix_offset_s if self._unix_offset_s else 0.0
 
     def look(self) -> Snapshot:
         """Everything there is to tell of the present tick."""
         senses = self.senses
         return Snapshot(
             now_s=self._now_s,
-            unix_s=self._unix_s,
+            unix_s=self._wall_time.unix_s(self._now_s),
             config=self.parameters.config,
             vehicle=self.vehicle,
             nav=self.nav,

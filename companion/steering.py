@@ -17,7 +17,7 @@ from companion.guidance.headway import Headway
 from companion.guidance.lee import lee_demand
 from companion.guidance.pilot import Pilot
 from companion.sensors.lookout import Lookout
-from companion.state import STOPPED, Demand, MotorCommand, NavState
+from companion.state import STOPPED, Demand, MotorCommand, NavState, Thrust
 from companion.vehicle.intent import Drive, Intent, Stop
 from companion.vehicle.vehicle import Vehicle
 
@@ -126,3 +126,16 @@ class Steering:
             self.helm.reset()
         self._command = command
         return command
+
+    def turn(self, thrust: Thrust, config: BoatConfig, dt_s: float, *, may_turn: bool) -> MotorCommand:
+        """A motor test's command through the gate; nothing is steered for meanwhile."""
+        self.rest()
+        return self.gate.check(
+            thrust,
+            armed=may_turn,
+            command_age_s=0.0,
+            nav=None,
+            needs_estimate=False,
+            setting=config.motors,
+            dt_s=dt_s,
+        )

@@ -4,13 +4,12 @@ import re
 from pathlib import Path
 from typing import Final
 
-from companion.log.onboard import OnboardLog
+from companion.log.onboard import Look, OnboardLog
 from companion.log.sink import FileSink, Sink
 from companion.log.store import LogStore
 from companion.log.telemetry import TelemetryLog
 from companion.log.worker import ThreadWorker, Worker
 from companion.router.channels import Channels
-from companion.services.snapshot import Snapshot
 from companion.vehicle.notice import Notice
 
 FOLDER: Final = "logs"
@@ -44,12 +43,12 @@ class Logbook:
         if self.onboard is not None:
             self.onboard.note(notice)
 
-    def tick(self, now: Snapshot, channels: Channels) -> None:
-        """Log the tick."""
+    def tick(self, now_s: float, look: Look, channels: Channels) -> None:
+        """Log the tick. look: takes stock of the boat; asked only when something is due."""
         if self.onboard is not None:
-            self.onboard.tick(now, channels)
+            self.onboard.tick(now_s, look, channels)
         for log in self._telemetry.values():
-            log.tick(now.now_s)
+            log.tick(now_s)
 
     def follow(self, channels: Channels, time_s: float) -> None:
         """Before links are heard: the time for their frames, and a log for each new one.

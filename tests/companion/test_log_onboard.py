@@ -332,7 +332,9 @@ def test_a_number_that_no_field_holds_costs_a_record_not_the_boat(open_rig: Open
     rig = open_rig(tmp_path)
     rig.sail(waypoint(500, 0)).run(2.0)
     rig.boat.steering.helm.heading_pid = PidOutput(1e300, 0.0, 0.0, 0.0, False)
-    rig.log.tick(msgspec.structs.replace(rig.boat.look(), now_s=rig.now_s + 1.0), rig.boat.channels)
+    later_s = rig.now_s + 1.0
+    now = msgspec.structs.replace(rig.boat.look(), now_s=later_s)
+    rig.log.tick(later_s, lambda: now, rig.boat.channels)
     assert rig.log.faults == 1
     rig.run(2.0)
     assert rig.log.faults == 1

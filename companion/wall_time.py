@@ -1,0 +1,29 @@
+"""The date: satellites tell it; until they do, a station's goes before the computer's own."""
+
+from companion.sensors.readings import GnssFix
+
+
+class WallTime:
+    """offset_s: what to add to the boat's time for seconds since 1970; 0 while nobody has told the date."""
+
+    __slots__ = ("_dated", "_is_by_satellites", "offset_s")
+
+    def __init__(self, offset_s: float = 0.0) -> None:
+        """offset_s: by the computer's own date, 0 while that is plainly unset."""
+        self.offset_s = offset_s
+        self._is_by_satellites = False
+        self._dated: GnssFix | None = None
+
+    def keep(self, fix: GnssFix | None, told_offset_s: float | None) -> None:
+        """To be called every tick. told_offset_s: as a station has it, None while none has said."""
+        if fix is self._dated and self._is_by_satellites:
+            return
+        self._dated = fix
+        if fix is not None and fix.unix_time_s is not None:
+            self.offset_s, self._is_by_satellites = fix.unix_time_s - fix.time_s, True
+        elif told_offset_s is not None and not self._is_by_satellites:
+            self.offset_s = told_offset_s
+
+    def unix_s(self, now_s: float) -> float:
+        """The date at a time since boot, 0 while it is not known."""
+        return now_s + self.offset_s if self.offset_s else 0.0

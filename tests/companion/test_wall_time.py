@@ -1,0 +1,37 @@
+"""The date: whose word counts."""
+
+import pytest
+
+from companion.geo import LatLon
+from companion.sensors.readings import GnssFix
+from companion.wall_time import WallTime
+
+SATELLITES_S, STATION_S, COMPUTER_S = 1.8e9, 1.7e9, 1.6e9
+
+
+def fix(time_s: float, unix_time_s: float | None) -> GnssFix:
+    """A fix that came at a time since boot."""
+    return GnssFix(time_s, LatLon(50.0, -1.2), 3, 12, 0.8, unix_time_s=unix_time_s)
+
+
+def test_a_date_that_nobody_has_told_is_none() -> None:
+    assert WallTime().unix_s(100.0) == 0.0
+
+
+def test_a_station_goes_before_the_computer_and_satellites_before_both() -> None:
+    wall = WallTime(COMPUTER_S)
+    wall.keep(None, None)
+    assert wall.unix_s(5.0) == COMPUTER_S + 5.0
+    wall.keep(fix(5.0, None), STATION_S)
+    assert wall.unix_s(5.0) == STATION_S + 5.0
+    wall.keep(fix(6.0, SATELLITES_S), STATION_S)
+    assert wall.unix_s(6.5) == pytest.approx(SATELLITES_S + 0.5)
+    wall.keep(fix(7.0, None), STATION_S)
+    assert wall.unix_s(7.0) == pytest.approx(SATELLITES_S + 1.0)
+
+
+def test_every_dated_fix_sets_the_date_anew() -> None:
+    wall = WallTime()
+    wall.keep(fix(1.0, SATELLITES_S), None)
+    wall.keep(fix(2.0, SATELLITES_S + 1.25), None)
+    assert wall.unix_s(2.0) == pytest.approx(SATELLITES_S + 1.25)
