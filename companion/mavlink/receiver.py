@@ -10,10 +10,12 @@ from companion.mavlink.transfer import (
     NOBODY,
     Completed,
     Started,
-    State,
     Transfer,
-    Trigger,
 )
+from companion.mavlink.transfer_table import State, Trigger
+
+AGAIN_S = 0.5  # between the last word and its repetitions
+REPETITIONS = 2  # within the 1.5 s for which QGroundControl waits
 
 ItemCheck = Callable[[int, MissionItem], Fault | None]
 
@@ -46,6 +48,9 @@ class Receiver(Transfer):
         self._count = 0
         self._items: list[MissionItem] = []
         self._nudged_s = float("-inf")
+        self._has_lost = False  # something of this transfer had to be asked for again
+        self._repetitions = 0  # of the last word, still to come
+        self._again_s = 0.0
 
     def request_list(self, partner: Address, now_s: float) -> None:
         """Ask a partner for its list.
@@ -73,7 +78,7 @@ class Receiver(Transfer):
     def _collect(self, first: int, count: int, sender: Address, now_s: float, *, is_part: bool) -> None:
         self._begin(Trigger.COUNT if count else Trigger.EMPTY, sender)
         self.first, self._is_part = first, is_part
-        self._count, self._items = count, []
+        self._count, self._items, self._has_lost = count, [], False
         self._events.append(Started(count, sender))
         if count:
             self._request_next(sender, now_s)
@@ -88,12 +93,28 @@ class Receiver(Transfer):
         """
         self._settle(Trigger.STORED, None, now_s)
         self._latest = self._acknowledge(self._partner, result)
+        self._repetitions = REPETITIONS if self._has_lost else 0
+        self._again_s = now_s + AGAIN_S
+
+    def rest(self, sender: Address) -> None:
+        """A station goes on with something else: if it was the partner, it has heard our last word."""
+        if sender == self._partner:
+            self._repetitions = 0
+
+    def tick(self, now_s: float) -> None:
+        """Repeat what has not been answered in time, and the last word; give up after the last retry."""
+        if self._repetitions and now_s >= self._again_s and self.state is State.SETTLED:
+            self._repetitions -= 1
+            self._again_s = now_s + AGAIN_S
+            self._repeat()
+        super().tick(now_s)
 
     def handle(self, message: Message, sender: Address, now_s: float) -> None:
         """Take a message of the mission protocol; others, and those meant for others, change nothing."""
         name = message.get_type()
         if name not in _RECEIVED or not self._is_ours(message, sender):
             return
+        self.rest(sender)
         if name == "MISSION_COUNT":
             self._handle_count(message.count, sender, now_s)
         elif name == "MISSION_CLEAR_ALL":
@@ -134,7 +155,10 @@ class Receiver(Transfer):
             self._receive_item(message, sender, now_s)
         elif self.state is State.SETTLED:
             self._move(Trigger.ITEM)
-            self._repeat()
+            if message.seq == self.first + min(len(self._items), self._count - 1):
+                self._repeat()
+            else:
+                self.ignored += 1  # held up on its way: nobody waits for an answer to it
         elif self.state is State.IDLE:
             self._move(Trigger.ITEM)
             self._acknowledge(sender, MissionResult.ERROR)
@@ -163,6 +187,10 @@ class Receiver(Transfer):
             else:
                 self._move(Trigger.ITEM)
                 self._request_next(sender, now_s)
+
+    def _repeat(self) -> None:
+        self._has_lost = True
+        super()._repeat()
 
     def _request_next(self, partner: Address, now_s: float) -> None:
         self._await(

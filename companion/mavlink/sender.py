@@ -6,7 +6,8 @@ from companion.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, Started, State, Transfer, Trigger
+from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, Started, Transfer
+from companion.mavlink.transfer_table import State, Trigger
 
 
 class Sender(Transfer):

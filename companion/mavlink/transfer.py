@@ -28,96 +28,26 @@ A boat receives uploads and sends downloads; a station has it the other way roun
 - MAVLink does not number transfers. An item that the network doubles and delivers into a later transfer of
   the same partner cannot be told from that one's own; only reading the list back shows it.
 - The last MISSION_ACK may be lost. So a finished machine is SETTLED for a while: it remembers its partner and
-  answers a repeated last message the same way again.
+  answers a repeated last message the same way again. Stations in use do not repeat theirs (QGroundControl
+  gives up after 1.5 s, MAVSDK after 2.5 s), so on a line that has lost something in this very transfer a
+  receiver says its last word again by itself, twice, half a second apart, unless the partner's next word
+  shows that it has heard. On a good line it does not: a station that begins anew at once could take it for
+  the next transfer's.
 
 The machines do no I/O and read no clock: `handle`, `tick`, `take_outbox`, `take_events`. A message that the
 table has no row for is counted as `ignored`; a call of ours that it has no row for is a LocalProtocolError.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum, auto
-from types import MappingProxyType
 
 from companion.errors import LocalProtocolError
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.transfer_table import TRANSITIONS, State, Trigger
 
 NOBODY = Address(0, 0)
 MOST_ITEMS = 65535  # MISSION_COUNT counts in 16 bits
-
-
-class State(Enum):
-    """Where a transfer stands."""
-
-    IDLE = auto()
-    LISTING = auto()  # receiver: has asked for the list, waits for its count
-    RECEIVING = auto()  # receiver: waits for the item asked for
-    STORING = auto()  # receiver: has all, waits for its owner
-    OFFERING = auto()  # sender: has sent the count, waits for the first request
-    SENDING = auto()  # sender: has sent an item, waits for the next request or the end
-    SETTLED = auto()  # it is over; the partner may not know yet
-
-
-class Trigger(Enum):
-    """What moves it."""
-
-    ASK = auto()  # our owner asks for a list
-    OFFER = auto()  # our owner, or the partner's MISSION_REQUEST_LIST, has us offer one
-    STORED = auto()  # our owner confirms
-    COUNT = auto()  # of one item or more
-    EMPTY = auto()  # a count of none, or MISSION_CLEAR_ALL
-    ITEM = auto()
-    LAST_ITEM = auto()
-    REQUEST = auto()
-    ACCEPTED = auto()
-    REFUSED = auto()  # the partner's MISSION_ACK with an error, or its cancel
-    FAULT = auto()  # we end it
-    EXPIRED = auto()  # the retries, or the time to remember, are used up
-
-
-_BEGIN = {Trigger.ASK: State.LISTING, Trigger.COUNT: State.RECEIVING, Trigger.EMPTY: State.STORING}
-_BREAK_OFF = dict.fromkeys((Trigger.REFUSED, Trigger.FAULT, Trigger.EXPIRED), State.SETTLED)
-_OFFERED = {
-    Trigger.OFFER: State.OFFERING,
-    Trigger.REQUEST: State.SENDING,
-    Trigger.ACCEPTED: State.SETTLED,
-    **_BREAK_OFF,
-}
-
-TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
-    {
-        State.IDLE: {
-            **_BEGIN,
-            Trigger.OFFER: State.OFFERING,
-            Trigger.ITEM: State.IDLE,  # out of the blue: answered with an error
-            Trigger.REQUEST: State.IDLE,
-        },
-        State.LISTING: {
-            Trigger.COUNT: State.RECEIVING,
-            Trigger.EMPTY: State.STORING,
-            **_BREAK_OFF,
-        },
-        State.RECEIVING: {
-            Trigger.COUNT: State.RECEIVING,  # the partner begins again
-            Trigger.EMPTY: State.STORING,
-            Trigger.ITEM: State.RECEIVING,
-            Trigger.LAST_ITEM: State.STORING,
-            **_BREAK_OFF,
-        },
-        State.STORING: {Trigger.STORED: State.SETTLED},
-        State.OFFERING: _OFFERED,
-        State.SENDING: _OFFERED,
-        State.SETTLED: {
-            **_BEGIN,
-            Trigger.OFFER: State.OFFERING,
-            Trigger.ITEM: State.SETTLED,  # our answer was lost
-            Trigger.REQUEST: State.SETTLED,
-            Trigger.EXPIRED: State.IDLE,
-        },
-    }
-)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,8 @@ from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Failed, State, Transfer
+from companion.mavlink.transfer import Completed, Failed, Transfer
+from companion.mavlink.transfer_table import State
 from companion.requests import SetCurrentItem
 from companion.services.area_items import fence_areas, rally_points
 from companion.services.guided import on_guided_item
@@ -80,6 +81,9 @@ class MissionService:
         """Take one message of the protocol."""
         if not is_named(self._own, message.target_system, message.target_component):
             return  # a list offered to every boat within reach is offered to none
+        for one in self._busy:
+            if one.upload_channel == origin.channel:
+                one.receiver.rest(origin.address)
         name = message.get_type()
         if name == "MISSION_SET_CURRENT":
             self._vehicle.request(SetCurrentItem(message.seq))

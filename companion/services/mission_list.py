@@ -8,7 +8,8 @@ from companion.mavlink.address import Address
 from companion.mavlink.items import Fault, MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, State
+from companion.mavlink.transfer import Completed
+from companion.mavlink.transfer_table import State
 from companion.services.area_items import check_fence, check_fence_item, check_rally_item
 from companion.services.mission_items import check_jumps, to_step
 from companion.services.mission_store import encode_item, load_items, save_lines

@@ -73,7 +73,7 @@ async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> Non
         assert system is not None
         missions = MissionRawAsync(system)
         began_s, uploaded = time.monotonic(), False
-        # MAVSDK does not ask again for a final acknowledgement that was lost: a person tries once more
+        # MAVSDK repeats no item that was lost on its way: a person tries once more
         for _ in range(TRIES if loss <= USABLE_LOSS else 1):
             uploaded, _ = await tried(missions.upload_mission(raw(NEW)))
             if uploaded:

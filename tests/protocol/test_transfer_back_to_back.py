@@ -16,7 +16,8 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Event, Failed, State
+from companion.mavlink.transfer import Completed, Event, Failed
+from companion.mavlink.transfer_table import State
 from sitl.channel import Channel, Quality
 
 BOAT, STATION = Address(1, 1), Address(255, 190)

@@ -13,7 +13,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Failed, Started, State, Transfer
+from companion.mavlink.transfer import Completed, Failed, Started, Transfer
+from companion.mavlink.transfer_table import State
 
 BOAT, STATION, SECOND = Address(1, 1), Address(255, 190), Address(254, 190)
 ITEMS = tuple(MissionItem(3, 16, x=n) for n in range(3))
@@ -301,6 +302,65 @@ def test_a_lost_last_acknowledgement_is_given_again_for_a_while() -> None:
     machine.tick(12.0)
     tell(machine, item(2), now_s=12.5)
     assert said(machine) == [("ACK", MissionResult.ERROR)]
+
+
+def finished(*, has_lost: bool = True) -> Receiver:
+    """A receiver that has confirmed its list at 10 s, on a line that has lost something or nothing before."""
+    machine = receiving(3, have=2)
+    if has_lost:
+        machine.tick(1.0)
+    tell(machine, item(2), now_s=9.0)
+    machine.take_outbox()
+    machine.confirm(10.0)
+    return machine
+
+
+@pytest.mark.parametrize(("has_lost", "expected"), [(True, [0.0, 0.5, 1.0]), (False, [0.0])])
+def test_where_something_was_lost_the_last_acknowledgement_is_said_twice_more(
+    has_lost: bool, expected: list[float]
+) -> None:
+    machine = finished(has_lost=has_lost)
+    told_s = []
+    for tick in range(150):
+        machine.tick(10.0 + 0.02 * tick)
+        told_s += [round(0.02 * tick, 2)] * said(machine).count(("ACK", MissionResult.ACCEPTED))
+    assert told_s == expected
+
+
+@pytest.mark.parametrize("word", [count(2), ack(MissionResult.OPERATION_CANCELLED)])
+def test_a_station_that_goes_on_has_heard_the_last_acknowledgement(word: Message) -> None:
+    machine = finished()
+    tell(machine, word, now_s=10.1)
+    machine.take_outbox()
+    machine.tick(10.55)
+    assert ("ACK", MissionResult.ACCEPTED) not in said(machine)
+
+
+def test_another_station_s_word_does_not_keep_the_last_acknowledgement_from_the_partner() -> None:
+    machine = finished()
+    tell(machine, item(2), sender=SECOND, now_s=10.1)
+    machine.take_outbox()
+    machine.tick(10.55)
+    assert said(machine) == [("ACK", MissionResult.ACCEPTED)]
+
+
+def test_an_item_that_was_held_up_on_its_way_does_not_ask_for_the_last_acknowledgement() -> None:
+    machine = receiving(3, have=3)
+    machine.confirm(10.0)
+    machine.take_outbox()
+    tell(machine, item(0), item(1), item(7), now_s=10.1)
+    assert said(machine) == []
+    tell(machine, item(2), now_s=10.2)
+    assert said(machine) == [("ACK", MissionResult.ACCEPTED)]
+
+
+def test_a_lost_refusal_is_given_again_for_the_item_that_it_was_for() -> None:
+    fault = Fault(MissionResult.INVALID, "no")
+    machine = Receiver(BOAT, MISSION, check=lambda seq, _: fault if seq else None)
+    tell(machine, count(3), item(0), item(1))
+    machine.take_outbox()
+    tell(machine, item(1), now_s=0.3)
+    assert said(machine) == [("ACK", MissionResult.INVALID)]
 
 
 def test_an_item_out_of_the_blue_is_answered_at_once_whoever_was_the_last_partner() -> None:

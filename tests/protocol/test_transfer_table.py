@@ -10,7 +10,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import TRANSITIONS, State, Transfer, Trigger
+from companion.mavlink.transfer import Transfer
+from companion.mavlink.transfer_table import TRANSITIONS, State, Trigger
 
 BOAT, STATION = Address(1, 1), Address(255, 190)
 ITEMS = (MissionItem(3, 16, x=1), MissionItem(3, 16, x=2))
