@@ -198,6 +198,7 @@ class Boat:
             return
         signs, senses = self.vehicle.failsafes.signs, self.senses
         signs.left, signs.right = self.command.left, self.command.right
+        signs.gives_way = self.steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
         signs.headway = self.steering.headway.verdict
         signs.load = self.load
         signs.consumed_mah = senses.consumed_mah

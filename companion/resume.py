@@ -61,6 +61,7 @@ class Resume:
     __slots__ = (
         "_countdown_s",
         "_due_s",
+        "_is_coming_inside",
         "_look_s",
         "_mission",
         "_offer",
@@ -88,6 +89,7 @@ class Resume:
         self._saving: Saving | None = None
         self._tell_s = 0.0
         self._countdown_s = math.nan
+        self._is_coming_inside = False  # armed by itself, and not on its mission yet
         self._offer = self._take_up()
 
     def tick(self, now_s: float) -> None:
@@ -111,7 +113,7 @@ class Resume:
             if not self._saving.is_done():
                 return
             self.fault, self._saving = self._saving.error(), None
-        if self._offer is not None and not self._vehicle.armed:
+        if self._offer is not None:
             return  # what was lost is still to be taken up, after another restart too
         saved, armed = self._saved, self._vehicle.armed
         if not armed and (saved is None or not saved.is_armed) and not self.fault:
@@ -180,6 +182,9 @@ class Resume:
     def _follow_up(self, offer: Voyage, now_s: float) -> None:
         vehicle = self._vehicle
         is_mission = offer.mode == Mode.AUTO
+        if vehicle.armed and self._is_coming_inside:
+            self._go_on_inside()
+            return
         if vehicle.armed or (is_mission and vehicle.progress.current_seq != offer.item):
             self._offer = None
             return
@@ -192,10 +197,14 @@ class Resume:
             self._go_on(Mode.AUTO if is_mission else Mode.RTL, now_s)
 
     def _go_on(self, mode: Mode, now_s: float) -> None:
-        """Once the boat may be armed, a warning and a pause; then arm and sail, unless somebody objects."""
+        """Once the boat may be armed, a warning and a pause; then arm and sail, unless somebody objects.
+
+        What has drifted over the fence meanwhile comes back inside before it goes on with its mission.
+        """
         vehicle = self._vehicle
+        first = Mode.LOITER if mode is Mode.AUTO and vehicle.is_outside else mode
         if math.isnan(self._countdown_s):
-            if vehicle.can_enter(mode) and vehicle.enter(mode, "power is back").accepted:
+            if vehicle.can_enter(mode) and vehicle.enter(first, "power is back").accepted:
                 if vehicle.arming_faults():
                     return
                 self._countdown_s = now_s
@@ -204,10 +213,26 @@ class Resume:
         elif not vehicle.standing_order:
             self._offer = None
             vehicle.tell(Severity.NOTICE, "Not going on by itself")
-        elif now_s - self._countdown_s >= WARNING_S and not vehicle.arming_faults():
-            self._offer = None
-            if vehicle.request(ChangeMode(mode)).accepted:
-                vehicle.request(Arm())
+        elif now_s - self._countdown_s >= WARNING_S and vehicle.can_enter(mode):
+            vehicle.enter(first, "power is back")
+            if vehicle.arming_faults():
+                return
+            vehicle.request(ChangeMode(first))
+            vehicle.request(Arm())
+            self._is_coming_inside = vehicle.standing_order = first is not mode
+            if self._is_coming_inside:
+                vehicle.tell(Severity.WARNING, "Outside the fence: coming back inside first")
+            else:
+                self._offer = None
+
+    def _go_on_inside(self) -> None:
+        """The mission, once the boat is back; nothing any more if somebody has objected."""
+        vehicle, nav = self._vehicle, self._vehicle.nav
+        if not vehicle.standing_order or vehicle.mode is not Mode.LOITER:
+            self._offer, self._is_coming_inside = None, False
+        elif nav is not None and vehicle.fence.margin_m(nav.point) >= vehicle.config.fence.margin_m:
+            self._offer, self._is_coming_inside = None, False
+            vehicle.request(ChangeMode(Mode.AUTO))
 
 
 def _load(storage: Storage) -> Voyage | None:

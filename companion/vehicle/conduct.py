@@ -125,6 +125,11 @@ class Conduct:
             return now.here
         return now.frame.to_global(fence.inside(now.nav.point, margin_m))
 
+    def stays_inside(self, frame: LocalFrame | None) -> bool:
+        """LOITER: whether the place to stay at is inside the fence."""
+        station = self.passage.station
+        return station is not None and frame is not None and self._fence.allows(frame.to_local(station))
+
     def is_guided(self, mode: Mode) -> bool:
         """Whether another program may steer by set-points."""
         return mode is Mode.GUIDED or (mode is Mode.AUTO and self.progress.is_handed_over)

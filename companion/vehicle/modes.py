@@ -30,6 +30,10 @@ class Mode(IntEnum):
         return self in (Mode.MANUAL, Mode.ACRO, Mode.STEERING, Mode.SIMPLE)
 
 
+COMES_INSIDE = (Mode.LOITER, Mode.RTL)
+"""Begun outside the fence, they lead back inside first."""
+
+
 def mode_from_number(number: int) -> Mode | None:
     """The mode with this Rover number, None where this boat has no such mode."""
     try:

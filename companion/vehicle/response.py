@@ -8,6 +8,7 @@ from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
 from companion.vehicle.failsafes.failsafes import Alarm
 from companion.vehicle.failsafes.ladder import Move
 from companion.vehicle.failsafes.power import shortfall
+from companion.vehicle.failsafes.table import Condition, Row
 from companion.vehicle.modes import Mode
 from companion.vehicle.notice import Severity
 
@@ -81,10 +82,17 @@ class Response:
             vehicle.tell(Severity.WARNING, "Trying the motors")
             vehicle.clearing.stop()
             vehicle.probe.begin(now_s)
-        elif not (row.spares_way_home and vehicle.mode in WAYS_HOME and action is not Action.HOLD):
+        elif action is Action.HOLD or not self._is_spared(row):
             self._retreat(action)
             if row.limps:
                 vehicle.speed_m_s = _LIMP_SHARE * vehicle.config.speed.cruise_m_s
+
+    def _is_spared(self, row: Row) -> bool:
+        """Whether what the boat does already is what it would be told to do."""
+        vehicle = self._vehicle
+        if row.condition is Condition.FENCE_BREACHED and vehicle.mode is Mode.LOITER:
+            return vehicle.conduct.stays_inside(vehicle.frame)
+        return row.spares_way_home and vehicle.mode in WAYS_HOME
 
     def _may_drift(self) -> bool:
         """Whether the water carries the boat over no line while it clears its propellers."""

@@ -15,7 +15,7 @@ from companion.vehicle.failsafes.failsafes import Failsafes
 from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
-from companion.vehicle.modes import Mode
+from companion.vehicle.modes import COMES_INSIDE, Mode
 from companion.vehicle.motor_probe import MotorProbe
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.orders import carry_out
@@ -46,7 +46,7 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
-        self.standing_order = False  # the boat is about to arm itself; any mode or disarming ends that
+        self.standing_order = False  # it is about to arm itself, or to go on; any mode or disarming ends that
         self._response = Response(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
@@ -204,9 +204,14 @@ class Vehicle:
         """Why the boat would not arm now; empty when it would."""
         config = self.config
         faults = arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
-        if config.arming.check and self.nav is not None and self.fence.is_outside(self.nav.point):
-            faults.append("Fence: the boat is outside")
+        if config.arming.check and self.is_outside and self.mode not in COMES_INSIDE:
+            faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
         return faults
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether the boat is beyond the fence, as far as it knows where it is."""
+        return self.nav is not None and self.fence.is_outside(self.nav.point)
 
     def active_position(self) -> LatLon | None:
         """Where the boat is heading: the current waypoint or target, None when it steers for none."""

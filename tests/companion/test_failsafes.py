@@ -253,3 +253,12 @@ def test_every_condition_has_one_row_and_its_fields_exist() -> None:
         for value in (row.action, row.after, *(part for step in row.then for part in step)):
             if isinstance(value, str):
                 assert hasattr(setting, value), value
+
+
+@pytest.mark.parametrize("gives_way", [False, True])
+def test_motors_are_not_judged_while_the_boat_gives_way_to_an_obstacle(gives_way: bool) -> None:
+    vehicle = armed_vehicle()
+    signs = vehicle.failsafes.signs
+    signs.left, signs.right, signs.gives_way = 1.0, -1.0, gives_way  # and the boat does not turn
+    told = live(vehicle, 20.0, step_s=0.1)
+    assert any(text.endswith("motor does not pull") for text in told) is not gives_way

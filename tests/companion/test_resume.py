@@ -4,9 +4,11 @@ import json
 
 import pytest
 from boat_rig import OK, Rig, waypoint
+from fence_rig import EXCLUDED, box, fenced, margin_m, polygon
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.boat import TICK_S
 from companion.mavlink.dialect import dialect
 from companion.resume import FILE
 from companion.storage import MemoryStorage, Saving
@@ -70,6 +72,57 @@ def test_a_boat_that_may_goes_on_by_itself_after_a_warning() -> None:
     rig.run(2.0)
     assert (rig.mode, rig.boat.vehicle.armed) == ("AUTO", True)
     rig.until(lambda: rig.boat.vehicle.progress.current_seq == 3, 60.0)
+
+
+def outside(resume: int) -> Rig:
+    """Cut in mid-leg; without power the water carries the boat over the fence beside its leg."""
+    rig = Rig(
+        "open",
+        "environment.current_m_s=0.5",
+        "environment.current_to_deg=0.0",
+        config={"failsafe.resume": resume},
+    )
+    rig.ready()
+    fenced(rig, *polygon(box(35.0, -10.0, 70.0, 70.0), EXCLUDED))
+    rig.sail(waypoint(30.0, 0.0), waypoint(30.0, 60.0), waypoint(0.0, 60.0))
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
+    rig.run(10.0)
+    rig.world._motors.stop()
+    while margin_m(rig) > -3.0:
+        rig.world.step(TICK_S)
+    rig.reboot()
+    return rig
+
+
+def test_a_boat_whose_power_is_back_outside_the_fence_comes_inside_and_sails_on() -> None:
+    rig = outside(2)
+    rig.until(lambda: rig.boat.vehicle.armed, 40.0)
+    rig.step()
+    assert rig.mode == "LOITER"
+    assert "Outside the fence: coming back inside first" in rig.peer.texts
+    rig.until(lambda: rig.mode == "AUTO", 40.0)
+    assert margin_m(rig) > 1.5
+    assert rig.boat.vehicle.progress.current_seq == 2
+
+
+def test_who_objects_while_it_comes_inside_keeps_it_there() -> None:
+    rig = outside(2)
+    rig.until(lambda: rig.boat.vehicle.armed, 40.0)
+    assert rig.set_mode(Mode.LOITER) == OK
+    rig.run(40.0)
+    assert rig.mode == "LOITER"
+    assert margin_m(rig) > 0.0
+
+
+def test_outside_the_fence_an_operator_is_told_which_modes_bring_the_boat_back() -> None:
+    rig = outside(1)
+    rig.run(10.0)
+    assert rig.set_mode(Mode.HOLD) == OK
+    assert rig.arm() != OK
+    assert "Arm: Fence: the boat is outside; armed in LOITER or RTL it comes back" in rig.peer.texts
+    assert rig.set_mode(Mode.RTL) == OK
+    assert rig.arm() == OK
+    rig.until(lambda: margin_m(rig) > 1.0, 40.0)
 
 
 @pytest.mark.parametrize("objection", ["mode", "disarm"])

@@ -104,7 +104,7 @@ class Failsafes:
         signs.endurance.learn(signs.battery, signs.nav, signs.config, PERIOD_S)
         if not signs.armed:
             signs.motors.reset()
-        if is_clearing:
+        if is_clearing or signs.gives_way:
             signs.motors.pause()
         else:
             cruise_m_s = signs.config.speed.cruise_m_s

@@ -29,6 +29,7 @@ class Signs:
         "endurance",
         "fence",
         "fix",
+        "gives_way",
         "heading",
         "headway",
         "home",
@@ -73,6 +74,7 @@ class Signs:
         self.heading: HeadingReading | None = None  # as the part gave it
         self.hull: HullReading | None = None
         self.consumed_mah = 0.0
+        self.gives_way = False  # goes astern from something, or keeps station before it: little to judge by
         self.left = self.right = 0.0  # what the motors are given
         self.headway = 0
         self.load = 0.0
