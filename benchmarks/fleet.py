@@ -1,9 +1,11 @@
 """How many boats does one core carry in real time? Fifty in one process, all under way, all talking."""
 
+import json
 import math
 import os
 import signal
 import socket
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -12,7 +14,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from benchmarks.measure import Row
+from benchmarks.measure import Row, alone
+from companion.boat import TICK_S
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
@@ -29,12 +32,12 @@ Process = subprocess.Popen[bytes]
 
 
 def rows() -> list[Row]:
-    """Share of a core, and the ticks that began more than 5 ms late, over some seconds of sailing."""
+    """Share of a core, ticks that began more than 5 ms late, and how long ticks take, over some seconds."""
     with tempfile.TemporaryDirectory() as room:
-        status = Path(room) / "status.json"
+        status, times = Path(room) / "status.json", Path(room) / "ticks.json"
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
             line.bind(("127.0.0.1", 0))
-            with _fleet(line.getsockname()[1], status) as process:
+            with _fleet(line.getsockname()[1], status, times) as process:
                 station = _Station(line)
                 station.cast_off(time.monotonic() + _START_S)
                 before, cpu_s, began_s = _settled(status, station), _cpu_s(process), time.monotonic()
@@ -42,6 +45,7 @@ def rows() -> list[Row]:
                 after, spent_s = _settled(status, station), _cpu_s(process) - cpu_s
                 lasted_s = time.monotonic() - began_s
                 under_way = sum(boat.speed_m_s > 0.5 for boat in station.boats.values())
+        ticks_ms = [1e3 * tick_s for tick_s in json.loads(times.read_text())[before.ticks : after.ticks]]
     ticks = after.ticks - before.ticks
     late = 100.0 * (after.late_ticks - before.late_ticks) / ticks
     skipped = after.skipped_ticks - before.skipped_ticks
@@ -56,7 +60,18 @@ def rows() -> list[Row]:
             note=note,
         ),
         Row("their ticks that began more than 5 ms late", "%", "less", late, 0.0),
+        alone("CPU time of a tick of theirs", "ms", "less", ticks_ms, _told(ticks_ms)),
     ]
+
+
+def _told(ticks_ms: list[float]) -> str:
+    """How they are distributed."""
+    hundredths = statistics.quantiles(ticks_ms, n=100)
+    over = sum(tick_ms > 1e3 * TICK_S for tick_ms in ticks_ms)
+    return (
+        f"90 % within {hundredths[89]:.1f} ms, 99 % within {hundredths[98]:.1f} ms, "
+        f"worst {max(ticks_ms):.1f} ms, {over} of {len(ticks_ms)} longer than a tick's {1e3 * TICK_S:.0f} ms"
+    )
 
 
 class _Boat:
@@ -91,7 +106,8 @@ class _Station:
             if len(self.boats) == _BOATS and not waiting:
                 return
             for system in waiting:
-                self._order(system, self.boats[system])
+                if self.boats[system].lat_e7:
+                    self._order(system, self.boats[system])
         raise TimeoutError(
             f"{len(waiting)} of {len(self.boats)} boats are not under way after {_START_S:g} s"
         )
@@ -137,10 +153,10 @@ class _Station:
 
 
 @contextmanager
-def _fleet(port: int, status: Path) -> Iterator[Process]:
-    program = str(Path(sys.executable).with_name("boat-sitl"))
-    command = [program, "serve", "open", "--count", str(_BOATS), "--no-tcp", "--udp", f"127.0.0.1:{port}"]
-    process = subprocess.Popen([*command, "--status", str(status)], stdout=subprocess.DEVNULL)
+def _fleet(port: int, status: Path, times: Path) -> Iterator[Process]:
+    command = [sys.executable, "-m", "benchmarks.timed_fleet", str(times), "serve", "open", "--no-tcp"]
+    command += ["--count", str(_BOATS), "--udp", f"127.0.0.1:{port}", "--status", str(status)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
         yield process
     finally:

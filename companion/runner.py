@@ -9,6 +9,7 @@ import select
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
+from companion import garbage
 from companion.clock import Clock
 
 LATE_S = 0.005
@@ -87,6 +88,7 @@ class Runner:
                 due_s += missed * self._period_s
                 if self._skip_missed:
                     number += missed
+            garbage.sweep(due_s - self._clock.now_s())
 
     def _listen_until(self, due_s: float, should_stop: Callable[[], bool]) -> None:
         is_busy, self._frames = self._frames > _BUSY_FRAMES, 0

@@ -1,6 +1,6 @@
 """One emulated boat with everything that belongs to it: water, computer, disk, links, program."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +29,7 @@ from sitl.world import World
 
 @dataclass(frozen=True, slots=True)
 class Berth:
-    """How a boat is kept. ports: links besides those with a url, to other boats of the same process.
+    """How a boat is kept. ports: opens links besides those with a url, to other boats of the same process.
 
     unix_offset_s: what to add to the clock for today's date, where links are signed.
     """
@@ -38,7 +38,7 @@ class Berth:
     record: bool = False
     status_path: Path | None = None
     unix_offset_s: float = 0.0
-    ports: tuple[Port, ...] = ()
+    ports: tuple[Callable[[], Port], ...] = ()
 
 
 class Craft:
@@ -132,7 +132,7 @@ class Craft:
                 if isinstance(port, ConfiguredPort)
             ]
             self._logbook = logbook = open_log(self._config, self._berth.state_folder)
-            own_ports = [*aired, *self._berth.ports]
+            own_ports = [*aired, *(open_port() for open_port in self._berth.ports)]
             boat = Boat(self._config, self.world.hardware, own_ports, self._storage, logbook=logbook)
             undo.pop_all()
         if self._berth.status_path is not None:

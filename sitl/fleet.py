@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import msgspec
 
@@ -10,10 +11,7 @@ from companion.clock import Clock
 from companion.config import LinkConfig
 from companion.errors import ConfigError
 from companion.geo import Point
-from companion.hal.interfaces import Port
-from companion.hal.memory import MemoryPort, memory_pair
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from sitl.bridge import Bridge
 from sitl.craft import Berth, Craft
 from sitl.scenario import Scenario
 from sitl.serve import stretched
@@ -58,15 +56,14 @@ def moor(
         StorageError: a state folder cannot be used.
     """
     crafts: list[Craft] = []
-    ports: list[Port] = []
+    bridges: list[Bridge] = []
     try:
         for scenario, own, berth in reversed(list(zip(scenarios, links, berths, strict=True))):
             is_first = scenario is scenarios[0]
-            shared: tuple[Port, ...] = tuple(ports) if is_first else ()
+            shared = tuple(partial(bridge.port, 0) for bridge in bridges) if is_first else ()
             if not is_first and not own:
-                near, far = memory_pair(f"boat {scenario.vehicle.identity.system_id}")
-                ports.append(_bridge(MemoryPort(near)))
-                shared = (_bridge(MemoryPort(far)),)
+                bridges.append(Bridge(f"boat {scenario.vehicle.identity.system_id}"))
+                shared = (partial(bridges[-1].port, 1),)
             own_config = stretched(scenario.vehicle, speedup)
             sailed = dataclasses.replace(scenario, vehicle=own_config)
             crafts.insert(0, Craft(sailed, own, clock, dataclasses.replace(berth, ports=shared)))
@@ -75,11 +72,6 @@ def moor(
             craft.close()
         raise
     return crafts
-
-
-def _bridge(port: Port) -> Port:
-    # A boat beyond the bridge streams nothing into it that nobody at the far end has asked for
-    return ConfiguredPort(port, Policy(LinkConfig(url="memory")))
 
 
 def _with_identity(scenario: Scenario, system_id: int) -> Scenario:

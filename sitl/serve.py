@@ -10,6 +10,7 @@ from companion.config import BoatConfig
 from companion.runner import Runner
 from sitl.craft import Craft
 
+PHASES = round(1.0 / TICK_S)  # what boats do more seldom than once a second is of no weight
 RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
 MEMORY = -1  # the descriptor of links that have none: those between boats of one process
 
@@ -51,9 +52,13 @@ class Server:
             for craft in self.crafts:
                 craft.close()
 
-    def _step(self, _: int) -> None:
-        for craft in self.crafts:
+    def _step(self, number: int) -> None:
+        for craft in self.crafts if number >= PHASES else self._begun(number):
             craft.step(self._runner)
+
+    def _begun(self, number: int) -> list[Craft]:
+        """One boat more every tick, so that what each does once a second is not done by all in the same."""
+        return [craft for place, craft in enumerate(self.crafts) if place % PHASES <= number]
 
     def _filenos(self) -> list[int]:
         if len(self.crafts) == 1:

@@ -83,6 +83,7 @@ class MemoryPort:
 
     def __init__(self, *links: Link, name: str = "memory") -> None:
         self._name = name
+        self._is_closed = False
         self._offered: list[Link] = list(links)
         self._links: list[Link] = []
 
@@ -92,8 +93,11 @@ class MemoryPort:
         return self._name
 
     def offer(self, link: Link) -> None:
-        """Let the next `accept` return this link."""
-        self._offered.append(link)
+        """Let the next `accept` return this link; a port that is closed closes it."""
+        if self._is_closed:
+            link.close()
+        else:
+            self._offered.append(link)
 
     def accept(self) -> list[Link]:
         """The links offered since the last call."""
@@ -107,5 +111,6 @@ class MemoryPort:
 
     def close(self) -> None:
         """Close every link that was offered. May be called twice."""
+        self._is_closed = True
         for link in (*self._links, *self._offered):
             link.close()

@@ -1,5 +1,7 @@
 """Several boats in one process."""
 
+import contextlib
+import dataclasses
 import math
 import socket
 
@@ -7,16 +9,18 @@ import pytest
 from boat_rig import scenario
 from fake_clock import FakeClock
 
+from companion.boat import TICK_S
 from companion.config import LinkConfig
 from companion.errors import ConfigError
 from companion.geo import distance_m
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
-from companion.mavlink.dialect import dialect
+from companion.mavlink.dialect import Message, dialect
 from companion.vehicle.modes import Mode
 from sitl.craft import Berth
 from sitl.fleet import fleet, moor
-from sitl.serve import Server
+from sitl.scenario import Scenario
+from sitl.serve import PHASES, Server
 
 
 def test_ids_and_seeds_count_up_and_places_lie_apart() -> None:
@@ -47,40 +51,91 @@ def test_every_boat_sails_in_its_own_water() -> None:
         craft.boat.vehicle.mode = Mode.MANUAL
         craft.world.hardware.motors.write(0.1 * number, 0.1 * number)
     Server(crafts, clock).run(lambda: clock.time_s >= 0.5)
-    assert [craft.world.tick for craft in crafts] == [crafts[0].world.tick] * 5
     assert all(craft.world.tick > 20 for craft in crafts)
 
 
+def test_boats_begin_one_after_the_other_within_the_first_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert PHASES * TICK_S == 1.0
+    monkeypatch.setattr("sitl.serve.PHASES", 3)
+    boats, clock = fleet(scenario("open"), 5), FakeClock()
+    crafts = moor(boats, [[]] * 5, clock, [Berth()] * 5)
+    Server(crafts, clock).run(lambda: clock.time_s >= 0.5)
+    first = crafts[0].world.tick
+    assert [first - craft.world.tick for craft in crafts] == [0, 1, 2, 0, 1]
+
+
+class OnePort:
+    """A fleet behind its first boat's link, and a station that talks to it."""
+
+    def __init__(self, boats: list[Scenario]) -> None:
+        links = [[LinkConfig(url="udpin:127.0.0.1:0")], *([[]] * (len(boats) - 1))]
+        self.clock = FakeClock()
+        self.crafts = moor(boats, links, self.clock, [Berth()] * len(boats))
+        self.server = Server(self.crafts, self.clock)
+        self.heard: set[tuple[str, int]] = set()
+        self._at = ("127.0.0.1", int(self.crafts[0].port_names[0].rsplit(":", 1)[1]))
+        self._encoder, self._decoder = Encoder(Address(255, 190)), Decoder(datagram=True)
+        self._station = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._station.setblocking(False)
+        self._ticks = 0
+
+    def run(self, seconds: float) -> None:
+        """Let them live while the station shows itself."""
+        self.heard.clear()
+        for _ in range(round(seconds / 0.02)):
+            if self._ticks % 10 == 0:
+                self.send(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+            self.server._step(self._ticks)
+            self._ticks += 1
+            self.clock.sleep(0.02)
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    received = self._decoder.feed(self._station.recv(4096))
+                    self.heard |= {(one.message.get_type(), one.sender.system) for one in received}
+
+    def send(self, message: Message) -> None:
+        """One frame to all."""
+        self._station.sendto(self._encoder.encode(message), self._at)
+
+    def answering(self) -> set[int]:
+        """Who answers when asked."""
+        for craft in self.crafts:
+            system = craft.boat.parameters.config.identity.system_id
+            self.send(dialect.MAVLink_param_request_read_message(system, 1, b"HDG_KP", -1))
+        self.run(0.4)
+        return {system for name, system in self.heard if name == "PARAM_VALUE"}
+
+    def close(self) -> None:
+        """Let everything go."""
+        self._station.close()
+        self.server.run(lambda: True)
+
+
 def test_one_port_reaches_every_boat_and_each_answers_for_itself() -> None:
-    boats, clock = fleet(scenario("open"), 3), FakeClock()
-    links = [[LinkConfig(url="udpin:127.0.0.1:0")], [], []]
-    crafts = moor(boats, links, clock, [Berth()] * 3)
-    server = Server(crafts, clock)
-    number = int(crafts[0].port_names[0].rsplit(":", 1)[1])
-    encoder, decoder = Encoder(Address(255, 190)), Decoder(datagram=True)
-    heard: set[tuple[str, int]] = set()
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
-        station.setblocking(False)
-        for tick in range(150):
-            if tick % 10 == 0:
-                ping = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
-                station.sendto(encoder.encode(ping), ("127.0.0.1", number))
-            if tick == 80:
-                for system in (1, 2, 3):
-                    ask = dialect.MAVLink_param_request_read_message(system, 1, b"HDG_KP", -1)
-                    station.sendto(encoder.encode(ask), ("127.0.0.1", number))
-            server._step(tick)
-            clock.sleep(0.02)
-            while True:
-                try:
-                    received = decoder.feed(station.recv(4096))
-                except BlockingIOError:
-                    break
-                heard |= {(one.message.get_type(), one.sender.system) for one in received}
-    server.run(lambda: True)
-    assert {("HEARTBEAT", 1), ("HEARTBEAT", 2), ("HEARTBEAT", 3)} <= heard
-    assert {("PARAM_VALUE", 1), ("PARAM_VALUE", 2), ("PARAM_VALUE", 3)} <= heard
-    assert {system for _, system in heard} == {1, 2, 3}
+    fleet_ = OnePort(fleet(scenario("open"), 3))
+    fleet_.run(2.0)
+    assert {("HEARTBEAT", 1), ("HEARTBEAT", 2), ("HEARTBEAT", 3)} <= fleet_.heard
+    assert {system for _, system in fleet_.heard} == {1, 2, 3}
+    assert fleet_.answering() == {1, 2, 3}
+    fleet_.close()
+
+
+@pytest.mark.parametrize(("cut", "left"), [((1,), {1, 3}), ((0,), set()), ((0, 1), set())])
+def test_one_port_reaches_every_boat_again_once_its_power_is_back(
+    cut: tuple[int, ...], left: set[int]
+) -> None:
+    dark = scenario("open", 'faults=[{what="computer", at_s=1, for_s=1}]').faults
+    boats = fleet(scenario("open"), 3)
+    for number in cut:
+        boats[number] = dataclasses.replace(boats[number], faults=dark)
+    fleet_ = OnePort(boats)
+    fleet_.run(1.2)
+    assert fleet_.answering() == left
+    fleet_.run(2.0)
+    assert fleet_.answering() == {1, 2, 3}
+    assert len(fleet_.crafts[0].boat.channels.open) == 3  # links that have ended are forgotten
+    assert len(fleet_.crafts[1].boat.channels.open) == 1
+    fleet_.close()
 
 
 def test_places_stay_within_reach_of_the_start() -> None:
