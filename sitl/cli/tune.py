@@ -1,27 +1,37 @@
 """`boat-sitl tune`: PID gains for a boat, found by sailing."""
 
 import hashlib
-from collections.abc import Callable
+import json
 from pathlib import Path
 from typing import Annotated
 
 import msgspec
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from companion.errors import BoatError
 from sitl.campaign.campaign import Campaign
 from sitl.campaign.ledger import Ledger
 from sitl.campaign.run import Outcome, Run
 from sitl.campaign.workers import Crew, cores, local_crew
 from sitl.scenario import load_scenario
 from sitl.tuning.gains import Gains, gains_of, parameter_file
-from sitl.tuning.search import CANDIDATES, Standing, search
+from sitl.tuning.picture import draw_search
+from sitl.tuning.search import CANDIDATES, REACHES, Sail, Standing, search
 from sitl.tuning.trial import Trials
+from sitl.tuning.verdict import Verdict, judge
 
-_CHECK_SEEDS = 4  # other seeds than those of the search
+_CHECK_SEEDS = 8  # other seeds than those of the search
 _CHECK_AT = 1_000_000  # where the numbers of their runs begin
+_FIGURES = ("kept_rms_m", "kept_max_m", "overshoot_m", "command_travel_per_s", "time_s")
+
+Found = tuple[list[Standing], dict[str, list[Outcome]]]
+
+
+class TuneError(BoatError):
+    """The boat does not sail the course."""
 
 
 def tune(
@@ -32,18 +42,23 @@ def tune(
     workers: Annotated[int | None, typer.Option(min=1, metavar="N", help="processes [all cores]")] = None,
     seed: Annotated[int, typer.Option(help="of the search and of its runs")] = 9001,
     candidates: Annotated[int, typer.Option(min=4, help="sets of gains a round")] = CANDIDATES,
+    as_json_text: Annotated[
+        bool, typer.Option("--json", help="gains, verdict and figures as JSON on stdout")
+    ] = False,
 ) -> None:
     """Find the gains of heading and speed by a campaign, and write them as a parameter file.
 
     Tries sets of gains on a course of sharp and gentle corners, in still water and in currents, and looks
-    closer around the best (successive halving). Prints figures before and after, on seeds that the search has
-    not seen. After Ctrl-C the same command goes on where it stopped.
+    closer around the best (successive halving). Then sails the best and the boat's own on seeds that the
+    search has not seen; what is not better there beyond doubt is not taken. After Ctrl-C the same command
+    goes on where it stopped.
 
-    A ground station loads tuned.parm; so does the boat, as params.parm in its storage folder.
+    A ground station loads tuned.parm; so does the boat, as params.parm in its storage folder. tuning.png
+    shows the search. Exit code 1 if the boat does not complete the course with the gains that are written.
 
     Example:  boat-sitl tune lake -o out/tune-lake
     """
-    console = Console(highlight=False, soft_wrap=True)
+    console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
     model = boat if not boat.endswith(".toml") else str(Path(boat).resolve())
     scenario = load_scenario("open", [f"boat.model={model}"])
     folder = out or Path("out") / f"tune-{Path(boat).stem}"
@@ -55,23 +70,38 @@ def tune(
     )
     console.print(f"tune {boat}: search with seeds from {seed}, check with seeds from {seed + 100}")
     with Ledger(folder, plan) as ledger, local_crew(workers or cores()) as crew:
+        if ledger.outcomes:
+            console.print(f"{len(ledger.outcomes)} runs are there from before")
         try:
-            after, rows = _search(trials, before, seed, candidates, ledger, crew, console)
+            standings, checked = _sail_all(trials, before, seed, candidates, ledger, crew, console)
         except KeyboardInterrupt:
             console.print(f"{len(ledger.outcomes)} runs are kept: the same command goes on")
             raise
-    _print(before, after, rows, console)
+    best = standings[-1].best
+    verdict = judge(trials.ratios(checked["after"], checked["before"]))
+    taken = best if verdict.is_better else before
     path = folder / "tuned.parm"
-    path.write_text(parameter_file(after, [f"gains of {boat}, found with seed {seed}"]), encoding="utf-8")
-    console.print(f"written: {path}")
+    word = "found" if verdict.is_better else "its own: no better ones were found"
+    path.write_text(parameter_file(taken, [f"gains of {boat}, {word} with seed {seed}"]), encoding="utf-8")
+    draw_search(standings, verdict, f"gains of {boat}", folder / "tuning.png")
+    if as_json_text:
+        typer.echo(_as_json(boat, seed, before, best, verdict, checked, path))
+    else:
+        _print(before, best, verdict, checked, console)
+        console.print(f"written: {path}, {folder / 'tuning.png'}")
+    outcomes = checked["after" if verdict.is_better else "before"]
+    lost = sum(outcome.ended != "completed" for outcome in outcomes)
+    if lost:
+        raise TuneError(f"{lost} of {len(outcomes)} runs with the gains in {path} are not completed")
 
 
-def _search(
+def _sail_all(
     trials: Trials, before: Gains, seed: int, candidates: int, ledger: Ledger, crew: Crew, console: Console
-) -> tuple[Gains, list[tuple[str, list[Outcome], float]]]:
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+) -> Found:
+    """Search, and sail the best and the gains of before on other seeds."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("tuning", total=None)
+        task = progress.add_task("", total=None)
 
         def sail(runs: list[Run]) -> list[Outcome]:
             left = [run for run in runs if run.number not in ledger.outcomes]
@@ -81,41 +111,76 @@ def _search(
                 progress.advance(task)
             return [ledger.outcomes[run.number] for run in runs]
 
-        standing: Standing | None = None
+        standings: list[Standing] = []
+        progress.update(task, description=f"round 1 of {len(REACHES)}")
         for standing in search(trials, before, seed, sail, candidates):
-            console.print(f"round {standing.round}: best of {standing.compared} costs {standing.cost:.3f}")
-        after = before if standing is None else standing.best
-        return after, _checked(trials, {"before": before, "after": after}, seed + 100, sail)
+            standings.append(standing)
+            compared, ratio = len(standing.ratios), standing.ratios[0]
+            console.print(f"round {standing.round}: the best of {compared} costs {ratio:.3f} of before")
+            progress.update(task, description=f"round {standing.round} of {len(REACHES)}")
+        progress.update(task, description="check")
+        return standings, _checked(trials, before, standings[-1].best, seed + 100, sail)
 
 
-def _checked(
-    trials: Trials, named: dict[str, Gains], seed: int, sail: Callable[[list[Run]], list[Outcome]]
-) -> list[tuple[str, list[Outcome], float]]:
-    """Outcomes and cost on seeds that the search has not seen."""
-    rows = []
-    for place, (name, gains) in enumerate(named.items()):
-        first = _CHECK_AT * (place + 1)
-        outcomes = sail(trials.runs(gains, range(seed, seed + _CHECK_SEEDS), first))
-        rows.append((name, outcomes, trials.cost(outcomes)))
-    return rows
+def _checked(trials: Trials, before: Gains, after: Gains, seed: int, sail: Sail) -> dict[str, list[Outcome]]:
+    """Outcomes on seeds that the search has not seen."""
+    seeds = range(seed, seed + _CHECK_SEEDS)
+    checked = {"before": sail(trials.runs(before, seeds, _CHECK_AT))}
+    same = after == before
+    checked["after"] = checked["before"] if same else sail(trials.runs(after, seeds, 2 * _CHECK_AT))
+    return checked
 
 
 def _print(
-    before: Gains, after: Gains, rows: list[tuple[str, list[Outcome], float]], console: Console
+    before: Gains, after: Gains, verdict: Verdict, checked: dict[str, list[Outcome]], console: Console
 ) -> None:
-    figures = ("cross_track_rms_m", "cross_track_max_m", "overshoot_m", "command_travel_per_s", "time_s")
-    table = Table("", *(name for name, _, _ in rows), box=None)
+    table = Table("", "before", "best found", box=None)
     for path in before:
         table.add_row(path, f"{before[path]:g}", f"{after[path]:g}")
-    table.add_row("cost", *(f"{cost:.3f}" for _, _, cost in rows))
-    for figure in figures:
-        table.add_row(figure, *(_mean(outcomes, figure) for _, outcomes, _ in rows))
+    table.add_row("cost over before", "1", f"{verdict.ratio:.3f} ± {verdict.doubt:.3f}")
+    for figure in _FIGURES:
+        table.add_row(figure, *(_told(_mean(outcomes, figure)) for outcomes in checked.values()))
     console.print(table)
+    if verdict.is_better:
+        console.print(f"the gains found cost {1.0 - verdict.ratio:.0%} less")
+    else:
+        console.print("no gains were found that are better beyond doubt: the boat keeps its own")
 
 
-def _mean(outcomes: list[Outcome], figure: str) -> str:
+def _as_json(
+    boat: str,
+    seed: int,
+    before: Gains,
+    best: Gains,
+    verdict: Verdict,
+    checked: dict[str, list[Outcome]],
+    path: Path,
+) -> str:
+    tree = {
+        "boat": boat,
+        "seed": seed,
+        "before": before,
+        "best": best,
+        "is_better": verdict.is_better,
+        "ratio": verdict.ratio,
+        "doubt": verdict.doubt,
+        "figures": {
+            name: {figure: _mean(outcomes, figure) for figure in _FIGURES}
+            for name, outcomes in checked.items()
+        },
+        "file": str(path),
+    }
+    return json.dumps(tree, indent=2)
+
+
+def _mean(outcomes: list[Outcome], figure: str) -> float | None:
+    """None where a run has no such figure."""
     values = [value for o in outcomes if isinstance(value := o.figures.get(figure), float)]
-    return f"{sum(values) / len(values):.3g}" if len(values) == len(outcomes) else "–"
+    return sum(values) / len(values) if len(values) == len(outcomes) else None
+
+
+def _told(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
 
 
 def _fingerprint(*parts: object) -> str:

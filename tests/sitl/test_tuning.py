@@ -1,19 +1,27 @@
 """The search for gains, against costs that are known; and one real comparison, small."""
 
+import json
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from statistics import fmean
 
 import pytest
+from msgspec import structs
 
 from companion.config import BoatConfig
 from companion.params import Parameters
 from companion.params_table import ROWS
 from companion.storage import MemoryStorage
+from sitl.__main__ import run_program
+from sitl.campaign.figures import Figures
 from sitl.campaign.run import Outcome, Run
 from sitl.scenario import load_scenario
 from sitl.sensors import generator
 from sitl.tuning.gains import TUNED, Gains, drawn_around, gains_of, parameter_file, settings_of
 from sitl.tuning.search import search
 from sitl.tuning.trial import FAILED, Trials
+from sitl.tuning.verdict import judge
 
 POOL = load_scenario("open", ["boat.model=pool"])
 WANTED = {"heading.kp": 9.0, "heading.ki": 1.0, "heading.kd": 2.5, "speed.kp": 3.0, "speed.ki": 1.0}
@@ -32,14 +40,14 @@ def distance(run: Run) -> float:
 
 def pretend(runs: list[Run]) -> list[Outcome]:
     """Runs whose cross-track error is the distance to the wanted gains, with some noise."""
-    figures = {"cross_track_max_m": 0.0, "overshoot_m": 0.0, "command_travel_per_s": 0.0}
+    figures = {"kept_max_m": 0.0, "overshoot_m": 0.0, "command_travel_per_s": 0.0}
     return [
         Outcome(
             number=run.number,
             ended="completed",
             figures={
                 **figures,
-                "cross_track_rms_m": distance(run) + 0.02 * generator(run.seed, "x").random(),
+                "kept_rms_m": 0.1 + distance(run) + 0.02 * generator(run.seed, "x").random(),
             },
         )
         for run in runs
@@ -49,9 +57,14 @@ def pretend(runs: list[Run]) -> list[Outcome]:
 def test_the_search_comes_near_the_gains_that_cost_least(tmp_path: Path) -> None:
     first = gains_of(POOL.vehicle)
     standings = list(search(trials(tmp_path), first, 1, pretend, candidates=40))
-    costs = [standing.cost for standing in standings]
     assert standings[-1].round == 3
-    assert costs[-1] < 0.5 * trials(tmp_path).cost(pretend(trials(tmp_path).runs(first, range(1, 5), 1)))
+    assert standings[-1].ratios[0] < 0.5
+    assert list(standings[-1].ratios) == sorted(standings[-1].ratios)
+    found, before = (
+        fmean(map(distance, trials(tmp_path).runs(gains, range(1), 1)))
+        for gains in (standings[-1].best, first)
+    )
+    assert found < 0.5 * before
 
 
 def test_the_same_search_asks_for_the_same_runs_under_the_same_numbers(tmp_path: Path) -> None:
@@ -68,11 +81,14 @@ def test_the_same_search_asks_for_the_same_runs_under_the_same_numbers(tmp_path:
     once = asked()
     assert asked() == once
     assert [run.number for run in once] == list(range(1, len(once) + 1))
+    sailed = [(str(run.settings), run.seed) for run in once]
+    assert len(set(sailed)) == len(sailed)  # nothing twice
 
 
 def test_the_gains_to_begin_with_win_where_nothing_is_better(tmp_path: Path) -> None:
     standings = list(search(trials(tmp_path), WANTED, 2, pretend, candidates=8))
     assert standings[-1].best == WANTED
+    assert standings[-1].ratios[0] == 1.0
 
 
 def test_what_is_drawn_stays_within_reach_and_has_few_digits() -> None:
@@ -97,6 +113,94 @@ def test_gains_become_settings_of_the_vehicle() -> None:
     }
 
 
+def outcome(rms_m: float, ended: str = "completed") -> Outcome:
+    """A run that came out like that."""
+    figures: Figures = {
+        "kept_rms_m": rms_m,
+        "kept_max_m": 0.0,
+        "overshoot_m": 0.0,
+        "command_travel_per_s": 0.0,
+    }
+    return Outcome(number=1, ended=ended, figures=figures)
+
+
 def test_a_run_that_is_not_completed_costs_more_than_any_that_is(tmp_path: Path) -> None:
-    lost = Outcome(number=1, ended="not completed", figures={"cross_track_rms_m": 0.0})
-    assert trials(tmp_path).cost([lost]) == FAILED
+    assert trials(tmp_path).cost(outcome(0.0, "not completed")) == FAILED
+
+
+def test_hard_water_weighs_no_more_than_easy_water(tmp_path: Path) -> None:
+    before, after = [outcome(0.1), outcome(4.0)], [outcome(0.05), outcome(4.4)]
+    assert trials(tmp_path).ratios(after, before) == pytest.approx([0.5, 1.1])
+
+
+def test_what_may_be_chance_is_not_better() -> None:
+    assert judge([0.90, 0.92, 0.88, 0.91]).is_better
+    assert not judge([0.5, 1.4, 0.8, 1.2]).is_better
+    assert not judge([1.0] * 6).is_better
+    assert not judge([1.1, 1.12, 1.09]).is_better
+
+
+class Crew:
+    """Satisfies what `tune` asks of a crew; breaks off after so many runs, as Ctrl-C does."""
+
+    def __init__(self, most: int) -> None:
+        self.left = most
+
+    def __enter__(self) -> "Crew":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def sail(self, runs: list[Run]) -> Iterator[Outcome]:
+        """The runs, as far as they go."""
+        for one in pretend(runs):
+            if self.left == 0:
+                raise KeyboardInterrupt
+            self.left -= 1
+            yield one
+
+
+def tuned(folder: Path, monkeypatch: pytest.MonkeyPatch, most: int = 10_000) -> tuple[int, int]:
+    """The exit code of `boat-sitl tune pool`, and how many runs it has sailed."""
+    crew = Crew(most)
+    monkeypatch.setattr(import_module("sitl.cli.tune"), "local_crew", lambda _: crew)
+    code = run_program(["tune", "pool", "-o", str(folder), "--candidates", "6", "--json"])
+    return code, most - crew.left
+
+
+def test_after_an_interruption_the_same_command_goes_on_to_the_same_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, all_runs = tuned(tmp_path / "whole", monkeypatch)
+    whole = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert tuned(tmp_path / "parts", monkeypatch, most=20) == (130, 20)
+    assert "20 runs are kept" in capsys.readouterr().err
+    assert tuned(tmp_path / "parts", monkeypatch) == (0, all_runs - 20)
+    parts = json.loads(capsys.readouterr().out)
+    assert {**parts, "file": whole["file"]} == whole
+    assert tuned(tmp_path / "parts", monkeypatch) == (0, 0)
+
+
+def test_what_is_written_is_what_was_judged_better(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tuned(tmp_path, monkeypatch)
+    told = json.loads(capsys.readouterr().out)
+    assert told["is_better"]
+    storage = MemoryStorage()
+    storage.save("params.parm", (tmp_path / "tuned.parm").read_bytes())
+    assert gains_of(Parameters(BoatConfig(), ROWS, storage).config) == pytest.approx(told["best"])
+    assert (tmp_path / "tuning.png").stat().st_size > 10_000
+
+
+def test_gains_with_which_the_boat_does_not_arrive_are_a_failure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lost = [outcome(0.1, "not completed")]
+    monkeypatch.setattr(
+        "test_tuning.pretend", lambda runs: [structs.replace(*lost, number=run.number) for run in runs]
+    )
+    assert tuned(tmp_path, monkeypatch)[0] == 1
+    assert "24 of 24 runs" in capsys.readouterr().err
