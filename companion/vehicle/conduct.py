@@ -8,6 +8,7 @@ from companion.estimation.health import lacks_heading, lacks_position
 from companion.geo import LatLon, LocalFrame
 from companion.requests import SetPoint
 from companion.state import NavState
+from companion.vehicle.approach import Approach
 from companion.vehicle.fence import Fence
 from companion.vehicle.following import Following
 from companion.vehicle.intent import HoldHeading, Intent, KeepStation, Stop
@@ -42,6 +43,7 @@ class Conduct:
         self.mission_check = MissionCheck(self.notices)
         self._fence = fence
         self.way_home = WayHome(fence, self.notices)
+        self.approach = Approach(fence, self.way_home, self.notices)
         self._way_back = WayBack(self.trail)
         self._orbit: Orbit | None = None
         self._set_point: SetPoint | None = None
@@ -103,7 +105,9 @@ class Conduct:
         match mode:
             case Mode.AUTO:
                 intent = self.progress.update(now.nav, now.frame, now.config, now.now_s)
-                return self._guided(now) if self.progress.is_handed_over else intent
+                if self.progress.is_handed_over:
+                    return self._guided(now)
+                return self.approach.update(intent, self.progress, now.nav, now.config)
             case Mode.GUIDED:
                 return self._guided(now)
             case Mode.RTL:

@@ -29,6 +29,11 @@ class Leg:
         self.next_end = next_end
         self.radius_m = radius_m
 
+    @property
+    def start(self) -> Point:
+        """Where it begins; elsewhere than at first, once the boat has been swept past the end."""
+        return self._line.start
+
     def turn_onto(self, next_end: Point | None) -> None:
         """The leg after it has become another one."""
         self.next_end, self._intent = next_end, None

@@ -11,8 +11,8 @@ _ITEMS_A_TICK = 10
 class MissionCheck:
     """fault: what is wrong with the mission, in words, as far as it has been looked through; "" if nothing.
 
-    The first leg, from wherever the boat will be, and places that are given from where a leg begins, cannot
-    be judged beforehand.
+    The first leg, from wherever the boat will be (`approach.py` sees to that one), and places that are given
+    from where a leg begins, cannot be judged beforehand.
     """
 
     __slots__ = ("_before", "_frame", "_mission", "_notices", "_seq", "_version", "fault")

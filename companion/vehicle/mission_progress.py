@@ -58,6 +58,7 @@ class MissionProgress:
         self._begun_s = math.nan  # when the present item began to wait, turn or hand over
         self._station: Point | None = None
         self._leg: Leg | None = None
+        self._is_loose = False  # it began wherever the boat was
         self._is_onward_known = False  # whether the leg knows the one after it
         self._orbit: Orbit | None = None
         self._turn_to_rad = 0.0
@@ -141,6 +142,15 @@ class MissionProgress:
         leg, start = self._leg, self._leg_start
         return None if leg is None or start is None else Line(start, leg.end)
 
+    @property
+    def loose_leg(self) -> Leg | None:
+        """The leg that is being sailed, where it began wherever the boat was and not at an item's end."""
+        return self._leg if self._is_loose else None
+
+    def begin_leg_at(self, start: Point) -> None:
+        """The present item's leg begins there, from where its way is known to be clear."""
+        self._leg_start, self._leg, self._is_loose = start, None, False
+
     def take_reached(self) -> list[int]:
         """Sequences reached since the last call."""
         reached, self.reached = self.reached, []
@@ -157,6 +167,7 @@ class MissionProgress:
         if self._leg_start is None:
             cut, self._cut_leg_start = self._cut_leg_start, None
             self._leg_start = nav.point if cut is None else frame.to_local(cut)
+            self._is_loose = cut is None
         for _ in range(min(len(self.mission) + 1, _STEPS_A_TICK)):
             if self.finished:
                 break
@@ -355,6 +366,7 @@ class MissionProgress:
 
     def _begin_item(self, leg_start: Point | None = None) -> None:
         self._leg_start = leg_start
+        self._is_loose = False
         self._leg = self._orbit = None
         self._begun_s = math.nan
         if leg_start is None:
