@@ -21,6 +21,8 @@ class EstimateFault(IntFlag):
     COMPASS_OFF = 16  # disagrees with the course made good
     POSITION_LOST = 32  # dead reckoning has gone on for too long to sail by
     HEADING_LOST = 64  # nothing says any more where the bow points
+    GNSS_LATE = 128  # fixes tell of some time ago, whatever their stamps say; it is reckoned with
+    COMPASS_LATE = 256  # the same of compass and gyro, or readings come seldom: steering stands in between
 
 
 class NavState(Struct, frozen=True, gc=False):

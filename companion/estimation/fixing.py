@@ -10,6 +10,7 @@ from typing import Final
 
 from companion.estimation.current import SET_SHARE
 from companion.estimation.fix_watch import FixWatch
+from companion.estimation.lag_watch import LagWatch
 from companion.estimation.model import Model
 from companion.estimation.position import UNMODELLED_S, PositionFilter
 from companion.settings.estimation import Estimation
@@ -28,9 +29,11 @@ _STEP_S: Final = (
 )
 _STEP_WAIT_S: Final = 10.0  # if it lasts
 _IDLE_RESET_S: Final = 10.0  # a boat without thrust takes even a leap for the truth after this
+_SWINGING_M_S: Final = 0.2  # velocities that change less than this do not tell how late they are
 _LOST: Final = int(EstimateFault.GNSS_LOST)
 _FROZEN: Final = int(EstimateFault.GNSS_FROZEN)
 _JUMPING: Final = int(EstimateFault.GNSS_JUMPING)
+_LATE: Final = int(EstimateFault.GNSS_LATE)
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 
 
@@ -39,7 +42,7 @@ class Fixing:
 
     __slots__ = (
         "_fix_s", "_hung_m", "_hung_s", "_is_frozen", "_model", "_odd_since_s", "_passed_s", "_rejected",
-        "_reset_counter", "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s",
+        "_reset_counter", "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "late",
         "position", "resets",
     )  # fmt: skip
 
@@ -47,6 +50,7 @@ class Fixing:
         self._model = model
         self._setting = setting
         self._watch = FixWatch()
+        self.late = LagWatch(_SWINGING_M_S)
         self._fix_s = self._velocity_s = self._odd_since_s = -math.inf
         self._way_m = 0j  # through the water, at the time of the latest fix
         self._strayed_m = self._rejected = self._hung_m = 0.0
@@ -86,6 +90,8 @@ class Fixing:
         """The boat strays while no position is believed. To be called some times a second."""
         dt = now_s - self._passed_s
         self._passed_s = now_s
+        if self.late.is_due(now_s):
+            self.late.expect(now_s, self._model.current.gain * self._model.wake.velocity_m_s)
         if dt > _HUNG_S:
             self._hung_s, self._hung_m = now_s - dt, self._hung_m + _HUNG * self._model.cruise_m_s * dt
         if now_s - self.accepted_s > _GAP_S:
@@ -105,13 +111,17 @@ class Fixing:
         position, model, watch = self.position, self._model, self._watch
         self._fix_s = time_s
         watch.update(time_s, at, velocity)
+        is_otherwise_late = velocity is not None and self.late.compare(time_s, velocity)
+        told_s, time_s = time_s, time_s - self.late.lag_s
         way_m, through = model.wake.at(time_s)
         # A pose from a camera over a pool is a hundred times finer than a satellite's; so is its velocity.
         variance = min(VELOCITY_SIGMA_M_S, sigma_m) ** 2
-        if self.accepted_s == -math.inf or reset_counter != self._reset_counter:
+        is_new = reset_counter != self._reset_counter or is_otherwise_late
+        if self.accepted_s == -math.inf or is_new:
             self.resets += self.accepted_s > -math.inf
             self._reset_counter = reset_counter
             self._begin(time_s, at, velocity, sigma_m, variance, way_m, through)
+            self.accepted_s = self._velocity_s = told_s
             return
         if time_s > self._hung_s:  # an older one tells nothing of where the boat has been carried since
             self._strayed_m += self._hung_m
@@ -131,14 +141,14 @@ class Fixing:
         if velocity is not None and position.take_velocity(
             velocity - modelled - position.unmodelled_m_s, variance, is_consistent
         ):
-            self._velocity_s = time_s
+            self._velocity_s = told_s
             position.unmodelled_m_s -= model.learn(velocity, through, variance, noise, dt)
             position.unmodelled_m_s -= model.nudge(position.unmodelled_m_s, dt)
         if self._accepts(time_s, at, sigma_m, is_consistent, dt):
             position.stray(self._strayed_m * self._strayed_m)
             self._strayed_m = 0.0
             position.take_position(at, sigma_m)
-            self.accepted_s = time_s
+            self.accepted_s = told_s
             if velocity is None:
                 measured = model.current.velocity_m_s(through) + position.unmodelled_m_s
                 position.unmodelled_m_s -= model.learn(
@@ -209,7 +219,7 @@ class Fixing:
 
     def faults(self, now_s: float) -> int:
         """Bits of EstimateFault."""
-        faults = 0
+        faults = _LATE if self.late.lag_s > 0.0 else 0
         if now_s - self._fix_s > self._setting.gnss_timeout_s:
             faults = _LOST
         elif self._is_frozen:

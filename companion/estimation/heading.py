@@ -25,7 +25,6 @@ BIAS_S: Final = 15.0
 MAX_BIAS_RAD_S: Final = 0.2
 COMPASS_TIME_S: Final = 0.15
 RESTART_S: Final = 2.0  # after such a gap the filter begins anew at the reading
-MAX_PREDICTION_S: Final = 0.5
 _TOGETHER_S: Final = 0.1
 _STUCK_S: Final = 1.0
 _LEAP_RAD, _LEAP_RAD_S = 0.2, 3.0  # from one compass reading to the next, at once and with time: not a hull
@@ -75,10 +74,13 @@ class HeadingFilter:
         self._block_s = -math.inf
         self._off_since_s = math.inf
 
-    def update(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
+    def update(
+        self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None, bent_rad: float = 0.0
+    ) -> None:
         """Take a reading, later than the one before.
 
-        heading_rad: NaN where only the gyro speaks. yaw_rate_rad_s: None without a gyro.
+        heading_rad: NaN where only the gyro speaks. yaw_rate_rad_s: None without a gyro. bent_rad: how much
+        further the hull has turned in a long pause than its rates before and after say.
         """
         dt = time_s - self.time_s
         self.time_s = time_s
@@ -89,9 +91,9 @@ class HeadingFilter:
         if dt > RESTART_S and not math.isnan(heading_rad):
             self._begin(time_s, heading_rad, yaw_rate_rad_s)
         elif yaw_rate_rad_s is None:
-            self._go_without_gyro(time_s, dt, heading_rad)
+            self._go_without_gyro(time_s, dt, heading_rad, bent_rad)
         else:
-            self._go_by_gyro(time_s, dt, heading_rad, yaw_rate_rad_s)
+            self._go_by_gyro(time_s, dt, heading_rad, yaw_rate_rad_s, bent_rad)
 
     def _begin(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
         self.heading_rad = wrap_pi(heading_rad)
@@ -109,9 +111,9 @@ class HeadingFilter:
         self._off_since_s = math.inf
         self.is_off = False
 
-    def _go_without_gyro(self, time_s: float, dt: float, heading_rad: float) -> None:
+    def _go_without_gyro(self, time_s: float, dt: float, heading_rad: float, bent_rad: float) -> None:
         self.has_gyro = False
-        predicted = self.heading_rad + self.yaw_rate_rad_s * dt
+        predicted = self.heading_rad + self.yaw_rate_rad_s * dt + bent_rad
         residual = wrap_pi(heading_rad - predicted)
         fade = math.exp(-dt / COMPASS_TIME_S)
         self.heading_rad = wrap_pi(predicted + (1.0 - fade * fade) * residual)
@@ -121,9 +123,11 @@ class HeadingFilter:
             self._odd = 0.0
             self._believe(time_s)
 
-    def _go_by_gyro(self, time_s: float, dt: float, heading_rad: float, yaw_rate_rad_s: float) -> None:
+    def _go_by_gyro(
+        self, time_s: float, dt: float, heading_rad: float, yaw_rate_rad_s: float, bent_rad: float
+    ) -> None:
         self.has_gyro = True
-        turned = (0.5 * (self._rate_rad_s + yaw_rate_rad_s) - self.bias_rad_s) * dt
+        turned = (0.5 * (self._rate_rad_s + yaw_rate_rad_s) - self.bias_rad_s) * dt + bent_rad
         self._rate_rad_s = yaw_rate_rad_s
         self.yaw_rate_rad_s = yaw_rate_rad_s - self.bias_rad_s
         self.heading_rad = wrap_pi(self.heading_rad + turned)
@@ -188,16 +192,7 @@ class HeadingFilter:
         if self.has_gyro:
             self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
 
-    def stray(self, yaw_rate_rad_s: float, dt_s: float) -> None:
-        """No reading has come for dt_s, but somebody has an idea of how fast the boat turns."""
+    def stray(self, dt_s: float) -> None:
+        """No reading has come for dt_s: only steering tells how the boat has turned."""
         self.has_gyro = False
         self.sigma_rad += _BLIND_WALK_RAD_S * dt_s
-        self.yaw_rate_rad_s = yaw_rate_rad_s
-        self.heading_rad = wrap_pi(self.heading_rad + yaw_rate_rad_s * dt_s)
-
-    def heading_at_rad(self, now_s: float) -> float:
-        """The heading carried on to now_s at the last rate; after MAX_PREDICTION_S `stray` takes over."""
-        ahead_s = now_s - self.time_s
-        if ahead_s > MAX_PREDICTION_S:
-            return self.heading_rad
-        return wrap_pi(self.heading_rad + self.yaw_rate_rad_s * ahead_s)

@@ -12,6 +12,8 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.GNSS_JUMPING, "GPS jumping: not believed"),
     (EstimateFault.COMPASS_LOST, "Compass lost: gyro and course"),
     (EstimateFault.COMPASS_OFF, "Compass off: gyro and course"),
+    (EstimateFault.GNSS_LATE, "GPS late: reckoned with"),
+    (EstimateFault.COMPASS_LATE, "Compass late: steering stands in"),
 )
 """Worst first; each fits one STATUSTEXT with room for a prefix."""
 

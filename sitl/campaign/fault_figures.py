@@ -15,8 +15,10 @@ from sitl.courses import off_path_m
 from sitl.sail import Sailing
 from sitl.world import Truth
 
-_GNSS: Final = EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
-_COMPASS: Final = EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF
+_GNSS: Final = (
+    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
+)
+_COMPASS: Final = EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE
 _BITS: Final = {"gnss": int(_GNSS), "compass": int(_COMPASS)}
 _LOST: Final = int(EstimateFault.POSITION_LOST)
 _NAMES: Final = ("notice_s", "given_up_s", "astray_m", "astray_share", "off_plan_m")

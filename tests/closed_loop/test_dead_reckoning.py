@@ -127,6 +127,23 @@ def test_a_dead_or_wild_compass_is_noticed_and_gyro_and_course_do(fault: str, bi
     assert EstimateFault.HEADING_LOST not in passage.first_s
 
 
+@pytest.mark.parametrize(
+    ("fault", "bit"),
+    [
+        ("what='gnss', kind='delayed'", EstimateFault.GNSS_LATE),
+        ("what='compass', kind='delayed'", EstimateFault.COMPASS_LATE),
+        ("what='compass', kind='slow'", EstimateFault.COMPASS_LATE),
+    ],
+)
+def test_a_sensor_that_becomes_late_is_reckoned_with(fault: str, bit: EstimateFault) -> None:
+    passage = under_way(fault, course=square(40.0))
+    passage.sail(50.0)
+    assert bit in passage.first_s
+    passage.sail(20.0)
+    assert passage.error_m < 1.5
+    assert passage.heading_error_rad < math.radians(15.0)
+
+
 def test_with_neither_compass_nor_gyro_the_heading_is_given_up() -> None:
     passage = under_way("what='compass', kind='off'")
     passage.sail(5.0)

@@ -8,8 +8,10 @@ from companion.state import EstimateFault
 if TYPE_CHECKING:
     from companion.vehicle.failsafes.signs import Signs
 
-_GNSS = int(EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING)
-_COMPASS = int(EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF)
+_GNSS = int(
+    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
+)
+_COMPASS = int(EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE)
 
 
 def position_lost(signs: "Signs") -> str:
@@ -25,12 +27,12 @@ def heading_lost(signs: "Signs") -> str:
 
 
 def gnss_bad(signs: "Signs") -> str:
-    """The receiver is silent, says the same again and again, or what cannot be."""
+    """The receiver is silent, late, says the same again and again, or what cannot be."""
     return _worst(signs, _GNSS)
 
 
 def compass_bad(signs: "Signs") -> str:
-    """The compass is silent or stuck, or disagrees with the way that the boat goes."""
+    """The compass is silent, late or stuck, or disagrees with the way that the boat goes."""
     return _worst(signs, _COMPASS)
 
 

@@ -1,0 +1,108 @@
+"""How late a sensor's readings are that are stamped as if they were fresh.
+
+Readings that come in their order cannot become later without a pause: nobody looks for more lag than there
+was silence. After one, what thrust and steering lead one to expect is compared with what is heard. A reading
+that is late goes with what was expected a while ago: of all lags the right one is that which leaves the least
+variance between the two, the time-delay estimate of least squares (G. C. Carter, *Coherence and Time Delay
+Estimation*, Proc. IEEE 75(2), 1987). Constant differences do not count; on a straight course at a steady
+speed all lags are alike, and nothing is said.
+"""
+
+from typing import Final
+
+STEP_S: Final = 0.2
+LAGS: Final = 16  # 0 to 3 s
+_LENGTH: Final = 24  # of what is kept: readings on their way are older than the tick
+_PAUSE_S: Final = 0.4  # more than any sensor's usual
+_WATCH_S: Final = 120.0  # after a pause
+_MEMORY_S: Final = 8.0
+_BETTER: Final = 0.35  # of the variance that the present lag leaves: what another one may leave at most,
+_FOR_S: Final = 1.4  # for so long
+_LEAST_STEPS: Final = 2  # less is the model's own fault
+_SLACK_S: Final = 1e-3
+
+
+class LagWatch:
+    """lag_s: what has to be taken off the stamps."""
+
+    __slots__ = (
+        "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_s", "_lag", "_least", "_means",
+        "_next", "_odd_s", "_paused_s", "_squares", "_until_s", "lag_s",
+    )  # fmt: skip
+
+    def __init__(self, least: float) -> None:
+        """least: a difference with no more than this deviation is the model's own fault."""
+        self.lag_s = 0.0
+        self._least = least * least
+        self._lag = self._best = self._next = self._count = 0
+        self._expected = [0j] * _LENGTH
+        self._expected_s = self._compared_s = self._heard_s = self._until_s = 0.0
+        self._means = [0j] * LAGS
+        self._squares = [0.0] * LAGS
+        self._odd_s = self._paused_s = 0.0
+
+    @property
+    def is_odd(self) -> bool:
+        """Whether readings do not go with what was expected, and another lag would do better."""
+        return self._odd_s > 0.0
+
+    def is_due(self, time_s: float) -> bool:
+        """Whether `expect` is to be told something."""
+        return time_s - self._expected_s >= STEP_S - _SLACK_S
+
+    def expect(self, time_s: float, value: complex) -> None:
+        """A reading of now would say this, but for a constant."""
+        self._expected_s = time_s
+        self._expected[self._next] = value
+        self._next = self._next + 1 if self._next + 1 < _LENGTH else 0
+
+    def compare(self, time_s: float, value: complex) -> bool:
+        """Take a reading with its stamp; whether another lag is right from now on."""
+        pause_s = time_s - self._heard_s
+        self._heard_s = time_s
+        if pause_s > _PAUSE_S:
+            self._pause(time_s, pause_s)
+        if time_s > self._until_s and self._lag == 0:
+            return False
+        dt = time_s - self._compared_s
+        if dt < STEP_S - _SLACK_S:
+            return False
+        self._compared_s = time_s
+        best, now, least = self._weigh(time_s, min(dt, 1.0) / _MEMORY_S, value)
+        is_odd = now > self._least and least < _BETTER * now and abs(best - self._lag) >= _LEAST_STEPS
+        self._odd_s = self._odd_s + dt if is_odd and abs(best - self._best) < _LEAST_STEPS else 0.0
+        self._best = best
+        if self._odd_s < _FOR_S:
+            return False
+        self._odd_s = 0.0
+        self._lag = best if best >= _LEAST_STEPS else 0
+        self.lag_s = self._lag * STEP_S
+        return True
+
+    def _pause(self, time_s: float, pause_s: float) -> None:
+        if time_s > self._until_s:
+            self._paused_s, self._count = self.lag_s, 0
+        self._paused_s += pause_s
+        self._until_s = time_s + _WATCH_S
+
+    def _weigh(self, time_s: float, share: float, value: complex) -> tuple[int, float, float]:
+        """The best lag; the variance that the present one leaves, and the best one."""
+        self._count += 1
+        share = max(share, 1.0 / self._count)
+        behind = round((self._expected_s - time_s) / STEP_S)
+        back = self._next - 1 - min(max(behind, 0), _LENGTH - LAGS)
+        means, squares, expected = self._means, self._squares, self._expected
+        most = self._paused_s + STEP_S
+        best, least, now = 0, 1e9, 0.0
+        for lag in range(LAGS):
+            off = value - expected[back - lag]  # negative indices count from the ring's end
+            mean = means[lag] + share * (off - means[lag])
+            off -= mean
+            means[lag] = mean
+            square = squares[lag] + share * (off.real * off.real + off.imag * off.imag - squares[lag])
+            squares[lag] = square
+            if square < least and lag * STEP_S <= most:
+                best, least = lag, square
+            if lag == self._lag:
+                now = square
+        return best, now, least

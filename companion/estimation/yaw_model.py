@@ -1,0 +1,98 @@
+"""How fast steering turns the hull: what stands in for a gyro that is late, slow or silent.
+
+Nomoto's first order (T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021,
+chapter 7) behind the motors' own lag, with thrust that grows with the square of the command:
+
+    T ṙ + r = K ½ (s_left |s_left| − s_right |s_right|) + r0
+
+K and r0, what wind and uneven motors turn by themselves, are learned from the gyro while there is one, by a
+Kalman filter of two random walks (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to
+Tracking and Navigation*, 2001, section 5.2).
+"""
+
+from typing import Final
+
+LENGTH: Final = 128  # strides of the ring, five seconds
+_MOTOR_S: Final = 0.15
+_HULL_S: Final = 0.8
+_GAIN_WALK: Final = 0.02  # rad/s per √s, of full steering,
+_TRIM_WALK: Final = 0.03  # and of what turns it besides: a boat goes from one wind and speed to another
+_MISFIT: Final = 0.01  # (rad/s)² s: the model is off by 0.1 rad/s for about a second
+_MAX_GAIN_RAD_S: Final = 3.0
+_MAX_TRIM_RAD_S: Final = 0.3
+
+
+class YawModel:
+    """rate_rad_s is the turn rate of time_s, turned_rad the way turned since boot, both clockwise.
+
+    turning: the rate that a K of 1 would give, without r0.
+    """
+
+    __slots__ = (
+        "_gain_rad_s", "_left", "_next", "_p00", "_p01", "_p11", "_right", "_times_s", "_trim_rad_s",
+        "_turned", "_turnings", "rate_rad_s", "time_s", "turned_rad", "turning",
+    )  # fmt: skip
+
+    def __init__(self) -> None:
+        self.time_s = self.rate_rad_s = self.turned_rad = 0.0
+        self._gain_rad_s = self._trim_rad_s = 0.0
+        self._left = self._right = 0.0  # as the shafts turn
+        self.turning = 0.0
+        self._p00, self._p01, self._p11 = 1.0, 0.0, 0.04
+        self._times_s = [-1.0] * LENGTH
+        self._turnings = [0.0] * LENGTH
+        self._turned = [0.0] * LENGTH
+        self._next = 0
+
+    def advance(self, time_s: float, left: float, right: float) -> None:
+        """Go on to time_s with these commands, −1..1 per side."""
+        dt = time_s - self.time_s
+        share = min(dt / _MOTOR_S, 1.0)
+        self._left += share * (left - self._left)
+        self._right += share * (right - self._right)
+        asked = 0.5 * (self._left * abs(self._left) - self._right * abs(self._right))
+        self.turning += min(dt / _HULL_S, 1.0) * (asked - self.turning)
+        self.rate_rad_s = self.rate_of(self.turning)
+        self.turned_rad += self.rate_rad_s * min(dt, 1.0)
+        self.time_s = time_s
+        slot = self._next
+        self._times_s[slot], self._turnings[slot], self._turned[slot] = time_s, self.turning, self.turned_rad
+        self._next = slot + 1 if slot + 1 < LENGTH else 0
+
+    def rate_of(self, turning: float) -> float:
+        """Rate in rad/s."""
+        return self._gain_rad_s * turning + self._trim_rad_s
+
+    def learn(self, rate_rad_s: float, turning: float, dt_s: float) -> None:
+        """The boat turned at this rate when `turning` was that much; dt_s after it was last told."""
+        self._p00 += _GAIN_WALK * _GAIN_WALK * dt_s
+        self._p11 += _TRIM_WALK * _TRIM_WALK * dt_s
+        k0 = self._p00 * turning + self._p01
+        k1 = self._p01 * turning + self._p11
+        share = 1.0 / (k0 * turning + k1 + _MISFIT / max(dt_s, 0.02))
+        surprise = share * (rate_rad_s - self._gain_rad_s * turning - self._trim_rad_s)
+        self._gain_rad_s = min(max(self._gain_rad_s + k0 * surprise, 0.0), _MAX_GAIN_RAD_S)
+        self.lean(k1 * surprise)
+        self._p00 -= k0 * k0 * share
+        self._p01 -= k0 * k1 * share
+        self._p11 -= k1 * k1 * share
+
+    def lean(self, rate_rad_s: float) -> None:
+        """It turns by itself that much faster than was thought."""
+        trim = self._trim_rad_s + rate_rad_s
+        self._trim_rad_s = min(max(trim, -_MAX_TRIM_RAD_S), _MAX_TRIM_RAD_S)
+
+    def at(self, time_s: float) -> tuple[float, float]:
+        """Way turned, and turning, at an earlier time; what is older than the ring is taken as its oldest."""
+        slot = self._next
+        for _ in range(LENGTH):
+            before = slot - 1 if slot else LENGTH - 1
+            if self._times_s[before] < 0.0:
+                break
+            slot = before
+            if self._times_s[slot] <= time_s:
+                turning = self._turnings[slot]
+                return self._turned[slot] + self.rate_of(turning) * (time_s - self._times_s[slot]), turning
+        if slot == self._next:
+            return self.turned_rad, self.turning
+        return self._turned[slot], self._turnings[slot]
