@@ -11,13 +11,19 @@ import math
 from companion.config import BoatConfig
 from companion.geo import Line, Point
 from companion.guidance.course_to_steer import course_to_steer
-from companion.guidance.speed_profile import TURN_SHARE, corner_speed_m_s, leg_speed_m_s
+from companion.guidance.speed_profile import (
+    TURN_SHARE,
+    corner_speed_m_s,
+    full_speed_radius_m,
+    leg_speed_m_s,
+)
 from companion.guidance.stemming import COASTING_SHARE, Stemming, stemming, stemming_radius_m
 from companion.units import clamp, wrap_pi
 
 CIRCLE_SHARE = 0.45  # of the waypoint's radius: how near the corner the arc must pass
 LEG_SHARE = 0.5  # of either leg that the arc may take
 SHARPEST_RAD = 2.4  # a sharper one is turned on the spot
+_RIGHT_ANGLE_CUT = math.sqrt(2.0) - 1.0  # of the radius: how far from a right angle's corner its arc passes
 LEAST_TURN_RAD = 1e-3  # less is no corner
 
 
@@ -95,6 +101,17 @@ class Corner:
         return COASTING_SHARE * slow if 0.0 < stemmed.turn_m <= -along_m else -config.handling.top_speed_m_s
 
 
+def easy_radius_m(turn_rad: float, config: BoatConfig) -> float:
+    """Radius to round a turn on: the configured one of a right angle and more. A lesser turn is rounded
+    wider, up to what takes no way off, passing no further from its corner than a right angle's arc does.
+    """
+    radius_m = config.guidance.corner_radius_m
+    if turn_rad >= 0.5 * math.pi:
+        return radius_m
+    alike_m = radius_m * _RIGHT_ANGLE_CUT / (1.0 / math.cos(0.5 * turn_rad) - 1.0)
+    return max(radius_m, min(alike_m, full_speed_radius_m(config)))
+
+
 def corner_between(
     line: Line,
     next_line: Line,
@@ -106,10 +123,9 @@ def corner_between(
     """The corner as it is to be sailed; None where the legs go straight on, nearly back, or one has no
     length.
 
-    radius_m: how near the waypoint must be passed. The arc's own radius is the configured one, or wider
+    radius_m: how near the waypoint must be passed. The arc's own radius is the easy one, or wider
     where the set makes the bow swing further than the course, stemmed if that takes less; within what passes
-    CIRCLE_SHARE of the
-    waypoint's radius from the corner and takes no more than LEG_SHARE of the shorter leg.
+    CIRCLE_SHARE of the waypoint's radius from the corner and takes no more than LEG_SHARE of the shorter leg.
     """
     turn = wrap_pi(next_line.course_rad - line.course_rad)
     size = abs(turn)
@@ -120,7 +136,7 @@ def corner_between(
     widest_m = min(
         CIRCLE_SHARE * radius_m / (1.0 / math.cos(half) - 1.0), LEG_SHARE * shorter_m / math.tan(half)
     )
-    wanted_m = config.guidance.corner_radius_m
+    wanted_m = easy_radius_m(size, config)
     speed = corner_speed_m_s(wanted_m, config)
     slow, top = config.guidance.min_speed_m_s, config.handling.top_speed_m_s
     ahead_m, fastest, bows = wanted_m, speed, []

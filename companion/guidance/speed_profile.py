@@ -22,6 +22,15 @@ def corner_speed_m_s(radius_m: float, config: BoatConfig) -> float:
     return max(fastest, setting.min_speed_m_s)
 
 
+def full_speed_radius_m(config: BoatConfig) -> float:
+    """Radius of the tightest arc for cruise speed: `corner_speed_m_s` the other way round."""
+    speed = config.speed.cruise_m_s
+    return max(
+        speed * speed / config.guidance.corner_accel_m_s2,
+        speed / (TURN_SHARE * config.handling.turn_rate_rad_s),
+    )
+
+
 def braking_speed_m_s(
     distance_m: float, end_speed_m_s: float, setting: Guidance, reaction_s: float = REACTION_S
 ) -> float:

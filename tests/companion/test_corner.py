@@ -111,3 +111,21 @@ def test_the_radius_asked_for_is_taken_where_it_fits() -> None:
     assert sharp is not None
     assert gentle.radius_m == 30.0
     assert sharp.radius_m < 5.0
+
+
+@given(st.floats(0.05, 1.57))
+def test_a_lesser_turn_is_rounded_wider_without_passing_further_from_its_corner(turn: float) -> None:
+    """A right angle's arc passes 0.414 of its radius from the corner."""
+    corner = corner_between(*legs(turn, length_m=200.0), 2.0, CONFIG)
+    assert corner is not None
+    assert corner.radius_m >= CONFIG.guidance.corner_radius_m
+    assert corner.radius_m * (1.0 / math.cos(0.5 * turn) - 1.0) <= 0.4143 * CONFIG.guidance.corner_radius_m
+
+
+def test_a_slight_turn_takes_no_way_off_and_a_right_angle_is_rounded_as_tightly_as_asked() -> None:
+    slight = corner_between(*legs(0.3, length_m=200.0), 2.0, CONFIG)
+    square = corner_between(*legs(0.5 * math.pi, length_m=200.0), 2.0, CONFIG)
+    assert slight is not None
+    assert square is not None
+    assert slight.speed_m_s(0.0, 2.0, CONFIG) == pytest.approx(2.0)
+    assert square.radius_m == pytest.approx(CONFIG.guidance.corner_radius_m)
