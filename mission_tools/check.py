@@ -55,7 +55,7 @@ def check_mission(mission: Mission, chart: Chart | None = None, clearance_m: flo
         findings += [Finding(seq, text) for text in _item(item, len(mission.items))]
     findings += _distances(mission)
     if chart is not None:
-        findings += _water(mission, chart, clearance_m)
+        findings += in_the_way(mission, chart, clearance_m)
     return sorted(findings, key=lambda finding: -1 if finding.item is None else finding.item)
 
 
@@ -110,7 +110,7 @@ def _is_near(a: LatLon, b: LatLon) -> bool:
     return abs(a.lat_deg - b.lat_deg) < 1.0 and abs(a.lon_deg - b.lon_deg) < 2.0
 
 
-def _water(mission: Mission, chart: Chart, clearance_m: float) -> Iterator[Finding]:
+def in_the_way(mission: Mission, chart: Chart, clearance_m: float) -> Iterator[Finding]:
     """Legs over land or too near to it. The first one starts at home, where a boat may lie at a jetty."""
     previous = None if mission.home is None else chart.frame.to_local(mission.home)
     for seq, item in enumerate(mission.items, start=1):

@@ -3,22 +3,26 @@
 import asyncio
 import math
 import time
+from collections.abc import Mapping, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
 
-from mission_tools.compare import differences
-from mission_tools.errors import NoVehicle, ReadBackMismatch
+from companion.mavlink.signing_key import SigningKey
+from mission_tools.areas import Areas, open_areas
+from mission_tools.compare import Difference, differences
+from mission_tools.connection import DEFAULT_SYSTEM_ID, connect
+from mission_tools.errors import NoVehicle, ReadBackMismatch, UsageError
 from mission_tools.follow import follow
 from mission_tools.link_url import DEFAULT_LINK, LinkUrl, parse_link
-from mission_tools.mission import MissionType
+from mission_tools.mission import MissionItem, MissionType
 from mission_tools.plan_file import save_mission
 from mission_tools.preview import check_picture_name, save_preview
 from mission_tools.proposal import MissionFile, Proposal, Water, Wishes, open_source
 from mission_tools.signed_link import read_sign_key
-from mission_tools.vehicle import DEFAULT_SYSTEM_ID, Vehicle, connect
+from mission_tools.vehicle import NAMES, Vehicle
 from mission_tools.voyage import Voyage
 from mission_tools.wording import distance, duration
 
@@ -27,9 +31,9 @@ SHOWN_DIFFERENCES = 3
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What was asked for."""
+    """What was asked for. source: None for fence and rally points alone, and the boat's mission stays."""
 
-    source: str
+    source: str | None
     wishes: Wishes = field(default_factory=Wishes)
     link: str = DEFAULT_LINK
     system_id: int = DEFAULT_SYSTEM_ID
@@ -41,6 +45,8 @@ class Request:
     save: Path | None = None
     preview: Path | None = None
     sign_key: Path | None = None
+    fence: str | None = None  # a file, or "none" to clear
+    rally: str | None = None
 
 
 @dataclass(slots=True)
@@ -52,6 +58,7 @@ class Report:
     vehicle_id: int | None = None
     mode: str = ""
     items: int = 0
+    lists: dict[str, int] = field(default_factory=dict)  # items of each list, cleared ones too
     upload_s: float = math.nan
     read_back_s: float = math.nan
     read_back_equal: bool = False
@@ -71,7 +78,11 @@ async def run(request: Request, report: Report, console: Console) -> None:
     key = None if request.sign_key is None else read_sign_key(request.sign_key)
     if request.preview is not None:
         check_picture_name(request.preview)
-    source = open_source(request.source, request.wishes)
+    areas = open_areas(request.fence, request.rally)
+    if request.source is None:
+        await _run_without_source(request, areas, link, key, report, console)
+        return
+    source = open_source(request.source, request.wishes, areas)
     async with AsyncExitStack() as stack:
         vehicle = None
         if source.needs_position and not request.dry_run:
@@ -90,13 +101,35 @@ async def run(request: Request, report: Report, console: Console) -> None:
                     vehicle = await stack.enter_async_context(
                         connect(link, request.patience_s, request.system_id, key)
                     )
-                await _upload(vehicle, link, proposal, report, console)
+                mission_lists = proposal.mission.wire_lists(home_first=vehicle.state.is_ardupilot)
+                await _upload(vehicle, mission_lists | areas.wire_lists(), report, console)
                 await _sail(vehicle, request, report, console)
         finally:
             if request.preview is not None:
                 save_preview(request.preview, proposal, report.voyage)
                 report.preview = request.preview
                 console.print(f"drew {request.preview}")
+
+
+async def _run_without_source(
+    request: Request,
+    areas: Areas,
+    link: LinkUrl,
+    key: SigningKey | None,
+    report: Report,
+    console: Console,
+) -> None:
+    """Fence and rally points alone."""
+    unfit = [name for name in ("start", "follow", "save", "preview") if getattr(request, name)]
+    if unfit or request.wishes != Wishes():
+        options = ", ".join("--" + name for name in unfit) or "options about the route"
+        raise UsageError(f"no SOURCE: {options} would need a scenario, a map or a mission file")
+    if areas == Areas():
+        raise UsageError("nothing to upload: expected a SOURCE, --fence FILE or --rally FILE")
+    console.print(str(areas))
+    if not request.dry_run:
+        async with connect(link, request.patience_s, request.system_id, key) as vehicle:
+            await _upload(vehicle, areas.wire_lists(), report, console)
 
 
 async def _propose(source: MissionFile | Water, vehicle: Vehicle | None, patience_s: float) -> Proposal:
@@ -122,36 +155,53 @@ def _say_proposal(proposal: Proposal, console: Console) -> None:
             line += f", never nearer than {distance(plan.min_clearance_m)} to anything"
         line += f"; {plan.search.expanded} cells of {distance(plan.cell_m)} searched"
     console.print(line)
-    for note in plan.notes if plan is not None else ():
+    for note in proposal.notes:
         console.print(f"note: {note}")
 
 
 async def _upload(
-    vehicle: Vehicle, link: LinkUrl, proposal: Proposal, report: Report, console: Console
+    vehicle: Vehicle, lists: Mapping[MissionType, Sequence[MissionItem]], report: Report, console: Console
 ) -> None:
-    state = vehicle.state
+    state, link = vehicle.state, vehicle.link
     report.link, report.vehicle_id, report.mode = link.typed, vehicle.system_id, state.mode
-    lists = proposal.mission.wire_lists(home_first=state.is_ardupilot)
+    report.lists = {kind.name.lower(): len(items) for kind, items in lists.items()}
     began_s = time.perf_counter()
     for kind, items in lists.items():
-        await vehicle.upload(kind, items)
+        if items:
+            await vehicle.upload(kind, items)
+        else:
+            await vehicle.clear(kind)
     sent_s = time.perf_counter()
     held = {kind: await vehicle.download(kind) for kind in lists}
     report.items = sum(map(len, lists.values()))
     report.upload_s, report.read_back_s = sent_s - began_s, time.perf_counter() - sent_s
-    found = []
+    found: list[tuple[MissionType, Difference]] = []
     for kind, items in lists.items():
         is_home_theirs = kind is MissionType.MISSION and state.is_ardupilot
-        found += differences(items, held[kind], home_is_the_vehicles=is_home_theirs)
+        found += [
+            (kind, difference)
+            for difference in differences(items, held[kind], home_is_the_vehicles=is_home_theirs)
+        ]
     if found:
-        shown = "; ".join(map(str, found[:SHOWN_DIFFERENCES]))
+        shown = "; ".join(_named(kind, difference) for kind, difference in found[:SHOWN_DIFFERENCES])
         more = f" and {len(found) - SHOWN_DIFFERENCES} more" if len(found) > SHOWN_DIFFERENCES else ""
         raise ReadBackMismatch(f"the vehicle does not hold what was sent: {shown}{more}")
     report.read_back_equal = True
+    cleared = [NAMES[kind] for kind, items in lists.items() if not items]
+    if cleared:
+        what = " and the ".join(cleared)
+        console.print(f"cleared the {what} of vehicle {vehicle.system_id} on {link.typed}")
+    if not report.items:
+        return
     console.print(
         f"uploaded {report.items} items to vehicle {vehicle.system_id} on {link.typed} "
         f"in {report.upload_s:.2f} s, read back and found equal"
     )
+
+
+def _named(kind: MissionType, difference: Difference) -> str:
+    """A difference, with the name of its list unless that is the mission."""
+    return str(difference) if kind is MissionType.MISSION else f"{NAMES[kind]}, {difference}"
 
 
 async def _sail(vehicle: Vehicle, request: Request, report: Report, console: Console) -> None:

@@ -5,9 +5,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.areas import NO_AREAS, Areas
+from mission_tools.check import in_the_way
 from mission_tools.errors import UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
-from mission_tools.mission import Mission
+from mission_tools.maps.fenced import fenced
+from mission_tools.mission import Fence, Mission
 from mission_tools.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.planning import Plan, PlanSettings, plan
 from mission_tools.route import mission_along, with_speed
@@ -31,12 +34,16 @@ class Wishes:
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """A mission, and how it was come by: the plan is None for a mission that was read from a file."""
+    """A mission, and how it was come by: the plan is None for a mission that was read from a file.
+
+    notes: what a person should know.
+    """
 
     name: str
     mission: Mission
     chart: Chart
     plan: Plan | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def points(self) -> tuple[Point, ...]:
@@ -45,8 +52,8 @@ class Proposal:
         return tuple(self.chart.frame.to_local(place) for place in places)
 
 
-def open_source(text: str, wishes: Wishes) -> "MissionFile | Water":
-    """Find out what SOURCE is.
+def open_source(text: str, wishes: Wishes, areas: Areas = NO_AREAS) -> "MissionFile | Water":
+    """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
 
     Raises:
         UsageError: wishes that do not go with it.
@@ -54,11 +61,11 @@ def open_source(text: str, wishes: Wishes) -> "MissionFile | Water":
     """
     path = Path(text)
     if path.suffix in MISSION_SUFFIXES:
-        return MissionFile(path, load_mission(path), wishes)
+        return MissionFile(path, load_mission(path), wishes, areas)
     source = load_source(text)
     if wishes.case is not None:
         source = source.with_case(wishes.case)
-    return Water(text, source, wishes)
+    return Water(text, source, wishes, areas)
 
 
 class MissionFile:
@@ -66,27 +73,37 @@ class MissionFile:
 
     needs_position = False
 
-    def __init__(self, path: Path, mission: Mission, wishes: Wishes) -> None:
+    def __init__(
+        self,
+        path: Path,
+        mission: Mission,
+        wishes: Wishes,
+        areas: Areas = NO_AREAS,
+    ) -> None:
         given = replace(wishes, speed_m_s=None)
         if given != Wishes():
             names = [name for name in given.__slots__ if getattr(given, name) is not None]
             options = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
             raise UsageError(f"{path} is a mission already: {options} would plan one; leave that out")
         self._name = path.name
-        self._mission = with_speed(mission, wishes.speed_m_s)
+        self._mission = with_speed(areas.over(mission), wishes.speed_m_s)
+        self._areas = areas
 
     def propose(self, here: LatLon | None = None) -> Proposal:
-        """The mission as it was read, on a chart without shores."""
+        """The mission as it was read, on a chart without shores; notes say where it leaves a given fence."""
         mission = self._mission
         origin = next(iter(mission.places), mission.home or here or LatLon(0.0, 0.0))
-        return Proposal(self._name, mission, build_chart(self._name, LocalFrame(origin), None, ()))
+        chart = _within(build_chart(self._name, LocalFrame(origin), None, ()), self._areas)
+        leaves = () if chart.is_open and not chart.features else in_the_way(mission, chart, 0.0)
+        return Proposal(self._name, mission, chart, notes=tuple(map(str, leaves)))
 
 
 class Water:
     """A map, to plan on from a start to a goal."""
 
-    def __init__(self, text: str, source: Source, wishes: Wishes) -> None:
-        self._chart = source.chart
+    def __init__(self, text: str, source: Source, wishes: Wishes, areas: Areas = NO_AREAS) -> None:
+        self._chart = _within(source.chart, areas)
+        self._areas = areas
         self._wishes = wishes
         self._settings = PlanSettings.from_route(
             source.route,
@@ -122,8 +139,8 @@ class Water:
             raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
         found = plan(self._chart, start, self._goal, self._settings, self._via)
         places = [self._chart.frame.to_global(point) for point in found.points]
-        mission = mission_along(places, self._wishes.speed_m_s)
-        return Proposal(self._chart.name, mission, self._chart, found)
+        mission = self._areas.over(mission_along(places, self._wishes.speed_m_s))
+        return Proposal(self._chart.name, mission, self._chart, found, found.notes)
 
     def _local(self, what: str, place: LatLon) -> Point:
         """A place in the chart's frame.
@@ -139,6 +156,13 @@ class Water:
                 f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
             )
         return self._chart.frame.to_local(place)
+
+
+def _within(chart: Chart, areas: Areas) -> Chart:
+    """The chart with the fence on it, if there is one."""
+    if areas.fence is None or areas.fence == Fence():
+        return chart
+    return fenced(chart, areas.fence, areas.fence_name)
 
 
 def _cases(source: Source) -> str:

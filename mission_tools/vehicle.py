@@ -1,48 +1,28 @@
-"""Any MAVLink vehicle, over MAVSDK: upload, read back, arm, start, watch.
-
-We announce an onboard controller (MAV_TYPE_ONBOARD_CONTROLLER) with a system id of its own. A planner that
-called itself a ground station would keep the operator's failsafe quiet for as long as it runs.
-"""
+"""Any MAVLink vehicle, over MAVSDK: upload, read back, clear, arm, start, watch. `connection.py` finds it."""
 
 import asyncio
 import contextlib
 import json
 import logging
-import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import Awaitable, Callable, Sequence
 
-from mavsdk.asyncio import ComponentType, Configuration, Mavsdk, MavsdkConnectionError, System
+from mavsdk.asyncio import System
 from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
 from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
-from mavsdk.logging import log_subscribe
 from mavsdk.plugins.mavlink_direct import MavlinkDirectError, MavlinkMessage
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
 
-from companion.mavlink.signing_key import SigningKey
-from mission_tools.errors import CommandRefused, LinkLost, NoVehicle, UploadRejected
+from mission_tools.errors import CommandRefused, LinkLost, UploadRejected
 from mission_tools.link_url import LinkUrl
 from mission_tools.mission import Command, MissionItem, MissionType
-from mission_tools.signed_link import signed_link
 from mission_tools.vehicle_state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
 
-DEFAULT_SYSTEM_ID = 246  # 245 is what MAVSDK's own ground stations take
-ONBOARD_COMPUTER = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
 SILENCE_S = 5.0  # without a heartbeat the link counts as lost
 TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
 RETRY_S = 1.0
+CLEAR_TRIES = 5
 NOT_SIGNED = "messages refused, not signed"  # a boat of ours, on a link that asks for signatures
-MESSAGES = (
-    "HEARTBEAT",
-    "GLOBAL_POSITION_INT",
-    "MISSION_CURRENT",
-    "MISSION_ITEM_REACHED",
-    "MISSION_REQUEST",
-    "MISSION_REQUEST_INT",
-    "MISSION_ACK",
-    "STATUSTEXT",
-)
 ASKED_RATES_HZ = {33: 4.0, 42: 2.0}  # GLOBAL_POSITION_INT, MISSION_CURRENT
 NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
 
@@ -52,7 +32,7 @@ log = logging.getLogger(__name__)
 
 
 class Vehicle:
-    """One vehicle on one link. Made by `connect`."""
+    """One vehicle on one link. Made by `connection.connect`."""
 
     def __init__(self, link: LinkUrl, system: System, system_id: int, clock: Callable[[], float]) -> None:
         self.link = link
@@ -105,6 +85,29 @@ class Vehicle:
         }[kind]
         return tuple(map(_item, await self._transfer(f"reading back the {NAMES[kind]}", download)))
 
+    async def clear(self, kind: MissionType) -> None:
+        """Empty one of the vehicle's lists: MAVSDK uploads no empty ones.
+
+        Raises:
+            UploadRejected: the vehicle refused.
+            LinkLost: no answer.
+        """
+        began_s, answers = self._clock(), self.state.answers
+        answers.pop(kind, None)
+        fields = {"target_system": self.system_id, "target_component": 1, "mission_type": int(kind)}
+        message = MavlinkMessage("MISSION_CLEAR_ALL", 0, 0, self.system_id, 1, json.dumps(fields))
+        for _ in range(CLEAR_TRIES):
+            await self._direct.send_message(message)
+            if await self.wait_for(lambda: kind in answers, RETRY_S):
+                break
+        else:
+            where = f"clearing the {NAMES[kind]}{self._advice(began_s)}"
+            raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
+        if answers[kind]:
+            raise UploadRejected(
+                f"clearing the {NAMES[kind]}: the vehicle refused: {_refusal(answers[kind])}"
+            )
+
     async def _transfer(self, doing: str, transfer: Transfer) -> list[RawItem]:
         """Run one MAVSDK transfer and tell its failures in our words."""
         began_s, self.state.refused, self.state.requested_item = self._clock(), 0, -1
@@ -120,7 +123,7 @@ class Vehicle:
         if result is MissionRawResult.TIMEOUT or not self.state.refused:
             where = doing + (item and f", after{item}") + self._advice(began_s)
             raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
-        reason = MISSION_REFUSALS.get(self.state.refused, f"MAV_MISSION_RESULT {self.state.refused}")
+        reason = _refusal(self.state.refused)
         text = self.state.last_complaint(began_s)
         raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}" + (f" ({text})" if text else ""))
 
@@ -239,62 +242,6 @@ class Vehicle:
         self._direct.destroy()
 
 
-@asynccontextmanager
-async def connect(
-    link: LinkUrl,
-    timeout_s: float,
-    system_id: int = DEFAULT_SYSTEM_ID,
-    key: SigningKey | None = None,
-    clock: Callable[[], float] = time.monotonic,
-) -> AsyncIterator[Vehicle]:
-    """Open the link and wait for an autopilot's heartbeat. key: sign all that is sent, hear nothing unsigned.
-
-    Raises:
-        NoVehicle: the link cannot be opened, or nobody answers on it; says what to try.
-    """
-    log_subscribe(_log_quietly)
-    configuration = Configuration.create_with_component_type(ComponentType.COMPANION_COMPUTER)
-    configuration.system_id, configuration.component_id = system_id, ONBOARD_COMPUTER
-    async with Mavsdk(configuration) as mavsdk, AsyncExitStack() as stack:
-        signed = None
-        if key is not None:
-            signed = await stack.enter_async_context(signed_link(mavsdk, link, key))
-        else:
-            await _open(mavsdk, link)
-        system = await mavsdk.first_autopilot(timeout_s)
-        if system is None:
-            advice = (signed.complaint() if signed is not None else "") or link.advice
-            raise NoVehicle(f"{link.typed}: no vehicle within {timeout_s:g} s: {advice}")
-        vehicle = Vehicle(link, system, await system.get_system_id(), clock)
-        watchers = [asyncio.create_task(vehicle.watch(name)) for name in MESSAGES]
-        try:
-            vehicle.state.heard_s = clock()
-            if not await vehicle.wait_for(lambda: vehicle.state.custom_mode >= 0, SILENCE_S):
-                raise NoVehicle(
-                    f"{link.typed}: the vehicle fell silent after its first heartbeat: {link.advice}"
-                )
-            await vehicle.ask_for_rates()
-            yield vehicle
-        finally:
-            for watcher in watchers:
-                watcher.cancel()
-            await asyncio.gather(*watchers, return_exceptions=True)
-            vehicle.close()
-
-
-async def _open(mavsdk: Mavsdk, link: LinkUrl) -> None:
-    try:
-        await mavsdk.add_any_connection(link.mavsdk)
-    except MavsdkConnectionError as error:
-        raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
-
-
-def _log_quietly(level: int, message: str, file: str | None, line: int) -> bool:
-    """MAVSDK prints to stdout in colour unless it is told that its line has been dealt with."""
-    log.debug("MAVSDK %s: %s (%s:%d)", level, message, file, line)
-    return True
-
-
 def _raw_item(seq: int, item: MissionItem, kind: MissionType) -> RawItem:
     head = (seq, item.frame, item.command, int(seq == 0), int(item.autocontinue))
     return RawItem(*head, *item.params, item.x, item.y, item.z, int(kind))
@@ -303,3 +250,8 @@ def _raw_item(seq: int, item: MissionItem, kind: MissionType) -> RawItem:
 def _item(raw: RawItem) -> MissionItem:
     params = (raw.param1, raw.param2, raw.param3, raw.param4)
     return MissionItem(raw.command, raw.frame, params, raw.x, raw.y, raw.z, bool(raw.autocontinue))
+
+
+def _refusal(result: int) -> str:
+    """A MAV_MISSION_RESULT for people."""
+    return MISSION_REFUSALS.get(result, f"MAV_MISSION_RESULT {result}")

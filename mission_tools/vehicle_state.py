@@ -77,6 +77,7 @@ class VehicleState:
     mission_state: int = 0
     reached_item: int = -1  # the highest since the mission was started
     refused: int = 0  # MAV_MISSION_RESULT of the last MISSION_ACK
+    answers: dict[int, int] = field(default_factory=dict)  # and of the last for each MAV_MISSION_TYPE
     requested_item: int = -1  # what it asked for last in an upload
     texts: deque[tuple[float, int, str]] = field(default_factory=lambda: deque(maxlen=50))
     _chunks: dict[int, str] = field(default_factory=dict)
@@ -127,6 +128,7 @@ class VehicleState:
                 self.requested_item = fields["seq"]
             case "MISSION_ACK":
                 self.refused = fields["type"]
+                self.answers[fields.get("mission_type", 0)] = fields["type"]
             case "STATUSTEXT":
                 self._take_text(fields, now_s)
 

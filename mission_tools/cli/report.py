@@ -47,6 +47,7 @@ def _upload(report: Report) -> dict[str, Any]:
         "system_id": report.vehicle_id,
         "mode": report.mode,
         "items": report.items,
+        "lists": report.lists,
         "upload_s": _finite(report.upload_s),
         "read_back_s": _finite(report.read_back_s),
         "read_back_equal": report.read_back_equal,

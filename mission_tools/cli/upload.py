@@ -14,37 +14,20 @@ from rich.console import Console
 from mission_tools.cli.arguments import position, with_start_told_apart
 from mission_tools.cli.exit import run_app
 from mission_tools.cli.report import as_json
+from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
+from mission_tools.connection import DEFAULT_SYSTEM_ID
 from mission_tools.job import Report, Request, run
 from mission_tools.link_url import DEFAULT_LINK, FORMS
 from mission_tools.proposal import Wishes
-from mission_tools.vehicle import DEFAULT_SYSTEM_ID
-
-PROGRAM = "mission-upload"
-EXAMPLES = f"""
-Plan a mission, upload it, read it back and compare; then start it and follow it, if asked to.
-
-SOURCE is a scenario (`lake`, or a .toml file), a map (.geojson) with --goal, or a mission that is ready
-(QGroundControl's .plan, or .waypoints).
-
-Examples:
-
-    {PROGRAM} lake --start --follow
-
-    {PROGRAM} pool --case 3 --dry-run --preview pool.png
-
-    {PROGRAM} pond.geojson --goal 29.4105,-82.1702 --clearance 3 --connect udp:0.0.0.0:14550
-
-    {PROGRAM} survey.plan --connect /dev/ttyUSB0,57600 --sign-key radio.key --start
-
-Exit codes: 0 done, 1 no route or the vehicle refused, 2 wrong usage or input, 3 no vehicle or link lost.
-"""
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
 
 @app.command(help=EXAMPLES, no_args_is_help=True)
 def upload(
-    source: Annotated[str, typer.Argument(help="scenario, .toml, .geojson, .plan or .waypoints")],
+    source: Annotated[
+        str | None, typer.Argument(help="scenario, .toml, .geojson, .plan or .waypoints", show_default=False)
+    ] = None,
     connect: Annotated[str, typer.Option(metavar="URL", help=f"the link: {FORMS}")] = DEFAULT_LINK,
     start_at: Annotated[
         str | None,
@@ -59,6 +42,13 @@ def upload(
     heuristic: Annotated[str | None, typer.Option(help="octile, euclidean or manhattan")] = None,
     smooth: Annotated[bool | None, typer.Option("--smooth/--no-smooth", help="pull the path taut")] = None,
     speed: Annotated[float | None, typer.Option(metavar="M/S", help="speed over ground [the boat's]")] = None,
+    fence: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="upload this fence, plan inside it (none: clear)"),
+    ] = None,
+    rally: Annotated[
+        str | None, typer.Option(metavar="FILE", help="upload these rally points (none: clear)")
+    ] = None,
     start: Annotated[bool, typer.Option("--start", help="arm and start the mission")] = False,
     follow: Annotated[bool, typer.Option("--follow", help="watch until the mission has ended")] = False,
     timeout: Annotated[
@@ -103,6 +93,8 @@ def upload(
         save=save,
         preview=preview,
         sign_key=sign_key,
+        fence=fence,
+        rally=rally,
     )
     report = Report()
     asyncio.run(

@@ -55,7 +55,7 @@ def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = 
         MapError: as `load_geojson`.
     """
     features = [
-        _feature(entry, f"{source}: feature {n}") for n, entry in enumerate(_entries(tree, source), 1)
+        _feature(entry, f"{source}: feature {n}") for n, entry in enumerate(feature_entries(tree, source), 1)
     ]
     water = _area([feature for feature in features if feature.kind == "water"])
     if water is None:
@@ -87,8 +87,12 @@ def _area(features: Sequence[Feature]) -> BaseGeometry | None:
     return shapely.union_all([feature.shape for feature in features]) if features else None
 
 
-def _entries(tree: object, source: str) -> list[Mapping[str, Any]]:
-    """The features of whatever kind of GeoJSON this is."""
+def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
+    """The features of whatever kind of GeoJSON this is.
+
+    Raises:
+        MapError: it is none.
+    """
     if isinstance(tree, Mapping):
         kind = tree.get("type")
         if kind == "FeatureCollection" and isinstance(tree.get("features"), list):
@@ -122,18 +126,29 @@ def _feature(entry: object, where: str) -> Feature:
 def _landmark(geometry: Mapping[str, Any], where: str) -> BaseGeometry:
     if geometry.get("type") != "Point":
         raise MapError(f"{where}: a landmark is a Point, not {geometry.get('type')!r}")
-    return shapely.Point(_position(geometry.get("coordinates"), where))
+    return shapely.Point(position(geometry.get("coordinates"), where))
 
 
-def _polygons(geometry: Mapping[str, Any], where: str) -> Area:
+def polygon_parts(geometry: Mapping[str, Any], where: str) -> list[Polygon]:
+    """The polygons of a Polygon or MultiPolygon, in degrees: x longitude, y latitude.
+
+    Raises:
+        MapError: another geometry, or rings that are no polygon.
+    """
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
     if kind not in ("Polygon", "MultiPolygon"):
         raise MapError(f"{where}: geometry is {kind!r}: expected Polygon or MultiPolygon")
     if not isinstance(coordinates, list) or not coordinates:
         raise MapError(f"{where}: empty geometry")
     if kind == "Polygon":
-        return _polygon(coordinates, where)
-    parts = [_polygon(rings, f"{where}, part {n}") for n, rings in enumerate(coordinates, 1)]
+        return [_polygon(coordinates, where)]
+    return [_polygon(rings, f"{where}, part {n}") for n, rings in enumerate(coordinates, 1)]
+
+
+def _polygons(geometry: Mapping[str, Any], where: str) -> Area:
+    parts = polygon_parts(geometry, where)
+    if geometry["type"] == "Polygon":
+        return parts[0]
     shape = MultiPolygon(parts)
     _checked(shape, where)
     return shape
@@ -151,7 +166,7 @@ def _polygon(rings: object, where: str) -> Polygon:
 def _ring(ring: object, where: str) -> list[tuple[float, float]]:
     if not isinstance(ring, list) or not ring:
         raise MapError(f"{where}: empty ring")
-    corners = [_position(corner, f"{where}, position {n}") for n, corner in enumerate(ring, 1)]
+    corners = [position(corner, f"{where}, position {n}") for n, corner in enumerate(ring, 1)]
     if len(corners) < 4:
         raise MapError(f"{where}: {len(corners)} positions: a closed ring has at least 4")
     if corners[0] != corners[-1]:
@@ -159,7 +174,12 @@ def _ring(ring: object, where: str) -> list[tuple[float, float]]:
     return corners
 
 
-def _position(value: object, where: str) -> tuple[float, float]:
+def position(value: object, where: str) -> tuple[float, float]:
+    """Longitude and latitude in degrees.
+
+    Raises:
+        MapError: not two numbers, or not on Earth.
+    """
     numbers = value if isinstance(value, list) else []
     if len(numbers) < 2 or not all(
         isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in numbers[:2]

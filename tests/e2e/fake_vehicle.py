@@ -40,6 +40,7 @@ class Behaviour:
     stick_after: int | None = None
     die_after: int | None = None
     lose_reached: bool = False
+    clearing: int | None = 0  # MAV_MISSION_RESULT of a MISSION_CLEAR_ALL; None: not answered
     sign_key: bytes | None = None  # signs with it, and hears nothing that is not signed with it
 
 
@@ -173,6 +174,10 @@ class FakeVehicle:
             mav.mission_count_send(*self._client, len(self._list(message.mission_type)), message.mission_type)
         elif kind in {"MISSION_REQUEST_INT", "MISSION_REQUEST"}:
             self._give_item(mav, message)
+        elif kind == "MISSION_CLEAR_ALL" and self.behaviour.clearing is not None:
+            if self.behaviour.clearing == dialect.MAV_MISSION_ACCEPTED:
+                self._list(message.mission_type).clear()
+            mav.mission_ack_send(*self._client, self.behaviour.clearing, message.mission_type)
         elif kind == "MISSION_SET_CURRENT":
             self._current = message.seq
             mav.mission_current_send(self._current, max(len(self.mission) - 1, 0), self._state)

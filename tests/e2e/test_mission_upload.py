@@ -213,3 +213,69 @@ def test_ctrl_c_ends_a_followed_voyage_with_130(plan: str) -> None:
             running.kill()
     assert running.returncode == 130
     assert told == "mission-upload: interrupted\n"
+
+
+@pytest.fixture
+def fence(tmp_path: Path) -> str:
+    """A fence of a triangle and a circle to keep out of, and a rally point."""
+    ring = [[-1.2, 50.0], [-1.19, 50.0], [-1.19, 50.01], [-1.2, 50.0]]
+    shapes: list[tuple[dict[str, object], dict[str, object]]] = [
+        ({"type": "Polygon", "coordinates": [ring]}, {"kind": "inclusion"}),
+        ({"type": "Point", "coordinates": [-1.192, 50.001]}, {"kind": "exclusion", "radius_m": 12.5}),
+        ({"type": "Point", "coordinates": [-1.193, 50.001]}, {"kind": "rally"}),
+    ]
+    features = [{"type": "Feature", "geometry": shape, "properties": what} for shape, what in shapes]
+    path = tmp_path / "fence.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return str(path)
+
+
+def test_a_fence_comes_up_alone_and_the_mission_stays(
+    plan: str, fence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle() as vehicle:
+        assert run_program([plan, *link(vehicle)]) == 0
+        held = list(vehicle.mission)
+        assert run_program(["--fence", fence, "--rally", fence, *link(vehicle), "--json"]) == 0
+        assert vehicle.mission == held
+    assert Counter(item.command for item in vehicle.fence) == {5001: 3, 5004: 1}
+    assert [item.command for item in vehicle.rally] == [5100]
+    told = capsys.readouterr()
+    report = json.loads(told.out[told.out.index("{") :])
+    assert report["upload"]["lists"] == {"fence": 4, "rally": 1}
+    assert report["upload"]["read_back_equal"] is True
+    assert "2 fence areas, 1 rally point" in told.err
+
+
+def test_a_fence_goes_along_with_a_mission_and_is_cleared_again(
+    plan: str, fence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle() as vehicle:
+        assert run_program([plan, "--fence", fence, *link(vehicle)]) == 0
+        assert (len(vehicle.mission), len(vehicle.fence)) == (7, 4)
+        assert run_program(["--fence", "none", "--rally", "none", *link(vehicle)]) == 0
+        assert (len(vehicle.mission), vehicle.fence) == (7, [])
+    assert "cleared the fence and the rally points of vehicle 1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "code", "said"),
+    [
+        (Behaviour(clearing=14), 1, "clearing the fence: the vehicle refused: it takes no missions from us"),
+        (Behaviour(clearing=None), 3, "stopped answering while clearing the fence"),
+    ],
+)
+def test_a_fence_that_will_not_be_cleared_is_told(
+    behaviour: Behaviour, code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle(behaviour) as vehicle:
+        assert run_program(["--fence", "none", *link(vehicle)]) == code
+    assert said in capsys.readouterr().err
+
+
+def test_a_fence_that_comes_back_otherwise_is_told_with_its_list(
+    fence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle(Behaviour(alter_item=1)) as vehicle:
+        assert run_program(["--fence", fence, *link(vehicle)]) == 1
+    assert "does not hold what was sent: fence, item 1: " in capsys.readouterr().err

@@ -3,6 +3,7 @@
 import json
 import re
 import signal
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,6 +12,11 @@ from programs import Ended, RunBoat, RunningBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 from wiretap import Wiretap
 
+from companion.geo import LatLon
+from mission_tools.areas import load_fence
+from mission_tools.maps import load_source
+from mission_tools.maps.fenced import fenced
+
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
 
@@ -18,6 +24,7 @@ AUTO, LOITER = 10, 5
 GOAL = Place(16, 3, 500020857, -11969034)  # of the scenario `lake`
 ISLAND = "50.0,-1.2"  # Alder Island, on the same pond
 JOB_S = 40.0
+FENCE = str(Path(__file__).parents[2] / "examples/maps/mill_pond_fence.geojson")
 
 
 def one_line(ended: Ended) -> str:
@@ -59,6 +66,23 @@ def test_a_planned_mission_is_uploaded_sailed_and_reported(
     assert station.wait_for("HEARTBEAT").custom_mode == LOITER
     assert station.metres_from(GOAL) < 5.0
     assert len(station.download()) == waypoints + 1
+
+
+def test_a_mission_is_planned_and_sailed_inside_a_fence_that_goes_along(
+    running_boat: RunBoat, run_program: RunProgram, open_station: OpenStation
+) -> None:
+    boat = running_boat("lake", "--speedup", "15")
+    areas = ["--fence", FENCE, "--rally", FENCE, "--connect", boat.url]
+    ended = run_program("mission-upload", "lake", *areas, "--start", "--follow", "--json").wait(JOB_S)
+    assert ended.code == 0, ended
+    report = json.loads(ended.out)
+    assert report["upload"]["lists"] == {"mission": len(report["waypoints"]) + 1, "fence": 13, "rally": 1}
+    assert report["upload"]["read_back_equal"] is True
+    water = fenced(load_source("lake").chart, load_fence(Path(FENCE)), FENCE)
+    off = [water.obstruction(water.frame.to_local(LatLon(*place))) for _, *place in report["voyage"]["track"]]
+    assert set(off) == {None}
+    assert open_station(boat.port).wait_for("HEARTBEAT").custom_mode == LOITER
+    assert run_program("mission-upload", "--fence", "none", "--connect", boat.url).wait(JOB_S).code == 0
 
 
 def refused_by_a_boat(

@@ -197,3 +197,43 @@ def test_check_lists_findings_and_fails(pond: Path, capsys: pytest.CaptureFixtur
 def test_check_of_a_broken_file_is_wrong_input(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert check_cli.run_program(["broken.plan"]) == 2
     assert capsys.readouterr().err.startswith("mission-check: broken.plan: item 1: ")
+
+
+FENCE = """{"type": "Feature", "properties": {"kind": "%s"}, "geometry": {"type": "Polygon", "coordinates":
+  [[[-1.1993, 50.0001], [-1.1986, 50.0001], [-1.1986, 50.0014], [-1.1993, 50.0014], [-1.1993, 50.0001]]]}}"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("--dry-run", "nothing to upload: expected a SOURCE, --fence FILE or --rally FILE"),
+        ("--fence none --start", "no SOURCE: --start would need"),
+        ("--fence none --clearance 3", "no SOURCE: options about the route would need"),
+        ("pond.toml --fence gone.geojson --dry-run", "gone.geojson: cannot be read"),
+        ("pond.toml --rally in.geojson --dry-run", "in.geojson: no rally point in it"),
+        (
+            "pond.toml --fence in.geojson --dry-run",
+            "goal 50.001600,-1.199000 lies in the water outside the fence",
+        ),
+        ("pond.toml --fence out.geojson --dry-run", "start 50.000400,-1.199000 lies in the fence polygon 1"),
+    ],
+)
+def test_a_fence_that_does_not_go_is_told_in_a_line(
+    pond: Path, arguments: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (pond / "in.geojson").write_text(FENCE % "inclusion")
+    (pond / "out.geojson").write_text(FENCE % "exclusion")
+    assert upload_cli.run_program(arguments.split()) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+
+
+def test_a_mission_that_leaves_its_fence_is_noted_by_item(
+    pond: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert upload_cli.run_program(["pond.toml", "--dry-run", "--save", "r.plan"]) == 0
+    (pond / "in.geojson").write_text(FENCE % "inclusion")
+    assert upload_cli.run_program(["r.plan", "--fence", "in.geojson", "--dry-run", "--save", "f.plan"]) == 0
+    assert re.search(r"note: item \d: lies in the water outside the fence", capsys.readouterr().out)
+    assert len(load_mission(Path("f.plan")).fence.polygons) == 1

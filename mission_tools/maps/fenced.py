@@ -1,0 +1,76 @@
+"""A chart with a fence on it: what the fence does not allow is water to keep out of.
+
+The allowed water is inside every inclusion and outside every exclusion, as the vehicle has it.
+"""
+
+import math
+
+import shapely
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.geo import LatLon
+from mission_tools.errors import MapError
+from mission_tools.maps.chart import Chart, Feature, build_chart
+from mission_tools.mission import Fence, FenceCircle, FencePolygon
+
+BEYOND_M = 50.0  # of open water round an inclusion that is still on the chart
+OUTSIDE = "the water outside the fence"
+REACH_DEG = 2.0  # farther from a chart's origin than this no fence can be meant for it
+_SEGMENTS_PER_QUARTER = 32
+
+
+def fenced(chart: Chart, fence: Fence, source: str) -> Chart:
+    """The chart, to be planned on inside the fence. `source` names the fence in messages.
+
+    Raises:
+        MapError: an area that is no area or far from the chart, or a fence that leaves no water.
+    """
+    inside: BaseGeometry | None = None
+    features = list(chart.features)
+    for label, area in _labelled(fence):
+        shape = _shape(chart, area, f"{source}: {label}")
+        if not area.inclusion:
+            features.append(Feature(f"the {label}", "keep_out", shape))
+        else:
+            inside = shape if inside is None else shapely.intersection(inside, shape)
+    water = None if chart.is_open else chart.water
+    if inside is not None:
+        if inside.is_empty:
+            raise MapError(f"{source}: its inclusions have no water in common: a boat must be inside of all")
+        if water is None:
+            west, south, east, north = inside.bounds
+            water = shapely.box(west - BEYOND_M, south - BEYOND_M, east + BEYOND_M, north + BEYOND_M)
+        features.append(Feature(OUTSIDE, "keep_out", water.difference(inside)))
+    try:
+        return build_chart(chart.name, chart.frame, water, features)
+    except MapError:
+        raise MapError(f"{source}: leaves no water of {chart.name} to sail on") from None
+
+
+def _labelled(fence: Fence) -> list[tuple[str, FencePolygon | FenceCircle]]:
+    polygons = [(f"fence polygon {n}", polygon) for n, polygon in enumerate(fence.polygons, start=1)]
+    return [*polygons, *((f"fence circle {n}", circle) for n, circle in enumerate(fence.circles, start=1))]
+
+
+def _shape(chart: Chart, area: FencePolygon | FenceCircle, where: str) -> Polygon:
+    if isinstance(area, FencePolygon):
+        shape = Polygon([_at(chart, corner, where) for corner in area.corners])
+        if not shape.is_valid or shape.area == 0.0:
+            raise MapError(f"{where}: not a valid polygon: its line crosses itself or encloses nothing")
+        return shape
+    # Corners never on the wrong side of the true line
+    grown = 1.0 if area.inclusion else 1.0 / math.cos(math.pi / (4 * _SEGMENTS_PER_QUARTER))
+    centre = shapely.Point(_at(chart, area.centre, where))
+    return centre.buffer(area.radius_m * grown, quad_segs=_SEGMENTS_PER_QUARTER)
+
+
+def _at(chart: Chart, place: LatLon, where: str) -> tuple[float, float]:
+    origin = chart.frame.origin
+    if max(abs(place.lat_deg - origin.lat_deg), abs(place.lon_deg - origin.lon_deg)) > REACH_DEG:
+        raise MapError(
+            f"{where}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {chart.name} "
+            f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
+        )
+    point = chart.frame.to_local(place)
+    return point.east_m, point.north_m

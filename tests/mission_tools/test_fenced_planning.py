@@ -1,0 +1,110 @@
+"""Planning inside a fence: no route leaves an inclusion or enters an exclusion."""
+
+import math
+from itertools import pairwise
+
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.geo import LatLon, LocalFrame, Point
+from mission_tools.errors import GoalBlocked, MapError, NoRouteError, StartBlocked
+from mission_tools.maps import Chart, build_chart
+from mission_tools.maps.fenced import fenced
+from mission_tools.mission import Fence, FenceCircle, FencePolygon
+from mission_tools.planning import PlanSettings, plan
+
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+CLEARANCE_M = 3.0
+TOUCH_M = 0.01
+POND = build_chart("Pond", FRAME, shapely.box(-100.0, -100.0, 100.0, 100.0), ())
+SEA = build_chart("Sea", FRAME, None, ())
+
+
+def place(east_m: float, north_m: float) -> LatLon:
+    return FRAME.to_global(Point(north_m, east_m))
+
+
+def box(west: float, south: float, east: float, north: float, *, inclusion: bool = True) -> FencePolygon:
+    corners = ((west, south), (east, south), (east, north), (west, north))
+    return FencePolygon(tuple(place(*corner) for corner in corners), inclusion)
+
+
+def disc(east: float, north: float, radius_m: float, *, inclusion: bool = False) -> FenceCircle:
+    return FenceCircle(place(east, north), radius_m, inclusion)
+
+
+def routed(chart: Chart, start: tuple[float, float], goal: tuple[float, float]) -> shapely.LineString:
+    ends = [Point(north_m, east_m) for east_m, north_m in (start, goal)]
+    found = plan(chart, ends[0], ends[1], PlanSettings(CLEARANCE_M, cell_m=2.0))
+    return shapely.LineString([(point.east_m, point.north_m) for point in found.points])
+
+
+@pytest.mark.parametrize("chart", [POND, SEA], ids=["pond", "sea"])
+def test_a_route_goes_round_an_exclusion_and_stays_in_the_inclusion(chart: Chart) -> None:
+    fence = Fence((box(-60, -20, 60, 60), box(-10, -20, 10, 30, inclusion=False)))
+    route = routed(fenced(chart, fence, "f"), (-50, 0), (50, 0))
+    assert route.distance(shapely.box(-10, -20, 10, 30)) >= CLEARANCE_M - TOUCH_M
+    inside = shapely.box(-60, -20, 60, 60)
+    assert inside.contains(route)
+    assert inside.exterior.distance(route) >= CLEARANCE_M - TOUCH_M
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(st.floats(-60, 60), st.floats(-60, 60), st.floats(2, 25)), min_size=1, max_size=6))
+def test_no_route_ever_leaves_the_fence(discs: list[tuple[float, float, float]]) -> None:
+    fence = Fence((box(-90, -70, 90, 70),), tuple(disc(*one) for one in discs))
+    try:
+        route = routed(fenced(POND, fence, "f"), (-80, 0), (80, 0))
+    except NoRouteError:
+        return
+    assert shapely.box(-90, -70, 90, 70).contains(route)
+    for east, north, radius_m in discs:
+        assert route.distance(shapely.Point(east, north)) >= radius_m + CLEARANCE_M - TOUCH_M
+
+
+def test_the_boat_must_be_inside_of_every_inclusion() -> None:
+    fence = Fence((box(-80, -40, 80, 40),), (disc(0, 0, 70, inclusion=True),))
+    route = routed(fenced(POND, fence, "f"), (-60, 0), (60, 0))
+    assert max(math.hypot(*corner) for corner in route.coords) <= 70.0
+    with pytest.raises(StartBlocked, match="lies in the water outside the fence"):
+        routed(fenced(POND, fence, "f"), (-75, 0), (60, 0))
+
+
+def test_a_goal_in_an_exclusion_is_refused_by_its_name() -> None:
+    with pytest.raises(GoalBlocked, match="lies in the fence circle 1"):
+        routed(fenced(POND, Fence(circles=(disc(50, 0, 10),)), "f"), (-50, 0), (50, 0))
+
+
+def test_a_fence_that_shuts_the_goal_off_leaves_no_route() -> None:
+    with pytest.raises(NoRouteError):
+        routed(fenced(POND, Fence((box(-5, -120, 5, 120, inclusion=False),)), "f"), (-50, 0), (50, 0))
+
+
+@pytest.mark.parametrize(
+    ("fence", "said"),
+    [
+        (Fence((box(-60, -60, -20, 60), box(20, -60, 60, 60))), "no water in common"),
+        (
+            Fence((FencePolygon((place(0, 0), place(9, 9), place(9, 0), place(0, 9))),)),
+            "fence polygon 1: not a valid",
+        ),
+        (Fence((box(-200, -200, 200, 200, inclusion=False),)), "leaves no water of Pond"),
+        (
+            Fence(circles=(FenceCircle(LatLon(10.0, 10.0), 50.0),)),
+            "fence circle 1: 10.000000,10.000000 is nowhere near",
+        ),
+    ],
+)
+def test_a_fence_that_cannot_be_sailed_in_is_refused_by_name(fence: Fence, said: str) -> None:
+    with pytest.raises(MapError, match=said) as told:
+        fenced(POND, fence, "pond-fence.geojson")
+    assert str(told.value).startswith("pond-fence.geojson: ")
+
+
+def test_corners_of_a_route_and_its_ends_are_all_inside() -> None:
+    chart = fenced(SEA, Fence(circles=(disc(0, 0, 40), disc(0, 0, 120, inclusion=True))), "f")
+    route = routed(chart, (-100, 0), (100, 5))
+    for start, end in pairwise(route.coords):
+        assert shapely.LineString([start, end]).distance(shapely.Point(0, 0)) >= 40.0 + CLEARANCE_M - TOUCH_M
