@@ -19,6 +19,7 @@ from companion.hal.hull import open_hull
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Port, Sonar
 from companion.hal.l298n import open_l298n
 from companion.hal.port_url import open_port, parse_port_url
+from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.ultrasonic import open_ultrasonic
 from companion.hal.watched_motors import WatchedMotors
 from companion.log.logbook import Logbook, open_logbook
@@ -119,8 +120,11 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             battery = open_ina219(parts.battery, now)
             undo.callback(battery.close)
         hull = None if parts.hull.driver == "none" else open_hull(parts.hull, now)
+        if hull is not None:
+            undo.callback(hull.close)
+        rc = None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
         undo.pop_all()
-    return Hardware(motors, gnss, compass, sonar, battery, hull=hull)
+    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc)
 
 
 def open_compass(part: CompassPart, now: Now) -> Compass:

@@ -27,6 +27,7 @@ from companion.state import STOPPED, MotorCommand, NavState
 from companion.steering import Steering
 from companion.storage import Storage
 from companion.vehicle.motor_test import MotorTest
+from companion.vehicle.transmitter import Transmitter
 from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
 from companion.wall_time import WallTime
@@ -58,6 +59,8 @@ class Boat:
         self.vehicle = Vehicle(self.parameters.config)
         self.motor_test = MotorTest(self.vehicle)
         self.trials = Trials(self.vehicle)
+        self.transmitter = Transmitter(self.vehicle)
+        self.vehicle.conduct.sticks.radio.is_fitted = hardware.rc is not None
         self.senses = Senses(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
         self.signing = SigningStore(storage, unix_offset_s)
@@ -236,6 +239,8 @@ class Boat:
             self.steering.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
         self._wall_time.keep(senses.fix, self.endpoint.unix_offset_s)
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
+        if senses.rc is not None and self.transmitter.update(senses.rc, now_s):
+            self.steering.hurry()
 
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav = self.steering, self.parameters.config, self.nav

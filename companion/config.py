@@ -16,12 +16,13 @@ from msgspec import Meta
 
 from companion.errors import ConfigError
 from companion.parts import Parts
-from companion.section import NonNegative, Positive, Section, Share, SystemId
+from companion.section import NonNegative, Positive, Section, Share, SystemId, replaced
 from companion.settings.avoidance import Avoidance
 from companion.settings.estimation import Estimation
 from companion.settings.failsafe import Failsafe
 from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
+from companion.settings.rc import Rc
 from companion.settings.thrusters import Thrusters
 
 
@@ -235,6 +236,7 @@ class BoatConfig(Section, frozen=True):
     battery: Battery = Battery()
     trim: Trim = Trim()
     external: External = External()
+    rc: Rc = Rc()
     mavlink: Mavlink = Mavlink()
     storage: Storage = Storage()
     log: Log = Log()
@@ -282,18 +284,16 @@ def load_toml(path: Path) -> dict[str, Any]:
 
 
 def with_value(config: BoatConfig, path: str, value: object) -> BoatConfig:
-    """A copy of the tree with one field replaced, such as `heading.kp`.
+    """A copy of the tree with one field replaced, such as `heading.kp` or `rc.channel_1.trim_us`.
 
     Raises:
         ConfigError: no such field, or a value outside its type or range.
     """
-    section_name, _, field = path.rpartition(".")
-    section = getattr(config, section_name, None) if section_name else None
-    if section is None or field not in section.__struct_fields__:
+    if "." not in path:
         raise ConfigError(f"{path}: no such setting")
-    fields = {name: getattr(section, name) for name in section.__struct_fields__}
     try:
-        changed = msgspec.convert({**fields, field: value}, type(section), strict=True)
+        return replaced(config, path.split("."), value)
+    except LookupError:
+        raise ConfigError(f"{path}: no such setting") from None
     except msgspec.ValidationError as error:
         raise ConfigError(f"{path}: {error}") from None
-    return msgspec.structs.replace(config, **{section_name: changed})

@@ -15,6 +15,7 @@ import struct
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from operator import attrgetter
 
 from companion.config import BoatConfig, with_value
 from companion.errors import ConfigError
@@ -92,8 +93,7 @@ class Parameters:
         """The value as stations see it: a whole number or a 32-bit float, which is all the wire carries."""
         if not row.path:
             return _as_float32(self._kept[row.name])
-        section, _, field = row.path.rpartition(".")
-        value = float(getattr(getattr(self.config, section), field)) * row.scale
+        value = float(attrgetter(row.path)(self.config)) * row.scale
         return _as_float32(value if row.kind is Kind.REAL32 else round(value))
 
     def default(self, row: Row) -> float:
@@ -152,8 +152,7 @@ class Parameters:
         return ""
 
     def _field_value(self, row: Row, value: float) -> object:
-        section, _, field = row.path.rpartition(".")
-        current = getattr(getattr(self.config, section), field)
+        current = attrgetter(row.path)(self.config)
         if isinstance(current, bool):
             return value != 0.0
         if isinstance(current, int):

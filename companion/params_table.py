@@ -83,8 +83,9 @@ def _tuning() -> list[Row]:
         Row("FS_ACTION", _I8, "Operator or RC lost: 0 told only, 1 RTL, 2 HOLD, 3 SmartRTL or RTL, 4 SmartRTL or HOLD, 5 disarm, 6 LOITER or HOLD", "failsafe.action", low=0, high=6),
         Row("FS_LONG_TIMEOUT", _REAL, "Operator, planner or RC still lost so long after FS_ACTION, 0 never", "failsafe.long_timeout_s", unit="s", low=0, high=3600),
         Row("FS_LONG_ACTN", _I8, "Action after FS_LONG_TIMEOUT, numbers as FS_ACTION", "failsafe.long_action", low=0, high=6),
-        Row("FS_THR_ENABLE", _I8, "Failsafe when sticks that steer fall silent: 0 off, 1 on", "failsafe.rc_enabled", low=0, high=1),
-        Row("FS_TIMEOUT", _REAL, "Sticks stale for so long set it off", "failsafe.rc_timeout_s", unit="s", low=0, high=100),
+        Row("FS_THR_ENABLE", _I8, "Failsafe when the transmitter, or sticks that steer, are lost: 0 off, 1 on, 2 on, but a mission goes on", "failsafe.rc_enabled", low=0, high=2),
+        Row("FS_THR_VALUE", _I16, "A throttle pulse below this is a receiver that has lost its transmitter, 0 never", "rc.failsafe_us", unit="us", low=0, high=1100),
+        Row("FS_TIMEOUT", _REAL, "Transmitter lost, or sticks stale, for so long sets it off", "failsafe.rc_timeout_s", unit="s", low=0, high=100),
         Row("FS_PLAN_TIMEOUT", _REAL, "Silence of a planner that steers in GUIDED or a hand-over that sets its failsafe off, 0 never", "failsafe.planner_timeout_s", unit="s", low=0, high=600),
         Row("FS_PLAN_ACT", _I8, "Planner lost, numbers as FS_ACTION", "failsafe.planner_action", low=0, high=6),
         Row("FS_POS_ACT", _I8, "Position lost, numbers as FS_ACTION; LOITER is then the bow into the set, by dead reckoning", "failsafe.position_action", low=0, high=6),
@@ -138,6 +139,30 @@ def _tuning() -> list[Row]:
     ]  # fmt: skip
 
 
+def _radio() -> list[Row]:
+    """The transmitter's sticks and switches, and RC override's."""
+    rows = [
+        Row("RCMAP_ROLL", _I8, "Channel that steers", "rc.steering_channel", low=1, high=4),
+        Row("RCMAP_THROTTLE", _I8, "Channel of the throttle", "rc.throttle_channel", low=1, high=4),
+        Row("RC_FS_TIMEOUT", _REAL, "Without a good frame for so long the transmitter is lost, and its sticks count no longer", "rc.timeout_s", unit="s", low=0.1, high=10),
+        Row("RC_ARM_CH", _I8, "Channel of the switch that arms and disarms, 0 none", "rc.arm_channel", low=0, high=18),
+        Row("MODE_CH", _I8, "Channel of the mode switch, 0 none", "rc.mode_channel", low=0, high=18),
+    ]  # fmt: skip
+    for position in range(1, 7):
+        text = "Mode of this position of the mode switch, by Rover's number"
+        rows.append(Row(f"MODE{position}", _I8, text, f"rc.mode_{position}", low=0, high=15))
+    for number in range(1, 5):
+        name, path = f"RC{number}", f"rc.channel_{number}"
+        rows += [
+            Row(f"{name}_MIN", _I16, "Pulse of the stick at its lower end", f"{path}.min_us", unit="us", low=800, high=2200),
+            Row(f"{name}_TRIM", _I16, "Pulse of the stick at rest", f"{path}.trim_us", unit="us", low=800, high=2200),
+            Row(f"{name}_MAX", _I16, "Pulse of the stick at its upper end", f"{path}.max_us", unit="us", low=800, high=2200),
+            Row(f"{name}_DZ", _I16, "So far to either side of its trim a stick counts as at rest", f"{path}.dead_us", unit="us", low=0, high=200),
+            Row(f"{name}_REVERSED", _I8, "The stick works the other way round: 0 no, 1 yes", f"{path}.is_reversed", low=0, high=1),
+        ]  # fmt: skip
+    return rows
+
+
 def _constants() -> list[Row]:
     """What QGroundControl's Rover pages insist on, as this boat's documented constants."""
     fixed = [
@@ -145,11 +170,8 @@ def _constants() -> list[Row]:
         ("FRAME_TYPE", _I8, 0.0, "Undefined"),
         ("ARMING_REQUIRE", _I8, 1.0, "Arming is needed before the motors turn"),
         ("BATT_MONITOR", _I8, 4.0, "Voltage and current"),
-        ("MODE_CH", _I8, 0.0, "No mode switch on a transmitter"),
-        ("RCMAP_ROLL", _I8, 1.0, "RC override: steering"),
-        ("RCMAP_PITCH", _I8, 2.0, "RC override: unused"),
-        ("RCMAP_THROTTLE", _I8, 3.0, "RC override: throttle"),
-        ("RCMAP_YAW", _I8, 4.0, "RC override: unused"),
+        ("RCMAP_PITCH", _I8, 2.0, "Unused"),
+        ("RCMAP_YAW", _I8, 4.0, "Unused"),
         ("COMPASS_DEC", _REAL, 0.0, "The heading sensor reports true heading"),
         ("INS_ACCOFFS_X", _REAL, 0.001, "No accelerometer to calibrate"),
         ("INS_ACCOFFS_Y", _REAL, 0.001, "No accelerometer to calibrate"),
@@ -160,13 +182,7 @@ def _constants() -> list[Row]:
         fixed.append((f"COMPASS_USE{compass}", _I8, 1.0 if is_used else 0.0, "Heading sensor is used"))
         offset = 0.001 if is_used else 0.0
         fixed += [(f"COMPASS_OFS{compass}_{axis}", _REAL, offset, "Calibrated in the part") for axis in "XYZ"]
-    for channel in range(1, 5):
-        fixed.append((f"RC{channel}_MIN", _I16, 1000.0, "RC override range"))
-        fixed.append((f"RC{channel}_MAX", _I16, 2000.0, "RC override range"))
-        fixed.append((f"RC{channel}_TRIM", _I16, 1500.0, "RC override centre"))
-    for position, mode in enumerate((0, 4, 5, 10, 11, 15), 1):
-        fixed.append((f"MODE{position}", _I8, float(mode), "Mode of this switch position"))
     return [Row(name, kind, text, default=value, read_only=True) for name, kind, value, text in fixed]
 
 
-ROWS: tuple[Row, ...] = tuple(sorted([*_tuning(), *_constants()], key=lambda row: row.name))
+ROWS: tuple[Row, ...] = tuple(sorted([*_tuning(), *_radio(), *_constants()], key=lambda row: row.name))

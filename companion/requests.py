@@ -85,10 +85,13 @@ class SetHome:
 
 @dataclass(frozen=True, slots=True)
 class ManualInput:
-    """The operator's hand. Both −1..1; steering is positive to starboard."""
+    """The operator's hand at a station. Both −1..1; steering is positive to starboard.
 
-    throttle: float
-    steering: float
+    None leaves a stick to the transmitter.
+    """
+
+    throttle: float | None
+    steering: float | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """What every table of a TOML file has in common: strict keys, finite numbers, and the usual ranges."""
 
-from typing import Annotated
+from collections.abc import Sequence
+from typing import Annotated, TypeVar
 
 import msgspec
 from msgspec import Meta
@@ -27,3 +28,25 @@ class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             value = getattr(self, name)
             if isinstance(value, float) and not abs(value) <= _FLOAT32_MAX:
                 raise ValueError(f"{name} = {value}: expected a finite number")
+
+
+S = TypeVar("S", bound=Section)
+
+
+def replaced(table: S, path: Sequence[str], value: object) -> S:
+    """A copy of a table in which one value differs. path: the names of the tables within it, then the key.
+
+    Raises:
+        LookupError: no such key, or it names a whole table.
+        msgspec.ValidationError: a value outside the key's type or range.
+    """
+    name, *rest = path
+    if name not in table.__struct_fields__:
+        raise LookupError(name)
+    current = getattr(table, name)
+    if isinstance(current, Section) is not bool(rest):
+        raise LookupError(name)
+    if rest:
+        return msgspec.structs.replace(table, **{name: replaced(current, rest, value)})
+    fields = {field: getattr(table, field) for field in table.__struct_fields__}
+    return msgspec.convert({**fields, name: value}, type(table), strict=True)

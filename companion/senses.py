@@ -4,7 +4,14 @@ from companion.config import BoatConfig
 from companion.hal.interfaces import Hardware
 from companion.sensors.charge import ChargeCounter
 from companion.sensors.external import ExternalSensors
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading, SonarReading
+from companion.sensors.readings import (
+    BatteryReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    RcReading,
+    SonarReading,
+)
 from companion.sensors.sweep import Sweep
 from companion.sensors.trim import trimmed
 
@@ -22,6 +29,7 @@ class Senses:
         "heading",
         "hull",
         "pings",
+        "rc",
         "sonar",
         "sweep",
     )
@@ -35,6 +43,7 @@ class Senses:
         self.battery: BatteryReading | None = None
         self.sonar: SonarReading | None = None  # the latest ping
         self.hull: HullReading | None = None
+        self.rc: RcReading | None = None  # the latest frame of the transmitter
         self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
         self._hardware = hardware
         self._charge = ChargeCounter()
@@ -57,6 +66,8 @@ class Senses:
                 self._charge.add(battery)
         if hardware.hull is not None:
             self.hull = hardware.hull.read()
+        if hardware.rc is not None:
+            self.rc = hardware.rc.read()
         if self.pings:
             self.pings.clear()
         if hardware.sonar is not None and (pings := hardware.sonar.read()):

@@ -11,7 +11,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from companion.params import Knob
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading, SonarReading
+from companion.sensors.readings import (
+    BatteryReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    RcReading,
+    SonarReading,
+)
 
 __all__ = [
     "Battery",
@@ -27,6 +34,8 @@ __all__ = [
     "Link",
     "Motors",
     "Port",
+    "RcReading",
+    "RcReceiver",
     "Sonar",
     "SonarReading",
 ]
@@ -95,6 +104,16 @@ class Hull(Protocol):
         """Let the part go. May be called twice."""
 
 
+class RcReceiver(Protocol):
+    """The receiver of a radio control transmitter. A reading's age is how long ago its frame has come."""
+
+    def read(self) -> RcReading | None:
+        """The latest frame, None before the first; the same one again until a new one has come."""
+
+    def close(self) -> None:
+        """Let the part go. May be called twice."""
+
+
 class Link(Protocol):
     """One pipe of bytes to one station (or one radio). Never blocks, never raises once it is open.
 
@@ -153,7 +172,7 @@ class FaultInjector(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """Everything a boat is built from. Sonar, battery monitor and hull sensor may be missing.
+    """Everything a boat is built from. Sonar, battery monitor, hull sensor and RC receiver may be missing.
 
     faults and knobs are for hardware that is more than it seems: what can break it, and parameters that it
     brings along.
@@ -167,10 +186,11 @@ class Hardware:
     faults: FaultInjector | None = None
     knobs: tuple[Knob, ...] = ()
     hull: Hull | None = None
+    rc: RcReceiver | None = None
 
     def close(self) -> None:
         """Stop the motors first, then let every part go, also when one of them raises."""
         with ExitStack() as rest:
-            for part in (self.hull, self.battery, self.sonar, self.compass, self.gnss, self.motors):
+            for part in (self.rc, self.hull, self.battery, self.sonar, self.compass, self.gnss, self.motors):
                 if part is not None:
                     rest.callback(part.close)  # called last in, first out

@@ -73,7 +73,9 @@ def open_port(url: str, now: Callable[[], float], queue_bytes: int | None = None
     parsed = parse_port_url(url)
     queue = {} if queue_bytes is None else {"queue_bytes": queue_bytes}
     if parsed.kind == "serial":
-        return SerialPort(parsed.place, parsed.number, now, **queue)
+        if queue_bytes is None:
+            return SerialPort(parsed.place, parsed.number, now)
+        return SerialPort(parsed.place, parsed.number, now, queue_bytes)
     if parsed.kind == "udpin":
         return UdpInPort(parsed.place, parsed.number, now)
     if parsed.kind == "udpout":

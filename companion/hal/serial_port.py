@@ -4,6 +4,7 @@ import os
 import stat
 import termios
 from collections.abc import Callable
+from typing import NamedTuple
 
 import serial
 
@@ -16,6 +17,17 @@ _QUEUE_BYTES = 8192
 _VMIN, _VTIME = 1, 0
 
 
+class Line(NamedTuple):
+    """How bytes are framed on the wire. With a parity, bytes that arrive with a wrong one are dropped."""
+
+    parity: str = serial.PARITY_NONE
+    stop_bits: int = serial.STOPBITS_ONE
+
+
+LINE_8N1 = Line()
+LINE_8E2 = Line(serial.PARITY_EVEN, serial.STOPBITS_TWO)
+
+
 class SerialPort:
     """`serial:DEVICE:BAUD`: one link at a time, and a new one when the device is plugged in again.
 
@@ -26,9 +38,15 @@ class SerialPort:
     """
 
     def __init__(
-        self, device: str, baud: int, now: Callable[[], float], queue_bytes: int = _QUEUE_BYTES
+        self,
+        device: str,
+        baud: int,
+        now: Callable[[], float],
+        queue_bytes: int = _QUEUE_BYTES,
+        line: Line = LINE_8N1,
     ) -> None:
         self._device = device
+        self._line = line
         self._baud = baud
         self._now = now
         self._queue_bytes = queue_bytes
@@ -69,7 +87,15 @@ class SerialPort:
 
     def _open(self) -> StreamLink:
         try:
-            line = serial.Serial(self._device, self._baud, timeout=0, write_timeout=0, exclusive=True)
+            line = serial.Serial(
+                self._device,
+                self._baud,
+                parity=self._line.parity,
+                stopbits=self._line.stop_bits,
+                timeout=0,
+                write_timeout=0,
+                exclusive=True,
+            )
         except (serial.SerialException, ValueError, OSError) as error:
             raise LinkError(f"{self._name}: {self._reason(error)}") from None
         self._backoff.succeeded()
@@ -78,6 +104,8 @@ class SerialPort:
         # With VMIN 1 an idle line says "try again" and only an unplugged one reads as ended.
         attributes = termios.tcgetattr(descriptor)
         attributes[6][termios.VMIN], attributes[6][termios.VTIME] = _VMIN, _VTIME
+        if self._line.parity != serial.PARITY_NONE:
+            attributes[0] |= termios.INPCK | termios.IGNPAR
         termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
         return StreamLink(self._name, descriptor, line.close, self._queue_bytes)
 

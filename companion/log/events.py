@@ -1,6 +1,7 @@
 """What has changed since the last look, as log records: mode, arming, home, items, failsafes."""
 
 from collections.abc import Callable, Iterator, Sequence
+from operator import attrgetter
 from typing import Final
 
 from companion import __version__
@@ -117,8 +118,7 @@ def parameters(us: int, held: Parameters) -> Iterator[bytes]:
 def changed_parameters(us: int, held: Parameters, before: BoatConfig, after: BoatConfig) -> Iterator[bytes]:
     """The parameters that differ between two configurations, as they now are."""
     for row in held.rows:
-        section, _, field = row.path.rpartition(".")
-        if section and getattr(getattr(before, section), field) != getattr(getattr(after, section), field):
+        if row.path and (value := attrgetter(row.path))(before) != value(after):
             yield r.PARM.pack(us, row.name.encode("ascii"), held.value(row), held.default(row))
 
 

@@ -63,3 +63,18 @@ class HullReading(Struct, frozen=True, gc=False):
     time_s: float
     is_wet: bool | None = None
     temperature_c: float | None = None
+
+
+class RcReading(Struct, frozen=True, gc=False):
+    """What a radio control receiver says: every channel's pulse width in µs, the first is channel 1.
+
+    is_failsafe: the receiver itself says that it hears no transmitter; the channels are then worth nothing.
+    quality: share of the transmitter's packets that arrive, 0..1; rssi_dbm: how strong they are. Both None
+    where the receiver does not say.
+    """
+
+    time_s: float
+    channels_us: tuple[int, ...]
+    is_failsafe: bool = False
+    quality: float | None = None
+    rssi_dbm: float | None = None

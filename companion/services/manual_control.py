@@ -1,5 +1,6 @@
 """MANUAL_CONTROL and RC_CHANNELS_OVERRIDE: the operator's hand on the boat, with Rover's axes.
 
+A transmitter's sticks, where there is a receiver, wait while a station's are fresh (`vehicle/sticks.py`).
 One hand at a time. With several stations on, the first that moves the sticks has the helm for as long as it
 goes on; the others are ignored, and told so once. A helm that nobody holds any more may be taken over.
 """
@@ -8,15 +9,16 @@ import math
 
 from companion.mavlink.dialect import Message
 from companion.requests import ManualInput
+from companion.sensors.rc_pulses import deflection
 from companion.services.outbox import Origin
 from companion.services.statustext import StatusTextService
+from companion.settings.rc import RcChannel
 from companion.units import clamp
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.vehicle import Vehicle
 
 _INVALID_AXIS = 0x7FFF
-_RC_RELEASED, _RC_IGNORE = 0, 0xFFFF  # "back to the radio", which is nobody's hand here; "as it was"
-_RC_CENTRE_US, _RC_SPAN_US = 1500.0, 500.0
+_RC_RELEASED, _RC_IGNORE = 0, 0xFFFF  # "back to the radio", which is nobody's hand without one; "as it was"
 _MOST_TOLD = 32
 
 
@@ -40,17 +42,23 @@ class ManualControlService:
         self._vehicle.request(ManualInput(clamp(throttle, -1.0, 1.0), clamp(steering, -1.0, 1.0)))
 
     def on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
-        """Channel 1 steers, channel 3 is the throttle, 1000 to 2000 µs around 1500.
+        """The transmitter's channels (RCMAP_ROLL, RCMAP_THROTTLE) with its ranges, but without dead zones.
 
-        A released axis is centred. One to be ignored keeps its value for as long as that is fresh. With both
-        released the hand lets go of the helm.
+        A released axis is the transmitter's, centred without one. One to be ignored keeps its value for as
+        long as that is fresh. With both released the hand lets go of the helm.
         """
-        steering, throttle = message.chan1_raw, message.chan3_raw
+        rc = self._vehicle.config.rc
+        pulses = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
+        steering, throttle = pulses[rc.steering_channel - 1], pulses[rc.throttle_channel - 1]
         if steering == throttle == _RC_IGNORE or not self._may_steer(origin, now_s):
             return
         fresh = now_s - self._rc_s <= self._vehicle.config.failsafe.manual_timeout_s
-        before = self._rc if fresh else ManualInput(0.0, 0.0)
-        self._rc = ManualInput(_from_rc(throttle, before.throttle), _from_rc(steering, before.steering))
+        released = None if self._vehicle.conduct.sticks.radio.is_heard else 0.0
+        before = self._rc if fresh else ManualInput(released, released)
+        self._rc = ManualInput(
+            _from_rc(throttle, rc.throttle, before.throttle, released),
+            _from_rc(steering, rc.steering, before.steering, released),
+        )
         self._rc_s = now_s
         self._vehicle.request(self._rc)
         if steering == throttle == _RC_RELEASED:
@@ -92,7 +100,7 @@ def _name(origin: Origin) -> str:
     return f"{origin.address.system}/{origin.address.component}"
 
 
-def _from_rc(pulse_us: int, before: float) -> float:
+def _from_rc(pulse_us: int, channel: RcChannel, before: float | None, released: float | None) -> float | None:
     if pulse_us in (_RC_RELEASED, _RC_IGNORE):
-        return before if pulse_us == _RC_IGNORE else 0.0
-    return clamp((pulse_us - _RC_CENTRE_US) / _RC_SPAN_US, -1.0, 1.0)
+        return before if pulse_us == _RC_IGNORE else released
+    return deflection(pulse_us, channel, 0)

@@ -104,15 +104,6 @@ def position_target_global_int(now: Snapshot) -> Message | None:
     )
 
 
-def rc_channels(now: Snapshot) -> Message:
-    """The operator's sticks as they are obeyed: 1 steers, 3 is the throttle; centred when released."""
-    sticks = now.vehicle.conduct.sticks
-    is_held = sticks.is_fresh(now.config, now.now_s)
-    steering, throttle = (sticks.latest.steering, sticks.latest.throttle) if is_held else (0.0, 0.0)
-    pulses = [round(1500.0 + 500.0 * steering), 1500, round(1500.0 + 500.0 * throttle), 1500]
-    return dialect.MAVLink_rc_channels_message(now.boot_ms, 4, *pulses, *[0xFFFF] * 14, 0xFF)
-
-
 def vfr_hud(now: Snapshot) -> Message | None:
     """Ground speed, heading and throttle for the instrument panel."""
     nav = now.nav

@@ -78,6 +78,11 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
         if now.now_s - now.heading.time_s <= now.config.motors.estimate_timeout_s:
             well |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    radio = now.vehicle.conduct.sticks.radio
+    if radio.is_fitted:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+        if radio.is_fresh(now.config.rc, now.now_s):
+            well |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
     if now.sweep is not None and now.sweep.latest is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
         if not now.sweep.is_empty(now.now_s):

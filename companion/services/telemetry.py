@@ -9,6 +9,7 @@ from companion.services import estimate_messages as estimate
 from companion.services import modes_info as modes
 from companion.services import motion_messages as motion
 from companion.services import obstacle_messages as obstacle
+from companion.services import radio_messages as radio
 from companion.services import sensor_messages as sensor
 from companion.services import status_messages as status
 from companion.services.outbox import Outbox
@@ -26,7 +27,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
     _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
     _ID.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
-    _ID.MAVLINK_MSG_ID_RC_CHANNELS: motion.rc_channels,
+    _ID.MAVLINK_MSG_ID_RC_CHANNELS: radio.rc_channels,
     _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
     _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_set,

@@ -25,9 +25,9 @@ class Failsafe(Section, frozen=True):
     action: ActionNumber = 6
     long_timeout_s: NonNegative = 120.0  # operator or planner still lost after this; 0: never
     long_action: ActionNumber = 1
-    rc_enabled: bool = True
+    rc_enabled: Annotated[int, Meta(ge=0, le=2)] = 1  # transmitter or sticks lost: 0 off, 1 on, 2 not in AUTO
     manual_timeout_s: Positive = 1.0  # MANUAL_CONTROL and RC override go stale after this
-    rc_timeout_s: NonNegative = 1.5  # and the helm counts as lost so much later
+    rc_timeout_s: NonNegative = 1.5  # and helm or transmitter count as lost so much later
     planner_timeout_s: NonNegative = 5.0  # 0: off
     planner_action: ActionNumber = 6
     battery_low_v: NonNegative = 10.2  # 0: off

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 
-from companion.config import Arming, Motors
+from companion.config import Arming, BoatConfig, Motors
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
 from companion.vehicle.modes import Mode
+from companion.vehicle.sticks import Sticks
 
 
 def arming_faults(
@@ -35,6 +36,19 @@ def arming_faults(
     if battery is not None and battery.voltage_v < setting.battery_min_v:
         faults.append(f"Battery: {battery.voltage_v:.1f} V is below {setting.battery_min_v:.1f} V")
     return faults
+
+
+def radio_fault(sticks: Sticks, config: BoatConfig, now_s: float) -> str:
+    """Why the boat should not be armed with the transmitter as it is; empty when all is well.
+
+    A transmitter that has never been heard keeps nobody from arming, nor does one while a station steers.
+    """
+    radio = sticks.radio
+    if not config.arming.check or not radio.is_heard or sticks.has_station(config, now_s):
+        return ""
+    if fault := radio.fault(config.rc, now_s):
+        return f"RC: {fault}" if config.failsafe.rc_enabled else ""
+    return "" if radio.is_at_rest else "RC: throttle is not low"
 
 
 class PreArmReport:

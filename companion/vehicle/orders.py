@@ -32,7 +32,10 @@ def carry_out(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
     conduct = vehicle.conduct
     match request:
         case ManualInput():
-            conduct.sticks.take(request, now_s)
+            if request.throttle is None and request.steering is None:
+                conduct.sticks.release()
+            else:
+                conduct.sticks.take(request, now_s)
             return ACCEPTED
         case SetPoint():
             if not conduct.is_guided(vehicle.mode):

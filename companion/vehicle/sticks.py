@@ -1,4 +1,8 @@
-"""The operator's hand: what the sticks ask for in MANUAL, ACRO, STEERING and SIMPLE."""
+"""The operator's hand: what the sticks ask for in MANUAL, ACRO, STEERING and SIMPLE.
+
+There may be two pairs, a station's and a transmitter's. As with ArduPilot Rover's overrides the station's go
+first for as long as they are fresh.
+"""
 
 import math
 
@@ -8,6 +12,7 @@ from companion.state import NavState
 from companion.units import clamp, wrap_pi
 from companion.vehicle.intent import Drive, HoldHeading, HoldTurn, Intent, Stop
 from companion.vehicle.modes import Mode
+from companion.vehicle.radio import Radio
 
 _CENTRE = 0.05  # a combined stick that is out by less points nowhere
 _MIN_THROTTLE = 0.05  # a cruise throttle below this is not a measured one
@@ -21,24 +26,28 @@ def top_speed_m_s(setting: Speed) -> float:
 
 
 class Sticks:
-    """Remembers where they are, since when, and which way SIMPLE's stick points."""
+    """Remembers where they are, since when, and which way SIMPLE's stick points.
 
-    __slots__ = ("_ahead_rad", "_at_s", "_heading_rad", "_is_held", "latest")
+    latest: the station's; radio: the transmitter's.
+    """
+
+    __slots__ = ("_ahead_rad", "_at_s", "_heading_rad", "_is_held", "latest", "radio")
 
     def __init__(self) -> None:
         self.latest = ManualInput(0.0, 0.0)
+        self.radio = Radio()
         self._at_s = -math.inf
         self._is_held = False
         self._ahead_rad = 0.0
         self._heading_rad = 0.0
 
     def take(self, sticks: ManualInput, now_s: float) -> None:
-        """They have been moved, or are still held."""
+        """A station's have been moved, or are still held."""
         self.latest, self._at_s = sticks, now_s
         self._is_held = True
 
     def release(self) -> None:
-        """Nobody holds them."""
+        """No station holds any."""
         self._at_s = -math.inf
         self._is_held = False
 
@@ -47,22 +56,37 @@ class Sticks:
         self._is_held = False
 
     def is_dropped(self, config: BoatConfig, now_s: float) -> bool:
-        """Whether somebody has held them to steer, and does no longer."""
+        """Whether a station has held them to steer, and nobody does any longer."""
         return self._is_held and not self.is_fresh(config, now_s)
 
     def begin(self, nav: NavState | None) -> None:
         """A mode by hand begins: SIMPLE's stick takes the bow for ahead."""
         self._ahead_rad = self._heading_rad = 0.0 if nav is None else nav.heading_rad
 
-    def is_fresh(self, config: BoatConfig, now_s: float) -> bool:
-        """Whether somebody holds them."""
+    def has_station(self, config: BoatConfig, now_s: float) -> bool:
+        """Whether a station holds any."""
         return now_s - self._at_s <= config.failsafe.manual_timeout_s
+
+    def is_fresh(self, config: BoatConfig, now_s: float) -> bool:
+        """Whether somebody holds any."""
+        return self.has_station(config, now_s) or self.radio.is_fresh(config.rc, now_s)
+
+    def held(self, config: BoatConfig, now_s: float) -> tuple[float, float]:
+        """Throttle and steering as they are obeyed; at rest where nobody holds them."""
+        radio = self.radio
+        throttle, steering = 0.0, 0.0
+        if radio.is_fresh(config.rc, now_s):
+            throttle, steering = radio.throttle, radio.steering
+        if self.has_station(config, now_s):
+            throttle = throttle if self.latest.throttle is None else self.latest.throttle
+            steering = steering if self.latest.steering is None else self.latest.steering
+        return throttle, steering
 
     def intent(self, mode: Mode, config: BoatConfig, now_s: float) -> Intent:
         """What they ask for in one of the modes by hand; Stop once they are stale."""
         if not self.is_fresh(config, now_s):
             return _STOP
-        throttle, steering = self.latest.throttle, self.latest.steering
+        throttle, steering = self.held(config, now_s)
         if mode is Mode.MANUAL:
             return Drive(throttle, steering)
         top_m_s = top_speed_m_s(config.speed)

@@ -8,7 +8,7 @@ from companion.geo import LatLon, LocalFrame, Point
 from companion.requests import ACCEPTED, Outcome, Request
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
-from companion.vehicle.arming import PreArmReport, arming_faults
+from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
 from companion.vehicle.clearing import Clearing
 from companion.vehicle.conduct import Conduct, station_of
 from companion.vehicle.failsafes.failsafes import Failsafes
@@ -206,6 +206,8 @@ class Vehicle:
         faults = arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
         if config.arming.check and self.is_outside and self.mode not in COMES_INSIDE:
             faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
+        if fault := radio_fault(self.conduct.sticks, config, self._now_s):
+            faults.append(fault)
         return faults
 
     @property

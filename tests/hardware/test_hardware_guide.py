@@ -50,7 +50,7 @@ def test_a_row_of_the_wiring_table_is_true(row: tuple[str, str, str, str]) -> No
 
 
 def test_no_pin_is_used_twice() -> None:
-    assert len({row[0] for row in ROWS}) == len(ROWS) == 13
+    assert len({row[0] for row in ROWS}) == len(ROWS) == 14
 
 
 def test_the_example_is_a_whole_boat_with_links_that_can_be_read() -> None:

@@ -1,10 +1,15 @@
-"""Who may fall silent: the operator, the planner that steers, and the hand at the helm."""
+"""Who may fall silent: the operator, the planner that steers, the hand at the helm, the transmitter."""
 
 import math
 from typing import TYPE_CHECKING
 
+from companion.vehicle.modes import Mode
+
 if TYPE_CHECKING:
     from companion.vehicle.failsafes.signs import Signs
+
+
+_GOES_ON = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
 
 
 class Operator:
@@ -64,4 +69,14 @@ def helm_lost(signs: "Signs") -> str:
     config = signs.config
     if not config.failsafe.rc_enabled or not signs.sticks.is_dropped(config, signs.now_s):
         return ""
-    return "RC lost: nobody holds the sticks"
+    return "" if signs.sticks.radio.is_heard else "RC lost: nobody holds the sticks"
+
+
+def rc_lost(signs: "Signs") -> str:
+    """The transmitter is gone, and no station steers in its place."""
+    radio, config, now_s = signs.sticks.radio, signs.config, signs.now_s
+    enabled = config.failsafe.rc_enabled
+    if not radio.is_heard or not enabled or (enabled == _GOES_ON and signs.mode is Mode.AUTO):
+        return ""
+    fault = radio.fault(config.rc, now_s)
+    return f"RC lost: {fault}" if fault and not signs.sticks.has_station(config, now_s) else ""

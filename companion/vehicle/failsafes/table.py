@@ -41,6 +41,7 @@ class Condition(IntFlag):
     STORAGE_FAILED = 1 << 18
     FENCE_BREACHED = 1 << 19
     STEERING_LOST = 1 << 20
+    RC_LOST = 1 << 21
 
 
 class Concerns(IntFlag):
@@ -150,6 +151,10 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         Condition.HELM_LOST, stations.helm_lost, "action", "sticks held again",
+        after="rc_timeout_s", then=(_LONG,),
+    ),
+    Row(
+        Condition.RC_LOST, stations.rc_lost, "action", "transmitter heard again",
         after="rc_timeout_s", then=(_LONG,),
     ),
     Row(

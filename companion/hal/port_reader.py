@@ -1,0 +1,60 @@
+"""A part that sends bytes over a port, read by a thread of its own."""
+
+import select
+from collections.abc import Callable
+
+from companion.hal.background import Background
+from companion.hal.interfaces import Link, Port
+
+_PATIENCE_S = 0.2  # how long one step waits for bytes, and how often an unplugged part is looked for
+
+
+class PortReader:
+    """Hands every chunk to `take`, with the time at which it was read; `begin` tells that the line was cut.
+
+    The port brings the part back when it was unplugged. rest_s: the least time between two looks at the port,
+    for a part that talks so much that every byte would wake the thread.
+    """
+
+    def __init__(
+        self,
+        port: Port,
+        now: Callable[[], float],
+        take: Callable[[bytes, float], object],
+        begin: Callable[[], object],
+        rest_s: float = 0.0,
+    ) -> None:
+        self._port = port
+        self._now = now
+        self._take = take
+        self._begin = begin
+        self._rest_s = rest_s
+        self._links: list[Link] = []
+        self._background = Background(self._wait_and_step, port.name)
+
+    def start(self) -> None:
+        """Begin to read in a thread."""
+        self._background.start()
+
+    def step(self) -> None:
+        """Take in whatever has arrived. Never waits."""
+        for link in self._port.accept():
+            self._links.append(link)
+            self._begin()  # half a sentence of before does not belong to what comes now
+        for link in self._links:
+            for chunk in link.receive():
+                self._take(chunk, self._now())
+        self._links = [link for link in self._links if not link.is_closed]
+
+    def close(self) -> None:
+        """End the thread and close the port. May be called twice."""
+        self._background.close()
+        self._port.close()
+
+    def _wait_and_step(self) -> float:
+        waiting = {link.fileno() for link in self._links} | {self._port.fileno()}
+        waiting.discard(-1)
+        if waiting:
+            select.select(list(waiting), [], [], _PATIENCE_S)
+        self.step()
+        return self._rest_s if waiting else _PATIENCE_S

@@ -1,0 +1,69 @@
+"""Radio control receivers that talk over a UART: CRSF (ExpressLRS, Crossfire), iBUS, S.BUS."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from companion.errors import ConfigError
+from companion.hal.interfaces import Port
+from companion.hal.port_reader import PortReader
+from companion.hal.port_url import open_port
+from companion.hal.serial_port import LINE_8E2, LINE_8N1, Line, SerialPort
+from companion.sensors import rc_crsf, rc_ibus, rc_sbus
+from companion.sensors.rc_parser import RcParser
+from companion.sensors.readings import RcReading
+from companion.settings.rc import Rc
+
+
+class _Protocol(NamedTuple):
+    parser: Callable[[], RcParser]
+    baud: int
+    line: Line
+    rest_s: float
+
+
+_PROTOCOLS = {
+    "crsf": _Protocol(rc_crsf.CrsfParser, rc_crsf.BAUD, LINE_8N1, 0.005),
+    "ibus": _Protocol(rc_ibus.IbusParser, rc_ibus.BAUD, LINE_8N1, 0.005),
+    "sbus": _Protocol(rc_sbus.SbusParser, rc_sbus.BAUD, LINE_8E2, 0.0),  # its frames are told by the pauses
+}
+
+
+class SerialRcReceiver:
+    """Satisfies `companion.hal.interfaces.RcReceiver`. Readings bear the time at which they were read."""
+
+    def __init__(self, port: Port, now: Callable[[], float], parser: RcParser, rest_s: float = 0.0) -> None:
+        self.parser = parser
+        self._latest: RcReading | None = None
+        self.part = PortReader(port, now, self._feed, parser.forget, rest_s)
+
+    def read(self) -> RcReading | None:
+        """The latest frame, None before the first."""
+        return self._latest
+
+    def close(self) -> None:
+        """End the thread and close the port. May be called twice."""
+        self.part.close()
+
+    def _feed(self, chunk: bytes, time_s: float) -> None:
+        reading = self.parser.feed(chunk, time_s)
+        if reading is not None:
+            self._latest = reading
+
+
+def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
+    """The receiver on its port, being read. The port is a device, or any other port url.
+
+    Raises:
+        ConfigError: the port cannot be read, or no driver is named.
+        LinkError: the system refuses it.
+    """
+    protocol = _PROTOCOLS.get(setting.driver)
+    if protocol is None:
+        raise ConfigError(f"rc.driver = {setting.driver!r}: expected one of {', '.join(_PROTOCOLS)}")
+    if setting.port.startswith("/"):
+        port: Port = SerialPort(setting.port, protocol.baud, now, line=protocol.line)
+    else:
+        port = open_port(setting.port, now)
+    receiver = SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s)
+    receiver.part.start()
+    return receiver

@@ -1,0 +1,411 @@
+"""A transmitter and its receiver: sticks, switches, arming, and what is done when it is lost."""
+
+import pytest
+from boat_rig import FRAME, GOOD_FIX, nav_at, place
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.config import BoatConfig, with_value
+from companion.requests import Arm, ChangeMode, ManualInput
+from companion.sensors.rc_pulses import deflection, mode_position
+from companion.sensors.readings import RcReading
+from companion.settings.rc import RcChannel
+from companion.vehicle.failsafes.table import Condition
+from companion.vehicle.intent import Drive, Intent, Stop
+from companion.vehicle.mission_steps import Waypoint
+from companion.vehicle.modes import Mode
+from companion.vehicle.transmitter import Transmitter
+from companion.vehicle.vehicle import Vehicle
+
+STEERING, THROTTLE, ARM, MODE = 0, 2, 4, 5
+MANUAL_US, HOLD_US, LOITER_US, AUTO_US = 1100, 1300, 1425, 1550  # MODE1, 2, 3, 4
+STEP_S = 0.02
+
+
+class Hand:
+    """A boat at rest with a receiver, and the transmitter's channels."""
+
+    def __init__(self, **settings: object) -> None:
+        config = BoatConfig()
+        for name, value in {"rc__arm_channel": 5, "rc__mode_channel": 6, **settings}.items():
+            config = with_value(config, name.replace("__", "."), value)
+        self.vehicle = Vehicle(config)
+        self.transmitter = Transmitter(self.vehicle)
+        self.channels = [1500, 1500, 1500, 1500, 1000, MANUAL_US, 1500, 1500]
+        self.now_s = 0.0
+        self.is_on = True
+        self.is_failsafe = False
+        self.intent: Intent = Stop()
+
+    def live(self, seconds: float, **moves: int) -> list[str]:
+        """Move the sticks, and let time go by; what was told."""
+        for name, pulse_us in moves.items():
+            self.channels[{"steering": STEERING, "throttle": THROTTLE, "arm": ARM, "mode": MODE}[name]] = (
+                pulse_us
+            )
+        for _ in range(round(seconds / STEP_S)):
+            self.now_s += STEP_S
+            self.vehicle.sense(nav_at(time_s=self.now_s), FRAME, GOOD_FIX, None, self.now_s)
+            if self.is_on:
+                reading = RcReading(self.now_s, tuple(self.channels), self.is_failsafe)
+                self.transmitter.update(reading, self.now_s)
+            self.intent = self.vehicle.decide()
+        return [notice.text for notice in self.vehicle.take_notices()]
+
+    @property
+    def drive(self) -> tuple[float, float]:
+        """Throttle and steering of a boat that is driven by hand."""
+        assert isinstance(self.intent, Drive)
+        return self.intent.throttle, self.intent.steering
+
+    def armed(self) -> "Hand":
+        """Switched on in MANUAL and armed by the switch."""
+        self.live(0.5)
+        self.live(0.5, arm=2000)
+        assert self.vehicle.armed
+        return self
+
+
+# Sticks
+
+
+@pytest.mark.parametrize(
+    ("pulse_us", "expected"),
+    [(1500, 0.0), (1530, 0.0), (1470, 0.0), (2000, 1.0), (1000, -1.0), (2100, 1.0), (900, -1.0), (1765, 0.5)],
+)
+def test_a_stick_is_read_around_its_trim_with_a_dead_zone(pulse_us: int, expected: float) -> None:
+    assert deflection(pulse_us, RcChannel(), 30) == pytest.approx(expected)
+
+
+def test_a_reversed_stick_and_one_that_rests_at_its_end() -> None:
+    assert deflection(2000, RcChannel(is_reversed=True), 30) == -1.0
+    no_reverse = RcChannel(min_us=1000, trim_us=1000, max_us=2000)
+    assert deflection(1000, no_reverse, 30) == 0.0
+    assert deflection(900, no_reverse, 30) == 0.0
+    assert deflection(2000, no_reverse, 30) == 1.0
+
+
+@given(
+    pulse_us=st.integers(-1000, 5000),
+    low=st.integers(800, 2200),
+    trim=st.integers(800, 2200),
+    high=st.integers(800, 2200),
+    dead=st.integers(0, 200),
+)
+def test_no_calibration_however_odd_makes_more_than_full_deflection(
+    pulse_us: int, low: int, trim: int, high: int, dead: int
+) -> None:
+    channel = RcChannel(min_us=low, trim_us=trim, max_us=high, dead_us=dead)
+    assert -1.0 <= deflection(pulse_us, channel, dead) <= 1.0
+
+
+def test_manual_follows_the_sticks() -> None:
+    hand = Hand().armed()
+    hand.live(0.1, throttle=1765, steering=1265)
+    assert hand.drive == pytest.approx((0.5, -205 / 470))
+
+
+def test_the_sticks_may_lie_on_other_channels_and_the_other_way_round() -> None:
+    hand = Hand(rc__steering_channel=3, rc__throttle_channel=1, rc__channel_3__is_reversed=True).armed()
+    hand.live(0.1, throttle=2000)
+    assert hand.drive == (0.0, -1.0)
+
+
+def test_nothing_moves_while_the_boat_is_disarmed() -> None:
+    hand = Hand()
+    hand.live(1.0, throttle=2000)
+    assert isinstance(hand.intent, Stop)
+
+
+# Arming
+
+
+def test_the_switch_arms_when_it_goes_up_and_disarms_when_it_goes_down() -> None:
+    hand = Hand()
+    assert hand.live(0.5) == ["Mode MANUAL: mode switch"]
+    assert hand.live(0.5, arm=2000) == ["Armed"]
+    assert hand.live(0.5, arm=1500) == []
+    assert hand.live(0.5, arm=1000) == ["Disarmed by the transmitter"]
+
+
+def test_a_switch_that_is_up_at_boot_does_not_arm_until_it_has_been_down() -> None:
+    hand = Hand()
+    hand.channels[ARM] = 2000
+    hand.live(10.0)
+    assert not hand.vehicle.armed
+    hand.live(0.5, arm=1000)
+    assert hand.live(0.5, arm=2000) == ["Armed"]
+
+
+def test_a_switch_that_went_up_while_the_transmitter_was_lost_does_not_arm() -> None:
+    hand = Hand()
+    hand.live(0.5)
+    hand.is_on = False
+    hand.live(2.0, arm=2000)
+    hand.is_on = True
+    hand.live(5.0)
+    assert not hand.vehicle.armed
+    hand.live(0.5, arm=1000)
+    hand.live(0.5, arm=2000)
+    assert hand.vehicle.armed
+
+
+def test_a_switch_that_went_down_while_the_transmitter_was_lost_disarms() -> None:
+    hand = Hand().armed()
+    hand.is_on = False
+    hand.live(0.8, arm=1000)
+    assert hand.vehicle.armed
+    hand.is_on = True
+    assert "Disarmed by the transmitter" in hand.live(0.5)
+
+
+def test_a_spike_on_the_switch_does_nothing() -> None:
+    hand = Hand()
+    hand.live(0.5)
+    for _ in range(20):
+        hand.live(0.1, arm=2000)
+        hand.live(0.1, arm=1000)
+    assert not hand.vehicle.armed
+
+
+def test_the_switch_obeys_the_arming_checks() -> None:
+    hand = Hand(arming__battery_min_v=0.0)
+    hand.live(0.5, mode=LOITER_US)
+    hand.vehicle.fix = None
+    hand.vehicle.config = with_value(hand.vehicle.config, "arming.max_hdop", 0.5)
+    assert hand.live(0.5, arm=2000) == ["Arm: GPS: HDOP 0.8 is above 0.5"]
+
+
+@pytest.mark.parametrize("throttle", [1000, 1600, 2000])
+def test_nobody_arms_the_boat_while_the_throttle_is_not_low(throttle: int) -> None:
+    hand = Hand()
+    hand.live(0.5, throttle=throttle)
+    assert hand.live(0.5, arm=2000) == ["Arm: RC: throttle is not low"]
+    assert hand.vehicle.request(Arm()).reason == "RC: throttle is not low"
+    assert hand.vehicle.request(Arm(force=True)).accepted
+
+
+def test_a_throttle_without_reverse_is_low_at_its_end() -> None:
+    hand = Hand(rc__channel_3__trim_us=1000)
+    hand.live(0.5, throttle=1000)
+    assert hand.live(0.5, arm=2000) == ["Armed"]
+
+
+def test_a_station_does_not_arm_a_boat_whose_transmitter_was_lost() -> None:
+    hand = Hand()
+    hand.live(0.5)
+    hand.is_on = False
+    hand.live(1.0)
+    assert hand.vehicle.request(Arm()).reason == "RC: the receiver is silent"
+    hand.vehicle.config = with_value(hand.vehicle.config, "failsafe.rc_enabled", 0)
+    assert hand.vehicle.request(Arm()).accepted
+
+
+def test_a_transmitter_that_was_never_heard_keeps_nobody_from_arming() -> None:
+    hand = Hand()
+    hand.is_on = False
+    hand.live(1.0)
+    assert hand.vehicle.request(Arm()).accepted
+    assert hand.live(60.0) == ["Armed"]
+
+
+# The mode switch
+
+
+@pytest.mark.parametrize(
+    ("pulse_us", "position"),
+    [
+        *[(900, 0), (1230, 0), (1231, 1), (1360, 1), (1361, 2), (1490, 2)],
+        *[(1491, 3), (1620, 3), (1621, 4), (1749, 4), (1750, 5), (2100, 5)],
+    ],
+)
+def test_the_six_bands_of_the_mode_switch(pulse_us: int, position: int) -> None:
+    assert mode_position(pulse_us) == position
+
+
+def test_each_position_has_its_mode() -> None:
+    hand = Hand(rc__mode_2=11).armed()
+    assert hand.live(0.5, mode=LOITER_US) == ["Mode LOITER"]
+    assert "Mode RTL" in hand.live(0.5, mode=HOLD_US)
+    assert hand.live(0.5, mode=AUTO_US) == ["AUTO: no mission"]
+    assert hand.vehicle.mode is Mode.RTL
+
+
+def test_a_station_and_the_switch_choose_in_turn_and_the_last_word_counts() -> None:
+    hand = Hand().armed()
+    hand.vehicle.request(ChangeMode(Mode.LOITER))
+    hand.live(5.0)
+    assert hand.vehicle.mode is Mode.LOITER
+    hand.live(0.5, mode=HOLD_US)
+    assert hand.vehicle.mode.name == "HOLD"
+
+
+def test_a_boat_that_is_under_way_does_not_change_its_mode_when_a_transmitter_is_switched_on() -> None:
+    hand = Hand()
+    hand.is_on = False
+    hand.live(0.5)
+    hand.vehicle.request(ChangeMode(Mode.LOITER))
+    hand.vehicle.request(Arm())
+    hand.is_on = True
+    hand.live(2.0)
+    assert hand.vehicle.mode is Mode.LOITER
+    hand.live(0.5, mode=HOLD_US)
+    assert hand.vehicle.mode.name == "HOLD"
+
+
+def test_a_mode_switch_that_is_put_on_a_channel_under_way_changes_nothing_until_it_moves() -> None:
+    hand = Hand(rc__mode_channel=0)
+    hand.live(0.5)
+    hand.vehicle.request(ChangeMode(Mode.LOITER))
+    hand.live(0.5, arm=2000)
+    hand.vehicle.config = with_value(hand.vehicle.config, "rc.mode_channel", 6)
+    hand.live(1.0)
+    assert hand.vehicle.mode is Mode.LOITER
+
+
+# Stations beside it
+
+
+def test_a_stations_sticks_go_first_while_they_are_fresh() -> None:
+    hand = Hand().armed()
+    hand.live(0.5, throttle=2000)
+    hand.vehicle.request(ManualInput(-0.5, 0.25))
+    told = hand.live(0.5)
+    assert hand.drive == (-0.5, 0.25)
+    assert told == ["Helm: a station's sticks go before the transmitter's"]
+    assert hand.live(1.0) == ["Helm: the transmitter's again"]
+    assert hand.drive == (1.0, 0.0)
+
+
+def test_an_axis_that_a_station_leaves_alone_is_the_transmitters() -> None:
+    hand = Hand().armed()
+    hand.live(0.5, throttle=2000, steering=1000)
+    hand.vehicle.request(ManualInput(None, 0.5))
+    hand.live(0.1)
+    assert hand.drive == (1.0, 0.5)
+    hand.vehicle.request(ManualInput(None, None))
+    hand.live(0.1)
+    assert hand.drive == (1.0, -1.0)
+
+
+# The transmitter is lost
+
+
+def test_the_motors_stop_at_once_and_the_boat_keeps_station_after_that() -> None:
+    hand = Hand().armed()
+    hand.live(1.0, throttle=2000)
+    hand.is_on = False
+    assert hand.live(0.48) == []
+    assert hand.drive == (1.0, 0.0)
+    hand.live(0.1)
+    assert isinstance(hand.intent, Stop)
+    assert hand.live(1.7) == ["Failsafe: RC lost: the receiver is silent", "Mode LOITER: failsafe"]
+    assert "Mode RTL: failsafe" in hand.live(125.0)
+
+
+def test_when_it_is_back_the_boat_stays_until_the_switch_is_moved() -> None:
+    hand = Hand().armed()
+    hand.is_on = False
+    hand.live(3.0)
+    hand.is_on = True
+    assert hand.live(3.0, throttle=2000) == ["Failsafe over: transmitter heard again"]
+    assert hand.vehicle.mode.name == "LOITER"
+    hand.live(0.5, mode=HOLD_US)
+    hand.live(0.5, mode=MANUAL_US)
+    assert hand.drive == (1.0, 0.0)
+
+
+def test_a_mode_that_was_chosen_while_it_was_lost_counts_when_it_is_back() -> None:
+    hand = Hand().armed()
+    hand.is_on = False
+    hand.live(3.0, mode=HOLD_US)
+    hand.is_on = True
+    hand.live(0.5)
+    assert hand.vehicle.mode.name == "HOLD"
+
+
+def test_the_receivers_own_failsafe_counts_as_lost() -> None:
+    hand = Hand().armed()
+    hand.is_failsafe = True
+    assert "Failsafe: RC lost: the receiver has lost the transmitter" in hand.live(2.2, throttle=2000)
+
+
+def test_pulses_that_are_set_for_the_failsafe_count_as_lost_and_move_no_switch() -> None:
+    hand = Hand().armed()
+    told = hand.live(2.2, throttle=900, mode=HOLD_US, arm=1000)
+    assert told == ["Failsafe: RC lost: throttle below FS_THR_VALUE", "Mode LOITER: failsafe"]
+    assert hand.vehicle.armed
+
+
+def test_channels_that_leap_about_count_as_lost() -> None:
+    hand = Hand().armed()
+    told: list[str] = []
+    for number in range(150):
+        hand.channels = [1000 + 137 * (number * number + 5 * place) % 1000 for place in range(8)]
+        told += hand.live(STEP_S)
+    assert "Failsafe: RC lost: the receiver talks nonsense" in told
+    assert hand.vehicle.mode.name == "LOITER"
+    assert hand.vehicle.armed
+
+
+def test_both_sticks_thrown_over_at_once_are_believed() -> None:
+    hand = Hand().armed()
+    for number in range(100):
+        end, other = (1.0, -1.0) if number % 2 else (-1.0, 1.0)
+        hand.live(0.1, throttle=round(1500 + 500 * end), steering=round(1500 + 500 * other))
+        assert hand.drive == (end, other)
+
+
+def in_auto(enabled: int) -> Hand:
+    hand = Hand(failsafe__rc_enabled=enabled).armed()
+    vehicle = hand.vehicle
+    vehicle.take_mission((Waypoint(FRAME.origin, 2.0), Waypoint(place(500.0, 0.0), 2.0)))
+    hand.live(0.5, mode=AUTO_US)
+    assert vehicle.mode is Mode.AUTO
+    return hand
+
+
+@pytest.mark.parametrize(("enabled", "mode"), [(0, "AUTO"), (1, "LOITER"), (2, "AUTO")])
+def test_what_a_mission_does_without_a_transmitter_is_the_operators_choice(enabled: int, mode: str) -> None:
+    hand = in_auto(enabled)
+    hand.is_on = False
+    hand.live(3.0)
+    assert hand.vehicle.mode.name == mode
+
+
+def test_a_mission_that_went_on_does_not_end_in_a_mode_by_hand_that_nobody_steers() -> None:
+    hand = in_auto(2)
+    hand.is_on = False
+    hand.live(3.0)
+    hand.vehicle.request(ChangeMode(Mode.MANUAL))
+    assert "Mode LOITER: failsafe" in hand.live(2.0)
+
+
+def test_a_boat_on_its_way_home_goes_on() -> None:
+    hand = Hand(rc__mode_2=11).armed()
+    hand.live(0.5, mode=HOLD_US)
+    assert hand.vehicle.mode.name == "RTL"
+    hand.is_on = False
+    assert "Failsafe: RC lost: the receiver is silent" in hand.live(3.0)
+    assert hand.vehicle.mode.name == "RTL"
+
+
+def test_a_station_that_steers_in_its_place_keeps_the_failsafe_quiet() -> None:
+    hand = Hand().armed()
+    hand.is_on = False
+    for _ in range(20):
+        hand.vehicle.request(ManualInput(0.5, 0.0))
+        hand.live(0.5)
+    assert hand.vehicle.mode is Mode.MANUAL
+    assert hand.drive == (0.5, 0.0)
+    assert "Failsafe: RC lost: the receiver is silent" in hand.live(4.0)
+    assert not hand.vehicle.failsafes.is_active(Condition.HELM_LOST)
+
+
+@given(st.lists(st.lists(st.integers(-100, 5000), max_size=18), max_size=40))
+def test_no_frames_whatever_arm_a_boat_by_chance_or_break_it(frames: list[list[int]]) -> None:
+    hand = Hand()
+    for channels in frames:
+        hand.channels = channels
+        hand.live(STEP_S)
+    assert not hand.vehicle.armed
