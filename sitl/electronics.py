@@ -22,7 +22,7 @@ from sitl.faults.parts import (
 from sitl.faults.schedule import Faults
 from sitl.movers import Movers
 from sitl.scenario import Scenario
-from sitl.sensors import SimBattery, SimCompass, SimGnss, SimSonar
+from sitl.sensors import SimBattery, SimCompass, SimGnss, SimRc, SimSonar
 from sitl.shore import Shore
 from sitl.sim_hal import SimMotors
 
@@ -42,6 +42,7 @@ class Electronics:
         "faults",
         "hardware",
         "motors",
+        "rc",
     )
 
     def __init__(
@@ -61,10 +62,13 @@ class Electronics:
         self._sonar: SimSonar | None = None
         if sensors.sonar.fitted:
             self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
+        self.rc = SimRc(sensors.rc, seed) if sensors.rc.fitted else None
         self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
         drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
         if self._sonar is not None:
             drivers.append(self._sonar)
+        if self.rc is not None:
+            drivers.append(self.rc)
         self.computer = Computer(drivers)
         parts: dict[str, Part] = {
             "gnss": SensorPart(self._gnss, seed),
@@ -80,6 +84,8 @@ class Electronics:
         }
         if self._sonar is not None:
             parts["sonar"] = SensorPart(self._sonar, seed)
+        if self.rc is not None:
+            parts["rc"] = SensorPart(self.rc, seed)
         self.faults = Faults(parts, scenario.faults)
         injection = Injection(self.faults)
         self.hardware = Hardware(
@@ -90,6 +96,7 @@ class Electronics:
             self._battery,
             faults=injection,
             knobs=(*FaultKnobs(self.faults, injection, scenario.frame).knobs, *knobs),
+            rc=self.rc,
         )
 
     def sense(self, truth: "Truth", wave_m: float = 0.0) -> None:
@@ -104,5 +111,7 @@ class Electronics:
             self._gnss.sense(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
         if self._sonar is not None and now_s >= self._sonar.due_s:
             self._sonar.sense(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
+        if self.rc is not None and now_s >= self.rc.due_s:
+            self.rc.sense(now_s)
         if now_s >= self._battery.due_s:
             self._battery.sense(now_s, truth.voltage_v, truth.current_a)

@@ -27,6 +27,7 @@ _TRIES = 20  # at a world, each with an islet less
 _PAIRS = 200  # at start and goal in one world
 _STARTS_S = (8.0, 60.0)  # when a fault begins
 _LASTS_S = (5.0, 60.0)
+_FITTED = sorted(CATALOGUE.keys() - {"rc"})
 _PASSING = frozenset(("computer",))  # without power for good, there is nothing left to watch
 
 
@@ -124,8 +125,8 @@ def _weather(settings: RandomWater, random: Random) -> Tree:
 
 
 def _fault(random: Random) -> Tree:
-    """One fault of any part, of any kind, of the usual size; for a while or for good."""
-    what = random.choice(sorted(CATALOGUE))
+    """One fault of any part that every boat has, of any kind, of the usual size; for a while or for good."""
+    what = random.choice(_FITTED)
     kind = random.choice(sorted(CATALOGUE[what]))
     fault: Tree = {"what": what, "kind": kind, "at_s": random.uniform(*_STARTS_S)}
     for_s, towards_deg = random.uniform(*_LASTS_S), random.uniform(0.0, 360.0)

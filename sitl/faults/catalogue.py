@@ -79,6 +79,18 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
         "garbage": Effect(0.0, "any voltage and current"),
         "wrong": Effect(-2.0, "the voltage is off by size volts"),
     },
+    "rc": {
+        **_timing(50.0, 1.0, 4.0),
+        "failsafe": Effect(0.0, "has lost its transmitter, and says so"),
+        "stuck": Effect(0.0, "the same channels again and again, stamped fresh"),
+        "garbage": Effect(0.0, "any pulse on every channel"),
+        "wrong": Effect(
+            900.0,
+            "has lost its transmitter, and puts out pulses set for that: throttle size µs",
+            500.0,
+            2500.0,
+        ),
+    },
     "motor_left": _MOTOR,
     "motor_right": _MOTOR,
     "link": {

@@ -14,6 +14,7 @@ _UNITS: dict[int, tuple[str, ...]] = {
     dialect.FAILURE_UNIT_SENSOR_DISTANCE_SENSOR: ("sonar",),
     dialect.FAILURE_UNIT_SYSTEM_BATTERY: ("battery",),
     dialect.FAILURE_UNIT_SYSTEM_MOTOR: ("motor_left", "motor_right"),
+    dialect.FAILURE_UNIT_SYSTEM_RC_SIGNAL: ("rc",),
     dialect.FAILURE_UNIT_SYSTEM_MAVLINK_SIGNAL: ("link",),
 }
 _KINDS: dict[int, str] = {

@@ -10,6 +10,7 @@ from sitl.faults.injection import Injection
 from sitl.faults.schedule import Faults
 
 _MAG_KINDS = {1: "off", 2: "stuck"}
+_RC_KINDS = {1: "off", 2: "wrong", 3: "stuck", 4: "garbage", 5: "failsafe"}  # the first two as in ArduPilot
 _SIDES = ("motor_left", "motor_right")
 
 
@@ -22,7 +23,7 @@ class FaultKnobs:
         self._frame = frame
         self._glitch_lat_deg = self._glitch_lon_deg = 0.0
         self._engine_mask, self._engine_gain = 0, 1.0
-        self.knobs = (
+        knobs = (
             _knob(
                 "SYS_FAILURE_EN", "Faults by MAV_CMD_INJECT_FAILURE: 0 refused, 1 taken", self._enable, 1.0
             ),
@@ -38,6 +39,9 @@ class FaultKnobs:
                 "SIM_ENGINE_MUL", "Gain of their commands: 0 dead, -1 reversed", self._weaken, 1.0, low=-1.0
             ),
         )
+        text = "RC receiver: 1 silent, 2 preset pulses, 3 stuck, 4 garbage, 5 failsafe"
+        rc = (_knob("SIM_RC_FAIL", text, self._fail_rc, high=5.0),) if "rc" in faults.parts else ()
+        self.knobs = knobs + rc
 
     def _set(self, what: str, kind: str | None, size: float | None = None, towards_deg: float = 0.0) -> None:
         if kind is not None:
@@ -72,6 +76,9 @@ class FaultKnobs:
 
     def _fail_compass(self, value: float) -> None:
         self._set("compass", _MAG_KINDS.get(int(value)))
+
+    def _fail_rc(self, value: float) -> None:
+        self._set("rc", _RC_KINDS.get(int(value)))
 
     def _fail(self, value: float) -> None:
         self._engine_mask = int(value)

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 from sitl.channel import WHOLE, Quality
 from sitl.computer import Computer
 from sitl.faults.catalogue import FaultSetting
-from sitl.sensors import SensorFault, SimBattery, SimCompass, SimGnss, SimSonar, generator
+from sitl.sensors import SensorFault, SimBattery, SimCompass, SimGnss, SimRc, SimSonar, generator
 from sitl.sim_hal import SimMotors
 
 
@@ -27,7 +27,7 @@ class Shaft(Protocol):
 class SensorPart:
     """A sensor whose own file knows what a fault does to it."""
 
-    def __init__(self, sensor: SimGnss | SimCompass | SimSonar | SimBattery, seed: int) -> None:
+    def __init__(self, sensor: SimGnss | SimCompass | SimSonar | SimBattery | SimRc, seed: int) -> None:
         self._sensor: Any = sensor
         self._seed = seed
 

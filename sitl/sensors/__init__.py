@@ -9,13 +9,16 @@ from sitl.sensors.battery_monitor import SimBattery
 from sitl.sensors.compass import SimCompass
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.gnss import SimGnss
+from sitl.sensors.rc import SimRc
 from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator
 from sitl.sensors.settings import (
     BatteryMonitorSettings,
     CompassSettings,
     GnssSettings,
+    RcSettings,
     Sensors,
     SonarSettings,
+    StickStep,
 )
 from sitl.sensors.sonar import SimSonar, sweep_bearings_rad
 
@@ -25,13 +28,16 @@ __all__ = [
     "BatteryMonitorSettings",
     "CompassSettings",
     "GnssSettings",
+    "RcSettings",
     "SensorFault",
     "Sensors",
     "SimBattery",
     "SimCompass",
     "SimGnss",
+    "SimRc",
     "SimSonar",
     "SonarSettings",
+    "StickStep",
     "generator",
     "sweep_bearings_rad",
 ]

@@ -9,9 +9,9 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, RcReading, SonarReading
 
-R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading)
+R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading)
 
 _LONGEST_QUEUE = 1024
 

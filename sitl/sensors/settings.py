@@ -83,6 +83,33 @@ class BatteryMonitorSettings(Section, frozen=True):
     current_gain: NonNegative = 1.0
 
 
+class StickStep(Section, frozen=True):
+    """Where sticks and switches are from a time on: every channel's pulse in µs. None: it is off."""
+
+    at_s: NonNegative = 0.0
+    channels: Annotated[tuple[Annotated[int, Meta(ge=500, le=2500)], ...], Meta(max_length=18)] = ()
+
+
+class RcSettings(Section, frozen=True):
+    """A radio control receiver, and what the hand on its transmitter does, step by step.
+
+    Until the first of them everything is in the middle. quality: share of packets that arrive, 0..1.
+    """
+
+    fitted: bool = False
+    rate_hz: Positive = 50.0
+    noise_us: NonNegative = 1.0
+    quality: Share = 1.0
+    rssi_dbm: float = -60.0
+    sticks: tuple[StickStep, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        times_s = [step.at_s for step in self.sticks]
+        if times_s != sorted(times_s):
+            raise ValueError(f"sticks at {times_s} s: expected their times in order")
+
+
 class Sensors(Section, frozen=True):
     """The sensors aboard."""
 
@@ -90,3 +117,4 @@ class Sensors(Section, frozen=True):
     compass: CompassSettings = CompassSettings()
     sonar: SonarSettings = SonarSettings()
     battery: BatteryMonitorSettings = BatteryMonitorSettings()
+    rc: RcSettings = RcSettings()
