@@ -56,18 +56,19 @@ class LocalFrame:
     Good to 1 mm within 20 km of the origin at latitudes up to 85°.
     """
 
-    __slots__ = ("_lat0_rad", "_lon0_rad", "origin")
+    __slots__ = ("_lat0_rad", "_lon0_rad", "_radius0_m", "origin")
 
     def __init__(self, origin: LatLon) -> None:
         self.origin = origin
         self._lat0_rad = math.radians(origin.lat_deg)
         self._lon0_rad = math.radians(origin.lon_deg)
+        self._radius0_m = _meridian_radius_m(self._lat0_rad)
 
     def _arc_m(self, lat_rad: float) -> float:
         """Meridian arc from the origin's latitude (Simpson's rule on the radius of curvature)."""
         lat0 = self._lat0_rad
         mid = _meridian_radius_m(0.5 * (lat_rad + lat0))
-        ends = _meridian_radius_m(lat0) + _meridian_radius_m(lat_rad)
+        ends = self._radius0_m + _meridian_radius_m(lat_rad)
         return (lat_rad - lat0) * (ends + 4.0 * mid) / 6.0
 
     def to_local(self, position: LatLon) -> Point:
@@ -89,7 +90,7 @@ class LocalFrame:
     def to_global(self, point: Point) -> LatLon:
         """Invert the projection."""
         # The footpoint latitude has the same northing on the central meridian; two Newton steps suffice.
-        foot = self._lat0_rad + point.north_m / _meridian_radius_m(self._lat0_rad)
+        foot = self._lat0_rad + point.north_m / self._radius0_m
         for _ in range(3):
             foot += (point.north_m - self._arc_m(foot)) / _meridian_radius_m(foot)
         normal = _normal_radius_m(foot)

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
@@ -82,6 +83,15 @@ def cluster_crew(address: str) -> Iterator[Crew]:
 
 
 def _sign_on() -> None:
-    """A worker leaves Ctrl-C to whoever hands out the work."""
+    """A worker leaves Ctrl-C to whoever hands out the work, and does not outlive them."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
     garbage.settle()
+
+
+def _leave_with_parent() -> None:
+    """A parent that was killed calls nobody off; its queue alone would keep the worker for ever."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

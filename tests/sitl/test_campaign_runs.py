@@ -3,6 +3,10 @@
 import csv
 import importlib.util
 import json
+import os
+import select
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -122,6 +126,28 @@ def test_an_expectation_that_is_not_met_is_exit_code_one(
     captured = capsys.readouterr()
     assert "1 of 1 expectations are not met" in captured.err
     assert "NOT MET" in captured.out
+
+
+def test_workers_do_not_outlive_a_program_that_was_killed() -> None:
+    program = (
+        "import os, sys\n"
+        "from sitl.campaign.workers import local_crew\n"
+        "if __name__ == '__main__':\n"
+        "    with local_crew(1) as crew:\n"
+        "        print(crew._executor.submit(os.getpid).result(), flush=True)\n"
+        "        sys.stdin.read()\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdout is not None
+        worker = os.pidfd_open(int(parent.stdout.readline()))
+        try:
+            parent.kill()
+            gone, _, _ = select.select([worker], [], [], 30.0)
+        finally:
+            os.close(worker)
+    assert gone
 
 
 def test_a_run_that_fails_is_a_result_with_its_reason(file: Path) -> None:
