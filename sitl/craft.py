@@ -82,12 +82,12 @@ class Craft:
         """Whether `receive` has left something behind."""
         return self._program.is_running and self.boat.channels.has_more
 
-    def step(self, runner: Runner) -> None:
-        """One tick."""
+    def step(self, runner: Runner, boats: int = 1) -> None:
+        """One tick. boats: how many share the runner; each one's computer would have only itself to run."""
         boat = self.boat
         if self._berth.unix_offset_s:  # the simulated receiver has a day of its own, and stations live today
             boat.signing.stamps.follow(timestamp_at(self._clock.now_s() + self._berth.unix_offset_s))
-        boat.load = runner.load
+        boat.load = runner.load / boats
         self._program.step()
         if self.boat is not boat:
             self.time_ticks(runner)

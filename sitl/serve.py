@@ -54,7 +54,7 @@ class Server:
 
     def _step(self, number: int) -> None:
         for craft in self.crafts if number >= PHASES else self._begun(number):
-            craft.step(self._runner)
+            craft.step(self._runner, len(self.crafts))
 
     def _begun(self, number: int) -> list[Craft]:
         """One boat more every tick, so that what each does once a second is not done by all in the same."""

@@ -64,6 +64,16 @@ def test_boats_begin_one_after_the_other_within_the_first_second(monkeypatch: py
     assert [first - craft.world.tick for craft in crafts] == [0, 1, 2, 0, 1]
 
 
+def test_a_boats_load_is_its_share_of_what_all_take() -> None:
+    boats, clock = fleet(scenario("open"), 3), FakeClock()
+    crafts = moor(boats, [[]] * 3, clock, [Berth()] * 3)
+    server = Server(crafts, clock)
+    server._runner.load = 1.5
+    server._step(10)
+    assert [craft.boat.load for craft in crafts] == [0.5] * 3
+    server.run(lambda: True)
+
+
 class OnePort:
     """A fleet behind its first boat's link, and a station that talks to it."""
 
