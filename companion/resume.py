@@ -2,8 +2,8 @@
 
 A record is written when mode, arming or item change, and now and then along a leg, off the control loop.
 After a restart of a boat that was under way, the mission stands at the item and on the leg that it was on,
-and home is where it was. The boat says so until it is armed; it goes on by itself only where FS_RESUME says
-that.
+home is where it was, and SMART_RTL knows its track (`trail_record.py`). The boat says so until it is armed;
+it goes on by itself only where FS_RESUME says that.
 """
 
 import hashlib
@@ -16,6 +16,7 @@ from msgspec import Struct
 from companion.geo import LatLon
 from companion.requests import Arm, ChangeMode
 from companion.storage import Saving, Storage
+from companion.trail_record import TrailRecord
 from companion.vehicle.mission_steps import Mission
 from companion.vehicle.modes import Mode
 from companion.vehicle.notice import Severity
@@ -45,6 +46,7 @@ class Voyage(Struct, frozen=True, forbid_unknown_fields=True):
     home: tuple[float, float] | None = None
     speed_m_s: float | None = None
     jumps: dict[int, int] = {}
+    number: int = 0  # of the voyage: one more each time the boat is armed
 
 
 def plan_id(mission: Mission) -> str:
@@ -64,6 +66,7 @@ class Resume:
         "_is_coming_inside",
         "_look_s",
         "_mission",
+        "_number",
         "_offer",
         "_plan",
         "_saved",
@@ -72,6 +75,7 @@ class Resume:
         "_sign",
         "_storage",
         "_tell_s",
+        "_trail",
         "_vehicle",
         "fault",
     )
@@ -91,6 +95,10 @@ class Resume:
         self._countdown_s = math.nan
         self._is_coming_inside = False  # armed by itself, and not on its mission yet
         self._offer = self._take_up()
+        saved = self._saved
+        self._number = 0 if saved is None else saved.number
+        goes_on = saved is not None and saved.is_armed and vehicle.config.failsafe.resume != _FORGET
+        self._trail = TrailRecord(storage, vehicle.conduct.trail, self._number if goes_on else None)
 
     def tick(self, now_s: float) -> None:
         """Write what is worth it; say, or do, what there is to take up."""
@@ -101,7 +109,13 @@ class Resume:
         sign = (vehicle.mode, vehicle.armed, vehicle.progress.current_seq)
         if now_s < self._due_s and sign == self._sign:
             return
+        if vehicle.armed and not self._sign[1]:
+            self._number += 1
+            self._trail.begin()
         self._due_s, self._sign = now_s + PERIOD_S, sign
+        self._trail.take_up(vehicle.frame, vehicle.armed)
+        if vehicle.armed and vehicle.frame is not None:
+            self._trail.keep(self._number, vehicle.frame, now_s)
         if self._offer is not None:
             self._follow_up(self._offer, now_s)
         self._keep(now_s)
@@ -152,6 +166,7 @@ class Resume:
             None if vehicle.home is None else (vehicle.home.lat_deg, vehicle.home.lon_deg),
             progress.speed_m_s,
             dict(progress.jumps),
+            self._number,
         )
 
     # The offer
@@ -191,10 +206,15 @@ class Resume:
         if now_s >= self._tell_s:
             self._tell_s = now_s + REPEAT_S
             what = f"at item {offer.item}, {offer.along_m:.0f} m along" if is_mission else "on the way home"
-            then = "MISSION_START" if is_mission else "RTL"
+            then = "MISSION_START" if is_mission else self._way_home(offer).name
             vehicle.tell(Severity.WARNING, f"Power was lost {what}: arm and {then} to go on")
         if vehicle.config.failsafe.resume == _GO_ON:
-            self._go_on(Mode.AUTO if is_mission else Mode.RTL, now_s)
+            self._go_on(Mode.AUTO if is_mission else self._way_home(offer), now_s)
+
+    def _way_home(self, offer: Voyage) -> Mode:
+        nav = self._vehicle.nav
+        leads_home = self._trail.leads_home(None if nav is None else nav.point)
+        return Mode.SMART_RTL if offer.mode == Mode.SMART_RTL and leads_home else Mode.RTL
 
     def _go_on(self, mode: Mode, now_s: float) -> None:
         """Once the boat may be armed, a warning and a pause; then arm and sail, unless somebody objects.

@@ -7,10 +7,13 @@ algorithm for the piecewise linear approximation of planar curves", Computer Gra
 """
 
 import math
+from collections.abc import Sequence
 
 from companion.geo import Line, Point, bearing_rad, distance_m
 from companion.units import wrap_pi
 
+MOST_POINTS = 5000  # of any setting
+TAKEN_UP_M = 100.0  # a boat that is armed further from where its track was cut has been carried there
 _STEP_SHARE = 0.25  # of the accuracy: smaller movements are not looked at
 
 
@@ -20,27 +23,44 @@ class Trail:
     def __init__(self) -> None:
         self.points: list[Point] = []
         self.is_lost = False  # there were more points than fit: the way home is not known whole
-        self._latest: Point | None = None
+        self.is_cut = False  # it is from before a power cut, and the next arming goes on with it
+        self.latest: Point | None = None
         self._axis_rad: float | None = None
         self._left_rad = self._right_rad = 0.0  # the sector, seen from its axis
         self._reach_m = 0.0
 
     def begin(self, at: Point | None) -> None:
-        """Forget everything; the way home ends here, or where the first position will be."""
-        self.points = [] if at is None else [at]
-        self.is_lost = False
+        """Forget everything; the way home ends here, or where the first position will be.
+
+        Where a track was cut near here, go on with that instead.
+        """
+        if at is None or not self.goes_on_from(at):
+            self.points = []
+        self.is_cut = self.is_lost = False
+        if at is not None:
+            self.points.append(at)
         self.rest(at)
+
+    def take_up(self, points: Sequence[Point]) -> None:
+        """The track up to a power cut, oldest first, its last point where the boat was then."""
+        self.points = list(points)
+        self.is_cut, self.is_lost = bool(points), False
+        self.rest(points[-1] if points else None)
+
+    def goes_on_from(self, at: Point) -> bool:
+        """Whether this is a track that was cut, near enough for the boat not to have been carried."""
+        return self.is_cut and distance_m(self.points[-1], at) <= TAKEN_UP_M
 
     def rest(self, at: Point | None) -> None:
         """Go on recording here, after some of the track was sailed back."""
-        self._latest, self._axis_rad = at, None
+        self.latest, self._axis_rad = at, None
 
     def add(self, at: Point, accuracy_m: float, max_points: int) -> None:
         """The boat is here now. accuracy_m: how far a position may be from the points' line."""
-        latest = self._latest
+        latest = self.latest
         if latest is None or not self.points:
             self.points.append(at)
-            self._latest = at
+            self.latest = at
             return
         if abs(at.north_m - latest.north_m) + abs(at.east_m - latest.east_m) < _STEP_SHARE * accuracy_m:
             return
@@ -53,7 +73,7 @@ class Trail:
                 return
             self._axis_rad = None
             self._narrow(at, accuracy_m)
-        self._latest = at
+        self.latest = at
 
     def _narrow(self, at: Point, accuracy_m: float) -> bool:
         """Whether a straight line from the last point kept to here still passes every position between."""
