@@ -22,7 +22,7 @@ from companion.mavlink.items import MissionItem
 from companion.params import Parameters
 from companion.router.channels import Channels
 from companion.runner import TickCount
-from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
 from companion.services.snapshot import Snapshot
 from companion.vehicle.mission_steps import Mission
 from companion.vehicle.notice import Notice, Severity
@@ -80,6 +80,7 @@ class OnboardLog:
         self._linear: LinearFrame | None = None
         self._fix: GnssFix | None = None
         self._ping: SonarReading | None = None
+        self._heard: RcReading | None = None  # of the transmitter
         self._reading: BatteryReading | None = None
         self._late = self._ticks = 0
 
@@ -194,6 +195,10 @@ class OnboardLog:
         if now.sonar is not None and now.sonar is not self._ping:
             self._ping = now.sonar
             self._add(samples.sonar(now.sonar))
+        heard = now.vehicle.conduct.sticks.radio.latest
+        if heard is not None and heard is not self._heard:
+            self._heard = heard
+            self._add(samples.radio(heard))
 
     def _status(self, now: Snapshot, channels: Channels) -> Iterator[bytes]:
         us = self._now_us

@@ -7,7 +7,7 @@ from typing import Final
 from companion.geo import bearing_rad, distance_m
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
-from companion.sensors.readings import BatteryReading, GnssFix, SonarReading
+from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
 from companion.services.snapshot import Snapshot
 from companion.state import Demand, NavState
 from companion.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
@@ -17,6 +17,7 @@ _NAN: Final = math.nan
 _GPS_EPOCH_S: Final = 315_964_800.0  # 1980-01-06 as Unix time
 _LEAP_S: Final = 18.0  # GPS time less UTC, since 2017; log readers subtract the same
 _WEEK_S: Final = 604_800.0
+_LOGGED_CHANNELS: Final = 14
 _RANGE_GOOD, _RANGE_TOO_FAR = 4, 3  # RangeFinder status
 
 
@@ -147,6 +148,16 @@ def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -
         time_us(reading.time_s), 0, reading.voltage_v, _NAN, current_a, consumed_mah, _NAN, 0, _NAN,
         left_percent, 1, 0,
     )  # fmt: skip
+
+
+def radio(reading: RcReading) -> Iterator[bytes]:
+    """What the transmitter's receiver says, at its own time; the signal where it is known."""
+    us = time_us(reading.time_s)
+    pulses = [min(max(pulse_us, 0), 0xFFFF) for pulse_us in reading.channels_us[:_LOGGED_CHANNELS]]
+    yield r.RCIN.pack(us, *pulses, *[0] * (_LOGGED_CHANNELS - len(pulses)))
+    if reading.quality is not None:
+        signal_dbm = _NAN if reading.rssi_dbm is None else reading.rssi_dbm
+        yield r.RSSI.pack(us, signal_dbm, 100.0 * reading.quality)
 
 
 def text(us: int, line: str) -> Iterator[bytes]:

@@ -1,11 +1,13 @@
 """What the receivers' serial protocols have in common: frames in a stream of bytes. Pure; never raises."""
 
+from typing import Final
+
 from companion.sensors.readings import RcReading
 
-BITS_PER_CHANNEL = 11
-_CHANNELS = 16
-PACKED_BYTES = _CHANNELS * BITS_PER_CHANNEL // 8
-_MASK = (1 << BITS_PER_CHANNEL) - 1
+PACKED_BYTES: Final = 22
+_SHIFTS: Final = tuple(range(0, 8 * PACKED_BYTES, 11))
+_MASK: Final = (1 << 11) - 1
+_PULSES_US: Final = tuple(1500 + round(0.625 * (value - 992)) for value in range(_MASK + 1))
 
 
 class RcParser:
@@ -63,7 +65,4 @@ def unpack_channels(packed: bytes) -> tuple[int, ...]:
     packed: PACKED_BYTES bytes.
     """
     bits = int.from_bytes(packed, "little")
-    return tuple(
-        1500 + round(0.625 * ((bits >> shift & _MASK) - 992))
-        for shift in range(0, _CHANNELS * BITS_PER_CHANNEL, BITS_PER_CHANNEL)
-    )
+    return tuple([_PULSES_US[bits >> shift & _MASK] for shift in _SHIFTS])

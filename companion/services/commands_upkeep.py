@@ -26,6 +26,7 @@ from companion.vehicle.vehicle import Vehicle
 
 _RESTART_AFTER_S = 0.3  # the ACK must get out first
 _PERCENT, _PWM = 0, 1  # MOTOR_TEST_THROTTLE_TYPE
+_RADIO_S = 600.0  # a station that never says that it has calibrated the transmitter
 _TRIM, _BIAS = "HDG_TRIM", "INS_GYROFFS_Z"
 
 
@@ -98,12 +99,18 @@ class UpkeepCommands:
         return self._say(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
 
     def _calibrate(self, command: Command) -> int:
-        """Only the gyro has anything to calibrate. All zero gives up what is under way."""
-        wanted = [one for one in (*command.p, command.fifth, command.sixth) if math.isfinite(one)]
+        """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero ends
+        what is under way.
+        """
+        radio = self._vehicle.conduct.sticks.radio
+        wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
         if not any(wanted):
+            radio.calibrated_until_s = -math.inf
             if self.calibration is None:
                 return ACCEPTED
             return self.cancel()
+        if wanted[3] and radio.is_fitted and not any(wanted[:3] + wanted[4:]):
+            return self._calibrate_radio(command.now_s)
         if command.p[0] != 1.0 or any(wanted[1:]):
             return UNSUPPORTED
         if self._vehicle.armed:
@@ -111,6 +118,12 @@ class UpkeepCommands:
         if self.calibration is None:
             self.calibration = GyroCalibration(command.now_s)
         return IN_PROGRESS
+
+    def _calibrate_radio(self, now_s: float) -> int:
+        if self._vehicle.armed:
+            return self._say(REJECTED_FOR_NOW, "Calibration: disarm first")
+        self._vehicle.conduct.sticks.radio.calibrated_until_s = now_s + _RADIO_S
+        return ACCEPTED
 
     def _trim_compass(self, command: Command) -> int:
         """The bow points where param1 says (degrees, true): what the compass is off by becomes its trim."""

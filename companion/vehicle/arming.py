@@ -44,6 +44,8 @@ def radio_fault(sticks: Sticks, config: BoatConfig, now_s: float) -> str:
     A transmitter that has never been heard keeps nobody from arming, nor does one while a station steers.
     """
     radio = sticks.radio
+    if now_s < radio.calibrated_until_s:
+        return "RC: being calibrated"
     if not config.arming.check or not radio.is_heard or sticks.has_station(config, now_s):
         return ""
     if fault := radio.fault(config.rc, now_s):

@@ -14,10 +14,21 @@ class Radio:
     """steering and throttle, −1..1, are those of the last good frame.
 
     latest: the last frame, good or bad. is_heard: there has been a good one since boot; before that nobody is
-    missed. is_fitted: there is a receiver aboard.
+    missed. is_fitted: there is a receiver aboard. calibrated_until_s: a station has every stick and switch
+    moved to its ends until then, which is not to arm the boat.
     """
 
-    __slots__ = ("_fault", "_good_s", "_noise", "is_fitted", "is_heard", "latest", "steering", "throttle")
+    __slots__ = (
+        "_fault",
+        "_good_s",
+        "_noise",
+        "calibrated_until_s",
+        "is_fitted",
+        "is_heard",
+        "latest",
+        "steering",
+        "throttle",
+    )
 
     def __init__(self) -> None:
         self.is_fitted = False
@@ -25,6 +36,7 @@ class Radio:
         self.latest: RcReading | None = None
         self.steering = 0.0
         self.throttle = 0.0
+        self.calibrated_until_s = -math.inf
         self._noise = RcNoise()
         self._good_s = -math.inf
         self._fault = ""  # of the last frame

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from boat_rig import OK, Rig, waypoint
+from boat_rig import OK, UNSUPPORTED, Rig, waypoint
 
 from companion.mavlink.dialect import dialect
 from companion.units import wrap_pi
@@ -11,6 +11,7 @@ from companion.units import wrap_pi
 ARM_UP, ARM_DOWN = 2000, 1000
 MANUAL, HOLD, LOITER, AUTO = 1100, 1300, 1425, 1550
 REST = 1500
+REJECTED_FOR_NOW = dialect.MAV_RESULT_TEMPORARILY_REJECTED
 RC_BIT = dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
 RC_SIGNAL, OFF = dialect.FAILURE_UNIT_SYSTEM_RC_SIGNAL, dialect.FAILURE_TYPE_OFF
 KEYS = "vehicle.rc={arm_channel=5, mode_channel=6}"
@@ -189,3 +190,20 @@ def test_a_restart_with_the_switch_up_does_not_arm() -> None:
     rig.reboot()
     rig.run(5.0)
     assert not rig.boat.vehicle.armed
+
+
+def test_the_boat_does_not_arm_while_a_station_calibrates_the_transmitter() -> None:
+    rig = Rig("open", KEYS, sticks(step(0.0, arm=ARM_DOWN), step(3.0), step(5.0, arm=ARM_DOWN), step(7.0)))
+    rig.run(2.0)
+    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == OK
+    rig.run(2.0)
+    assert "Arm: RC: being calibrated" in rig.peer.texts
+    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION) == OK
+    assert "Armed" not in rig.peer.texts
+    rig.run(4.0)
+    assert rig.boat.vehicle.armed
+    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == REJECTED_FOR_NOW
+
+
+def test_without_a_receiver_there_is_no_transmitter_to_calibrate() -> None:
+    assert Rig().ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == UNSUPPORTED
