@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from companion.hal.interfaces import Hardware
 from companion.params import Knob
 from sitl.computer import Clocked, Computer
+from sitl.faults.hull_knobs import HullKnobs
 from sitl.faults.injection import Injection
 from sitl.faults.knobs import FaultKnobs
 from sitl.faults.parts import (
@@ -13,16 +14,18 @@ from sitl.faults.parts import (
     ComputerPart,
     DiskPart,
     GyroPart,
+    LeakPart,
     LinkPart,
     MotorPart,
     Part,
     SensorPart,
     Shaft,
+    ThermometerPart,
 )
 from sitl.faults.schedule import Faults
 from sitl.movers import Movers
 from sitl.scenario import Scenario
-from sitl.sensors import SimBattery, SimCompass, SimGnss, SimRc, SimSonar
+from sitl.sensors import SimBattery, SimCompass, SimGnss, SimHull, SimRc, SimSonar
 from sitl.shore import Shore
 from sitl.sim_hal import SimMotors
 
@@ -37,6 +40,7 @@ class Electronics:
         "_battery",
         "_compass",
         "_gnss",
+        "_hull",
         "_sonar",
         "computer",
         "faults",
@@ -64,7 +68,10 @@ class Electronics:
             self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
         self.rc = SimRc(sensors.rc, seed) if sensors.rc.fitted else None
         self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
+        self._hull = SimHull(sensors.hull) if sensors.hull.fitted else None
         drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
+        if self._hull is not None:
+            drivers.append(self._hull)
         if self._sonar is not None:
             drivers.append(self._sonar)
         if self.rc is not None:
@@ -86,6 +93,11 @@ class Electronics:
             parts["sonar"] = SensorPart(self._sonar, seed)
         if self.rc is not None:
             parts["rc"] = SensorPart(self.rc, seed)
+        hull_knobs: tuple[Knob, ...] = ()
+        if self._hull is not None:
+            leak = LeakPart(self._hull)
+            parts["leak"], parts["thermometer"] = leak, ThermometerPart(self._hull)
+            hull_knobs = HullKnobs(self._hull, leak, sensors.hull).knobs
         self.faults = Faults(parts, scenario.faults)
         injection = Injection(self.faults)
         self.hardware = Hardware(
@@ -95,7 +107,8 @@ class Electronics:
             self._sonar,
             self._battery,
             faults=injection,
-            knobs=(*FaultKnobs(self.faults, injection, scenario.frame).knobs, *knobs),
+            knobs=(*FaultKnobs(self.faults, injection, scenario.frame).knobs, *hull_knobs, *knobs),
+            hull=self._hull,
             rc=self.rc,
         )
 
@@ -113,5 +126,7 @@ class Electronics:
             self._sonar.sense(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
         if self.rc is not None and now_s >= self.rc.due_s:
             self.rc.sense(now_s)
+        if self._hull is not None and now_s >= self._hull.due_s:
+            self._hull.sense(now_s)
         if now_s >= self._battery.due_s:
             self._battery.sense(now_s, truth.voltage_v, truth.current_a)

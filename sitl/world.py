@@ -22,6 +22,7 @@ from sitl.movers import Movers
 from sitl.pack import Pack
 from sitl.scenario import Scenario
 from sitl.shore import Shore
+from sitl.tide_knobs import TideKnobs
 from sitl.vessel import Vessel
 from sitl.wind_knobs import WindKnobs
 from sitl.windage import Windage
@@ -98,7 +99,10 @@ class World:
             self.movers,
             self._thrusters.left,
             self._thrusters.right,
-            WindKnobs(scenario.environment, self.wind).knobs,
+            (
+                *WindKnobs(scenario.environment, self.wind).knobs,
+                *TideKnobs(self._current, self._turn_tide).knobs,
+            ),
         )
         self.hardware = self.electronics.hardware
         self._motors = self.electronics.motors
@@ -172,6 +176,13 @@ class World:
         elif time_s >= self._dark_until_s:
             self._dark_until_s = -math.inf
             computer.begin(time_s)
+
+    def _turn_tide(self) -> None:
+        """The current is another all of a sudden."""
+        vessel = self._vessel
+        self._current_n, self._current_e = self._current.at(vessel.north_m, vessel.east_m, self.time_s)
+        if not self._is_open:
+            self._flow_n, self._flow_e = self._current_n, self._current_e
 
     def _flow(self, dt_s: float) -> float:
         """Let the current and waves of here and now carry the hull; the moment with which they turn it."""

@@ -15,7 +15,7 @@ from sitl.environment.settings import Environment, Gyre, River, Tide
 class Current:
     """All of it. is_uniform: one velocity, the same everywhere and always."""
 
-    __slots__ = ("_east_m_s", "_grid", "_gyre", "_north_m_s", "_river", "_tide", "is_uniform")
+    __slots__ = ("_east_m_s", "_grid", "_gyre", "_north_m_s", "_river", "_tide", "_uniform", "is_uniform")
 
     def __init__(self, environment: Environment) -> None:
         """Read the file, if there is one.
@@ -23,12 +23,17 @@ class Current:
         Raises:
             ConfigError: the file cannot be used.
         """
-        self._north_m_s, self._east_m_s = environment.current_north_m_s, environment.current_east_m_s
+        self._uniform = (environment.current_north_m_s, environment.current_east_m_s)
+        self._north_m_s, self._east_m_s = self._uniform
         self._river, self._gyre, self._tide = environment.river, environment.gyre, environment.tide
         self._grid = read_grid(Path(environment.current_file)) if environment.current_file else None
         self.is_uniform = (
             self._river is None and self._gyre is None and self._tide is None and self._grid is None
         )
+
+    def stream(self, north_m_s: float, east_m_s: float) -> None:
+        """From now on so much more flows everywhere, besides what the scenario names."""
+        self._north_m_s, self._east_m_s = self._uniform[0] + north_m_s, self._uniform[1] + east_m_s
 
     def at(self, north_m: float, east_m: float, time_s: float) -> tuple[float, float]:
         """North and east velocity of the water at a place and a time."""

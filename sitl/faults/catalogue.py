@@ -91,6 +91,18 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
             2500.0,
         ),
     },
+    "leak": {
+        "wet": Effect(0.0, "water at the probe in the hull"),
+        "intermittent": Effect(
+            2.0, "water that sloshes: at the probe for the first half of every size seconds", 0.04
+        ),
+        "off": Effect(0.0, "the probe says nothing any more"),
+    },
+    "thermometer": {
+        "hot": Effect(10.0, "it gets hotter in the hull by size degrees Celsius a minute, up to 110", 0.0),
+        "wrong": Effect(20.0, "off by size degrees Celsius"),
+        "off": Effect(0.0, "says nothing any more"),
+    },
     "motor_left": _MOTOR,
     "motor_right": _MOTOR,
     "link": {

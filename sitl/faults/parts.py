@@ -6,7 +6,7 @@ from typing import Any, Protocol
 from sitl.channel import WHOLE, Quality
 from sitl.computer import Computer
 from sitl.faults.catalogue import FaultSetting
-from sitl.sensors import SensorFault, SimBattery, SimCompass, SimGnss, SimRc, SimSonar, generator
+from sitl.sensors import SensorFault, SimBattery, SimCompass, SimGnss, SimHull, SimRc, SimSonar, generator
 from sitl.sim_hal import SimMotors
 
 
@@ -54,6 +54,43 @@ def sensor_fault(fault: FaultSetting | None, now_s: float, seed: int) -> "Sensor
         return None
     numbers = generator(seed, f"fault/{fault.what}/{fault.kind}")
     return SensorFault(fault.kind, fault.amount, math.radians(fault.towards_deg), now_s, numbers)
+
+
+class LeakPart:
+    """The hull's probe for water. is_wet: what it says when it is well, as a parameter may have it."""
+
+    def __init__(self, hull: SimHull) -> None:
+        self._hull = hull
+        self._fault: FaultSetting | None = None
+        self._is_wet = False
+
+    def soak(self, is_wet: bool) -> None:
+        """From now on there is water in the hull, or none."""
+        self._is_wet = is_wet
+        self._say()
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Have this fault from now on, or none."""
+        self._fault = fault
+        self._say()
+
+    def _say(self) -> None:
+        kind = "" if self._fault is None else self._fault.kind
+        self._hull.is_wet = None if kind == "off" else bool(kind) or self._is_wet
+
+
+class ThermometerPart:
+    """The hull's thermometer, and how hot it gets in there."""
+
+    def __init__(self, hull: SimHull) -> None:
+        self._hull = hull
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
+        """Have this fault from now on, or none."""
+        kind, size = ("", 0.0) if fault is None else (fault.kind, fault.amount)
+        self._hull.hears_heat = kind != "off"
+        self._hull.offset_c = size if kind == "wrong" else 0.0
+        self._hull.warm(size / 60.0 if kind == "hot" else 0.0, now_s)
 
 
 class MotorPart:

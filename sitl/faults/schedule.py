@@ -9,7 +9,7 @@ from sitl.faults.parts import Part
 from sitl.sensors import TIME_SLACK_S
 
 # Parts that nobody samples are switched on and off from here
-_SWITCHED = frozenset(("motor_left", "motor_right", "link"))
+_SWITCHED = frozenset(("motor_left", "motor_right", "link", "leak"))
 
 
 class Faults:

@@ -9,12 +9,14 @@ from sitl.sensors.battery_monitor import SimBattery
 from sitl.sensors.compass import SimCompass
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.gnss import SimGnss
+from sitl.sensors.hull import SimHull
 from sitl.sensors.rc import SimRc
 from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator
 from sitl.sensors.settings import (
     BatteryMonitorSettings,
     CompassSettings,
     GnssSettings,
+    HullSensorSettings,
     RcSettings,
     Sensors,
     SonarSettings,
@@ -28,12 +30,14 @@ __all__ = [
     "BatteryMonitorSettings",
     "CompassSettings",
     "GnssSettings",
+    "HullSensorSettings",
     "RcSettings",
     "SensorFault",
     "Sensors",
     "SimBattery",
     "SimCompass",
     "SimGnss",
+    "SimHull",
     "SimRc",
     "SimSonar",
     "SonarSettings",

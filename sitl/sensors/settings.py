@@ -83,6 +83,13 @@ class BatteryMonitorSettings(Section, frozen=True):
     current_gain: NonNegative = 1.0
 
 
+class HullSensorSettings(Section, frozen=True):
+    """A probe for water and a thermometer inside the hull. temperature_c: how warm it is in there."""
+
+    fitted: bool = True
+    temperature_c: Annotated[float, Meta(ge=-40.0, le=85.0)] = 40.0
+
+
 class StickStep(Section, frozen=True):
     """Where sticks and switches are from a time on: every channel's pulse in µs. None: it is off."""
 
@@ -118,3 +125,4 @@ class Sensors(Section, frozen=True):
     sonar: SonarSettings = SonarSettings()
     battery: BatteryMonitorSettings = BatteryMonitorSettings()
     rc: RcSettings = RcSettings()
+    hull: HullSensorSettings = HullSensorSettings()
