@@ -22,6 +22,7 @@ GAIN_SPREAD: Final = 0.1  # from one speed to another, a cruise speed apart
 _SPEED_STEP: Final = 0.1  # in shares of cruise speed
 TURN_WALK: Final = 0.0005
 IDLE_SHARE: Final = 0.15  # what a boat at rest has seen of the set may be no more than its mooring
+RECALL_SHARE: Final = 0.03  # what has changed of the set since that which is recalled was true
 _GATE: Final = 18.0  # chi-square of two, 99.99 %
 _DOUBTS: Final = 25  # so many surprises in a row, and what was learned is doubted
 _MIN_GAIN: Final = 0.3
@@ -70,6 +71,14 @@ class CurrentFilter:
         self.gain *= cmath.rect(1.0, turn_rad)
         self.turn_rad = cmath.phase(self.gain)
         self._p33 += doubt_rad * doubt_rad
+
+    def recall(self, set_m_s: complex, gain: complex) -> None:
+        """What was learned since these were right was wrong."""
+        self.set_m_s, self.gain = set_m_s, gain
+        self.turn_rad = cmath.phase(gain)
+        more = (RECALL_SHARE * self._cruise_m_s) ** 2
+        self._p00 += more
+        self._p11 += more
 
     def update(self, over_ground: complex, through_water: complex, variance: float, dt_s: float) -> complex:
         """Learn from a velocity over ground and through the water, dt_s after the last one.

@@ -99,7 +99,7 @@ class Estimator:
             here.real,
             here.imag,
             yaw,
-            model.yaw_rate_rad_s,
+            model.reckoning.yaw_rate_rad_s,
             velocity.real,
             velocity.imag,
             in_hull.real,

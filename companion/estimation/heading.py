@@ -34,6 +34,9 @@ _EVEN: Final = 0.1  # and all is well again
 _STUCK_RAD: Final = 0.1  # turned by the gyro while the compass said the same,
 _STUCK_RAD_S: Final = 0.03  # and this a second: the gyro's bias may not be known yet
 _SIGMA_RAD: Final = 0.02  # with a compass
+_AGREES_RAD: Final = 0.2  # a compass that was found out is believed again once it agrees like this,
+_STEADY_RAD: Final = 0.1  # or, in a boat that is not under way, at least goes with the gyro like this,
+_AGREES_S: Final = 20.0  # for so long
 _GYRO_WALK_RAD_S: Final = 0.002  # how fast a gyro alone goes astray
 _BLIND_WALK_RAD_S: Final = 0.2  # and steering alone
 _GIVE_IN_RAD_S: Final = 0.005  # how fast the gate opens to a compass that keeps on disagreeing,
@@ -45,13 +48,15 @@ class HeadingFilter:
 
     time_s: of that reading. compass_s: of the latest one whose compass was believed. sigma_rad: one standard
     deviation. is_off: the compass does not go with the gyro. resets: how often it was believed in the end.
-    is_idle: the boat is not under way; the owner says so.
+    is_idle: the boat is not under way; the owner says so. drawn_rad: how far the compass has drawn the
+    heading in all. starts: how often the heading was begun anew.
     """
 
     __slots__ = (
-        "_block_s", "_blocks", "_compass", "_count", "_gyro", "_odd", "_off_since_s", "_rate_rad_s",
-        "_sum_rad", "_turned_rad", "bias_rad_s", "compass_s", "gate_rad", "has_gyro", "heading_rad",
-        "is_idle", "is_off", "resets", "sigma_rad", "time_s", "yaw_rate_rad_s",
+        "_agreed_rad", "_agrees_s", "_block_s", "_blocks", "_compass", "_count", "_gyro", "_is_disowned",
+        "_odd", "_off_since_s", "_rate_rad_s", "_sum_rad", "_turned_rad", "bias_rad_s", "compass_s",
+        "drawn_rad", "gate_rad", "has_gyro", "heading_rad", "is_idle", "is_off", "resets", "sigma_rad",
+        "starts", "time_s", "yaw_rate_rad_s",
     )  # fmt: skip
 
     def __init__(self, gate_rad: float) -> None:
@@ -63,7 +68,10 @@ class HeadingFilter:
         self.has_gyro = False
         self.is_off = False
         self.is_idle = True
-        self.resets = 0
+        self.resets = self.starts = 0
+        self.drawn_rad = 0.0
+        self._is_disowned = False  # somebody knows that the compass lies
+        self._agreed_rad = self._agrees_s = 0.0
         self._compass = Liveliness(_LEAP_RAD, _LEAP_RAD_S, _STUCK_S)
         self._gyro = Liveliness(_JERK_RAD_S, _JERK_RAD_S2, 0.5 * _STUCK_S)
         self._odd = 0.0
@@ -89,14 +97,18 @@ class HeadingFilter:
             if not self._gyro.is_good and not math.isnan(heading_rad):
                 yaw_rate_rad_s = None
         if dt > RESTART_S and not math.isnan(heading_rad):
-            self._begin(time_s, heading_rad, yaw_rate_rad_s)
+            self.begin(time_s, heading_rad, yaw_rate_rad_s)
         elif yaw_rate_rad_s is None:
             self._go_without_gyro(time_s, dt, heading_rad, bent_rad)
         else:
             self._go_by_gyro(time_s, dt, heading_rad, yaw_rate_rad_s, bent_rad)
 
-    def _begin(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
+    def begin(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
+        """Start at a reading, or start anew."""
+        self.time_s = time_s
         self.heading_rad = wrap_pi(heading_rad)
+        self.starts += 1
+        self._is_disowned = False
         self.has_gyro = yaw_rate_rad_s is not None
         self._rate_rad_s = yaw_rate_rad_s or 0.0
         self.yaw_rate_rad_s = self._rate_rad_s - self.bias_rad_s if self.has_gyro else 0.0
@@ -154,6 +166,8 @@ class HeadingFilter:
         residual, span = self._sum_rad / self._count, min(time_s - self._block_s, RESTART_S)
         self._sum_rad, self._count = 0.0, 0
         self._block_s = time_s
+        if self._is_disowned and not self._has_proved(residual, span):
+            return
         is_odd = self._blocks > 0 and not abs(residual) <= self._gate_now_rad(time_s)
         self._odd += min(span, 1.0) * ((1.0 if is_odd else 0.0) - self._odd)
         if is_odd and self._off_since_s == math.inf:
@@ -163,17 +177,45 @@ class HeadingFilter:
             return
         if self.is_off and abs(residual) > self.gate_rad:
             self.resets += 1
+            self.starts += 1
             self.heading_rad = wrap_pi(self.heading_rad + residual)
             residual = 0.0
         self._blocks += 1
         share = 1.0 - math.exp(-span / DRAW_S)
         if self._blocks * share < 1.0:  # at first all blocks count alike
-            self.heading_rad = wrap_pi(self.heading_rad + residual / (self._blocks + 1))
+            self._draw_in(residual / (self._blocks + 1))
         else:
-            self.heading_rad = wrap_pi(self.heading_rad + share * residual)
+            self._draw_in(share * residual)
             bias = self.bias_rad_s - share * residual / BIAS_S
             self.bias_rad_s = min(max(bias, -MAX_BIAS_RAD_S), MAX_BIAS_RAD_S)
         self._believe(time_s)
+
+    def _draw_in(self, by_rad: float) -> None:
+        self.heading_rad = wrap_pi(self.heading_rad + by_rad)
+        self.drawn_rad += by_rad
+
+    def disown(self, gap_rad: float, bias_rad_s: float) -> None:
+        """The compass has led the heading astray: it is that much off, and the gyro has this bias."""
+        self._is_disowned = self.is_off = True
+        self.heading_rad = wrap_pi(self.heading_rad + gap_rad)
+        self.bias_rad_s = bias_rad_s
+        self._odd = 1.0
+        self._agreed_rad = self._agrees_s = 0.0
+
+    def _has_proved(self, residual_rad: float, span_s: float) -> bool:
+        """Whether a compass that was found out has been right again for long enough."""
+        if abs(wrap_pi(residual_rad - self._agreed_rad)) > _STEADY_RAD:
+            self._agreed_rad, self._agrees_s = residual_rad, 0.0
+        if self.is_idle or abs(residual_rad) < _AGREES_RAD:
+            self._agrees_s += span_s
+        else:
+            self._agrees_s = 0.0
+        self._is_disowned = self._agrees_s < _AGREES_S
+        if not self._is_disowned and abs(residual_rad) > self.gate_rad:
+            self.resets += 1
+            self.starts += 1
+            self.heading_rad = wrap_pi(self.heading_rad + residual_rad)
+        return not self._is_disowned
 
     def _gate_now_rad(self, time_s: float) -> float:
         """The longer the compass disagrees, the more may be the gyro's fault."""

@@ -4,8 +4,8 @@ Readings that come in their order cannot become later without a pause: nobody lo
 was silence. After one, what thrust and steering lead one to expect is compared with what is heard. A reading
 that is late goes with what was expected a while ago: of all lags the right one is that which leaves the least
 variance between the two, the time-delay estimate of least squares (G. C. Carter, *Coherence and Time Delay
-Estimation*, Proc. IEEE 75(2), 1987). Constant differences do not count; on a straight course at a steady
-speed all lags are alike, and nothing is said.
+Estimation*, Proc. IEEE 75(2), 1987). Constant differences do not count, and scale not much; on a straight
+course at a steady speed all lags are alike, and nothing is said.
 """
 
 from typing import Final
@@ -15,7 +15,9 @@ LAGS: Final = 16  # 0 to 3 s
 _LENGTH: Final = 24  # of what is kept: readings on their way are older than the tick
 _PAUSE_S: Final = 0.4  # more than any sensor's usual
 _WATCH_S: Final = 120.0  # after a pause
+_NEWS_S: Final = 20.0  # in which most lags are found
 _MEMORY_S: Final = 8.0
+_SCALE: Final = 2.0  # how far what is expected may be off by a factor, either way
 _BETTER: Final = 0.35  # of the variance that the present lag leaves: what another one may leave at most,
 _FOR_S: Final = 1.4  # for so long
 _LEAST_STEPS: Final = 2  # less is the model's own fault
@@ -26,8 +28,9 @@ class LagWatch:
     """lag_s: what has to be taken off the stamps."""
 
     __slots__ = (
-        "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_s", "_lag", "_least", "_means",
-        "_next", "_odd_s", "_paused_s", "_squares", "_until_s", "lag_s",
+        "_alike", "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_mean", "_heard_s",
+        "_heard_square", "_lag", "_least", "_means", "_next", "_odd_s", "_paused_s", "_squares", "_until_s",
+        "lag_s",
     )  # fmt: skip
 
     def __init__(self, least: float) -> None:
@@ -37,14 +40,15 @@ class LagWatch:
         self._lag = self._best = self._next = self._count = 0
         self._expected = [0j] * _LENGTH
         self._expected_s = self._compared_s = self._heard_s = self._until_s = 0.0
-        self._means = [0j] * LAGS
-        self._squares = [0.0] * LAGS
+        self._heard_mean, self._heard_square = 0j, 0.0
+        self._means = [0j] * LAGS  # of what was expected so long before,
+        self._squares = [0.0] * LAGS  # its variance,
+        self._alike = [0.0] * LAGS  # and its covariance with what is heard
         self._odd_s = self._paused_s = 0.0
 
-    @property
-    def is_odd(self) -> bool:
-        """Whether readings do not go with what was expected, and another lag would do better."""
-        return self._odd_s > 0.0
+    def is_doubtful(self, time_s: float) -> bool:
+        """Whether readings may be late without its being known yet."""
+        return self._odd_s > 0.0 or (self._lag == 0 and time_s < self._until_s - _WATCH_S + _NEWS_S)
 
     def is_due(self, time_s: float) -> bool:
         """Whether `expect` is to be told something."""
@@ -91,18 +95,27 @@ class LagWatch:
         share = max(share, 1.0 / self._count)
         behind = round((self._expected_s - time_s) / STEP_S)
         back = self._next - 1 - min(max(behind, 0), _LENGTH - LAGS)
-        means, squares, expected = self._means, self._squares, self._expected
-        most = self._paused_s + STEP_S
+        means, squares, alike, expected = self._means, self._squares, self._alike, self._expected
+        self._heard_mean += share * (value - self._heard_mean)
+        value -= self._heard_mean
+        heard = self._heard_square
+        heard += share * (value.real * value.real + value.imag * value.imag - heard)
+        self._heard_square = heard
+        most_s = self._paused_s + STEP_S
         best, least, now = 0, 1e9, 0.0
         for lag in range(LAGS):
-            off = value - expected[back - lag]  # negative indices count from the ring's end
-            mean = means[lag] + share * (off - means[lag])
-            off -= mean
+            then = expected[back - lag]  # negative indices count from the ring's end
+            mean = means[lag] + share * (then - means[lag])
+            then -= mean
             means[lag] = mean
-            square = squares[lag] + share * (off.real * off.real + off.imag * off.imag - squares[lag])
+            square = squares[lag] + share * (then.real * then.real + then.imag * then.imag - squares[lag])
             squares[lag] = square
-            if square < least and lag * STEP_S <= most:
-                best, least = lag, square
+            like = alike[lag] + share * (then.real * value.real + then.imag * value.imag - alike[lag])
+            alike[lag] = like
+            scale = min(max(like / square if square > 0.0 else 1.0, 1.0 / _SCALE), _SCALE)
+            left = heard - 2.0 * scale * like + scale * scale * square
+            if left < least and lag * STEP_S <= most_s:
+                best, least = lag, left
             if lag == self._lag:
-                now = square
+                now = left
         return best, now, least

@@ -15,6 +15,7 @@ from typing import Final
 LENGTH: Final = 128  # strides of the ring, five seconds
 _MOTOR_S: Final = 0.15
 _HULL_S: Final = 0.8
+_GAIN_RAD_S: Final = 0.6  # before anything is known
 _GAIN_WALK: Final = 0.02  # rad/s per √s, of full steering,
 _TRIM_WALK: Final = 0.03  # and of what turns it besides: a boat goes from one wind and speed to another
 _MISFIT: Final = 0.01  # (rad/s)² s: the model is off by 0.1 rad/s for about a second
@@ -35,10 +36,10 @@ class YawModel:
 
     def __init__(self) -> None:
         self.time_s = self.rate_rad_s = self.turned_rad = 0.0
-        self._gain_rad_s = self._trim_rad_s = 0.0
+        self._gain_rad_s, self._trim_rad_s = _GAIN_RAD_S, 0.0
         self._left = self._right = 0.0  # as the shafts turn
         self.turning = 0.0
-        self._p00, self._p01, self._p11 = 1.0, 0.0, 0.04
+        self._p00, self._p01, self._p11 = _GAIN_RAD_S**2, 0.0, 0.04
         self._times_s = [-1.0] * LENGTH
         self._turnings = [0.0] * LENGTH
         self._turned = [0.0] * LENGTH

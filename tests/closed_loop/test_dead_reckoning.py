@@ -144,6 +144,19 @@ def test_a_sensor_that_becomes_late_is_reckoned_with(fault: str, bit: EstimateFa
     assert passage.heading_error_rad < math.radians(15.0)
 
 
+@pytest.mark.parametrize("deg_s", [-2.0, 2.0])
+def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course(deg_s: float) -> None:
+    passage = under_way(f"what='compass', kind='drift', size={deg_s}, for_s=60.0", course=square(40.0))
+    passage.sail(14.0)
+    assert passage.first_s[EstimateFault.COMPASS_OFF] < 12.0
+    assert passage.heading_error_rad < math.radians(22.0)
+    passage.sail(46.0)
+    assert passage.heading_error_rad < math.radians(8.0)
+    assert EstimateFault.HEADING_LOST not in passage.first_s
+    passage.sail(35.0)
+    assert not passage.sail(5.0).faults, "and believed again once it agrees"
+
+
 def test_with_neither_compass_nor_gyro_the_heading_is_given_up() -> None:
     passage = under_way("what='compass', kind='off'")
     passage.sail(5.0)

@@ -123,7 +123,7 @@ class Swinging:
                 heading = math.remainder(self.headings[then], math.tau)
                 reading = HeadingReading(time_s=now_s, heading_rad=heading, yaw_rate_rad_s=rate)
             yaw = self.model.advance(reading, now_s, MotorCommand(side, -side))
-            self.model._learn_yaw(TICK_S)
+            self.model.reckoning.learn(now_s, TICK_S)
             worst_rad = max(worst_rad, abs(math.remainder(yaw - self.headings[-1], math.tau)))
         return worst_rad
 

@@ -1,0 +1,116 @@
+"""The heading of now: readings, however late or seldom, carried on by what steering makes of the hull."""
+
+import math
+from typing import Final
+
+from companion.estimation.heading import HeadingFilter
+from companion.estimation.lag_watch import LagWatch
+from companion.estimation.yaw_model import YawModel
+from companion.sensors.readings import HeadingReading
+from companion.units import wrap_pi
+
+MAX_HEADING_RAD: Final = 100.0  # what lies beyond these two is a fault of the part
+MAX_RATE_RAD_S: Final = 50.0
+_FRESH_S: Final = 0.1  # a heading this old is carried on at its own rate, an older one by the yaw model,
+_FADE_S: Final = 1.0  # and what that does not know of its rate fades
+_SILENT_S: Final = 0.5
+_SELDOM_S: Final = 0.3  # from one reading to the next
+_PAUSES: Final = 0.2  # share of the latest one in what is usual
+_MOST_PAUSE_S: Final = 1.5
+_TURNING_RAD_S: Final = 0.1  # less turning to and fro does not tell how late the compass is
+_COURSE_S: Final = 5.0  # how fast the course made good draws the heading, with a gyro
+_COURSE_ALONE_S: Final = 0.7  # and without one,
+_LEAN_S: Final = 4.0  # where it also says what turns the boat besides steering
+
+
+class HeadingReckoning:
+    """heading_rad and yaw_rate_rad_s are those of now; `filter` has them as of the latest reading."""
+
+    __slots__ = (
+        "_heard_s", "_odd_rad_s", "_pause_s", "_rate_then_rad_s", "_turned_then_rad", "_turning_then",
+        "filter", "heading_rad", "late", "model", "yaw_rate_rad_s",
+    )  # fmt: skip
+
+    def __init__(self, gate_rad: float) -> None:
+        """gate_rad: how far a compass may be off the gyro."""
+        self.filter = HeadingFilter(gate_rad)
+        self.model = YawModel()
+        self.late = LagWatch(_TURNING_RAD_S)  # of the compass, with its gyro
+        self.heading_rad = self.yaw_rate_rad_s = 0.0
+        self._heard_s = -math.inf  # when the latest reading came, whatever time it is about
+        self._pause_s = 0.0  # usual between two readings
+        # The yaw model's, at the time that the latest reading is about
+        self._turned_then_rad = self._rate_then_rad_s = self._turning_then = 0.0
+        self._odd_rad_s = 0.0  # what it did not know of the rate of then
+
+    @property
+    def is_late(self) -> bool:
+        """Whether readings come late, or seldom."""
+        return self.late.lag_s > 0.0 or self._pause_s > _SELDOM_S
+
+    def advance(self, reading: HeadingReading | None, now_s: float, dt_s: float) -> None:
+        """Go on by dt_s to now_s, with the latest reading there is."""
+        heading = self.filter
+        if reading is not None and self._heard_s < reading.time_s <= now_s:
+            self._hear(reading)
+        if heading.time_s == -math.inf:
+            return
+        ahead_s = now_s - heading.time_s
+        if ahead_s <= _FRESH_S:
+            self.yaw_rate_rad_s = heading.yaw_rate_rad_s
+            self.heading_rad = wrap_pi(heading.heading_rad + heading.yaw_rate_rad_s * ahead_s)
+            return
+        model, fading = self.model, math.exp(-ahead_s / _FADE_S)
+        self.yaw_rate_rad_s = model.rate_rad_s + self._odd_rad_s * fading
+        turned = model.turned_rad + model.rate_rad_s * (now_s - model.time_s) - self._turned_then_rad
+        self.heading_rad = wrap_pi(heading.heading_rad + turned + self._odd_rad_s * _FADE_S * (1.0 - fading))
+        if now_s - self._heard_s > _SILENT_S:
+            heading.stray(dt_s)
+
+    def steer(self, now_s: float, left: float, right: float) -> None:
+        """The motors have had these commands until now."""
+        self.model.advance(now_s, left, right)
+        if self.late.is_due(now_s):
+            self.late.expect(now_s, complex(self.model.rate_of(self.model.turning), 0.0))
+
+    def learn(self, now_s: float, dt_s: float) -> None:
+        """How fast steering turns the boat, for the day when no gyro says so."""
+        if not self.late.is_doubtful(now_s):
+            self.model.learn(self.filter.yaw_rate_rad_s, self._turning_then, dt_s)
+
+    def draw(self, turn_rad: float, dt_s: float, doubt_rad: float) -> None:
+        """The course made good says that the heading is so much off, with such doubt."""
+        if self.filter.has_gyro:
+            self.filter.draw(turn_rad, _COURSE_S, dt_s, doubt_rad)
+        else:
+            self.filter.draw(turn_rad, _COURSE_ALONE_S, dt_s, doubt_rad)
+            self.model.lean(turn_rad * dt_s / (_COURSE_ALONE_S * _LEAN_S))
+
+    def _hear(self, reading: HeadingReading) -> None:
+        """Take a reading of compass and gyro, about the time that its stamp less its lag says."""
+        heading, model, late = self.filter, self.model, self.late
+        rate = reading.yaw_rate_rad_s
+        is_heading = abs(reading.heading_rad) <= MAX_HEADING_RAD
+        if not is_heading and (rate is None or not math.isnan(reading.heading_rad)):
+            return
+        if rate is not None and not abs(rate) <= MAX_RATE_RAD_S:
+            return
+        self._pause_s += _PAUSES * (min(reading.time_s - self._heard_s, _MOST_PAUSE_S) - self._pause_s)
+        self._heard_s = reading.time_s
+        time_s = reading.time_s - late.lag_s
+        dt = time_s - heading.time_s
+        if not dt > 0.0:
+            return  # stamps were believed before that have turned out too fresh
+        turned, turning = model.at(time_s) if late.lag_s > 0.0 else (model.turned_rad, model.turning)
+        modelled, bent = model.rate_of(turning), 0.0
+        if dt > _FRESH_S:
+            bent = turned - self._turned_then_rad - 0.5 * (modelled + self._rate_then_rad_s) * dt
+        heading.update(time_s, reading.heading_rad, rate, bent)
+        is_otherwise_late = late.compare(reading.time_s, complex(heading.yaw_rate_rad_s, 0.0))
+        if is_otherwise_late and is_heading and not heading.is_off:
+            time_s = reading.time_s - late.lag_s
+            heading.begin(time_s, reading.heading_rad, rate)
+            turned, turning = model.at(time_s)
+            modelled = model.rate_of(turning)
+        self._turned_then_rad, self._rate_then_rad_s, self._turning_then = turned, modelled, turning
+        self._odd_rad_s = heading.yaw_rate_rad_s - modelled
