@@ -18,9 +18,9 @@ from companion.router.configured_port import ConfiguredPort
 from companion.runner import Runner
 from companion.status_file import StatusFile
 from companion.storage import FolderStorage, MemoryStorage, Storage
+from sitl.air import Air, AirPort
 from sitl.computer import Computer
 from sitl.disk import Disk, file_writer
-from sitl.link import Air, AirPort
 from sitl.program import Program
 from sitl.recorder import NO_LEG, Recorder
 from sitl.scenario import Scenario

@@ -11,8 +11,8 @@ from companion.mavlink.address import Address
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.storage import MemoryStorage, Storage
+from sitl.air import Air, AirPort
 from sitl.disk import Disk
-from sitl.link import Air, AirPort
 from sitl.program import Program
 from sitl.scenario import Scenario
 from sitl.station import Station

@@ -6,9 +6,10 @@ from hypothesis import strategies as st
 
 from companion.errors import ConfigError
 from companion.hal.memory import MemoryPort, memory_pair
+from sitl.air import Air, AirLink, AirPort
 from sitl.channel import WHOLE, Quality
 from sitl.computer import Computer
-from sitl.link import Air, AirLink, AirPort, LinkSettings
+from sitl.link import LinkSettings
 from sitl.scenario import load_scenario
 
 
