@@ -7,13 +7,19 @@ from pathlib import Path
 
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.config import load_config
+from companion.config import BoatConfig, load_config
 from companion.errors import ConfigError
 from companion.mavlink.codec import Decoder
 from companion.param_pack import PackError, unpack_upload
 from companion.sensors.nmea import NmeaReader
 from companion.sensors.nmea_fix import FixAssembler
 from companion.sensors.nmea_heading import HeadingAssembler
+from companion.sensors.rc_crsf import CrsfParser, crc8
+from companion.sensors.rc_ibus import IbusParser
+from companion.sensors.rc_sbus import SbusParser
+from companion.settings.rc import Rc
+from companion.vehicle.transmitter import Transmitter
+from companion.vehicle.vehicle import Vehicle
 from fuzz.frames import frame
 from fuzz.fuzzed_boat import hear
 
@@ -28,6 +34,7 @@ _HANDLED = (
     *("DISTANCE_SENSOR", "SETUP_SIGNING", "FILE_TRANSFER_PROTOCOL", "MISSION_SET_CURRENT", "STATUSTEXT"),
     *("SET_HOME_POSITION", "SET_GPS_GLOBAL_ORIGIN", "MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM"),
 )
+_RADIO = BoatConfig(rc=Rc(arm_channel=5, mode_channel=6))
 _MISSION = (
     *("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_REQUEST_LIST", "MISSION_REQUEST_INT"),
     *("MISSION_REQUEST", "MISSION_ACK", "MISSION_CLEAR_ALL", "MISSION_SET_CURRENT"),
@@ -130,6 +137,37 @@ def _with_checksum(line: bytes) -> bytes:
     return b"$" + body + b"*%02X\r" % check
 
 
+def radio(data: bytes) -> None:
+    """An RC receiver's bytes and the pauses between them: the first two say which protocol, and how long the
+    pieces are; CRSF's checksums are mended. What it says reaches a boat's sticks and switches.
+    """
+    parser = (CrsfParser, IbusParser, SbusParser)[data[0] % 3 if data else 0]()
+    piece, said = 1 + (data[1] if len(data) > 1 else 0), data[2:]
+    if isinstance(parser, CrsfParser):
+        said = _with_crc(said)
+    transmitter, now_s = Transmitter(Vehicle(_RADIO)), 0.0
+    for at in range(0, len(said), piece):
+        now_s += 0.001 * (1 + said[at] % 8)
+        reading = parser.feed(said[at : at + piece], now_s)
+        assert len(parser._held) < 64
+        if reading is not None:
+            assert min(reading.channels_us, default=0) >= 0
+            assert max(reading.channels_us, default=0) <= 0xFFFF
+            transmitter.update(reading, now_s)
+
+
+def _with_crc(data: bytes) -> bytes:
+    mended, at = bytearray(data), 0
+    while at + 2 < len(mended):
+        end = at + 1 + mended[at + 1]
+        if mended[at] != 0xC8 or not at + 2 < end < len(mended):
+            at += 1
+            continue
+        mended[end] = crc8(bytes(mended[at + 2 : end]))
+        at = end + 1
+    return bytes(mended)
+
+
 def config(data: bytes) -> None:
     """A configuration file: it is read, or refused in one line."""
     with tempfile.NamedTemporaryFile(suffix=".toml") as file:
@@ -151,5 +189,15 @@ def parameter_file(data: bytes) -> None:
 
 TARGETS: dict[str, Callable[[bytes], None]] = {
     target.__name__: target
-    for target in (codec_stream, codec_datagram, services, missions, files, nmea, config, parameter_file)
+    for target in (
+        codec_stream,
+        codec_datagram,
+        services,
+        missions,
+        files,
+        nmea,
+        radio,
+        config,
+        parameter_file,
+    )
 }

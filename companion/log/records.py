@@ -83,7 +83,7 @@ MAV: Final = RecordKind(
 DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv", "s--bbbb", "F--0000")
 
 KINDS: Final = (
-    ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, BAT, RCIN, RSSI, MODE,
-    MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PM, MAV, DSF,
+    ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, BAT, RCIN, RSSI,
+    MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

@@ -99,8 +99,8 @@ class UpkeepCommands:
         return self._say(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
 
     def _calibrate(self, command: Command) -> int:
-        """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero ends
-        what is under way.
+        """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero
+        ends what is under way.
         """
         radio = self._vehicle.conduct.sticks.radio
         wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
