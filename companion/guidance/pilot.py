@@ -8,6 +8,7 @@ from companion.guidance.circle import circle_course_rad, circle_speed_m_s
 from companion.guidance.corner import SHARPEST_RAD, Corner, corner_between
 from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
+from companion.guidance.onward import onward_speed_m_s
 from companion.guidance.speed_profile import leg_speed_m_s, steered_speed_m_s
 from companion.guidance.station_keeping import LYING_SHARE, StationKeeping, turning_s
 from companion.guidance.turning import Turning
@@ -36,13 +37,16 @@ _LOST_RADII = 1.5  # of a waypoint: this far off its arc, a corner is done with
 class Pilot:
     """Guidance's memory: the corners about the present leg, anchor line, turn."""
 
-    __slots__ = ("_ahead", "_astern", "_laid_set", "_leg", "_station", "_station_point", "_turning")
+    __slots__ = (
+        "_ahead", "_astern", "_laid_set", "_leg", "_onward_m_s", "_station", "_station_point", "_turning",
+    )  # fmt: skip
 
     def __init__(self) -> None:
         self._leg: FollowLeg | None = None
         self._laid_set = (0.0, 0.0)  # for which the corner ahead was laid
         self._ahead: Corner | None = None  # at the end of the leg
         self._astern: Corner | None = None  # the one that led onto it, until it is sailed out
+        self._onward_m_s = math.inf  # allowed at the end of the leg, for the corners behind it
         self._station = StationKeeping()
         self._station_point: Point | None = None
         self._turning = Turning()
@@ -202,16 +206,20 @@ class Pilot:
 
     def _lay_corner(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> None:
         """Lay the arc at the end of a leg as the set is now."""
-        onward, self._ahead = leg.next_line, None
+        onward, self._ahead, self._onward_m_s = leg.next_line, None, math.inf
         self._laid_set = set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
         if onward is not None:
             radius = leg.radius_m or config.guidance.waypoint_radius_m
             self._ahead = corner_between(leg.line, onward, radius, config, set_n, set_e)
+            if leg.onward:
+                self._onward_m_s = onward_speed_m_s(onward, leg.onward, radius, leg.speed_m_s, config)
 
     def _speed_m_s(self, leg: FollowLeg, to_go_m: float, config: BoatConfig) -> float:
-        corner, onward = self._ahead, leg.next_line
+        corner, onward, most = self._ahead, leg.next_line, leg.speed_m_s
+        if self._onward_m_s < most:
+            most = leg_speed_m_s(most, to_go_m, self._onward_m_s, config)
         if corner is not None:
-            return corner.speed_m_s(corner.entry_m - to_go_m, leg.speed_m_s, config)
+            return corner.speed_m_s(corner.entry_m - to_go_m, most, config)
         if onward is not None and abs(wrap_pi(onward.course_rad - leg.line.course_rad)) < SHARPEST_RAD:
-            return leg.speed_m_s
-        return leg_speed_m_s(leg.speed_m_s, to_go_m, 0.0, config)
+            return most
+        return leg_speed_m_s(most, to_go_m, 0.0, config)

@@ -24,6 +24,8 @@ class FollowLeg:
 
     next_end is where the leg after this one leads: guidance slows for the corner between them. None means
     that the boat is to stop at `end`. radius_m is how near `end` must be passed, 0 the boat's own radius.
+    onward are the corners from next_end on, where they lie close together, as far as they are known: the boat
+    must be able to stop at the last of them. Empty: nothing is known.
     """
 
     start: Point
@@ -31,6 +33,7 @@ class FollowLeg:
     speed_m_s: float
     next_end: Point | None = None
     radius_m: float = 0.0
+    onward: tuple[Point, ...] = ()
     line: Line = field(init=False, repr=False, compare=False)
     next_line: Line | None = field(init=False, repr=False, compare=False)
 

@@ -13,13 +13,18 @@ class Leg:
     """From where it began to `end`.
 
     next_end: where the leg after it leads, None when the boat is to stop. radius_m: how near is near enough,
-    0 the boat's own waypoint radius.
+    0 the boat's own waypoint radius. onward: the corners from next_end on, where they lie close together.
     """
 
-    __slots__ = ("_intent", "_line", "_next_line", "_was_near", "end", "next_end", "radius_m")
+    __slots__ = ("_intent", "_line", "_next_line", "_was_near", "end", "next_end", "onward", "radius_m")
 
     def __init__(
-        self, start: Point, end: Point, next_end: Point | None = None, radius_m: float = 0.0
+        self,
+        start: Point,
+        end: Point,
+        next_end: Point | None = None,
+        radius_m: float = 0.0,
+        onward: tuple[Point, ...] = (),
     ) -> None:
         self._line = Line(start, end)
         self._next_line = None if next_end is None else Line(end, next_end)
@@ -28,6 +33,7 @@ class Leg:
         self.end = end
         self.next_end = next_end
         self.radius_m = radius_m
+        self.onward = onward
 
     @property
     def start(self) -> Point:
@@ -70,5 +76,7 @@ class Leg:
         intent = self._intent
         if intent is None or intent.speed_m_s != speed_m_s:
             start = self._line.start
-            self._intent = intent = FollowLeg(start, self.end, speed_m_s, self.next_end, self.radius_m)
+            self._intent = intent = FollowLeg(
+                start, self.end, speed_m_s, self.next_end, self.radius_m, self.onward
+            )
         return intent

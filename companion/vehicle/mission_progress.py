@@ -34,6 +34,8 @@ from companion.vehicle.mission_steps import (
 )
 from companion.vehicle.orbit import Orbit
 from companion.vehicle.places import locate
+from companion.vehicle.short_legs import ShortLegs, line_ahead
+from companion.vehicle.waypoints_ahead import waypoints_ahead
 
 _STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
 _TURNED_RAD = math.radians(5.0)
@@ -60,6 +62,7 @@ class MissionProgress:
         self._leg: Leg | None = None
         self._is_loose = False  # it began wherever the boat was
         self._is_onward_known = False  # whether the leg knows the one after it
+        self._short_legs: ShortLegs | None = None  # this one and those after it, where they are that
         self._orbit: Orbit | None = None
         self._turn_to_rad = 0.0
         self._waiting: deque[Condition | Done] = deque()  # behind a condition, and it first
@@ -90,7 +93,7 @@ class MissionProgress:
         goes_on = same and done <= len(mission)
         self.mission = mission
         if goes_on:
-            self._is_onward_known = False
+            self._is_onward_known, self._short_legs = False, None
         else:
             self.restart()
         return goes_on
@@ -149,7 +152,7 @@ class MissionProgress:
 
     def begin_leg_at(self, start: Point) -> None:
         """The present item's leg begins there, from where its way is known to be clear."""
-        self._leg_start, self._leg, self._is_loose = start, None, False
+        self._leg_start, self._leg, self._is_loose, self._short_legs = start, None, False, None
 
     def take_reached(self) -> list[int]:
         """Sequences reached since the last call."""
@@ -225,11 +228,17 @@ class MissionProgress:
             self._is_onward_known = False
         if not self._is_onward_known:
             self._is_onward_known = True
-            onward = self._next_waypoint() if waypoint.hold_s <= 0.0 else None
-            leg.turn_onto(None if onward is None else locate(onward.position, frame, leg.end))
+            ahead = waypoints_ahead(self.mission, self.current_seq, self.jumps)
+            leg.turn_onto(locate(ahead[0].position, frame, leg.end) if ahead else None)
+            own_m = config.guidance.waypoint_radius_m
+            self._short_legs = line_ahead(self._short_legs, leg, ahead, frame, own_m)
         if math.isnan(self._begun_s):
             if not leg.has_ended(nav, config.guidance.waypoint_radius_m):
-                return leg.intent(self.speed_m_s or config.speed.cruise_m_s)
+                speed_m_s = self.speed_m_s or config.speed.cruise_m_s
+                if self._short_legs is not None and leg.start == self._leg_start:
+                    return self._short_legs.intent(nav, speed_m_s)
+                self._short_legs = None
+                return leg.intent(speed_m_s)
             self.reached.append(self.current_seq)
             self._station = leg.end
             self._begun_s = now_s
@@ -322,26 +331,6 @@ class MissionProgress:
     def _step(self) -> Step:
         return self.mission[self.current_seq] if self.current_seq < len(self.mission) else Home()
 
-    def _next_waypoint(self) -> Waypoint | None:
-        """The waypoint that follows without a stop between, None when the boat stops at this one."""
-        seq, jumped = self.current_seq + 1, False
-        for _ in range(_STEPS_A_TICK):
-            if seq > self.last_seq:
-                return None
-            match self.mission[seq]:
-                case Waypoint() as waypoint:
-                    return waypoint
-                case Jump(target, times):
-                    goes = times < 0 or self.jumps.get(seq, 0) < times
-                    if goes and jumped:
-                        return None  # one jump leads to another: more than this looks ahead
-                    seq, jumped = (target, True) if goes else (seq + 1, jumped)
-                case GoRound() | Wait() | Turn() | HandOver() | ReturnHome():
-                    return None
-                case _:
-                    seq += 1
-        return None
-
     def _jump(self, target: int, times: int) -> None:
         done = self.jumps.get(self.current_seq, 0)
         if times < 0 or done < times:
@@ -369,5 +358,8 @@ class MissionProgress:
         self._is_loose = False
         self._leg = self._orbit = None
         self._begun_s = math.nan
+        if self._short_legs is not None:
+            self._short_legs.pass_waypoint()
         if leg_start is None:
+            self._short_legs = None
             self._station = None
