@@ -37,7 +37,7 @@ CRUISE_M_S = 2.0
 SAIL_S = 18.0  # wall-clock seconds that the voyage is to take
 FASTEST = 120.0  # times real time; what an emulated boat keeps up with on a small machine
 FARTHEST_M = 700.0
-KEEPS_WITHIN_M = 0.5  # how far inside the clearance the boat may stray
+KEEPS_WITHIN_M = 0.5  # how far inside the clearance the boat may stray where there is no room for a margin
 REACHED_M = 2.5  # a waypoint passed nearer than this, in truth, was reached: the boat's radius and its GNSS
 PASSING_M = 40.0  # an obstacle nearer than this to the track was sailed past
 DRAWN_POINTS = 3000
@@ -205,6 +205,7 @@ def _figures(
         "off_max_m": float(off_m.max()),
         "clearance_m": clearance_m,
         "nearest_m": nearest_m,
+        "kept": "met" if nearest_m >= clearance_m else "NOT met",
         "passed": passed
         or [f"{sum(ring.distance(path) <= PASSING_M for ring in islands)} unnamed island(s)"],
         "upload_s": report["upload"]["upload_s"],
@@ -222,7 +223,7 @@ def _print_table(figures: dict[str, Any], console: Console) -> None:
         ("time under way", "{time_s:.0f} s of the boat's clock"),
         ("waypoints reached", "{reached} of {waypoints}"),
         ("off the planned line", "{off_rms_m:.2f} m RMS, {off_max_m:.2f} m at most"),
-        ("nearest to anything solid", "{nearest_m:.2f} m; clearance asked for {clearance_m:g} m"),
+        ("nearest to anything solid", "{nearest_m:.2f} m; {clearance_m:g} m asked for: {kept}"),
     )
     for name, form in rows:
         table.add_row(name, form.format(**figures))

@@ -1,9 +1,10 @@
 """From a chart, a start and a goal to a plan: grid, search, string pulling, and what to say when it fails."""
 
+import contextlib
 import math
 import operator
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
 from typing import Any
@@ -14,7 +15,7 @@ from companion.geo import Point, bearing_rad, distance_m
 from companion.units import wrap_pi
 from mission_tools.astar import SearchMetrics, astar
 from mission_tools.corners import widen_corners
-from mission_tools.errors import NoRoute, UsageError
+from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked, UsageError
 from mission_tools.expansion import EightNeighbours
 from mission_tools.grid import Grid
 from mission_tools.heuristics import HEURISTICS, HeuristicName, estimates
@@ -32,6 +33,7 @@ MAX_REFINED_GRID_CELLS = 16_000_000
 MAX_PULL_POINTS = 600
 MIN_LEG_CLEARANCES = 3.0
 MIN_LEG_CELLS = 3.0
+_MARGIN_SHARES = (1.0, 0.5)
 CORNER_CLEARANCES = 0.5
 """How near to a waypoint a vehicle is taken to begin its turn: whoever keeps 4 m off turns within 2 m."""
 
@@ -40,8 +42,9 @@ CORNER_CLEARANCES = 0.5
 class PlanSettings:
     """What a plan is asked to be.
 
-    clearance_m: distance kept from shores, obstacles and keep-out areas. cell_m: side of a grid cell; None
-    chooses. budget: most cells to expand; None for no limit.
+    clearance_m: distance kept from shores, obstacles and keep-out areas. margin_m: planned on top of it where
+    there is room, for what the boat will sail beside the plan: its corners and its receiver's wander.
+    cell_m: side of a grid cell; None chooses. budget: most cells to expand; None for no limit.
 
     Raises:
         UsageError: a value that makes no sense.
@@ -52,10 +55,13 @@ class PlanSettings:
     heuristic: HeuristicName = "octile"
     smooth: bool = True
     budget: int | None = None
+    margin_m: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.clearance_m < math.inf:
             raise UsageError(f"clearance is {self.clearance_m} m: expected 0 or more")
+        if not 0.0 <= self.margin_m < math.inf:
+            raise UsageError(f"margin is {self.margin_m} m: expected 0 or more")
         if self.cell_m is not None and not 0.0 < self.cell_m < math.inf:
             raise UsageError(f"cell size is {self.cell_m} m: expected more than 0")
         if self.heuristic not in HEURISTICS:
@@ -68,11 +74,15 @@ class PlanSettings:
         Raises:
             UsageError: a value that makes no sense.
         """
-        named: dict[str, Any] = {
-            name: getattr(route, name) for name in ("clearance_m", "cell_m", "heuristic", "smooth")
-        }
+        names = ("clearance_m", "margin_m", "cell_m", "heuristic", "smooth")
+        named: dict[str, Any] = {name: getattr(route, name) for name in names}
         named |= {name: value for name, value in given.items() if value is not None}
         return cls(**{name: value for name, value in named.items() if value is not None})
+
+    @property
+    def kept_m(self) -> float:
+        """Clearance and margin."""
+        return self.clearance_m + self.margin_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +110,7 @@ def plan(
 ) -> Plan:
     """Plan a route from start through the via points to the goal.
 
+    Where the margin leaves no route, or a stop has less room, half of it is tried, then none; notes say so.
     A start that is afloat but nearer to a shore than the clearance (a boat at its jetty) is left straight for
     the nearest free water; the plan's notes say so.
 
@@ -112,14 +123,29 @@ def plan(
     """
     settings = settings or PlanSettings()
     stops = (start, *via, goal)
-    bounds = _bounds(chart, stops, settings.clearance_m)
-    sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.clearance_m)
+    for share in _MARGIN_SHARES if settings.margin_m > 0.0 else ():
+        tried = replace(settings, margin_m=share * settings.margin_m)
+        if 0.0 <= chart.clearance_m(start) - settings.clearance_m < tried.margin_m:
+            continue  # it is no boat at its jetty, that leaves without a clearance
+        with contextlib.suppress(NoRoute, StartBlocked, GoalBlocked):
+            found = _plan(chart, stops, tried)
+            note = f"kept to {tried.kept_m:g} m: no route keeps {settings.kept_m:g} m"
+            return replace(found, notes=(*found.notes, note)) if share < 1.0 else found
+    found = _plan(chart, stops, replace(settings, margin_m=0.0))
+    if settings.margin_m > 0.0:
+        note = f"kept to {settings.clearance_m:g} m: there is no room for a margin beside it"
+        found = replace(found, notes=(*found.notes, note))
+    return found
+
+
+def _plan(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
+    """Plan with the whole margin, in cells finer and finer."""
+    bounds = _bounds(chart, stops, settings.kept_m)
+    sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.kept_m)
     failure: NoRoute | None = None
     for cell_m in sizes:
         try:
-            return _Planner(chart, occupancy(chart, bounds, cell_m, settings.clearance_m), settings).plan(
-                stops
-            )
+            return _Planner(chart, occupancy(chart, bounds, cell_m, settings.kept_m), settings).plan(stops)
         except NoRoute as error:
             failure = error
     raise failure or NoRoute("no cell size to try")
@@ -154,7 +180,7 @@ class _Planner:
         self._grid = grid
         self._settings = settings
         self._expansion = EightNeighbours(grid)
-        self._water = FreeWater(chart, grid, settings.clearance_m)
+        self._water = FreeWater(chart, grid, settings.kept_m)
 
     def plan(self, stops: Sequence[Point]) -> Plan:
         water, settings = self._water, self._settings
@@ -210,7 +236,7 @@ class _Planner:
         return _Leg(self._smoothed(path) if settings.smooth else _corners(path), path, found.metrics)
 
     def _smoothed(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
-        clearance_m = self._settings.clearance_m
+        clearance_m = self._settings.kept_m
 
         def is_clear(a: Point, b: Point) -> bool:
             return self._chart.is_clear(a, b, clearance_m)

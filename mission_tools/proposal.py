@@ -15,6 +15,8 @@ from mission_tools.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.planning import Plan, PlanSettings, plan
 from mission_tools.route import mission_along, with_speed
 
+MOST_MARGIN_M = 0.6  # what a boat sails beside its plan, corners and the receiver's wander together
+MARGIN_SHARE = 0.15  # of the clearance, where that is small
 REACH_DEG = 2.0  # farther from a chart's middle than this nothing can be on it
 
 
@@ -112,6 +114,9 @@ class Water:
             heuristic=wishes.heuristic,
             smooth=wishes.smooth,
         )
+        if source.route.margin_m is None:
+            margin_m = min(MOST_MARGIN_M, MARGIN_SHARE * self._settings.clearance_m)
+            self._settings = replace(self._settings, margin_m=margin_m)
         self._start = self._local("--start-at", wishes.start_at) if wishes.start_at else source.route.start
         goal = self._local("--goal", wishes.goal) if wishes.goal else source.route.goal
         if goal is None:

@@ -6,7 +6,7 @@
               [[map.obstacles]] name, kind, and polygon = [[east_m, north_m], …]
                                          or circle = { centre = [east_m, north_m], radius_m = … }
     [route]   start, goal, via                        [east_m, north_m] or { lat_deg, lon_deg }
-              clearance_m, cell_m, heuristic, smooth
+              clearance_m, margin_m, cell_m, heuristic, smooth
     [[cases]] name, start, goal
 
 Other sections belong to the emulator and are not looked at.
@@ -72,6 +72,7 @@ class _Route(_Table, frozen=True):
     goal: _Place | None = None
     via: tuple[_Place, ...] = ()
     clearance_m: Annotated[float, Meta(ge=0.0)] | None = None
+    margin_m: Annotated[float, Meta(ge=0.0)] | None = None
     cell_m: Positive | None = None
     heuristic: Literal["octile", "euclidean", "manhattan"] | None = None
     smooth: bool | None = None
@@ -129,6 +130,7 @@ def decode_scenario(tree: Mapping[str, Any], path: Path) -> Source:
         goal=None if route.goal is None else local(route.goal),
         via=tuple(local(place) for place in route.via),
         clearance_m=route.clearance_m,
+        margin_m=route.margin_m,
         cell_m=route.cell_m,
         heuristic=route.heuristic,
         smooth=route.smooth,

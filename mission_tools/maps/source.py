@@ -16,6 +16,7 @@ class RouteDefaults:
     goal: Point | None = None
     via: tuple[Point, ...] = ()
     clearance_m: float | None = None
+    margin_m: float | None = None
     cell_m: float | None = None
     heuristic: str | None = None
     smooth: bool | None = None

@@ -238,3 +238,50 @@ def test_a_route_across_a_real_lake_keeps_clear_of_its_shore(name: str) -> None:
     found = plan(chart, start, goal, PlanSettings(clearance_m=5.0))
     assert_keeps_clear(chart, found, 5.0)
     assert found.length_m <= path_length_m(found.grid_path)
+
+
+def raft(west: float, south: float, east: float, north: float) -> Feature:
+    return Feature("Raft", "raft", shapely.box(west, south, east, north))
+
+
+def test_a_margin_is_kept_on_top_of_the_clearance_where_there_is_room() -> None:
+    chart = basin(raft(-5, -5, 5, 5))
+    found = plan(chart, Point(0, -40), Point(0, 40), PlanSettings(4.0, margin_m=0.6))
+    assert_keeps_clear(chart, found, 4.6)
+    assert (found.notes, found.settings.clearance_m) == ((), 4.0)
+
+
+@pytest.mark.parametrize(
+    ("gap_m", "kept_m", "said"),
+    [
+        (9.0, 4.3, "kept to 4.3 m: no route keeps 4.6 m"),
+        (8.4, 4.0, "kept to 4 m: there is no room for a margin"),
+    ],
+)
+def test_where_a_passage_is_narrow_the_margin_gives_way_and_a_note_says_so(
+    gap_m: float, kept_m: float, said: str
+) -> None:
+    half = 0.5 * gap_m
+    chart = basin(raft(-5, half, 5, 51), raft(-5, -51, 5, -half))
+    found = plan(chart, Point(0, -40), Point(0, 40), PlanSettings(4.0, cell_m=0.1, margin_m=0.6))
+    assert_keeps_clear(chart, found, kept_m)
+    assert [note for note in found.notes if said in note]
+
+
+def test_a_goal_and_a_start_that_have_the_clearance_but_no_margin_are_sailed_to() -> None:
+    chart = basin()
+    for start, goal in ((Point(0, -45.8), Point(0, 30)), (Point(0, -30), Point(0, 45.8))):
+        found = plan(chart, start, goal, PlanSettings(4.0, margin_m=0.6))
+        assert_keeps_clear(chart, found, 4.0)
+        assert found.notes == ("kept to 4 m: there is no room for a margin beside it",)
+
+
+def test_what_is_in_the_way_is_told_without_the_margin() -> None:
+    with pytest.raises(GoalBlocked, match="nearer than the clearance of 4 m"):
+        plan(basin(), Point(0, 0), Point(0, 47), PlanSettings(4.0, margin_m=0.6))
+
+
+@pytest.mark.parametrize("margin_m", [-0.1, math.inf, math.nan])
+def test_a_margin_that_is_none_is_refused(margin_m: float) -> None:
+    with pytest.raises(UsageError, match="margin is"):
+        PlanSettings(margin_m=margin_m)
