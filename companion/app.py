@@ -29,6 +29,7 @@ from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
 from companion.runner import Runner
 from companion.sensors.external import Use
+from companion.settings.rc import Rc
 from companion.status_file import StatusFile, status_path
 from companion.storage import FolderStorage, MemoryStorage, Storage
 
@@ -65,6 +66,21 @@ def check_config(config: BoatConfig) -> None:
             raise ConfigError(
                 f"parts.{name}.driver: the boat cannot sail without; expected a driver, or [external] instead"
             )
+    check_channels(config.rc)
+
+
+def check_channels(setting: Rc) -> None:
+    """No two things on one channel of the transmitter.
+
+    Raises:
+        ConfigError: names the key.
+    """
+    taken: dict[int, str] = {}
+    for key in ("steering_channel", "throttle_channel", "arm_channel", "mode_channel"):
+        channel = getattr(setting, key)
+        if channel and channel in taken:
+            raise ConfigError(f"rc.{key} = {channel}: expected another than rc.{taken[channel]}")
+        taken[channel] = key
 
 
 def policy_of(link: LinkConfig, key: str) -> Policy:

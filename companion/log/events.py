@@ -19,9 +19,9 @@ from companion.vehicle.vehicle import Vehicle
 
 # LogEvent, LogErrorSubsystem and their codes, with ArduPilot's numbers
 _ARMED, _DISARMED, _SET_HOME = 10, 11, 25
-_COMPASS, _BATTERY, _OPERATOR, _GNSS = 3, 6, 8, 11
+_COMPASS, _RADIO, _BATTERY, _OPERATOR, _GNSS = 3, 5, 6, 8, 11
 _RESOLVED = 0
-_ERROR_CODES: Final = {_COMPASS: 4, _BATTERY: 1, _OPERATOR: 1, _GNSS: 2}
+_ERROR_CODES: Final = {_COMPASS: 4, _RADIO: 1, _BATTERY: 1, _OPERATOR: 1, _GNSS: 2}
 _ORIGIN, _HOME = 0, 1
 _ROVER = 1  # build type
 _VERSION: Final = tuple(int(part) for part in __version__.split(".")[:3])
@@ -99,6 +99,8 @@ def _errors(now: Snapshot) -> Iterator[int]:
         yield _BATTERY
     if now.vehicle.failsafes.is_active(Condition.OPERATOR_LOST):
         yield _OPERATOR
+    if now.vehicle.failsafes.is_active(Condition.RC_LOST):
+        yield _RADIO
 
 
 def introduction(us: int) -> Iterator[bytes]:

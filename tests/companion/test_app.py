@@ -64,6 +64,10 @@ def after(ticks: int) -> Callable[[], bool]:
         ({"links": ["udpin::14550"]}, r"parts\.motors\.driver"),
         ({"links": ["udpin::14550"], "parts": {**PARTS, "gnss": {}}}, r"parts\.gnss\.driver"),
         ({"links": ["udpin::14550"], "parts": {**PARTS, "compass": {}}}, r"parts\.compass\.driver"),
+        (
+            {"links": ["udpin::14550"], "parts": PARTS, "rc": {"arm_channel": 3}},
+            r"rc\.arm_channel = 3: .*throttle",
+        ),
     ],
 )
 def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: dict[str, object], words: str) -> None:

@@ -364,6 +364,16 @@ def test_lost_parts_and_low_packs_are_errors_with_ardupilots_numbers(
     assert errors == [(6, 1)]
 
 
+def test_a_lost_transmitter_is_an_error_until_it_is_heard_again(open_rig: OpenRig, tmp_path: Path) -> None:
+    fault = 'faults=[{what="rc", at_s=10.0, for_s=5.0}]'
+    rig = open_rig(tmp_path, "sensors.rc.fitted=true", fault).ready()
+    assert rig.arm() == OK
+    rig.run(18.0)
+    rig.boat.close()
+    errors = [(error.Subsys, error.ECode) for error in of_kind(read_log(tmp_path / "00001.bin"), "ERR")]
+    assert errors == [(5, 1), (5, 0)]
+
+
 def test_a_file_begins_with_its_definitions(voyage: Voyage) -> None:
     assert (voyage.rig.store.folder / "00001.bin").read_bytes().startswith(HEADER)
 

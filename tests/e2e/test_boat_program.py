@@ -12,6 +12,8 @@ from mavutil_station import OpenStation
 from programs import Program, RunProgram, until
 from pymavlink.dialects.v20 import all as dialect
 
+from companion.sensors.rc_crsf import crc8
+
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
 
@@ -78,6 +80,34 @@ def test_it_finds_itself_arms_and_obeys_the_operators_hand(boat: Program, open_s
     station.mav.rc_channels_override_send(1, 1, 2000, 0, 1500, 0, 0, 0, 0, 0)
     turning = station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1600)
     assert turning.servo3_raw < 1400
+
+
+def channels(throttle_us: int, arm_us: int) -> bytes:
+    """A CRSF frame as a receiver sends it: 1 steers, 3 is the throttle, 5 arms."""
+    ticks = [992, 992, round(992 + 1.6 * (throttle_us - 1500)), 992, round(992 + 1.6 * (arm_us - 1500))]
+    bits = sum(tick << 11 * number for number, tick in enumerate(ticks + [992] * 11))
+    body = b"\x16" + bits.to_bytes(22, "little")
+    return bytes([0xC8, len(body) + 1]) + body + bytes([crc8(body)])
+
+
+def test_a_transmitter_arms_and_drives_it_and_is_missed_when_it_is_silent(
+    run_program: RunProgram, open_station: OpenStation, config: Path, tmp_path: Path
+) -> None:
+    uart, said = tmp_path / "uart", [channels(1500, 1000)]
+    with config.open("a", encoding="utf-8") as lines:
+        lines.write(f'\n[rc]\ndriver = "crsf"\nport = "{uart}"\narm_channel = 5\n')
+    with nmea_boat.TalkingPart(uart, lambda: said[0]):
+        boat = run_program("boat-companion", "run", "--config", str(config), environment=MOCK_PINS)
+        station = open_station(port_of(boat))  # it chooses MANUAL, and listens
+        station.wait_for("RC_CHANNELS", lambda rc: rc.chancount == 16 and rc.chan5_raw == 1000)
+        station.wait_for("GPS_RAW_INT", lambda raw: raw.fix_type == 3)
+        assert station.enter(MANUAL) == dialect.MAV_RESULT_ACCEPTED
+        said[0] = channels(1500, 2000)
+        station.wait_for("HEARTBEAT", lambda beat: beat.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+        said[0] = channels(1900, 2000)
+        station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1800)
+        said[0] = b""
+        station.wait_for("STATUSTEXT", lambda line: "RC lost: the receiver is silent" in line.text)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
