@@ -5,17 +5,16 @@ second begins; behind a condition it waits, and is dropped if that leg ends firs
 """
 
 import math
-from collections import deque
 
 from companion.config import BoatConfig
-from companion.geo import LatLon, Line, LocalFrame, Point, distance_m
+from companion.geo import LatLon, Line, LocalFrame, Point
 from companion.state import NavState
-from companion.units import wrap_pi
-from companion.vehicle.intent import HoldHeading, Intent, KeepStation
+from companion.vehicle.intent import Intent, KeepStation
 from companion.vehicle.leg import Leg
+from companion.vehicle.mission_conditions import Deferred
+from companion.vehicle.mission_halts import Halt, Halting
 from companion.vehicle.mission_steps import (
     AfterDelay,
-    Condition,
     Done,
     GoRound,
     HandOver,
@@ -38,8 +37,6 @@ from companion.vehicle.short_legs import ShortLegs, line_ahead
 from companion.vehicle.waypoints_ahead import waypoints_ahead
 
 _STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
-_TURNED_RAD = math.radians(5.0)
-_TURN_LIMIT_S = 30.0  # a boat that the wind will not let turn goes on
 
 
 class MissionProgress:
@@ -64,10 +61,8 @@ class MissionProgress:
         self._is_onward_known = False  # whether the leg knows the one after it
         self._short_legs: ShortLegs | None = None  # this one and those after it, where they are that
         self._orbit: Orbit | None = None
-        self._turn_to_rad = 0.0
-        self._waiting: deque[Condition | Done] = deque()  # behind a condition, and it first
-        self._waiting_since_s = 0.0
-        self._hand_over_limit = LimitHandOver(0.0, 0.0)
+        self._deferred = Deferred()
+        self._halt = Halt()
 
     @property
     def is_empty(self) -> bool:
@@ -103,7 +98,7 @@ class MissionProgress:
         self.forget_jumps()
         self.has_started = False
         self.speed_m_s = None
-        self._hand_over_limit = LimitHandOver(0.0, 0.0)
+        self._halt.limit = LimitHandOver(0.0, 0.0)
         self.set_current(1 if not self.is_empty else 0)
 
     def forget_jumps(self) -> None:
@@ -118,7 +113,7 @@ class MissionProgress:
         self.finished = False
         self.go_home = False
         self._cut_leg_start = None
-        self._waiting.clear()
+        self._deferred.clear()
         self._begin_item()
         return True
 
@@ -176,8 +171,10 @@ class MissionProgress:
                 break
             intent = self._advance_from_current(nav, frame, config, now_s)
             if intent is not None:
-                if self._waiting:
-                    self._do_waiting(nav, now_s)
+                if not self._deferred.is_empty:
+                    end = self._leg.end if self._leg is not None else None
+                    for step in self._deferred.take_due(nav.point, end, now_s):
+                        self._do(step)
                 return intent
         self._station = self._station or nav.point
         return KeepStation(self._station)
@@ -192,12 +189,8 @@ class MissionProgress:
                 return self._sail_to(waypoint, nav, frame, config, now_s)
             case GoRound() as circle:
                 return self._go_round(circle, nav, frame, config)
-            case Wait(hold_s):
-                return self._wait(hold_s, nav, now_s)
-            case Turn() as turn:
-                return self._turn(turn, nav, now_s)
-            case HandOver(is_on):
-                return self._hand_over(is_on, nav, now_s)
+            case Wait() | Turn() | HandOver() as halt:
+                return self._hold_up(halt, nav, now_s)
             case ReturnHome():
                 self.go_home = True
                 self.finished = True
@@ -206,15 +199,13 @@ class MissionProgress:
             case Home():
                 self._advance(self._leg_start)
             case AfterDelay() | WithinDistance() as condition:
-                if not self._waiting:
-                    self._waiting_since_s = now_s
-                self._waiting.append(condition)
+                self._deferred.add(condition, now_s)
                 self._advance(self._leg_start)
             case step:
-                if self._waiting:
-                    self._waiting.append(step)
-                else:
+                if self._deferred.is_empty:
                     self._do(step)
+                else:
+                    self._deferred.add(step, now_s)
                 self._advance(self._leg_start)
         return None
 
@@ -262,40 +253,19 @@ class MissionProgress:
         self._leave(nav.point)
         return None
 
-    def _wait(self, hold_s: float, nav: NavState, now_s: float) -> Intent | None:
+    def _hold_up(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
         if math.isnan(self._begun_s):
             self._begun_s = now_s
-        self._station = self._station or nav.point
-        if now_s < self._begun_s + hold_s:
-            return KeepStation(self._station)
+            self._station = self._halt.begin(step, nav, self._station, now_s)
+        intent = self._halt.intent(step, nav, now_s)
+        if intent is not None:
+            return intent
         self.reached.append(self.current_seq)
-        self._leave(self._leg_start)
-        return None
-
-    def _turn(self, turn: Turn, nav: NavState, now_s: float) -> Intent | None:
-        if math.isnan(self._begun_s):
-            self._begun_s = now_s
-            self._turn_to_rad = wrap_pi(turn.heading_rad + (nav.heading_rad if turn.is_relative else 0.0))
-        off_rad = abs(wrap_pi(self._turn_to_rad - nav.heading_rad))
-        if off_rad > _TURNED_RAD and now_s < self._begun_s + _TURN_LIMIT_S:
-            return HoldHeading(self._turn_to_rad, 0.0)
-        self.reached.append(self.current_seq)
-        self._leave(None)
-        self._leg_start = nav.point
-        return None
-
-    def _hand_over(self, is_on: bool, nav: NavState, now_s: float) -> Intent | None:
-        if math.isnan(self._begun_s):
-            self._begun_s = now_s
-            self._station = nav.point
-        station, limit = self._station or nav.point, self._hand_over_limit
-        in_time = limit.timeout_s == 0.0 or now_s < self._begun_s + limit.timeout_s
-        is_near = limit.distance_m == 0.0 or distance_m(nav.point, station) <= limit.distance_m
-        if is_on and in_time and is_near:
-            return KeepStation(station)
-        self.reached.append(self.current_seq)
-        self._leave(None)
-        self._leg_start = nav.point
+        if isinstance(step, Wait):
+            self._leave(self._leg_start)
+        else:
+            self._leave(None)
+            self._leg_start = nav.point
         return None
 
     # What is done
@@ -307,24 +277,7 @@ class MissionProgress:
             case MoveHome(position):
                 self.homes.append(position)
             case LimitHandOver():
-                self._hand_over_limit = step
-
-    def _do_waiting(self, nav: NavState, now_s: float) -> None:
-        """Carry out what has waited, up to the next condition that does not hold yet."""
-        while self._waiting:
-            step = self._waiting[0]
-            if isinstance(step, AfterDelay):
-                if now_s < self._waiting_since_s + step.delay_s:
-                    return
-                self._waiting_since_s = now_s
-            elif isinstance(step, WithinDistance):
-                end = self._leg.end if self._leg is not None else None
-                if end is not None and distance_m(nav.point, end) > step.distance_m:
-                    return
-                self._waiting_since_s = now_s
-            else:
-                self._do(step)
-            self._waiting.popleft()
+                self._halt.limit = step
 
     # How the mission goes on
 
@@ -342,13 +295,13 @@ class MissionProgress:
 
     def _leave(self, leg_start: Point | None) -> None:
         """An item that was sailed is over; what still waits for its conditions never happens."""
-        self._waiting.clear()
+        self._deferred.clear()
         self._advance(leg_start)
 
     def _advance(self, leg_start: Point | None) -> None:
         if self.current_seq >= self.last_seq:
             self.finished = True
-            self._waiting.clear()
+            self._deferred.clear()
             return
         self.current_seq += 1
         self._begin_item(leg_start)
