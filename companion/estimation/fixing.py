@@ -10,7 +10,7 @@ from typing import Final
 
 from companion.estimation.current import SET_SHARE
 from companion.estimation.fix_watch import FixWatch
-from companion.estimation.lag_watch import LagWatch
+from companion.estimation.lag_watch import PAUSE_S, LagWatch
 from companion.estimation.model import Model
 from companion.estimation.position import UNMODELLED_S, PositionFilter
 from companion.settings.estimation import Estimation
@@ -109,8 +109,10 @@ class Fixing:
         one than before means that the source has begun anew, and is believed wherever that is.
         """
         position, model, watch = self.position, self._model, self._watch
-        self._fix_s = time_s
+        pause_s, self._fix_s = time_s - self._fix_s, time_s
         watch.update(time_s, at, velocity)
+        if PAUSE_S < pause_s < math.inf:
+            self.late.pause(time_s, pause_s)
         is_otherwise_late = velocity is not None and self.late.compare(time_s, velocity)
         told_s, time_s = time_s, time_s - self.late.lag_s
         way_m, through = model.wake.at(time_s)
@@ -138,8 +140,14 @@ class Fixing:
         position.predict(time_s, carried, sigma_m, pushed)
         noise = position.noise_m2_s3 + pushed
         is_consistent = watch.is_consistent(sigma_m)
-        if velocity is not None and position.take_velocity(
-            velocity - modelled - position.unmodelled_m_s, variance, is_consistent
+        # Late positions do not fit, and their velocities are late, too.
+        is_doubtful = self.late.is_doubtful(told_s) and not position.fits(
+            at, sigma_m, self._strayed_m * self._strayed_m
+        )
+        if (
+            velocity is not None
+            and not is_doubtful
+            and position.take_velocity(velocity - modelled - position.unmodelled_m_s, variance, is_consistent)
         ):
             self._velocity_s = told_s
             position.unmodelled_m_s -= model.learn(velocity, through, variance, noise, dt)

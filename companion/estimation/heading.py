@@ -227,12 +227,11 @@ class HeadingFilter:
     def draw(self, residual_rad: float, time_constant_s: float, dt_s: float, sigma_rad: float) -> None:
         """The heading is that much off, says somebody who is right within sigma_rad.
 
-        It makes up for what the gyro drifts. Without a gyro it is too late to steer by, and does not count.
+        It makes up for what the gyro drifts, or for what steering does otherwise than it is thought to.
         """
         share = 1.0 - math.exp(-dt_s / time_constant_s)
         self.heading_rad = wrap_pi(self.heading_rad + share * residual_rad)
-        if self.has_gyro:
-            self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
+        self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
 
     def stray(self, dt_s: float) -> None:
         """No reading has come for dt_s: only steering tells how the boat has turned."""

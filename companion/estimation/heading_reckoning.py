@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from companion.estimation.heading import HeadingFilter
-from companion.estimation.lag_watch import LagWatch
+from companion.estimation.lag_watch import PAUSE_S, LagWatch
 from companion.estimation.yaw_model import YawModel
 from companion.sensors.readings import HeadingReading
 from companion.units import wrap_pi
@@ -20,6 +20,7 @@ _MOST_PAUSE_S: Final = 1.5
 _TURNING_RAD_S: Final = 0.1  # less turning to and fro does not tell how late the compass is
 _COURSE_S: Final = 5.0  # how fast the course made good draws the heading, with a gyro
 _COURSE_ALONE_S: Final = 0.7  # and without one,
+_ALONE_RAD: Final = 0.1  # more doubt,
 _LEAN_S: Final = 4.0  # where it also says what turns the boat besides steering
 
 
@@ -27,7 +28,7 @@ class HeadingReckoning:
     """heading_rad and yaw_rate_rad_s are those of now; `filter` has them as of the latest reading."""
 
     __slots__ = (
-        "_heard_s", "_odd_rad_s", "_pause_s", "_rate_then_rad_s", "_turned_then_rad", "_turning_then",
+        "_heard_s", "_pause_s", "_turned_then_rad", "_turning_then",
         "filter", "heading_rad", "late", "model", "yaw_rate_rad_s",
     )  # fmt: skip
 
@@ -40,8 +41,7 @@ class HeadingReckoning:
         self._heard_s = -math.inf  # when the latest reading came, whatever time it is about
         self._pause_s = 0.0  # usual between two readings
         # The yaw model's, at the time that the latest reading is about
-        self._turned_then_rad = self._rate_then_rad_s = self._turning_then = 0.0
-        self._odd_rad_s = 0.0  # what it did not know of the rate of then
+        self._turned_then_rad = self._turning_then = 0.0
 
     @property
     def is_late(self) -> bool:
@@ -61,9 +61,10 @@ class HeadingReckoning:
             self.heading_rad = wrap_pi(heading.heading_rad + heading.yaw_rate_rad_s * ahead_s)
             return
         model, fading = self.model, math.exp(-ahead_s / _FADE_S)
-        self.yaw_rate_rad_s = model.rate_rad_s + self._odd_rad_s * fading
+        odd = heading.yaw_rate_rad_s - model.rate_of(self._turning_then)  # what was not known of the rate
+        self.yaw_rate_rad_s = model.rate_rad_s + odd * fading
         turned = model.turned_rad + model.rate_rad_s * (now_s - model.time_s) - self._turned_then_rad
-        self.heading_rad = wrap_pi(heading.heading_rad + turned + self._odd_rad_s * _FADE_S * (1.0 - fading))
+        self.heading_rad = wrap_pi(heading.heading_rad + turned + odd * _FADE_S * (1.0 - fading))
         if now_s - self._heard_s > _SILENT_S:
             heading.stray(dt_s)
 
@@ -83,7 +84,7 @@ class HeadingReckoning:
         if self.filter.has_gyro:
             self.filter.draw(turn_rad, _COURSE_S, dt_s, doubt_rad)
         else:
-            self.filter.draw(turn_rad, _COURSE_ALONE_S, dt_s, doubt_rad)
+            self.filter.draw(turn_rad, _COURSE_ALONE_S, dt_s, doubt_rad + _ALONE_RAD)
             self.model.lean(turn_rad * dt_s / (_COURSE_ALONE_S * _LEAN_S))
 
     def _hear(self, reading: HeadingReading) -> None:
@@ -95,22 +96,28 @@ class HeadingReckoning:
             return
         if rate is not None and not abs(rate) <= MAX_RATE_RAD_S:
             return
-        self._pause_s += _PAUSES * (min(reading.time_s - self._heard_s, _MOST_PAUSE_S) - self._pause_s)
+        pause_s = reading.time_s - self._heard_s
         self._heard_s = reading.time_s
-        time_s = reading.time_s - late.lag_s
+        self._pause_s += _PAUSES * ((pause_s if pause_s < _MOST_PAUSE_S else _MOST_PAUSE_S) - self._pause_s)
+        if PAUSE_S < pause_s < math.inf:
+            late.pause(reading.time_s, pause_s)
+        lag_s = late.lag_s
+        time_s = reading.time_s - lag_s
         dt = time_s - heading.time_s
         if not dt > 0.0:
             return  # stamps were believed before that have turned out too fresh
-        turned, turning = model.at(time_s) if late.lag_s > 0.0 else (model.turned_rad, model.turning)
-        modelled, bent = model.rate_of(turning), 0.0
-        if dt > _FRESH_S:
-            bent = turned - self._turned_then_rad - 0.5 * (modelled + self._rate_then_rad_s) * dt
-        heading.update(time_s, reading.heading_rad, rate, bent)
-        is_otherwise_late = late.compare(reading.time_s, complex(heading.yaw_rate_rad_s, 0.0))
-        if is_otherwise_late and is_heading and not heading.is_off:
-            time_s = reading.time_s - late.lag_s
-            heading.begin(time_s, reading.heading_rad, rate)
+        turned, turning, bent = model.turned_rad, model.turning, 0.0
+        if lag_s > 0.0:
             turned, turning = model.at(time_s)
-            modelled = model.rate_of(turning)
-        self._turned_then_rad, self._rate_then_rad_s, self._turning_then = turned, modelled, turning
-        self._odd_rad_s = heading.yaw_rate_rad_s - modelled
+        if dt > _FRESH_S:
+            rates = model.rate_of(turning) + model.rate_of(self._turning_then)
+            bent = turned - self._turned_then_rad - 0.5 * rates * dt
+        heading.update(time_s, reading.heading_rad, rate, bent)
+        self._turned_then_rad, self._turning_then = turned, turning
+        if reading.time_s > late.until_s and lag_s == 0.0:
+            return
+        if late.compare(reading.time_s, complex(heading.yaw_rate_rad_s, 0.0)) and not heading.is_off:
+            time_s = reading.time_s - late.lag_s
+            if is_heading:
+                heading.begin(time_s, reading.heading_rad, rate)
+            self._turned_then_rad, self._turning_then = model.at(time_s)

@@ -13,24 +13,24 @@ from typing import Final
 STEP_S: Final = 0.2
 LAGS: Final = 16  # 0 to 3 s
 _LENGTH: Final = 24  # of what is kept: readings on their way are older than the tick
-_PAUSE_S: Final = 0.4  # more than any sensor's usual
+PAUSE_S: Final = 0.4  # more than any sensor's usual
 _WATCH_S: Final = 120.0  # after a pause
 _NEWS_S: Final = 20.0  # in which most lags are found
 _MEMORY_S: Final = 8.0
 _SCALE: Final = 2.0  # how far what is expected may be off by a factor, either way
 _BETTER: Final = 0.35  # of the variance that the present lag leaves: what another one may leave at most,
-_FOR_S: Final = 1.4  # for so long
+_FOR_S: Final = 0.9  # for so long
 _LEAST_STEPS: Final = 2  # less is the model's own fault
 _SLACK_S: Final = 1e-3
 
 
 class LagWatch:
-    """lag_s: what has to be taken off the stamps."""
+    """lag_s: what has to be taken off the stamps. until_s: as long as there is something to `compare`."""
 
     __slots__ = (
-        "_alike", "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_mean", "_heard_s",
-        "_heard_square", "_lag", "_least", "_means", "_next", "_odd_s", "_paused_s", "_squares", "_until_s",
-        "lag_s",
+        "_alike", "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_mean",
+        "_heard_square", "_lag", "_least", "_means", "_next", "_odd_s", "_paused_s", "_squares", "lag_s",
+        "until_s",
     )  # fmt: skip
 
     def __init__(self, least: float) -> None:
@@ -39,7 +39,8 @@ class LagWatch:
         self._least = least * least
         self._lag = self._best = self._next = self._count = 0
         self._expected = [0j] * _LENGTH
-        self._expected_s = self._compared_s = self._heard_s = self._until_s = 0.0
+        self._expected_s = self._compared_s = 0.0
+        self.until_s = -1.0
         self._heard_mean, self._heard_square = 0j, 0.0
         self._means = [0j] * LAGS  # of what was expected so long before,
         self._squares = [0.0] * LAGS  # its variance,
@@ -48,7 +49,7 @@ class LagWatch:
 
     def is_doubtful(self, time_s: float) -> bool:
         """Whether readings may be late without its being known yet."""
-        return self._odd_s > 0.0 or (self._lag == 0 and time_s < self._until_s - _WATCH_S + _NEWS_S)
+        return self._odd_s > 0.0 or (self._lag == 0 and time_s < self.until_s + (_NEWS_S - _WATCH_S))
 
     def is_due(self, time_s: float) -> bool:
         """Whether `expect` is to be told something."""
@@ -60,13 +61,16 @@ class LagWatch:
         self._expected[self._next] = value
         self._next = self._next + 1 if self._next + 1 < _LENGTH else 0
 
+    def pause(self, time_s: float, pause_s: float) -> None:
+        """A reading has come after such a pause, of PAUSE_S or more."""
+        if time_s > self.until_s:
+            self._paused_s, self._count = self.lag_s, 0
+        self._paused_s += pause_s
+        self.until_s = time_s + _WATCH_S
+
     def compare(self, time_s: float, value: complex) -> bool:
         """Take a reading with its stamp; whether another lag is right from now on."""
-        pause_s = time_s - self._heard_s
-        self._heard_s = time_s
-        if pause_s > _PAUSE_S:
-            self._pause(time_s, pause_s)
-        if time_s > self._until_s and self._lag == 0:
+        if time_s > self.until_s and self._lag == 0:
             return False
         dt = time_s - self._compared_s
         if dt < STEP_S - _SLACK_S:
@@ -82,12 +86,6 @@ class LagWatch:
         self._lag = best if best >= _LEAST_STEPS else 0
         self.lag_s = self._lag * STEP_S
         return True
-
-    def _pause(self, time_s: float, pause_s: float) -> None:
-        if time_s > self._until_s:
-            self._paused_s, self._count = self.lag_s, 0
-        self._paused_s += pause_s
-        self._until_s = time_s + _WATCH_S
 
     def _weigh(self, time_s: float, share: float, value: complex) -> tuple[int, float, float]:
         """The best lag; the variance that the present one leaves, and the best one."""

@@ -16,13 +16,15 @@ from companion.settings.estimation import Estimation
 from companion.state import EstimateFault, MotorCommand
 
 LOST_RAD: Final = 0.45  # a heading that is known no better is none
-_UNDER_WAY: Final = 0.4  # share of cruise speed that tells a course
+_UNDER_WAY: Final = 0.4  # share of cruise speed that tells a course,
+_CREEPING: Final = 0.15  # and that which has to do where nothing else tells where the bow points
 _SLIP: Final = 0.2  # of speed × yaw rate: what the model gets wrong in a turn,
 _SURGE: Final = 0.3  # and of its own acceleration
 _NUDGE_S: Final = 4.0  # how fast what is not modelled is taken for way through the water
 _STRIDE_S: Final = 0.039  # the hull is slow: every second tick is enough
 _IDLE_S: Final = 2.0  # without thrust
-_COURSE_SIGMA_RAD: Final = 0.05
+_COURSE_SIGMA_RAD: Final = 0.03
+_COURSE_SIGMA_M_S: Final = 0.04
 _OFF_RAD: Final = 0.6  # between course and compass
 _OFF_S: Final = 4.0
 _STEADY_RAD_S: Final = 0.1  # in a turn a receiver that lags shows another course
@@ -203,7 +205,8 @@ class Model:
 
     def _course_turn_rad(self, velocity: complex, through: complex) -> float:
         """How far the boat's course through the water is off its bow, NaN while there is no course."""
-        current, least = self.current, _UNDER_WAY * self.cruise_m_s
+        is_alone = not self.heading.has_gyro and not self.is_compass_good
+        current, least = self.current, (_CREEPING if is_alone else _UNDER_WAY) * self.cruise_m_s
         course, bow = velocity - current.set_m_s, current.gain * through
         if abs(course) < least or abs(bow) < least:
             return math.nan
@@ -214,7 +217,8 @@ class Model:
         set_m_s = self.current.set_m_s
         turn = self._course_turn_rad(velocity, through)
         if not math.isnan(turn):
-            doubt = math.sqrt(self.current.set_variance()) / abs(velocity - set_m_s) + _COURSE_SIGMA_RAD
+            doubt_m_s = math.sqrt(self.current.set_variance()) + _COURSE_SIGMA_M_S
+            doubt = doubt_m_s / abs(velocity - set_m_s) + _COURSE_SIGMA_RAD
             self.reckoning.draw(turn, dt, doubt)
 
     def _compare_course(self, velocity: complex, through: complex, dt: float) -> None:

@@ -48,16 +48,17 @@ class YawModel:
     def advance(self, time_s: float, left: float, right: float) -> None:
         """Go on to time_s with these commands, −1..1 per side."""
         dt = time_s - self.time_s
-        share = min(dt / _MOTOR_S, 1.0)
-        self._left += share * (left - self._left)
-        self._right += share * (right - self._right)
-        asked = 0.5 * (self._left * abs(self._left) - self._right * abs(self._right))
-        self.turning += min(dt / _HULL_S, 1.0) * (asked - self.turning)
-        self.rate_rad_s = self.rate_of(self.turning)
-        self.turned_rad += self.rate_rad_s * min(dt, 1.0)
         self.time_s = time_s
+        dt = min(dt, _MOTOR_S)  # a loop that hung knows nothing of what the boat did meanwhile
+        share = dt / _MOTOR_S
+        left = self._left = self._left + share * (left - self._left)
+        right = self._right = self._right + share * (right - self._right)
+        asked = 0.5 * (left * abs(left) - right * abs(right))
+        turning = self.turning = self.turning + dt / _HULL_S * (asked - self.turning)
+        rate = self.rate_rad_s = self._gain_rad_s * turning + self._trim_rad_s
+        turned = self.turned_rad = self.turned_rad + rate * dt
         slot = self._next
-        self._times_s[slot], self._turnings[slot], self._turned[slot] = time_s, self.turning, self.turned_rad
+        self._times_s[slot], self._turnings[slot], self._turned[slot] = time_s, turning, turned
         self._next = slot + 1 if slot + 1 < LENGTH else 0
 
     def rate_of(self, turning: float) -> float:

@@ -11,7 +11,7 @@ from companion.state import NavState
 from companion.vehicle.approach import Approach
 from companion.vehicle.fence import Fence
 from companion.vehicle.following import Following
-from companion.vehicle.intent import HoldHeading, Intent, KeepStation, Stop
+from companion.vehicle.intent import Drive, HoldHeading, Intent, KeepStation, Stop
 from companion.vehicle.mission_check import MissionCheck
 from companion.vehicle.mission_progress import MissionProgress
 from companion.vehicle.mission_steps import GoRound, Waypoint
@@ -26,6 +26,9 @@ from companion.vehicle.way_back import WayBack
 from companion.vehicle.way_home import WayHome
 
 _STOP = Stop()
+_AHEAD = Drive(0.5, 0.0)
+_CARRIED_M_S = 0.3  # a set that a boat without a heading does not leave itself to
+_GROPE_S, _REST_S = 6.0, 10.0  # straight ahead to find the heading; then, if it was in vain, adrift
 _STILL_M_S = 0.05  # water that hardly moves has no direction to point into
 
 
@@ -45,6 +48,7 @@ class Conduct:
         self.way_home = WayHome(fence, self.notices)
         self.approach = Approach(fence, self.way_home, self.notices)
         self._way_back = WayBack(self.trail)
+        self._groped_s = math.nan  # since when the boat goes ahead to find its heading
         self._orbit: Orbit | None = None
         self._set_point: SetPoint | None = None
         self._set_point_s = -math.inf
@@ -185,13 +189,13 @@ class Conduct:
         return intent
 
     def _loiter(self, now: Situation) -> Intent:
-        """Keep station; without a position, keep the bow into the water's last known set and stem it. Without
-        a heading nothing can be steered: wait, and stay where the boat is when it is known again.
+        """Keep station; without a position, keep the bow into the water's last known set and stem it; without
+        a heading, feel for it.
         """
         nav = now.nav
         if lacks_heading(nav, now.config.motors.estimate_timeout_s):
-            self.passage.stay(now.here)
-            return _STOP
+            return self._feel_way(now)
+        self._groped_s = math.nan
         if not lacks_position(nav, now.config.motors.estimate_timeout_s):
             if self.stemming is not None:
                 self.stemming = None
@@ -202,6 +206,19 @@ class Conduct:
             upstream = math.atan2(-nav.set_east_m_s, -nav.set_north_m_s)
             self.stemming = HoldHeading(upstream if is_set else nav.heading_rad, 0.0)
         return self.stemming
+
+    def _feel_way(self, now: Situation) -> Intent:
+        """Straight ahead for some seconds: a boat that makes way shows by its course where its bow points. In
+        water that hardly moves it may as well drift. It stays where it is once the heading is known.
+        """
+        nav = now.nav
+        self.passage.stay(self._nearest_inside(now))
+        is_set = math.hypot(nav.set_north_m_s, nav.set_east_m_s) > _CARRIED_M_S
+        if not is_set or lacks_position(nav, now.config.motors.estimate_timeout_s):
+            return _STOP
+        if not now.now_s - self._groped_s < _GROPE_S + _REST_S:
+            self._groped_s = now.now_s
+        return _AHEAD if now.now_s - self._groped_s < _GROPE_S else _STOP
 
     def _sail_back(self, now: Situation) -> Intent:
         arrived = self._way_back.arrived

@@ -114,7 +114,7 @@ class Response:
                 vehicle.fall_back(mode, "failsafe, by dead reckoning")
                 return
             if fault == NO_HEADING:
-                vehicle.fall_back(mode, "failsafe, adrift until there is a heading")
+                vehicle.fall_back(mode, "failsafe, feeling for its heading")
                 return
             if vehicle.enter(mode, "failsafe").accepted:
                 return

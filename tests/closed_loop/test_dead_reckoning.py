@@ -157,11 +157,18 @@ def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course(deg_s:
     assert not passage.sail(5.0).faults, "and believed again once it agrees"
 
 
-def test_with_neither_compass_nor_gyro_the_heading_is_given_up() -> None:
-    passage = under_way("what='compass', kind='off'")
-    passage.sail(5.0)
+def test_with_neither_compass_nor_gyro_the_course_tells_the_heading() -> None:
+    passage = under_way("what='compass', kind='off'", course=square(40.0))
+    passage.sail(40.0)
     assert passage.first_s[EstimateFault.COMPASS_LOST] < 2.0
-    assert passage.first_s[EstimateFault.HEADING_LOST] < 4.0
+    assert passage.heading_error_rad < math.radians(20.0)
+    assert EstimateFault.HEADING_LOST not in passage.first_s
+
+
+def test_with_neither_compass_nor_gyro_a_boat_at_rest_loses_its_heading() -> None:
+    passage = under_way("what='compass', kind='off'", "environment.current_m_s=0.0", course=((80.0, 0.0),))
+    passage.sail(30.0)
+    assert EstimateFault.HEADING_LOST in passage.first_s
 
 
 @pytest.mark.parametrize("kind", ["off", "stuck", "garbage", "wrong"])

@@ -4,7 +4,6 @@ import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
 from sitl.sail import Result, Sailing
-from sitl.world import Truth
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 
@@ -51,17 +50,14 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
     assert float(late[-1, 2] - late[0, 2]) < 0.5 * adrift_m
 
 
-def test_a_boat_that_finds_its_heading_again_stays_there() -> None:
-    fault = "what='compass', at_s=15.0, for_s=10.0"
-    sailing, _ = sail(fault, linger_s=60.0)
-    assert sailing.lockstep.boat.vehicle.mode.name == "LOITER"
+def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_station() -> None:
+    sailing, result = sail("what='compass', at_s=28.0", linger_s=60.0)
+    assert result.completed, said(sailing)
+    assert any("Compass lost" in text for text in said(sailing))
     rows = sailing.recorder.rows
-    blind = rows[(rows[:, 0] > 19.0) & (rows[:, 0] < 25.0)]
-    assert not blind[:, Truth._fields.index("left_command")].any(), "nothing is steered without a heading"
-    late = rows[rows[:, 0] > 40.0]
-    assert late[-1, 0] > 70.0
-    assert abs(late[:, 1] - late[0, 1]).max() < 2.0
-    assert abs(late[:, 2] - late[0, 2]).max() < 2.0
+    late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
+    assert abs(late[:, 1] - late[0, 1]).max() < 3.0
+    assert abs(late[:, 2] - late[0, 2]).max() < 3.0
 
 
 def test_a_sonar_that_talks_nonsense_is_not_believed_and_ends_no_mission() -> None:

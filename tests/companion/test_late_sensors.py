@@ -7,7 +7,7 @@ import random
 import pytest
 
 from companion.config import Speed
-from companion.estimation.lag_watch import LagWatch
+from companion.estimation.lag_watch import PAUSE_S, LagWatch
 from companion.estimation.model import Model
 from companion.estimation.yaw_model import YawModel
 from companion.sensors.readings import HeadingReading
@@ -26,13 +26,16 @@ def watched(
     late_s: float, paused_s: float, seconds: float = 60.0, noise: float = 0.1, scale: float = 1.0
 ) -> LagWatch:
     """A watch over readings that become late_s late after 20 s, with a pause of paused_s."""
-    watch, rng = LagWatch(0.2), random.Random(5)
+    watch, rng, heard_s = LagWatch(0.2), random.Random(5), 0.0
     for tick in range(round(seconds / 0.1)):
         now_s = 0.1 * tick
         if watch.is_due(now_s):
             watch.expect(now_s, swing(now_s))
         if tick % 2 or 20.0 <= now_s < 20.0 + paused_s:
             continue
+        if now_s - heard_s > PAUSE_S:
+            watch.pause(now_s, now_s - heard_s)
+        heard_s = now_s
         late = late_s if now_s >= 20.0 else 0.0
         noisy = complex(rng.gauss(0.0, noise), rng.gauss(0.0, noise))
         watch.compare(now_s, scale * swing(now_s - late) + complex(0.5, -0.3) + noisy)
@@ -63,6 +66,8 @@ def test_readings_that_are_in_time_again_are_believed_again() -> None:
             watch.expect(now_s, swing(now_s))
         if 20.0 <= now_s < 22.0:
             continue
+        if now_s == 22.0:
+            watch.pause(now_s, 2.0)
         late_s = 2.0 if 20.0 <= now_s < 50.0 else 0.0
         watch.compare(now_s, swing(now_s - late_s))
         lags.append(watch.lag_s)
