@@ -66,7 +66,8 @@ class Electronics:
         self._sonar: SimSonar | None = None
         if sensors.sonar.fitted:
             self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
-        self.rc = SimRc(sensors.rc, seed) if sensors.rc.fitted else None
+        start = scenario.start
+        self.rc = SimRc(sensors.rc, seed, *start) if sensors.rc.fitted else None
         self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
         self._hull = SimHull(sensors.hull) if sensors.hull.fitted else None
         drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
@@ -125,7 +126,7 @@ class Electronics:
         if self._sonar is not None and now_s >= self._sonar.due_s:
             self._sonar.sense(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
         if self.rc is not None and now_s >= self.rc.due_s:
-            self.rc.sense(now_s)
+            self.rc.sense(now_s, truth.north_m, truth.east_m)
         if self._hull is not None and now_s >= self._hull.due_s:
             self._hull.sense(now_s)
         if now_s >= self._battery.due_s:

@@ -46,11 +46,14 @@ def sys_status(now: Snapshot) -> Message:
     else:
         enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
     fitted, well = _optional_parts(now)
+    enabled |= fitted
+    if not now.config.failsafe.rc_enabled:
+        enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
     battery = now.battery
     current_a = battery.current_a if battery is not None else None
     return dialect.MAVLink_sys_status_message(
         onboard_control_sensors_present=_PRESENT | fitted,
-        onboard_control_sensors_enabled=enabled | fitted,
+        onboard_control_sensors_enabled=enabled,
         onboard_control_sensors_health=health | well,
         load=round(clamp(now.load * 1000.0, 0.0, 1000.0)),
         voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),

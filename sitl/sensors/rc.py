@@ -1,5 +1,7 @@
 """A radio control transmitter in somebody's hand, and its receiver aboard."""
 
+import math
+
 import msgspec
 
 from companion.sensors.readings import RcReading
@@ -10,16 +12,21 @@ from sitl.sensors.settings import RcSettings
 _NEUTRAL_US = (1500,) * 16
 _THROTTLE = 2  # the third channel, as usual
 _GARBAGE_US = (700, 2300)
+_NEAR_M = 10.0  # where the signal is as strong as the settings say
 
 
 class SimRc:
-    """Plays the scenario's sticks. A transmitter that is switched off leaves its receiver silent."""
+    """Plays the scenario's sticks. A transmitter that is switched off leaves its receiver silent; of one that
+    is out of range it says so.
+    """
 
     __slots__ = (
         "_channels_us",
         "_count",
+        "_east_m",
         "_latest",
         "_next",
+        "_north_m",
         "_random",
         "_sampled",
         "_settings",
@@ -28,8 +35,9 @@ class SimRc:
         "fault",
     )
 
-    def __init__(self, settings: RcSettings, seed: int) -> None:
-        """Start without a frame, sticks and switches in the middle."""
+    def __init__(self, settings: RcSettings, seed: int, north_m: float = 0.0, east_m: float = 0.0) -> None:
+        """Start without a frame, all in the middle. north_m, east_m: where the hand stands."""
+        self._north_m, self._east_m = north_m, east_m
         self.fault: SensorFault[RcReading] | None = None
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         self._settings = settings
@@ -44,8 +52,8 @@ class SimRc:
         """Move sticks and switches, none switches the transmitter off, until the scenario's next step."""
         self._channels_us = channels_us
 
-    def sense(self, now_s: float) -> None:
-        """Put out a frame when one is due."""
+    def sense(self, now_s: float, north_m: float, east_m: float) -> None:
+        """Put out a frame when one is due, if it arrives."""
         if now_s < self.due_s:
             return
         self._count += 1
@@ -57,16 +65,26 @@ class SimRc:
         if not self._channels_us:
             return
         noise_us, numbers = settings.noise_us, self._random
+        off_m = math.hypot(north_m - self._north_m, east_m - self._east_m)
+        quality = self._quality(off_m)
+        if 0.0 < quality < 1.0 and numbers.random() >= quality:
+            return
         channels_us = self._channels_us
         if noise_us:
             channels_us = tuple([pulse_us + round(noise_us * normal(numbers)) for pulse_us in channels_us])
-        reading = RcReading(
-            now_s + self.clock_offset_s, channels_us, False, settings.quality, settings.rssi_dbm
-        )
+        rssi_dbm = settings.rssi_dbm - 20.0 * math.log10(max(off_m / _NEAR_M, 1.0))
+        reading = RcReading(now_s + self.clock_offset_s, channels_us, quality <= 0.0, quality, rssi_dbm)
         if self.fault is None:
             self._latest = self._sampled = reading
         elif (spoilt := self._spoilt(reading, self.fault, now_s)) is not None:
             self._latest = spoilt
+
+    def _quality(self, off_m: float) -> float:
+        """Share of the frames that arrive so far off."""
+        settings = self._settings
+        if settings.range_m <= 0.0 or off_m <= 0.5 * settings.range_m:
+            return settings.quality
+        return settings.quality * max(2.0 - 2.0 * off_m / settings.range_m, 0.0)
 
     def _spoilt(self, reading: RcReading, fault: SensorFault[RcReading], now_s: float) -> RcReading | None:
         replace = msgspec.structs.replace

@@ -100,7 +100,9 @@ class StickStep(Section, frozen=True):
 class RcSettings(Section, frozen=True):
     """A radio control receiver, and what the hand on its transmitter does, step by step.
 
-    Until the first of them everything is in the middle. quality: share of packets that arrive, 0..1.
+    Until the first of them everything is in the middle. The transmitter stays where the boat begins. quality:
+    share of the frames that arrive, 0..1, as far as half of range_m; from there on it falls, to nothing at
+    range_m, where the receiver's own failsafe begins. rssi_dbm: at 10 m, in free space.
     """
 
     fitted: bool = False
@@ -108,6 +110,7 @@ class RcSettings(Section, frozen=True):
     noise_us: NonNegative = 1.0
     quality: Share = 1.0
     rssi_dbm: float = -60.0
+    range_m: NonNegative = 0.0  # 0: without end
     sticks: tuple[StickStep, ...] = ()
 
     def __post_init__(self) -> None:

@@ -132,10 +132,47 @@ def test_stations_see_channels_signal_and_health() -> None:
     assert (channels.chan1_raw, channels.chan3_raw, channels.chan5_raw) == (1500, 2000, ARM_UP)
     assert channels.chan9_raw == 0xFFFF
     assert channels.rssi == 127
+    rig.boat.parameters.set("FS_THR_ENABLE", 0.0)
+    rig.peer.forget()
+    rig.run(3.0)
+    assert not rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_enabled & RC_BIT
+    rig.boat.parameters.set("FS_THR_ENABLE", 1.0)
+    rig.peer.forget()
+    rig.run(3.0)
     status = rig.peer.said("SYS_STATUS")[-1]
     assert status.onboard_control_sensors_present & RC_BIT
     assert status.onboard_control_sensors_enabled & RC_BIT
     assert status.onboard_control_sensors_health & RC_BIT
+
+
+def test_a_boat_that_sails_out_of_range_comes_back_into_it_by_its_failsafe() -> None:
+    rig = under_way("sensors.rc.range_m=60.0", "vehicle.failsafe={long_timeout_s=20.0}")
+    radio = rig.world.electronics.rc
+    assert radio is not None
+    rig.until(lambda: rig.mode == "LOITER", 60.0)
+    lost_m = rig.offset_m(rig.scenario.start.north_m, rig.scenario.start.east_m)
+    assert 55.0 < lost_m < 70.0
+    rig.until(lambda: rig.mode == "RTL", 25.0)
+    rig.until(lambda: "Failsafe over: transmitter heard again" in rig.peer.texts, 60.0)
+    assert rig.offset_m(rig.scenario.start.north_m, rig.scenario.start.east_m) < lost_m
+    assert rig.mode == "RTL"
+
+
+def test_the_signal_grows_weaker_with_the_distance() -> None:
+    rig = under_way("sensors.rc.range_m=60.0")
+    radio = rig.world.electronics.rc
+    assert radio is not None
+    signals = []
+    for _ in range(3):
+        reading = radio.read()
+        assert reading is not None
+        assert reading.quality is not None
+        assert reading.rssi_dbm is not None
+        signals.append((reading.quality, reading.rssi_dbm))
+        rig.run(7.0)
+    assert signals == sorted(signals, reverse=True)
+    assert signals[0][0] == 1.0
+    assert 0.0 < signals[-1][0] < 1.0
 
 
 def test_stations_see_a_lost_transmitter() -> None:
