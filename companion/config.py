@@ -62,8 +62,9 @@ class Heading(Section, frozen=True):
     """
 
     kp: NonNegative = 4.0
-    ki: NonNegative = 0.15
+    ki: NonNegative = 1.0
     kd: NonNegative = 3.0
+    integral_band_rad: NonNegative = 0.15  # the integral learns this near to a steady heading; 0: always
     max_steering: Share = 1.0
     slow_gain: Annotated[float, Meta(ge=0.2, le=5.0)] = 1.0  # 1: the same gains at every speed
 

@@ -6,12 +6,21 @@ placed at ω and ζ (the same, chapter 15) take Kp = ω² T/K and Kd = (2 ζ ω 
 is K/T, the angular acceleration that steering gives, that changes with speed: thrust grows with the square of
 the shaft's speed, so about a low throttle the same difference of the two sides gives less of it. The damping
 1/T changes little. Hence all gains go with T/K, which falls from rest to cruise speed and is level beyond.
+
+The integral is there for the steady moment of wind and leeway, and only what a boat on her course leaves over
+tells of that. So it learns while the bow is within integral_band_rad of a heading that stands still, not from
+the errors of a turn; and since that moment is another one on another heading, a turn makes it forget.
 """
+
+from typing import Final
 
 from companion.config import Heading
 from companion.control.pid import Pid
 from companion.state import PidOutput
 from companion.units import clamp, wrap_pi
+
+_FORGET_RAD: Final = 0.5  # turned, and little is left of what the integral has learned
+_STEADY_RAD_S: Final = 0.1  # turning no faster than that
 
 
 class HeadingControl:
@@ -45,11 +54,22 @@ class HeadingControl:
         """
         limit = setting.max_steering
         base = clamp(feed_forward, -limit, limit)
+        error = wrap_pi(demand_rad - heading_rad)
+        if setting.integral_band_rad:
+            turning = abs(yaw_rate_rad_s)
+            kept = 1.0 - turning * dt_s / _FORGET_RAD
+            self._pid.integral *= kept if kept > 0.0 else 0.0
+            if (
+                abs(error) > setting.integral_band_rad
+                or turning > _STEADY_RAD_S
+                or abs(demand_rate_rad_s) > _STEADY_RAD_S
+            ):
+                dt_s = 0.0  # nothing is learned
         return self._pid.update(
             schedule * setting.kp,
             schedule * setting.ki,
             schedule * setting.kd,
-            wrap_pi(demand_rad - heading_rad),
+            error,
             demand_rate_rad_s - yaw_rate_rad_s,
             dt_s,
             -limit - base,

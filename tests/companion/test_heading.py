@@ -94,3 +94,36 @@ def test_the_integral_removes_what_a_steady_moment_leaves() -> None:
         rate += 0.02 * (0.8 * (steering - 0.2) - rate) / 1.2
         heading += 0.02 * rate
     assert heading == pytest.approx(0.5, abs=1e-3)
+
+
+def _integral(control: HeadingControl, setting: Heading) -> float:
+    return control.update(0.0, 0.0, 0.0, setting, 0.0).i
+
+
+def test_the_integral_learns_nothing_while_the_boat_turns_onto_a_heading() -> None:
+    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0)
+    for _ in range(50):
+        control.update(1.0, 0.0, 0.0, setting, 0.02)  # far off
+        control.update(0.1, 0.0, 0.3, setting, 0.02)  # near, and turning
+        control.update(0.1, 0.0, 0.0, setting, 0.02, demand_rate_rad_s=0.3)  # on an arc
+    assert _integral(control, setting) == 0.0
+    for _ in range(50):
+        control.update(0.1, 0.0, 0.0, setting, 0.02)
+    assert _integral(control, setting) == pytest.approx(0.1)
+
+
+def test_a_turn_makes_the_integral_forget_and_a_rate_that_is_no_number_too() -> None:
+    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0)
+    for rate in (1.0, math.nan):
+        for _ in range(50):
+            control.update(0.1, 0.0, 0.0, setting, 0.02)
+        for _ in range(75):  # 1.5 rad
+            control.update(0.1, 0.0, rate, setting, 0.02)
+        assert abs(_integral(control, setting)) < 0.005
+
+
+def test_without_a_band_the_integral_learns_in_turns_too() -> None:
+    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0, integral_band_rad=0.0)
+    for _ in range(50):
+        control.update(0.2, 0.0, 0.3, setting, 0.02)
+    assert _integral(control, setting) == pytest.approx(0.2)
