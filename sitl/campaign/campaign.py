@@ -11,6 +11,10 @@
     [grid]                                   # every combination of these lists
     environment.current_to_deg = [0, 90, 180, 270]
 
+    [variants.receiver]                      # named bundles of settings, each sailed as well
+    standard = {}
+    rtk = { sensors.gnss.noise_m = 0.01, sensors.gnss.wander_m = 0.02 }
+
     [sample]                                 # or so many draws: [low, high] or { choose = […] }
     count = 100
     settings.environment.wind_m_s = [0.0, 8.0]
@@ -61,10 +65,13 @@ class RunTable(Section, frozen=True):
 
 
 class File(Section, frozen=True):
-    """The whole file."""
+    """The whole file. variants: by name, and in each by its choices' names, settings that go together."""
 
     title: str = ""
     run: RunTable = RunTable()
+    variants: dict[str, Annotated[dict[str, dict[str, Any]], Meta(min_length=1)]] = field(
+        default_factory=dict
+    )
     grid: dict[str, Any] = field(default_factory=dict)
     sample: Sample | None = None
     expect: tuple[Expectation, ...] = ()
@@ -128,9 +135,12 @@ def _runs(file: File, path: Path) -> Iterator[Run]:
     )
     stride = max(seeds) - min(seeds) + 1
     settings = [
-        (factors, merge([Layer(name, table.settings), *(Layer(name, _tree(*f)) for f in factors.items())]))
+        ({**chosen, **factors}, merge([Layer(name, tree) for tree in (table.settings, *bundles, *trees)]))
+        for chosen in grid_rows({variant: tuple(choices) for variant, choices in file.variants.items()})
+        for bundles in [[file.variants[variant][choice] for variant, choice in chosen.items()]]
         for row in grid_rows(grid)
         for factors in ({**row, **draw} for draw in draws)
+        for trees in [[_tree(*factor) for factor in factors.items()]]
     ]
     voyages = list(product(*map(_each, (table.scenario, table.case, table.course, table.mission))))
     count = len(voyages) * len(settings) * len(seeds)
