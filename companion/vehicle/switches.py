@@ -24,13 +24,17 @@ class Switch:
         self._seen = _UNKNOWN
         self._since_s = 0.0
 
-    def is_on(self, channel: int) -> bool:
-        """Whether it is on any channel. One that is put on another is known no longer."""
+    def pulse_us(self, channels_us: tuple[int, ...], channel: int) -> int:
+        """Its pulse in a frame, 0 where there is none. A switch that is put on another channel is known no
+        longer.
+        """
         if channel != self._channel:
             self._channel = channel
             self.position = _UNKNOWN
             self.lose()
-        return channel > 0
+        if not 0 < channel <= len(channels_us) or not is_pulse(channels_us[channel - 1]):
+            return 0
+        return channels_us[channel - 1]
 
     def lose(self) -> None:
         """It cannot be seen."""
@@ -73,14 +77,13 @@ class Switches:
         """Take a good frame; whether the vehicle has been asked for something."""
         setting, arm, mode = self._vehicle.config.rc, self._arm, self._mode
         has_asked = False
-        if arm.is_on(setting.arm_channel) and is_pulse(pulse_us := _pulse(channels_us, setting.arm_channel)):
+        if pulse_us := arm.pulse_us(channels_us, setting.arm_channel):
             before = arm.position
+            self._is_down = self._is_down and before != _UNKNOWN
             if arm.update(switch_position(pulse_us), now_s):
                 has_asked = self._turn_arm(before, arm.position)
             self._is_down = self._is_down or (arm.is_steady and arm.position == LOW)
-        if mode.is_on(setting.mode_channel) and is_pulse(
-            pulse_us := _pulse(channels_us, setting.mode_channel)
-        ):
+        if pulse_us := mode.pulse_us(channels_us, setting.mode_channel):
             before = mode.position
             if mode.update(mode_position(pulse_us), now_s):
                 has_asked = self._turn_mode(before, setting.modes[mode.position]) or has_asked
@@ -105,8 +108,3 @@ class Switches:
         else:
             return False
         return True
-
-
-def _pulse(channels_us: tuple[int, ...], channel: int) -> int:
-    """A channel's pulse, 0 where the receiver does not have it."""
-    return channels_us[channel - 1] if channel <= len(channels_us) else 0

@@ -209,6 +209,19 @@ def test_a_transmitter_that_was_never_heard_keeps_nobody_from_arming() -> None:
     assert hand.live(60.0) == ["Armed"]
 
 
+def test_an_arming_switch_that_is_put_on_a_channel_that_is_up_does_not_arm() -> None:
+    hand = Hand()
+    hand.channels[7] = 2000
+    hand.live(1.0)
+    hand.vehicle.config = with_value(hand.vehicle.config, "rc.arm_channel", 8)
+    hand.live(1.0)
+    hand.channels[7] = 1500
+    hand.live(1.0)
+    hand.channels[7] = 2000
+    hand.live(1.0)
+    assert not hand.vehicle.armed
+
+
 # The mode switch
 
 
