@@ -144,6 +144,8 @@ def _radio() -> list[Row]:
     rows = [
         Row("RCMAP_ROLL", _I8, "Channel that steers", "rc.steering_channel", low=1, high=4),
         Row("RCMAP_THROTTLE", _I8, "Channel of the throttle", "rc.throttle_channel", low=1, high=4),
+        Row("RCMAP_PITCH", _I8, "Unused; stations that calibrate the transmitter write it", default=2.0, low=1, high=16),
+        Row("RCMAP_YAW", _I8, "Unused; stations that calibrate the transmitter write it", default=4.0, low=1, high=16),
         Row("RC_FS_TIMEOUT", _REAL, "Without a good frame for so long the transmitter is lost, and its sticks count no longer", "rc.timeout_s", unit="s", low=0.1, high=10),
         Row("RC_ARM_CH", _I8, "Channel of the switch that arms and disarms, 0 none", "rc.arm_channel", low=0, high=18),
         Row("MODE_CH", _I8, "Channel of the mode switch, 0 none", "rc.mode_channel", low=0, high=18),
@@ -170,8 +172,6 @@ def _constants() -> list[Row]:
         ("FRAME_TYPE", _I8, 0.0, "Undefined"),
         ("ARMING_REQUIRE", _I8, 1.0, "Arming is needed before the motors turn"),
         ("BATT_MONITOR", _I8, 4.0, "Voltage and current"),
-        ("RCMAP_PITCH", _I8, 2.0, "Unused"),
-        ("RCMAP_YAW", _I8, 4.0, "Unused"),
         ("COMPASS_DEC", _REAL, 0.0, "The heading sensor reports true heading"),
         ("INS_ACCOFFS_X", _REAL, 0.001, "No accelerometer to calibrate"),
         ("INS_ACCOFFS_Y", _REAL, 0.001, "No accelerometer to calibrate"),
