@@ -10,6 +10,7 @@ from mission_tools.cli.exit import run_app
 from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
 from sitl.cli.campaign import campaign
+from sitl.cli.encounters import encounters
 from sitl.cli.paper import paper
 from sitl.cli.physics import physics
 from sitl.cli.report import report
@@ -38,6 +39,7 @@ def options(
 app.command()(serve)
 app.command()(sail)
 app.command()(campaign)
+app.command()(encounters)
 app.command()(report)
 app.command()(tune)
 app.command()(paper)

@@ -1,0 +1,55 @@
+"""The bench for avoidance: waters drawn from a seed, what is aimed at the boat, and who could have dodged."""
+
+import math
+
+import pytest
+
+from companion.geo import Point
+from sitl.encounters.bench import WATERS, markdown
+from sitl.encounters.trial import Trial, Water, sail_encounter
+from sitl.encounters.waters import LEG_M, Kind, Meeting, mover, still_water
+from sitl.movers import Mover, MoverSettings
+
+STILL: tuple[Kind, ...] = ("lone", "gap", "field", "dense", "shore")
+MOVING: tuple[Kind, ...] = ("head_on", "crossing")
+
+
+@pytest.mark.parametrize("kind", STILL)
+def test_a_water_is_a_function_of_its_seed(kind: Kind) -> None:
+    assert still_water(kind, 3) == still_water(kind, 3)
+    assert still_water(kind, 3) != still_water(kind, 4)
+
+
+@pytest.mark.parametrize("kind", MOVING)
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_what_moves_is_aimed_at_where_the_boat_would_be(kind: Kind, seed: int) -> None:
+    meeting = Meeting(40.0, Point(30.0, 0.2), 0.05)
+    tree = mover(kind, seed, 0.5, meeting)
+    east_m, north_m = Mover(MoverSettings(**tree)).position_m(meeting.time_s)
+    assert math.hypot(north_m - meeting.at.north_m, east_m - meeting.at.east_m) <= 0.5
+    assert math.hypot(*tree["velocity_m_s"]) == pytest.approx(0.5)
+
+
+def test_rocks_leave_the_ends_of_the_leg_free() -> None:
+    for seed in range(1, 20):
+        for rock in still_water("dense", seed)["map"]["obstacles"]:
+            east_m, north_m = rock["circle"]["centre"]
+            to_ends_m = min(math.hypot(north_m, east_m), math.hypot(north_m - LEG_M, east_m))
+            assert to_ends_m > rock["circle"]["radius_m"] + 4.0
+
+
+def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> None:
+    trial = sail_encounter(Water("crossing", 0.2), 1, ("vehicle.avoidance.enable=1",))
+    assert trial.touches > 0
+    assert trial.could_help
+
+
+def test_the_table_has_a_row_for_each_water() -> None:
+    def trial(water: Water, touches: int) -> Trial:
+        return Trial(water, 1, True, touches, False, 40.0, 20.0, 1, 0)
+
+    table = markdown([trial(water, number % 2) for number, water in enumerate(WATERS)])
+    lines = table.splitlines()
+    assert len(lines) == len(WATERS) + 2
+    assert lines[2] == "| lone | 1 | 0 |  | 1 | 2.00 | 1 | 0 |"
+    assert "| head on 0.2 m/s | 1 | 1 | 1 | 1 | 2.00 | 1 | 0 |" in lines
