@@ -236,7 +236,9 @@ class Boat:
             senses.external.frame = estimator.frame
         self.nav = estimator.update(senses.fix, senses.heading, now_s, self.command)
         if senses.pings:
-            self.steering.lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
+            lookout = self.steering.lookout
+            lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
+            senses.look(lookout.sector)
         self._wall_time.keep(senses.fix, self.endpoint.unix_offset_s)
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
         if senses.rc is not None and self.transmitter.update(senses.rc, now_s):
@@ -251,7 +253,7 @@ class Boat:
             if trials.is_running:
                 if steering.avoidance.stage is not Stage.CLEAR:
                     trials.stop("an obstacle")
-                is_slowed = steering.avoidance.limit_m_s < math.inf
+                is_slowed = steering.avoidance.safe_speed.ahead_m_s < math.inf
                 intent = trials.update(intent, nav, self.senses.fix, self.command, is_slowed, now_s)
             steering.guide(intent, nav, config, now_s)
         if self.motor_test.is_running:

@@ -73,7 +73,7 @@ def _tuning() -> list[Row]:
         Row("FOLL_TIMEOUT", _REAL, "Silence of whom is followed that ends following", "follow.timeout_s", unit="s", low=0.5, high=60),
         Row("AVOID_ENABLE", _I8, "What the boat keeps clear of, a sum: 1 the fence, 2 what its rangers see; 4 makes no difference", "avoidance.enable", low=0, high=7),
         Row("AVOID_MARGIN", _REAL, "Distance that the boat keeps from what its rangers see", "avoidance.margin_m", unit="m", low=0.01, high=50),
-        Row("AVOID_SIGHT", _I8, "Speed: 0 as asked for, 1 never faster than the boat can stop in what its rangers see", "avoidance.by_sight", low=0, high=1),
+        Row("AVOID_SIGHT", _I8, "Never faster than the boat can stop in what its rangers see: 0 not so, 1 always, 2 for a while after something was in the way", "avoidance.by_sight", low=0, high=2),
         Row("AVOID_DETOUR", _REAL, "A longer way round is given up", "avoidance.detour_m", unit="m", low=0, high=10000),
         Row("AVOID_RETRY", _REAL, "Time until the next try where there was no way round", "avoidance.retry_s", unit="s", low=1, high=3600),
         Row("OA_TYPE", _I8, "What is in the way: 0 the boat stops before it, 1 it goes round", "avoidance.goes_round", low=0, high=1),

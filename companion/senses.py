@@ -4,6 +4,7 @@ from companion.config import BoatConfig
 from companion.hal.interfaces import Hardware
 from companion.sensors.charge import ChargeCounter
 from companion.sensors.external import ExternalSensors
+from companion.sensors.gaze import ALL_ROUND, Sector
 from companion.sensors.readings import (
     BatteryReading,
     GnssFix,
@@ -22,6 +23,7 @@ class Senses:
     __slots__ = (
         "_charge",
         "_hardware",
+        "_sector",
         "battery",
         "compass",
         "external",
@@ -47,11 +49,18 @@ class Senses:
         self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
         self._hardware = hardware
         self._charge = ChargeCounter()
+        self._sector: Sector = ALL_ROUND
 
     @property
     def consumed_mah(self) -> float:
         """Charge taken from the pack since boot."""
         return self._charge.consumed_mah
+
+    def look(self, sector: Sector) -> None:
+        """Have the boat's own ranger sweep between these bearings."""
+        if sector != self._sector and self._hardware.sonar is not None:
+            self._sector = sector
+            self._hardware.sonar.look(sector.port_rad, sector.starboard_rad)
 
     def read(self, config: BoatConfig, now_s: float) -> None:
         """Take what there is."""

@@ -84,7 +84,7 @@ class Steering:
             intent, nav, config, self.lookout, vehicle.fence, is_by_hand=vehicle.mode.is_by_hand, now_s=now_s
         )
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
-        steered = self.avoidance.limited(steered, nav, config)
+        steered = self.avoidance.safe_speed.limited(steered, nav, config)
         steered = self._fence_brake.limit(steered, intent, nav, vehicle.fence, config, dt_s)
         if vehicle.probe.is_lame and isinstance(steered, Demand) and nav is not None:
             steered = self._limp(steered, nav, config, now_s)

@@ -7,24 +7,20 @@ water costs two comparisons.
 """
 
 import math
-from collections import deque
 from enum import IntEnum
 
-from msgspec.structs import replace
-
 from companion.config import BoatConfig
-from companion.control.speed import feed_forward
-from companion.geo import Point, distance_m
 from companion.guidance.clear_water import Bounds
 from companion.guidance.detour import STARBOARD, Detour
-from companion.guidance.passing import STRAIGHT_ON, choose_passing
+from companion.guidance.passing import Passing, choose_passing
+from companion.guidance.safe_speed import SafeSpeed, crash_stop
 from companion.guidance.scene import HULL, Scene
 from companion.guidance.tries import Tries
+from companion.guidance.wake import Wake
 from companion.sensors.lookout import Lookout
-from companion.state import Demand, NavState
+from companion.state import NavState
 from companion.units import wrap_pi
 from companion.vehicle.intent import (
-    Drive,
     FollowLeg,
     HoldCourse,
     HoldHeading,
@@ -40,9 +36,9 @@ _FREE = 1.1  # times the margin must be free on the way for a detour to end
 _MEMORIES = 3.0  # of the sight: how far ahead a detour's end is looked for
 _LEAVES = 1.0  # sights must be free for that
 _BACKS_S = 4.0  # longest time astern
+_PUZZLES = 1.0  # margins of room: no side is chosen before it is known whether the thing moves
+_CRASH_STOP = 0.4  # of the slowest speed with steerage way: faster than that the boat stops with all it has
 _HALTS = 0.25  # margins from the distance to keep, the boat has stopped
-_WAKE_POINTS = 24
-_WAKE_STEP = 0.5  # of the margin
 
 
 class Stage(IntEnum):
@@ -56,15 +52,14 @@ class Stage(IntEnum):
 
 
 class Avoidance:
-    """stage says what it does; limit_m_s and astern_m_s how fast the boat may go; what there is to say goes
-    to `notices`.
-    """
+    """stage says what it does, safe_speed how fast the boat may go; what is to be said goes to `notices`."""
 
     __slots__ = (
         "_back_s",
         "_detour",
         "_due_s",
         "_given",
+        "_has_told",
         "_instead",
         "_notices",
         "_passing",
@@ -72,31 +67,31 @@ class Avoidance:
         "_station",
         "_tries",
         "_wake",
-        "astern_m_s",
-        "limit_m_s",
+        "safe_speed",
         "stage",
     )
 
     def __init__(self, notices: list[Notice]) -> None:
         self.stage = Stage.CLEAR
-        self.limit_m_s = self.astern_m_s = math.inf
+        self.safe_speed = SafeSpeed()
         self._notices = notices
         self._detour: Detour | None = None
         self._tries = Tries()
-        self._wake: deque[Point] = deque(maxlen=_WAKE_POINTS)  # where the boat has come along
+        self._wake = Wake()
         self._given: Intent | None = None
         self._instead: Intent | None = None
         self._due_s = 0.0
-        self._passing = STRAIGHT_ON
+        self._passing: Passing | None = None
+        self._has_told = False
         self._back_s = 0.0
         self._retry_s = 0.0
         self._station: KeepStation | None = None  # while it is blocked
 
     def reset(self) -> None:
         """Forget what it was doing."""
-        self.stage, self.limit_m_s, self.astern_m_s = Stage.CLEAR, math.inf, math.inf
-        self._detour = self._given = self._instead = None
-        self._passing = STRAIGHT_ON
+        self.stage = Stage.CLEAR
+        self.safe_speed.forget()
+        self._detour = self._given = self._instead = self._passing = None
         self._tries.forget()
 
     def update(
@@ -112,16 +107,17 @@ class Avoidance:
     ) -> Intent:
         """What to sail instead of an intent; most of the time the intent itself."""
         setting = config.avoidance
-        if lookout.is_empty and self.stage is Stage.CLEAR and not setting.by_sight:
-            self.limit_m_s = self.astern_m_s = math.inf
+        if lookout.is_empty and self.stage is Stage.CLEAR and not self._is_wary(setting.by_sight, nav):
+            self.safe_speed.free()
             return intent
         is_off = not setting.is_looking_out or (is_by_hand and not setting.by_hand)
         if nav is None or is_off or isinstance(intent, Stop):
             if self._given is not None:
                 self.reset()
             return intent
-        if self.stage is Stage.CLEAR and not setting.by_sight and not lookout.is_near(nav.point):
-            self.limit_m_s = self.astern_m_s = math.inf
+        is_far = self.stage is Stage.CLEAR and not lookout.is_near(nav.point)
+        if is_far and not self._is_wary(setting.by_sight, nav):
+            self.safe_speed.free()
             return intent
         if now_s >= self._due_s or type(intent) is not type(self._given):
             self._due_s = now_s + PERIOD_S
@@ -130,43 +126,18 @@ class Avoidance:
                 self._detour, self.stage = None, Stage.CLEAR
             self._given = intent
             scene = Scene(intent, nav, config, lookout, bounds, now_s)
-            self._hold_speed(scene, lookout)
-            self._instead = None if is_by_hand else self._let_pass(scene, self._decide(scene))
+            self.safe_speed.look(scene, lookout)
+            self._instead = None if is_by_hand else self._let_pass(scene, lookout, self._decide(scene))
         return intent if self._instead is None else self._instead
-
-    def limited(
-        self, steered: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig
-    ) -> Demand | Drive | Stop:
-        """The same, no faster than the boat may go."""
-        if self.limit_m_s == math.inf and self.astern_m_s == math.inf:
-            return steered
-        if isinstance(steered, Demand):
-            speed = max(min(steered.speed_m_s, self.limit_m_s), -self.astern_m_s)
-            return steered if speed == steered.speed_m_s else replace(steered, speed_m_s=speed)
-        if isinstance(steered, Drive) and nav is not None and steered.throttle > 0.0:
-            setting, limit = config.speed, self.limit_m_s
-            if limit < math.inf:
-                most = feed_forward(limit, setting) + setting.kp * (limit - nav.surge_m_s)
-                return Drive(max(min(steered.throttle, most), -1.0), steered.steering)
-        return steered
 
     # How
 
-    def _hold_speed(self, scene: Scene, lookout: Lookout) -> None:
-        """How fast the boat may go, whatever it sails: it can stop before what it is going for."""
-        heading = scene.nav.heading_rad
-        self.limit_m_s = scene.sighted_m_s(lookout)
-        room_m = scene.motion_m()
-        if room_m < math.inf:
-            self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(room_m))
-        ahead_m, astern_m = scene.room_m(heading), scene.room_m(heading + math.pi)
-        if ahead_m < math.inf:
-            self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(ahead_m))
-        self.astern_m_s = math.inf if astern_m == math.inf else scene.stopping_m_s(astern_m)
+    def _is_wary(self, by_sight: int, nav: NavState | None) -> bool:
+        return by_sight > 0 and nav is not None and self.safe_speed.goes_by_sight(by_sight, nav.point)
 
     def _decide(self, scene: Scene) -> Intent | None:
         """What to sail instead of an intent, None for nothing else."""
-        self._keep_wake(scene)
+        self._wake.keep(scene.here, scene.margin_m)
         if self.stage is Stage.BLOCKED:
             return self._wait(scene)
         if self._detour is not None:
@@ -175,38 +146,49 @@ class Avoidance:
         slow_m = scene.way_m(scene.things)
         if slow_m < math.inf:
             allowed = scene.stopping_m_s(slow_m)
-            self.limit_m_s = min(self.limit_m_s, max(allowed, guidance.min_speed_m_s))
+            self.safe_speed.lower(max(allowed, guidance.min_speed_m_s))
         free_m = scene.way_m(scene.solid)
         if free_m == math.inf:
             is_shut_in = scene.motion_m() < math.inf
             return scene.stop() if is_shut_in and scene.must_stop_to_turn(scene.wanted(None)[0]) else None
         if not scene.config.avoidance.goes_round or isinstance(scene.intent, HoldTurn):
             return self._halt(scene, free_m)
+        if scene.is_puzzling and free_m > _PUZZLES * scene.margin_m:
+            self.safe_speed.lower(guidance.min_speed_m_s)
+            return None
         return self._begin(scene)
 
-    def _let_pass(self, scene: Scene, instead: Intent | None) -> Intent | None:
+    def _let_pass(self, scene: Scene, lookout: Lookout, instead: Intent | None) -> Intent | None:
         """Of what lies still the boat keeps clear already; now what moves."""
-        if not scene.movers or self.stage not in (Stage.CLEAR, Stage.PASSING):
-            self._passing = STRAIGHT_ON
+        if scene.movers:
+            course, speed = scene.wanted(instead)
+            if self._is_wary(scene.config.avoidance.by_sight, scene.nav):
+                speed = min(speed, scene.sighted_m_s(lookout))
+            self._passing = choose_passing(scene, course, speed, self._passing)
+        else:
+            self._passing = None
+        if self._passing is None:
             if self.stage is Stage.PASSING:
                 self.stage = Stage.CLEAR
             return instead
-        course, speed = scene.wanted(instead)
-        self._passing = choose_passing(scene, course, speed, self._passing)
-        turn, pace = self._passing
-        if self._passing == STRAIGHT_ON:
-            if self.stage is Stage.PASSING:
-                self.stage = Stage.CLEAR
-            return instead
+        self.safe_speed.meet(scene.here)
         if self.stage is Stage.CLEAR:
             self.stage = Stage.PASSING
+            self._has_told = False
+        if not self._has_told and any(mover.is_mover for mover in scene.movers):
+            self._has_told = True
             self._tell(Severity.INFO, "Obstacle moves: letting it pass")
-        if not pace:
-            return scene.stop()
-        return HoldCourse(wrap_pi(course + turn), pace * speed)
+        turn, speed = self._passing
+        if speed > 0.0:
+            self.safe_speed.allow(speed)
+            return HoldCourse(wrap_pi(course + turn), speed)
+        if scene.nav.surge_m_s > _CRASH_STOP * scene.config.guidance.min_speed_m_s:
+            return crash_stop(scene.nav, scene.config)
+        return HoldHeading(scene.nav.heading_rad, speed) if speed < 0.0 else scene.stop()
 
     def _begin(self, scene: Scene) -> Intent | None:
         """The way is shut: choose a side to pass on."""
+        self.safe_speed.meet(scene.here)
         told = self._tries.last_side
         detour = self._tries.begin(scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m)
         if detour is None:
@@ -246,7 +228,7 @@ class Avoidance:
         is_backing = self.stage is Stage.BACK and ahead_m < scene.margin_m and scene.now_s < self._back_s
         if not is_backing and self.stage is Stage.ROUND and ahead_m < HULL * scene.margin_m:
             self._back_s, is_backing = scene.now_s + _BACKS_S, True
-        if is_backing and self.astern_m_s > 0.0:
+        if is_backing and self.safe_speed.astern_m_s > 0.0:
             self.stage = Stage.BACK
             return HoldHeading(nav.heading_rad, -guidance.min_speed_m_s)
         self.stage = Stage.ROUND
@@ -262,7 +244,7 @@ class Avoidance:
         is_open = scene.way_m(scene.things, _FREE, _MEMORIES) == math.inf
         if not is_open and scene.now_s < self._retry_s:
             least_m_s = scene.config.guidance.min_speed_m_s
-            self.limit_m_s = min(self.limit_m_s, least_m_s)
+            self.safe_speed.lower(least_m_s)
             is_going_for_it = scene.speed_m_s > least_m_s and scene.motion_m() < math.inf
             return scene.stop() if is_going_for_it else self._station
         self._tell(Severity.INFO, "Obstacle: the way is open" if is_open else "Obstacle: tries again")
@@ -275,30 +257,19 @@ class Avoidance:
         self.stage, self._detour = Stage.BLOCKED, None
         self._retry_s = scene.now_s + scene.config.avoidance.retry_s
         self._tell(Severity.NOTICE, "Obstacle: no way round, keeping station")
-        self._station = KeepStation(self._roomy(scene))
+        self._station = KeepStation(self._wake.roomy(scene.here, scene.things, scene.margin_m))
         return self._wait(scene)
 
     def _halt(self, scene: Scene, free_m: float) -> Intent | None:
         """Not to go round: brake, and keep station before it until the way is open."""
-        self.limit_m_s = min(self.limit_m_s, scene.stopping_m_s(free_m))
+        self.safe_speed.meet(scene.here)
+        self.safe_speed.lower(scene.stopping_m_s(free_m))
         if free_m > _HALTS * scene.margin_m:
             return None
         self.stage, self._retry_s = Stage.BLOCKED, math.inf
         self._tell(Severity.NOTICE, "Obstacle ahead: keeping station before it")
         self._station = KeepStation(scene.here)
         return self._station
-
-    def _keep_wake(self, scene: Scene) -> None:
-        step_m = _WAKE_STEP * scene.margin_m
-        if not self._wake or distance_m(self._wake[-1], scene.here) > step_m:
-            self._wake.append(scene.here)
-
-    def _roomy(self, scene: Scene) -> Point:
-        """The last place that the boat has been to which has the margin around it."""
-        for place in reversed(self._wake):
-            if all(distance_m(place, thing) > scene.margin_m for thing in scene.things):
-                return place
-        return scene.here
 
     def _tell(self, severity: int, text: str) -> None:
         self._notices.append(Notice(severity, text))

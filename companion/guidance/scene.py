@@ -22,13 +22,16 @@ _FAR_M = 1000.0  # where a course leads to
 _LOOK_S = 0.8  # until the sweep comes by again
 _TURNS_S = 2.0  # what a sharp turn takes
 _HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
+_SPREAD = 0.6  # of the margin: so far from a mover its echoes lie on the map
+_IN_VIEW_S = 1.0  # unseen for longer, a mover's echoes are all that is known of it
 _CONE = 0.7  # cosine of 45°
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
 
 
 class Scene:
-    """solid is what surely lies there, things what may as well. margin_m is the distance to keep, more in
-    water that sets; sight_m how far the boat sees.
+    """solid is what surely lies there, things what may as well; movers what moves, or most likely does;
+    is_puzzling: it will be known in a moment whether something moves. margin_m is the distance to keep, more
+    in water that sets; sight_m how far the boat sees.
     """
 
     __slots__ = (
@@ -37,6 +40,7 @@ class Scene:
         "config",
         "here",
         "intent",
+        "is_puzzling",
         "margin_m",
         "movers",
         "nav",
@@ -65,11 +69,24 @@ class Scene:
         self.sight_m = lookout.reach_m or setting.lookahead_m
         self.margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
         self.speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
-        self.movers: Sequence[Track] = lookout.movers(now_s)
-        self.solid = lookout.solid(now_s)
-        self.things = lookout.suspects(now_s)
+        self.movers: Sequence[Track] = lookout.tracks.likely(now_s)
+        self.solid = self._still(lookout.solid(now_s))
+        self.things = self._still(lookout.suspects(now_s))
+        self.is_puzzling = lookout.is_puzzled(now_s)
         self._bounds = bounds
         self._water: ClearWater | None = None
+
+    def _still(self, things: list[Point]) -> list[Point]:
+        """What lies still: without the echoes that movers have left on the map."""
+        movers = [mover for mover in self.movers if mover.is_mover and self.now_s - mover.seen_s < _IN_VIEW_S]
+        if not movers:
+            return things
+        spread_m = _SPREAD * self.config.avoidance.margin_m
+        return [
+            thing
+            for thing in things
+            if not any(mover.was_at(thing, mover.radius_m + spread_m) for mover in movers)
+        ]
 
     @property
     def water(self) -> ClearWater:
@@ -158,6 +175,10 @@ class Scene:
         intent = self.intent if instead is None else instead
         if isinstance(intent, HoldCourse):
             return intent.course_rad, intent.speed_m_s
+        if isinstance(intent, FollowLeg) and intent.line.length_m > 0.0:
+            _, cross_m = intent.line.along_and_cross_track_m(self.here)
+            back_rad = math.atan2(cross_m, self.config.guidance.lookahead_m)
+            return wrap_pi(intent.line.course_rad - back_rad), self.asked_m_s()
         way = way_ahead(intent, self.nav, self.config, self.sight_m)
         if len(way) < 2 or (isinstance(intent, KeepStation) and distance_m(way[0], way[1]) < self.margin_m):
             return self.nav.heading_rad, 0.0
@@ -170,15 +191,13 @@ class Scene:
         return self.config.speed.cruise_m_s
 
     def sighted_m_s(self, lookout: Lookout) -> float:
-        """The speed from which the boat stops in the water that it sees, if it is to keep to that.
+        """The speed from which the boat stops in the water that it sees.
 
         v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by
         what a following water carries the boat on while it turns.
         """
         config, nav = self.config, self.nav
         accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
-        if not config.avoidance.by_sight:
-            return math.inf
         seen_m = lookout.reach_m if self.now_s - lookout.heard_s <= _HEARD_S else 0.0
         ahead_n, ahead_e = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         along_m_s = nav.set_north_m_s * ahead_n + nav.set_east_m_s * ahead_e

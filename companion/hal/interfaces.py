@@ -80,6 +80,10 @@ class Sonar(Protocol):
     def read(self) -> Sequence[SonarReading]:
         """The pings since the last call, oldest first."""
 
+    def look(self, port_rad: float, starboard_rad: float) -> None:
+        """Sweep between these bearings from the bow from now on, as far as the part goes; a fixed one does
+        not."""
+
     def close(self) -> None:
         """Let the part go. May be called twice."""
 

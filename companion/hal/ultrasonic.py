@@ -18,6 +18,7 @@ from companion.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.optional import import_optional
 from companion.sensors.readings import SonarReading
+from companion.sensors.swing import Swing
 
 MIN_RANGE_M = 0.02
 PING_PERIOD_S = 0.06  # of the data sheet: an echo of the last ping must not answer this one
@@ -152,18 +153,17 @@ class Ultrasonic:
     ) -> None:
         self._ranger = ranger
         self._now = now
-        self._bearings_rad = tuple(bearings_rad)
+        self._swing = Swing(bearings_rad)
         self._turn = turn
         self._release = release
         self._max_range_m = max_range_m
-        self._index = 0
         self._readings: deque[SonarReading] = deque(maxlen=_READINGS)
         self._background = Background(
             self.step, "sonar", first_wait_s=0.0 if turn is None else _SERVO_SETTLES_S
         )
         self._is_closed = False
         if turn is not None:
-            turn(self._bearings_rad[0])
+            turn(self._swing.bearing_rad)
 
     def start(self) -> None:
         """Begin to ping."""
@@ -175,13 +175,12 @@ class Ultrasonic:
         Raises:
             HardwareError: the part does not answer.
         """
-        bearing_rad = self._bearings_rad[self._index]
+        bearing_rad = self._swing.bearing_rad
         time_s = self._now()
         range_m = self._ranger.ping_m()
         self._readings.append(SonarReading(time_s, bearing_rad, range_m, MIN_RANGE_M, self._max_range_m))
         if self._turn is not None:
-            self._index = (self._index + 1) % len(self._bearings_rad)
-            self._turn(self._bearings_rad[self._index])
+            self._turn(self._swing.turn())
         return PING_PERIOD_S
 
     def read(self) -> Sequence[SonarReading]:
@@ -190,6 +189,10 @@ class Ultrasonic:
         while self._readings:
             readings.append(self._readings.popleft())
         return readings
+
+    def look(self, port_rad: float, starboard_rad: float) -> None:
+        """Sweep between these bearings from now on."""
+        self._swing.look(port_rad, starboard_rad)
 
     def close(self) -> None:
         """End the thread and let the pins go. May be called twice."""

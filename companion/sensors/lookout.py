@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from companion.geo import Point
 from companion.sensors.babble import Babble
+from companion.sensors.gaze import ALL_ROUND, Sector, choose_sector, is_puzzling
 from companion.sensors.occupancy import SUSPECT, Beam, Occupancy
 from companion.sensors.readings import SonarReading
 from companion.sensors.track import Track
@@ -26,9 +27,22 @@ _MAX_TURNS_RAD = 20.0
 
 
 class Lookout:
-    """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used."""
+    """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used.
+    sector: where the boat's own ranger is to look.
+    """
 
-    __slots__ = ("_babble", "_setting", "_tidy_s", "dropped", "heard_s", "occupancy", "reach_m", "tracks")
+    __slots__ = (
+        "_babble",
+        "_setting",
+        "_silence",
+        "_tidy_s",
+        "dropped",
+        "heard_s",
+        "occupancy",
+        "reach_m",
+        "sector",
+        "tracks",
+    )  # fmt: skip
 
     def __init__(self, setting: Avoidance) -> None:
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
@@ -37,6 +51,8 @@ class Lookout:
         self._babble = Babble()
         self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
         self.heard_s = -math.inf
+        self.sector: Sector = ALL_ROUND
+        self._silence: SonarReading | None = None  # the ping before, if it was not looked at closer
         self._setting = setting
         self._tidy_s = 0.0
 
@@ -73,16 +89,21 @@ class Lookout:
                 reach_m = min(ping.max_range_m, setting.lookahead_m)  # silence over open water, as mostly
                 if reach_m > 0.0 and not is_lost:
                     self.reach_m, self.heard_s = reach_m, ping.time_s
+                    self._silence = ping if width_rad is None else None
                     continue
             beam = None
             if nav is not None and not is_lost:
+                if self._silence is not None:
+                    self._add(_beam(self._silence, setting.beam_rad, nav, setting, now_s))
+                    self._silence = None
                 beam = _beam(ping, width_rad or setting.beam_rad, nav, setting, now_s)
             if beam is None:
                 self.dropped += 1
                 continue
             self.reach_m, self.heard_s = beam.reach_m, beam.time_s
-            self.occupancy.add(beam)
-            self.tracks.add(beam, self.occupancy)
+            self._add(beam)
+        if nav is not None and setting.is_looking_out:
+            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, is_open=self.is_empty)
         if nav is not None and now_s >= self._tidy_s and not self.is_empty:
             self._tidy_s = now_s + _TIDY_S
             self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
@@ -98,6 +119,15 @@ class Lookout:
     def movers(self, now_s: float) -> list[Track]:
         """What is known to move."""
         return self.tracks.movers(now_s)
+
+    def is_puzzled(self, now_s: float) -> bool:
+        """Whether it looks closer at something that may turn out to move."""
+        return any(is_puzzling(track, now_s) for track in self.tracks.all)
+
+    def _add(self, beam: Beam | None) -> None:
+        if beam is not None:
+            self.occupancy.add(beam)
+            self.tracks.add(beam, self.occupancy)
 
     def _is_nonsense(self, ping: SonarReading) -> bool:
         was_babbling = self._babble.is_babbling

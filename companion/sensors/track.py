@@ -7,24 +7,32 @@ across the beam.
 
 The paper's terms: dR0 (its equation 1) is `Track.distance_m`; a thing is static or dynamic (`is_mover`), and
 a dynamic one approaches or recedes (`closing_m_s`). What is said to move must do so beyond doubt, three
-standard deviations, and must either come towards the boat or have been seen through where it was: the place
-along a shore that echoes best goes along with the boat, though nothing moves.
+standard deviations, and must either come towards the boat, alone in free water, or have been seen through
+where it was: the place along a shore that echoes best goes along with the boat, though nothing moves.
 """
 
 import math
 from collections import deque
+from itertools import pairwise
 
 from companion.geo import Point
 from companion.sensors.occupancy import Occupancy
 
 SURE_SIGMAS = 3.0
 DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is within this of nothing
+LIKELY_SIGMAS = 1.5  # enough to turn aside for a moment, too little to say so
 LEAST_LOOKS = 2
+ALONE_LOOKS, ALONE_SIGMAS = 3, 2.0  # for what has free water on either side
+_SLIDES = 2.0  # of the least pace
 LEAST_GONE = 2  # places
 _LATELY_S = 1.0
+_AT_A_STRETCH_S = 1.5  # the looks that tell a pace; after longer it may be another thing
+_STEADY_LOOKS, _STEADY_SHARE = 4, 0.4
+_YOUNG_S = 2.0  # what has lain there for longer does not set out just now
+FASTEST = 12.0  # of the least pace: what seems faster is one thing taken for another
 _TRAIL = 8
 _ANYWHERE_M2 = 100.0
-_ANY_PACE_M2_S2 = 1.0
+_ANY_PACE_M2_S2 = 0.5
 _SEEN_THROUGH = 0.0
 
 
@@ -38,6 +46,10 @@ class Track:
         "_state",
         "_time_s",
         "_trail",
+        "alone",
+        "begun_s",
+        "is_cut_off",
+        "is_likely",
         "is_mover",
         "looks",
         "number",
@@ -48,10 +60,13 @@ class Track:
     def __init__(self, number: int, seen_s: float, at: Point, radius_m: float) -> None:
         """Begin at rest, with all doubt; the first look is taken in by `correct` as every other."""
         self.number = number
-        self.seen_s = self._time_s = seen_s
+        self.begun_s = self.seen_s = self._time_s = seen_s
         self.radius_m = radius_m
         self.looks = 1
+        self.alone = 0  # looks that have heard free water on either side of it
+        self.is_cut_off = False  # the last look has not passed over both its edges
         self.is_mover = False
+        self.is_likely = False  # it moves, or most likely does
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
         place, pace = _ANYWHERE_M2, _ANY_PACE_M2_S2
@@ -82,10 +97,15 @@ class Track:
     def speed_sigma_m_s(self) -> float:
         """One standard deviation of the speed, along the velocity."""
         north, east, p = self._state[2], self._state[3], self._covariance
-        square = north * north + east * east
-        if square < 1e-12:
+        speed = math.hypot(north, east)
+        if speed < 1e-6:
             return math.sqrt(max(p[2][2], p[3][3]))
-        variance = (north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]) / square
+        return self.pace_sigma_m_s(north / speed, east / speed)
+
+    def pace_sigma_m_s(self, north: float, east: float) -> float:
+        """One standard deviation of its velocity along a direction."""
+        p = self._covariance
+        variance = north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]
         return math.sqrt(max(variance, 0.0))
 
     def sigma_m(self, now_s: float) -> float:
@@ -101,7 +121,7 @@ class Track:
 
     def point(self, now_s: float) -> Point:
         """Where it is, or will be; what is not known to move is where it was seen."""
-        ahead_s, state = now_s - self._time_s if self.is_mover else 0.0, self._state
+        ahead_s, state = now_s - self._time_s if self.is_likely else 0.0, self._state
         return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
 
     def distance_m(self, boat: Point, now_s: float) -> float:
@@ -115,6 +135,13 @@ class Track:
         north, east = at.north_m - boat.north_m, at.east_m - boat.east_m
         distance = max(math.hypot(north, east), 1e-6)
         return ((north_m_s - self._state[2]) * north + (east_m_s - self._state[3]) * east) / distance
+
+    def was_at(self, place: Point, within_m: float) -> bool:
+        """Whether it was seen so near to a place of late, or is there."""
+        for _, at in self._trail:
+            if abs(at.north_m - place.north_m) < within_m and abs(at.east_m - place.east_m) < within_m:
+                return True
+        return False
 
     # What Tracks does with it
 
@@ -159,30 +186,56 @@ class Track:
             for j in range(4):
                 p[i][j] -= gain * cross[j]
 
-    def keep(self, radius_m: float, beam_n: float, beam_e: float) -> None:
-        """A look is complete; the beam's direction is from the boat to the thing."""
+    def keep(self, radius_m: float, beam_n: float, beam_e: float, *, is_alone: bool = True) -> None:
+        """A look is complete; the beam's direction is from the boat to the thing. is_alone: the beams on
+        either side of it have heard free water.
+        """
         self.looks += 1
+        self.alone += is_alone
         self.seen_s = self._time_s
         self.radius_m = max(radius_m, 0.8 * self.radius_m)
         self._beam_n, self._beam_e = beam_n, beam_e
         self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
 
-    def judge(self, occupancy: Occupancy, least_m_s: float, now_s: float) -> None:
-        """Decide whether it moves."""
+    def judge(self, occupancy: Occupancy, least_m_s: float, now_s: float, *, is_small: bool = True) -> None:
+        """Decide whether it moves. is_small: its near side is about where its middle is."""
         speed, sigma = self.speed_m_s, self.speed_sigma_m_s
         if self.is_mover:
             self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
-        elif self._comes_surely(least_m_s):
-            self.is_mover = self.looks >= LEAST_LOOKS
-        elif speed > max(SURE_SIGMAS * sigma, least_m_s):
-            self.is_mover = self.looks > LEAST_LOOKS and self._has_left(occupancy, now_s)
+        elif speed < FASTEST * least_m_s and self.alone:
+            self.is_mover = self._must_move(occupancy, speed, least_m_s, now_s, is_small=is_small)
+        is_fast = max(LIKELY_SIGMAS * sigma, _SLIDES * least_m_s) < speed < FASTEST * least_m_s
+        is_alone = is_small and self.alone >= LEAST_LOOKS and now_s - self.begun_s < _YOUNG_S
+        self.is_likely = self.is_mover or (is_alone and is_fast)
+
+    def _must_move(
+        self, occupancy: Occupancy, speed_m_s: float, least_m_s: float, now_s: float, *, is_small: bool
+    ) -> bool:
+        sigma = self.speed_sigma_m_s
+        if self.alone >= LEAST_LOOKS and self._comes_surely(least_m_s):
+            return True
+        if is_small and self.alone >= ALONE_LOOKS and self._goes_steadily(speed_m_s, now_s):
+            return speed_m_s > max(ALONE_SIGMAS * sigma, _SLIDES * least_m_s)
+        is_sure = self.looks > LEAST_LOOKS and speed_m_s > max(SURE_SIGMAS * sigma, least_m_s)
+        return is_sure and self._has_left(occupancy, now_s)
+
+    def _goes_steadily(self, speed_m_s: float, now_s: float) -> bool:
+        """Whether each of the last looks found it farther on its way: a rock taken for another leaps once."""
+        last = list(self._trail)[-_STEADY_LOOKS:]
+        if len(last) < _STEADY_LOOKS or now_s - last[0][0] > _AT_A_STRETCH_S or speed_m_s <= 0.0:
+            return False
+        ahead_n, ahead_e = self._state[2] / speed_m_s, self._state[3] / speed_m_s
+        for (from_s, start), (to_s, end) in pairwise(last):
+            on_m = (end.north_m - start.north_m) * ahead_n + (end.east_m - start.east_m) * ahead_e
+            if on_m < _STEADY_SHARE * speed_m_s * (to_s - from_s):
+                return False
+        return True
 
     def _comes_surely(self, least_m_s: float) -> bool:
         """Whether it comes towards the boat over ground."""
-        north, east, p = self._beam_n, self._beam_e, self._covariance
+        north, east = self._beam_n, self._beam_e
         towards = -(self._state[2] * north + self._state[3] * east)
-        variance = north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]
-        return towards > max(SURE_SIGMAS * math.sqrt(max(variance, 0.0)), least_m_s)
+        return towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)
 
     def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
         """Whether it was seen through in most of the places where it has been."""

@@ -12,13 +12,14 @@ class Avoidance(Section, frozen=True):
     """Looking out, and keeping clear. Distances are from the boat's centre.
 
     enable: Rover's AVOID_ENABLE, a sum of 1 fence, 2 what the rangers see; goes_round: Rover's OA_TYPE, 0
-    stops before things, 1 goes round them. by_sight: never sail faster than the boat can stop in the water
-    that it has looked at, which is what sailing off the map wants.
+    stops before things, 1 goes round them. by_sight: when not to sail faster than the boat can stop in the
+    water that it has looked at: 0 never, 1 always, which is what sailing off the map wants, 2 for a while
+    after something was in the way that the plan did not know of.
     """
 
     enable: Annotated[int, Meta(ge=0, le=7)] = 3
     goes_round: bool = True
-    by_sight: bool = False
+    by_sight: Annotated[int, Meta(ge=0, le=2)] = 2
     by_hand: bool = False  # stop before things in the modes steered by hand too
     margin_m: Positive = 1.0  # from the edge of things
     lookahead_m: Positive = 6.0  # things farther off are left alone

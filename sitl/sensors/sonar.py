@@ -7,6 +7,7 @@ from typing import Protocol
 import msgspec
 
 from companion.sensors.readings import SonarReading
+from companion.sensors.swing import Swing
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import TIME_SLACK_S, generator, normal
 from sitl.sensors.settings import SonarSettings
@@ -29,7 +30,6 @@ class SimSonar:
     """The swept ranger. Its cone is a fan of three rays of which the nearest echo counts."""
 
     __slots__ = (
-        "_bearings_rad",
         "_count",
         "_fan_rad",
         "_grazing",
@@ -39,6 +39,7 @@ class SimSonar:
         "_random",
         "_settings",
         "_shore",
+        "_swing",
         "clock_offset_s",
         "due_s",
         "fault",
@@ -56,7 +57,7 @@ class SimSonar:
         self._random = generator(seed, "sonar")
         self._fan_rad = tuple(0.5 * math.radians(settings.cone_deg) * side for side in CONE_RAYS)
         self._grazing = math.cos(math.radians(settings.specular_deg)) if settings.specular_deg < 90.0 else 0.0
-        self._bearings_rad = sweep_bearings_rad(settings)
+        self._swing = Swing(sweep_bearings_rad(settings))
         self._pings: deque[SonarReading] = deque(maxlen=64)  # nobody reading must not cost memory
         self._last_range_m: float | None = None
         self._count, self.due_s = 0, 0.0
@@ -68,7 +69,8 @@ class SimSonar:
         if now_s < self.due_s:
             return
         settings = self._settings
-        bearing = self._bearings_rad[self._count % len(self._bearings_rad)]
+        bearing = self._swing.bearing_rad
+        self._swing.turn()
         self._count += 1
         self.due_s = self._count * settings.ping_s - TIME_SLACK_S
         ahead = heading_rad + bearing
@@ -134,6 +136,10 @@ class SimSonar:
         pings = list(self._pings)
         self._pings.clear()
         return pings
+
+    def look(self, port_rad: float, starboard_rad: float) -> None:
+        """Sweep between these bearings from now on."""
+        self._swing.look(port_rad, starboard_rad)
 
     def restart(self) -> None:
         """Forget what was heard: the boat's computer begins anew."""

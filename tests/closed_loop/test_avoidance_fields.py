@@ -10,7 +10,7 @@ from sitl.missions import plan_mission, wire_items
 from sitl.sail import Sailing
 from sitl.scenario import load_scenario
 
-BY_SIGHT: dict[str, object] = {"avoidance.by_sight": True, "failsafe.gcs_enabled": False}
+BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}
 
 
 def field(seed: int) -> str:

@@ -12,7 +12,7 @@ from companion.geo import Point
 from companion.guidance.avoidance import Stage
 from companion.mavlink.items import MissionType
 
-BY_SIGHT: dict[str, object] = {"avoidance.by_sight": True, "failsafe.gcs_enabled": False}
+BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}
 HALF_BEAM_M = 0.175
 GUIDED = 15
 Corner = tuple[float, float]

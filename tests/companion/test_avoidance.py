@@ -56,7 +56,7 @@ class Hand:
         self.notices: list[Notice] = []
         self.avoidance = Avoidance(self.notices)
         self.lookout, self.config = lookout, config
-        self.now_s = 0.3
+        self.now_s = 0.8  # long enough after the last look for it to be no riddle any more
 
     def sail(self, intent: Intent, nav: NavState | None = None, is_by_hand: bool = False) -> Intent:
         self.now_s += PERIOD_S
@@ -75,7 +75,7 @@ def test_in_open_water_every_intent_goes_through() -> None:
     hand = Hand(Lookout(CONFIG.avoidance))
     for intent in (LEG, Stop(), Drive(1.0, 0.0), KeepStation(Point(1.0, 1.0)), HoldCourse(1.0, 1.0)):
         assert hand.sail(intent) is intent
-    assert hand.avoidance.limited(Demand(0.0, 2.0), under_way(), CONFIG) == Demand(0.0, 2.0)
+    assert hand.avoidance.safe_speed.limited(Demand(0.0, 2.0), under_way(), CONFIG) == Demand(0.0, 2.0)
 
 
 def test_a_tick_in_open_water_costs_less_than_a_microsecond_or_so() -> None:
@@ -128,7 +128,9 @@ def test_speed_is_held_to_what_can_be_stopped_from_before_the_thing() -> None:
     fast = Demand(0.0, 2.0)
     far_m_s, near_m_s = (
         demand.speed_m_s
-        for demand in (hand.avoidance.limited(fast, under_way(), CONFIG) for hand in (far, near))
+        for demand in (
+            hand.avoidance.safe_speed.limited(fast, under_way(0.1), CONFIG) for hand in (far, near)
+        )
         if isinstance(demand, Demand)
     )
     assert 0.0 <= near_m_s < far_m_s < 2.0
@@ -139,7 +141,7 @@ def test_one_echo_alone_only_slows_the_boat() -> None:
     lookout.take([(SonarReading(0.3, 0.0, 3.0), None)], under_way(time_s=0.3), CONFIG.avoidance, 0.3)
     hand = Hand(lookout)
     assert hand.sail(LEG) is LEG
-    assert hand.avoidance.limit_m_s < 2.0
+    assert hand.avoidance.safe_speed.ahead_m_s < 2.0
 
 
 def test_where_there_is_no_way_the_boat_waits_tells_and_tries_again() -> None:
@@ -158,22 +160,22 @@ def test_by_hand_nothing_is_steered_and_only_if_asked_for_is_speed_held() -> Non
     free, held = Hand(lookout_of((0.0, 1.0))), Hand(lookout_of((0.0, 1.0)), BY_HAND)
     for hand in (free, held):
         assert hand.sail(drive, is_by_hand=True) is drive
-    assert free.avoidance.limited(drive, under_way(), CONFIG) == drive
-    braked = held.avoidance.limited(drive, under_way(), BY_HAND)
+    assert free.avoidance.safe_speed.limited(drive, under_way(), CONFIG) == drive
+    braked = held.avoidance.safe_speed.limited(drive, under_way(), BY_HAND)
     assert isinstance(braked, Drive)
     assert braked.throttle < 0.0
-    assert held.avoidance.limited(Drive(-1.0, 0.0), under_way(), BY_HAND) == Drive(-1.0, 0.0)
+    assert held.avoidance.safe_speed.limited(Drive(-1.0, 0.0), under_way(), BY_HAND) == Drive(-1.0, 0.0)
 
 
 def test_by_sight_the_boat_sails_no_faster_than_it_sees() -> None:
-    config = with_value(CONFIG, "avoidance.by_sight", True)
+    config = with_value(CONFIG, "avoidance.by_sight", 1)
     lookout = Lookout(config.avoidance)
     blind, seeing = Hand(lookout, config), Hand(lookout, config)
     blind.sail(LEG)
-    assert blind.avoidance.limit_m_s == CONFIG.guidance.min_speed_m_s
+    assert blind.avoidance.safe_speed.ahead_m_s == CONFIG.guidance.min_speed_m_s
     lookout.take([(SonarReading(0.3, 0.0, None), None)], under_way(time_s=0.3), config.avoidance, 0.3)
     seeing.sail(LEG)
-    assert 0.8 < seeing.avoidance.limit_m_s < 1.2
+    assert 0.8 < seeing.avoidance.safe_speed.ahead_m_s < 1.2
 
 
 def test_another_goal_is_another_matter() -> None:

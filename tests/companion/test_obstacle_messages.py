@@ -23,7 +23,7 @@ def test_a_thing_ahead_is_told_by_direction_and_as_a_thing_of_its_own() -> None:
 
 
 def test_what_is_remembered_is_told_though_no_beam_points_there_now() -> None:
-    rig = Rig("open", ROCK, config={"avoidance.by_sight": True}).sail(waypoint(20.0, 0.0))
+    rig = Rig("open", ROCK, config={"avoidance.by_sight": 1}).sail(waypoint(20.0, 0.0))
     rig.until(lambda: rig.world.truth.north_m > 5.5, 60.0)
     rig.run(3.2)  # longer than a sweep's pings count
     rig.peer.forget()

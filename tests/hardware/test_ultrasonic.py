@@ -164,10 +164,10 @@ def test_every_ping_is_handed_over_once_with_its_time_and_bearing() -> None:
         assert sonar.step() == PING_PERIOD_S
         clock.advance(0.06)
     readings = sonar.read()
-    assert [reading.bearing_rad for reading in readings] == [-0.5, 0.0, 0.5, -0.5]
+    assert [reading.bearing_rad for reading in readings] == [-0.5, 0.0, 0.5, 0.0]
     assert [reading.range_m for reading in readings] == [1.0, None, 3.0, 1.5]
     assert [reading.time_s for reading in readings] == pytest.approx([100.0, 100.06, 100.12, 100.18])
-    assert turned == [-0.5, 0.0, 0.5, -0.5, 0.0]
+    assert turned == [-0.5, 0.0, 0.5, 0.0, -0.5]
     assert sonar.read() == []
     sonar.close()
     sonar.close()

@@ -1,0 +1,68 @@
+"""Where the look-out has its ranger look."""
+
+import math
+
+import msgspec
+from boat_rig import nav_at
+
+from companion.geo import Point
+from companion.sensors.gaze import ALL_ROUND, choose_sector, is_puzzling
+from companion.sensors.track import Track
+from companion.sensors.tracks import Tracks
+from companion.state import NavState
+
+REACH_M = 4.0
+
+
+def under_way(speed_m_s: float) -> NavState:
+    return msgspec.structs.replace(nav_at(), north_m_s=speed_m_s, surge_m_s=speed_m_s)
+
+
+def tracks_of(*tracks: Track) -> Tracks:
+    out = Tracks(1.0)
+    out.all += tracks
+    return out
+
+
+def track(north_m: float, east_m: float, alone: int = 1, seen_s: float = 0.0) -> Track:
+    out = Track(1, seen_s, Point(north_m, east_m), 0.4)
+    out.alone = alone
+    return out
+
+
+def test_a_slow_boat_looks_all_round_and_a_fast_one_ahead() -> None:
+    assert choose_sector(under_way(0.2), Tracks(1.0), REACH_M, 0.0, is_open=True) == ALL_ROUND
+    ahead = choose_sector(under_way(2.0), Tracks(1.0), REACH_M, 0.0, is_open=True)
+    assert ahead.port_rad == -ahead.starboard_rad
+    assert math.radians(45.0) < ahead.starboard_rad < math.radians(90.0)
+
+
+def test_among_things_that_lie_still_it_looks_all_round() -> None:
+    assert choose_sector(under_way(2.0), Tracks(1.0), REACH_M, 0.0, is_open=False) == ALL_ROUND
+
+
+def test_what_is_new_and_alone_is_looked_at_until_it_is_known() -> None:
+    new = track(3.0, 1.5)
+    sector = choose_sector(under_way(1.0), tracks_of(new), REACH_M, 0.1, is_open=False)
+    bearing = math.atan2(1.5, 3.0)
+    assert sector.port_rad < bearing - 0.3 < bearing + 0.3 < sector.starboard_rad
+    assert sector.starboard_rad - sector.port_rad < math.radians(90.0)
+    new.looks = 9
+    assert not is_puzzling(new, 0.1)
+
+
+def test_a_ghost_is_not_stared_at() -> None:
+    assert is_puzzling(track(3.0, 0.0), 0.2)
+    assert not is_puzzling(track(3.0, 0.0), 0.6)
+
+
+def test_the_end_of_a_shore_is_not_stared_at() -> None:
+    assert not is_puzzling(track(3.0, 0.0, alone=0), 0.1)
+
+
+def test_a_mover_is_kept_in_view_and_the_way_ahead_too() -> None:
+    mover = track(2.0, -2.0)
+    mover.is_mover = mover.is_likely = True
+    sector = choose_sector(under_way(1.0), tracks_of(mover), REACH_M, 0.5, is_open=False)
+    assert sector.port_rad < -math.pi / 4 - 0.3
+    assert sector.starboard_rad > 0.4
