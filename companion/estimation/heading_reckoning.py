@@ -90,19 +90,21 @@ class HeadingReckoning:
     def _hear(self, reading: HeadingReading) -> None:
         """Take a reading of compass and gyro, about the time that its stamp less its lag says."""
         heading, model, late = self.filter, self.model, self.late
-        rate = reading.yaw_rate_rad_s
+        rate, told_s = reading.yaw_rate_rad_s, reading.time_s
         is_heading = abs(reading.heading_rad) <= MAX_HEADING_RAD
         if not is_heading and (rate is None or not math.isnan(reading.heading_rad)):
             return
         if rate is not None and not abs(rate) <= MAX_RATE_RAD_S:
             return
-        pause_s = reading.time_s - self._heard_s
-        self._heard_s = reading.time_s
-        self._pause_s += _PAUSES * ((pause_s if pause_s < _MOST_PAUSE_S else _MOST_PAUSE_S) - self._pause_s)
-        if PAUSE_S < pause_s < math.inf:
-            late.pause(reading.time_s, pause_s)
+        pause_s = told_s - self._heard_s
+        self._heard_s = told_s
+        if pause_s > PAUSE_S:
+            if pause_s < math.inf:
+                late.pause(told_s, pause_s)
+            pause_s = min(pause_s, _MOST_PAUSE_S)
+        self._pause_s += _PAUSES * (pause_s - self._pause_s)
         lag_s = late.lag_s
-        time_s = reading.time_s - lag_s
+        time_s = told_s - lag_s
         dt = time_s - heading.time_s
         if not dt > 0.0:
             return  # stamps were believed before that have turned out too fresh
@@ -114,10 +116,10 @@ class HeadingReckoning:
             bent = turned - self._turned_then_rad - 0.5 * rates * dt
         heading.update(time_s, reading.heading_rad, rate, bent)
         self._turned_then_rad, self._turning_then = turned, turning
-        if reading.time_s > late.until_s and lag_s == 0.0:
+        if told_s > late.until_s and lag_s == 0.0:
             return
-        if late.compare(reading.time_s, complex(heading.yaw_rate_rad_s, 0.0)) and not heading.is_off:
-            time_s = reading.time_s - late.lag_s
-            if is_heading:
-                heading.begin(time_s, reading.heading_rad, rate)
+        is_otherwise_late = late.compare(told_s, complex(heading.yaw_rate_rad_s, 0.0))
+        if is_otherwise_late and is_heading and not heading.is_off:
+            time_s = told_s - late.lag_s
+            heading.begin(time_s, reading.heading_rad, rate)
             self._turned_then_rad, self._turning_then = model.at(time_s)

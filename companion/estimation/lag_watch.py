@@ -14,6 +14,8 @@ STEP_S: Final = 0.2
 LAGS: Final = 16  # 0 to 3 s
 _LENGTH: Final = 24  # of what is kept: readings on their way are older than the tick
 PAUSE_S: Final = 0.4  # more than any sensor's usual
+_UNUSUAL: Final = 1.8  # times what is usual
+_PAUSES: Final = 0.3  # share of the latest one in that
 _WATCH_S: Final = 120.0  # after a pause
 _NEWS_S: Final = 20.0  # in which most lags are found
 _MEMORY_S: Final = 8.0
@@ -29,8 +31,8 @@ class LagWatch:
 
     __slots__ = (
         "_alike", "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_mean",
-        "_heard_square", "_lag", "_least", "_means", "_next", "_odd_s", "_paused_s", "_squares", "lag_s",
-        "until_s",
+        "_heard_square", "_lag", "_least", "_means", "_next", "_odd_s", "_paused_s", "_squares", "_usual_s",
+        "lag_s", "until_s",
     )  # fmt: skip
 
     def __init__(self, least: float) -> None:
@@ -45,7 +47,7 @@ class LagWatch:
         self._means = [0j] * LAGS  # of what was expected so long before,
         self._squares = [0.0] * LAGS  # its variance,
         self._alike = [0.0] * LAGS  # and its covariance with what is heard
-        self._odd_s = self._paused_s = 0.0
+        self._odd_s = self._paused_s = self._usual_s = 0.0
 
     def is_doubtful(self, time_s: float) -> bool:
         """Whether readings may be late without its being known yet."""
@@ -62,7 +64,11 @@ class LagWatch:
         self._next = self._next + 1 if self._next + 1 < _LENGTH else 0
 
     def pause(self, time_s: float, pause_s: float) -> None:
-        """A reading has come after such a pause, of PAUSE_S or more."""
+        """A reading has come after such a pause, of PAUSE_S or more. Some sensors do no better as a rule."""
+        is_usual = pause_s < _UNUSUAL * self._usual_s
+        self._usual_s += _PAUSES * (min(pause_s, LAGS * STEP_S) - self._usual_s)
+        if is_usual:
+            return
         if time_s > self.until_s:
             self._paused_s, self._count = self.lag_s, 0
         self._paused_s += pause_s

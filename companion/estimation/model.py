@@ -83,7 +83,7 @@ class Model:
         reckoning, dt = self.reckoning, now_s - self.now_s
         self.now_s = now_s
         reckoning.advance(reading, now_s, dt)
-        if not self.has_heading:
+        if self.heading.time_s == -math.inf:
             return 0.0
         dt = now_s - self.wake.time_s
         if dt >= _STRIDE_S:

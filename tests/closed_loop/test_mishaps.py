@@ -60,6 +60,18 @@ def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_stat
     assert abs(late[:, 2] - late[0, 2]).max() < 3.0
 
 
+def test_a_boat_that_loses_its_heading_in_a_corner_finds_it_again_and_stays() -> None:
+    sailing, _ = sail("what='compass', at_s=15.0", linger_s=60.0)
+    texts = said(sailing)
+    assert "Failsafe: Heading lost" in texts
+    assert "Failsafe over: heading known again" in texts
+    assert sailing.lockstep.boat.vehicle.mode.name == "LOITER"
+    rows = sailing.recorder.rows
+    late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
+    assert abs(late[:, 1] - late[0, 1]).max() < 4.0
+    assert abs(late[:, 2] - late[0, 2]).max() < 4.0
+
+
 def test_a_sonar_that_talks_nonsense_is_not_believed_and_ends_no_mission() -> None:
     sailing, result = sail("what='sonar', kind='garbage', at_s=15.0")
     assert result.completed, said(sailing)

@@ -75,6 +75,15 @@ def test_readings_that_are_in_time_again_are_believed_again() -> None:
     assert lags[-1] == 0.0
 
 
+def test_a_sensor_that_is_slow_as_a_rule_is_not_doubted_for_it() -> None:
+    watch = LagWatch(0.2)
+    for second in range(1, 60):
+        watch.pause(float(second), 1.0)
+    assert not watch.is_doubtful(60.0)
+    watch.pause(63.0, 3.0)
+    assert watch.is_doubtful(63.5)
+
+
 def turned(model: YawModel, seconds: float, gain_rad_s: float = 0.9, trim_rad_s: float = 0.1) -> None:
     """Steer to and fro in a hull that turns as the model has it."""
     for tick in range(round(seconds / 0.04)):
