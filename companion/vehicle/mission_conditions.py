@@ -20,11 +20,17 @@ class Deferred:
         """Whether nothing waits."""
         return not self._steps
 
-    def add(self, step: Condition | Done, now_s: float) -> None:
-        """One more."""
+    def wait_for(self, condition: Condition, now_s: float) -> None:
+        """What comes next waits for this."""
         if not self._steps:
             self._since_s = now_s
-        self._steps.append(step)
+        self._steps.append(condition)
+
+    def holds_back(self, step: Done) -> bool:
+        """Whether this has to wait too; it does behind anything that waits."""
+        if self._steps:
+            self._steps.append(step)
+        return bool(self._steps)
 
     def clear(self) -> None:
         """They never happen."""

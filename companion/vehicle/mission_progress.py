@@ -33,8 +33,7 @@ from companion.vehicle.mission_steps import (
 )
 from companion.vehicle.orbit import Orbit
 from companion.vehicle.places import locate
-from companion.vehicle.short_legs import ShortLegs, line_ahead
-from companion.vehicle.waypoints_ahead import waypoints_ahead
+from companion.vehicle.waypoint_leg import WaypointLeg
 
 _STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
 
@@ -56,10 +55,8 @@ class MissionProgress:
         self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
         self._begun_s = math.nan  # when the present item began to wait, turn or hand over
         self._station: Point | None = None
-        self._leg: Leg | None = None
+        self._under_way = WaypointLeg()
         self._is_loose = False  # it began wherever the boat was
-        self._is_onward_known = False  # whether the leg knows the one after it
-        self._short_legs: ShortLegs | None = None  # this one and those after it, where they are that
         self._orbit: Orbit | None = None
         self._deferred = Deferred()
         self._halt = Halt()
@@ -88,7 +85,7 @@ class MissionProgress:
         goes_on = same and done <= len(mission)
         self.mission = mission
         if goes_on:
-            self._is_onward_known, self._short_legs = False, None
+            self._under_way.forget_onward()
         else:
             self.restart()
         return goes_on
@@ -137,17 +134,18 @@ class MissionProgress:
 
     def leg_line(self) -> Line | None:
         """The leg that is being sailed; None while there is none."""
-        leg, start = self._leg, self._leg_start
+        leg, start = self._under_way.leg, self._leg_start
         return None if leg is None or start is None else Line(start, leg.end)
 
     @property
     def loose_leg(self) -> Leg | None:
         """The leg that is being sailed, where it began wherever the boat was and not at an item's end."""
-        return self._leg if self._is_loose else None
+        return self._under_way.leg if self._is_loose else None
 
     def begin_leg_at(self, start: Point) -> None:
         """The present item's leg begins there, from where its way is known to be clear."""
-        self._leg_start, self._leg, self._is_loose, self._short_legs = start, None, False, None
+        self._leg_start, self._is_loose = start, False
+        self._under_way.forget()
 
     def take_reached(self) -> list[int]:
         """Sequences reached since the last call."""
@@ -172,8 +170,8 @@ class MissionProgress:
             intent = self._advance_from_current(nav, frame, config, now_s)
             if intent is not None:
                 if not self._deferred.is_empty:
-                    end = self._leg.end if self._leg is not None else None
-                    for step in self._deferred.take_due(nav.point, end, now_s):
+                    leg = self._under_way.leg
+                    for step in self._deferred.take_due(nav.point, leg.end if leg else None, now_s):
                         self._do(step)
                 return intent
         self._station = self._station or nav.point
@@ -192,44 +190,29 @@ class MissionProgress:
             case Wait() | Turn() | HandOver() as halt:
                 return self._hold_up(halt, nav, now_s)
             case ReturnHome():
-                self.go_home = True
-                self.finished = True
+                self.go_home = self.finished = True
             case Jump(target, times):
                 self._jump(target, times)
             case Home():
                 self._advance(self._leg_start)
             case AfterDelay() | WithinDistance() as condition:
-                self._deferred.add(condition, now_s)
+                self._deferred.wait_for(condition, now_s)
                 self._advance(self._leg_start)
             case step:
-                if self._deferred.is_empty:
+                if not self._deferred.holds_back(step):
                     self._do(step)
-                else:
-                    self._deferred.add(step, now_s)
                 self._advance(self._leg_start)
         return None
 
     def _sail_to(
         self, waypoint: Waypoint, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
     ) -> Intent | None:
-        leg = self._leg
-        if leg is None:
-            start = self._leg_start or nav.point
-            leg = self._leg = Leg(start, locate(waypoint.position, frame, start), None, waypoint.radius_m)
-            self._is_onward_known = False
-        if not self._is_onward_known:
-            self._is_onward_known = True
-            ahead = waypoints_ahead(self.mission, self.current_seq, self.jumps)
-            leg.turn_onto(locate(ahead[0].position, frame, leg.end) if ahead else None)
-            own_m = config.guidance.waypoint_radius_m
-            self._short_legs = line_ahead(self._short_legs, leg, ahead, frame, own_m)
+        under_way, own_radius_m = self._under_way, config.guidance.waypoint_radius_m
+        leg = under_way.lay(waypoint, self._leg_start or nav.point, frame)
+        under_way.look_ahead(self.mission, self.current_seq, self.jumps, frame, own_radius_m)
         if math.isnan(self._begun_s):
-            if not leg.has_ended(nav, config.guidance.waypoint_radius_m):
-                speed_m_s = self.speed_m_s or config.speed.cruise_m_s
-                if self._short_legs is not None and leg.start == self._leg_start:
-                    return self._short_legs.intent(nav, speed_m_s)
-                self._short_legs = None
-                return leg.intent(speed_m_s)
+            if not leg.has_ended(nav, own_radius_m):
+                return under_way.intent(leg, self._leg_start, nav, self.speed_m_s or config.speed.cruise_m_s)
             self.reached.append(self.current_seq)
             self._station = leg.end
             self._begun_s = now_s
@@ -257,8 +240,7 @@ class MissionProgress:
         if math.isnan(self._begun_s):
             self._begun_s = now_s
             self._station = self._halt.begin(step, nav, self._station, now_s)
-        intent = self._halt.intent(step, nav, now_s)
-        if intent is not None:
+        if (intent := self._halt.intent(step, nav, now_s)) is not None:
             return intent
         self.reached.append(self.current_seq)
         if isinstance(step, Wait):
@@ -309,10 +291,9 @@ class MissionProgress:
     def _begin_item(self, leg_start: Point | None = None) -> None:
         self._leg_start = leg_start
         self._is_loose = False
-        self._leg = self._orbit = None
+        self._orbit = None
         self._begun_s = math.nan
-        if self._short_legs is not None:
-            self._short_legs.pass_waypoint()
+        self._under_way.pass_waypoint()
         if leg_start is None:
-            self._short_legs = None
+            self._under_way.forget()
             self._station = None
