@@ -36,6 +36,7 @@ logger = logging.getLogger(__name__)
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
+_TOUCHES_S = 2.0  # held at the shore for so long, and what the motors do says nothing of them
 _LINKS_S = 0.1  # how often a tick looks for links that come and go without a descriptor to tell of it
 
 
@@ -201,7 +202,8 @@ class Boat:
             return
         signs, senses = self.vehicle.failsafes.signs, self.senses
         signs.left, signs.right = self.command.left, self.command.right
-        signs.gives_way = self.steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
+        gives_way = self.steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
+        signs.gives_way = gives_way or self.steering.headway.held_s > _TOUCHES_S
         signs.headway = self.steering.headway.verdict
         signs.load = self.load
         signs.consumed_mah = senses.consumed_mah

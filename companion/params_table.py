@@ -104,6 +104,7 @@ def _tuning() -> list[Row]:
         Row("FS_STEER_ACT", _I8, "Steering does not turn the boat, a motor runs the wrong way: numbers as FS_ACTION, 8 tries the motors", "failsafe.steering_action", low=0, high=8),
         Row("FS_MOT_ACT", _I8, "A motor does not pull: numbers as FS_ACTION, 7 clears the propellers, 8 tries the motors", "failsafe.motor_action", low=0, high=8),
         Row("FS_STUCK_ACT", _I8, "Something holds the boat: numbers as FS_ACTION, 7 clears the propellers", "failsafe.stuck_action", low=0, high=7),
+        Row("FS_GRND_ACT", _I8, "The water presses the boat against the shore: numbers as FS_ACTION, 9 gets off by turns", "failsafe.aground_action", low=0, high=9),
         Row("FS_CLEAR_TRIES", _I8, "How often the propellers are cleared before the boat goes home", "failsafe.clearing_tries", low=1, high=10),
         Row("FS_WAY_ACT", _I8, "No headway against the water, numbers as FS_ACTION", "failsafe.headway_action", low=0, high=6),
         Row("CRASH_ANGLE", _REAL, "Roll or pitch of a capsized boat, 0 off", "failsafe.capsize_rad", scale=_DEG, unit="deg", low=0, high=180),

@@ -24,6 +24,7 @@ from companion.vehicle.vehicle import Vehicle
 GUIDANCE_S = 0.1
 _LEE_S = 2.0  # how often the way of a boat adrift is chosen anew
 _LAME_ROOM_M = 8.0  # a boat that swings to and fro keeps this from lines, with only one motor
+_AT_LINE_M = 1.2  # the hull's half length, and what the position is off
 _SLACK_S = 1e-6
 _STOP = Stop()
 
@@ -78,18 +79,32 @@ class Steering:
         dt_s = min(max(now_s - self._guided_s, 0.0), 2.0 * GUIDANCE_S)
         self._guided_s = now_s
         self._due_s = now_s + GUIDANCE_S
-        self.headway.update(self.demand, self._command, nav, config, dt_s)
+        vehicle = self._vehicle
+        is_at_line = nav is not None and vehicle.fence.is_near(nav.point, _AT_LINE_M)
+        self.headway.update(self.demand, self._command, nav, config, dt_s, is_at_line=is_at_line)
+        if vehicle.drills.refloat.is_running:  # what it is to keep clear of, it lies on
+            self.avoidance.reset()
+            steered = self._pilot.update(intent, nav, config, dt_s)
+        else:
+            steered = self._keep_clear(intent, nav, config, dt_s, now_s)
+        if vehicle.probe.is_lame and isinstance(steered, Demand) and nav is not None:
+            steered = self._limp(steered, nav, config, now_s)
+        self._steered = steered
+        self.demand = steered if isinstance(steered, Demand) else None
+
+    def _keep_clear(
+        self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float, now_s: float
+    ) -> Demand | Drive | Stop:
+        """The pilot between avoidance and fence."""
         vehicle = self._vehicle
         intent = self.avoidance.update(
             intent, nav, config, self.lookout, vehicle.fence, is_by_hand=vehicle.mode.is_by_hand, now_s=now_s
         )
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
         steered = self.avoidance.safe_speed.limited(steered, nav, config)
-        steered = self._fence_brake.limit(steered, intent, nav, vehicle.fence, config, dt_s)
-        if vehicle.probe.is_lame and isinstance(steered, Demand) and nav is not None:
-            steered = self._limp(steered, nav, config, now_s)
-        self._steered = steered
-        self.demand = steered if isinstance(steered, Demand) else None
+        if vehicle.probe.is_running:  # its pulses say nothing unless they are driven as they are meant
+            return steered
+        return self._fence_brake.limit(steered, intent, nav, vehicle.fence, config, dt_s)
 
     def _limp(self, wanted: Demand, nav: NavState, config: BoatConfig, now_s: float) -> Demand:
         """One motor: near a line, or in faster water, the boat can but choose where it is carried."""

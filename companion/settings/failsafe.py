@@ -10,6 +10,7 @@ from companion.section import NonNegative, Positive, Section, Share
 ActionNumber = Annotated[int, Meta(ge=0, le=6)]
 ClearingNumber = Annotated[int, Meta(ge=0, le=7)]
 MotorNumber = Annotated[int, Meta(ge=0, le=8)]
+GroundNumber = Annotated[int, Meta(ge=0, le=9)]
 
 
 class Failsafe(Section, frozen=True):
@@ -17,7 +18,7 @@ class Failsafe(Section, frozen=True):
 
     Actions are Rover's FS_ACTION numbers: 0 told only, 1 RTL, 2 HOLD, 3 SMART_RTL or RTL, 4 SMART_RTL or
     HOLD, 5 disarm, 6 LOITER or HOLD; and the boat's own, 7: clear the propellers by pulses astern, go on,
-    8: try the motors one by one, and go on with what answers.
+    8: try the motors one by one, and go on with what answers, 9: get off the shore.
     """
 
     gcs_enabled: bool = True
@@ -49,6 +50,7 @@ class Failsafe(Section, frozen=True):
     steering_action: MotorNumber = 8
     motor_action: MotorNumber = 8
     stuck_action: ClearingNumber = 7
+    aground_action: GroundNumber = 9
     clearing_tries: Annotated[int, Meta(ge=1, le=10)] = 2
     headway_action: ActionNumber = 1
     capsize_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.radians(60.0)  # 0: off

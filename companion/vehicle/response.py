@@ -4,7 +4,7 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from companion.estimation.health import lacks_heading
-from companion.vehicle.failsafes.actions import RETREATS, WAYS_HOME, Action
+from companion.vehicle.failsafes.actions import ON_THE_SPOT, RETREATS, WAYS_HOME, Action
 from companion.vehicle.failsafes.failsafes import Alarm
 from companion.vehicle.failsafes.ladder import Move
 from companion.vehicle.failsafes.power import shortfall
@@ -20,6 +20,9 @@ _RANGE_S: Final = 1.0  # how often the charge is held against the way home
 _DRIFT_S: Final = (
     60.0  # clearing the propellers and trying the motors, twice over, and getting under way again
 )
+_TRY_S: Final = 10.0  # trying the motors, and turning into what the water does
+TRY_AGAIN_S: Final = 15.0  # and what a boat with one motor then takes to get out of the way
+_ASTRAY_RAD: Final = (0.0, -0.3, 0.3)  # the set is not known better
 _LIMP_SHARE: Final = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
@@ -51,7 +54,7 @@ class Response:
             signs.home_distance_m = math.inf if nav is None else vehicle.home_distance_m(nav.point)
             signs.shortfall = shortfall(signs)
         signs.fence.update(vehicle.fence, nav, vehicle.config.motors, now_s)
-        for alarm in vehicle.failsafes.update(vehicle.clearing.is_running or vehicle.probe.is_running):
+        for alarm in vehicle.failsafes.update(vehicle.drills.is_running):
             self._act_on(alarm, now_s)
 
     def _act_on(self, alarm: Alarm, now_s: float) -> None:
@@ -67,20 +70,29 @@ class Response:
         still = ", still" if alarm.move is Move.CLIMBS else ""
         severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
         vehicle.tell(severity, f"Failsafe: {alarm.text}{still}")
+        if action is Action.GET_OFF:
+            if vehicle.armed and vehicle.mode is not Mode.HOLD:
+                vehicle.drills.stop()
+                vehicle.drills.refloat.begin(now_s)
+            return
+        if vehicle.drills.refloat.is_running and action in ON_THE_SPOT:
+            return  # first it has to float
         if action is Action.CLEAR_PROPELLERS and vehicle.probe.is_turned:
             action = Action.TRY_MOTORS  # what was turned round may be right again
         if action is Action.DISARM:
             vehicle.disarm("by failsafe")
         elif does_nothing:
             return
-        elif action is Action.CLEAR_PROPELLERS and vehicle.probe.is_lame and not self._may_drift():
+        elif action is Action.CLEAR_PROPELLERS and vehicle.probe.is_lame and not self.may_drift(_DRIFT_S):
             return  # sailing with one motor is all that keeps it off
         elif action is Action.CLEAR_PROPELLERS:
             vehicle.tell(Severity.WARNING, "Clearing the propellers")
-            vehicle.clearing.begin(now_s)
+            vehicle.drills.clearing.begin(now_s)
+        elif action is Action.TRY_MOTORS and not self.may_drift(_TRY_S) and self._presume(now_s):
+            return
         elif action is Action.TRY_MOTORS:
             vehicle.tell(Severity.WARNING, "Trying the motors")
-            vehicle.clearing.stop()
+            vehicle.drills.clearing.stop()
             vehicle.probe.begin(now_s)
         elif action is Action.HOLD or not self._is_spared(row):
             self._retreat(action)
@@ -94,20 +106,33 @@ class Response:
             return vehicle.conduct.stays_inside(vehicle.frame)
         return row.spares_way_home and vehicle.mode in WAYS_HOME
 
-    def _may_drift(self) -> bool:
-        """Whether the water carries the boat over no line while it clears its propellers."""
+    def may_drift(self, seconds: float) -> bool:
+        """Whether the water carries the boat over no line in so long."""
         nav = self._vehicle.nav
         if nav is None:
             return True
-        drift_m = _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
-        course = math.atan2(nav.set_east_m_s, nav.set_north_m_s)
-        return self._vehicle.fence.room_m(nav.point, course, drift_m) >= drift_m
+        drift_m = seconds * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        course, fence = math.atan2(nav.set_east_m_s, nav.set_north_m_s), self._vehicle.fence
+        return all(fence.room_m(nav.point, course + off, drift_m) >= drift_m for off in _ASTRAY_RAD)
+
+    def _presume(self, now_s: float) -> bool:
+        """Without room to try the motors, the one that is accused is taken to be dead; False if none is."""
+        vehicle, motors = self._vehicle, self._vehicle.failsafes.signs.motors
+        if not (motors.accuses_left or motors.accuses_right):
+            return False
+        vehicle.drills.stop()
+        vehicle.probe.presume(motors.accuses_left, now_s)
+        vehicle.failsafes.signs.lame = vehicle.probe.fault()
+        vehicle.tell(Severity.WARNING, "No room to try the motors: going on with one")
+        return True
 
     def _retreat(self, action: Action) -> None:
         """The first mode of an action that can be entered; without a position, LOITER by dead reckoning."""
         vehicle = self._vehicle
-        vehicle.clearing.stop()
+        vehicle.drills.clearing.stop()
         vehicle.probe.stop()
+        if action is Action.HOLD:
+            vehicle.drills.stop()
         for mode in RETREATS[action]:
             fault = vehicle.estimate_fault() if mode is Mode.LOITER else ""
             if fault and self._can_reckon():

@@ -9,17 +9,16 @@ from companion.requests import ACCEPTED, Outcome, Request
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
-from companion.vehicle.clearing import Clearing
 from companion.vehicle.conduct import Conduct, station_of
+from companion.vehicle.drills import Drills
 from companion.vehicle.failsafes.failsafes import Failsafes
 from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
 from companion.vehicle.mission_steps import Mission
 from companion.vehicle.modes import COMES_INSIDE, Mode
-from companion.vehicle.motor_probe import MotorProbe
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.orders import carry_out
-from companion.vehicle.response import NO_HEADING, Response
+from companion.vehicle.response import NO_HEADING, TRY_AGAIN_S, Response
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
@@ -39,8 +38,8 @@ class Vehicle:
         self.failsafes = Failsafes(config, self.conduct.sticks)
         self.operator = self.failsafes.signs.operator
         self.planner = self.failsafes.signs.planner
-        self.clearing = Clearing()
-        self.probe = MotorProbe()
+        self.drills = Drills(self)
+        self.probe = self.drills.probe
         self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
         self.nav: NavState | None = None
         self.frame: LocalFrame | None = None
@@ -87,38 +86,22 @@ class Vehicle:
         now = self._situation()
         if now is not None and not lacks_position(now.nav, self.config.motors.estimate_timeout_s):
             self.conduct.record(self.mode, now)
-        if self.clearing.is_running:
-            return self._clear()
-        if self.probe.is_running:
-            return self._try_motors()
+        if self.drills.is_running:
+            return self.drills.intent(self._now_s)
         if self.mode is Mode.MANUAL:
             return self.conduct.sticks.intent(self.mode, self.config, self._now_s)
         if self.mode is Mode.HOLD or now is None:
             return _STOP
-        if self.probe.is_due(self._now_s):
-            self.probe.begin(self._now_s)
+        if self.probe.is_lame:
+            has_room = self._response.may_drift(TRY_AGAIN_S)
+            if self.probe.is_due(self._now_s, has_room=has_room):
+                self.probe.begin(self._now_s)
         intent = self.conduct.decide(self.mode, now)
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
                 self.set_home(position)
             if self.progress.finished:
                 return self._end_mission(intent, now)
-        return intent
-
-    def _clear(self) -> Intent:
-        intent = self.clearing.intent(self._now_s)
-        if self.probe.is_lame and not self.clearing.is_running:
-            self.probe.begin(self._now_s)  # has it helped?
-        return intent
-
-    def _try_motors(self) -> Intent:
-        intent = self.probe.intent(self.nav, self._now_s)
-        if not self.probe.is_running:
-            self.tell(Severity.WARNING, self.probe.found())
-            self.failsafes.signs.lame = self.probe.fault()
-            motors = self.failsafes.signs.motors
-            motors.heeds_current = self.probe.is_lame or self.probe.is_turned
-            motors.reset()
         return intent
 
     def take_notices(self) -> list[Notice]:
@@ -164,8 +147,7 @@ class Vehicle:
         outcome = self.enter(mode)
         if outcome.accepted:
             self.standing_order = False
-            self.clearing.stop()
-            self.probe.stop()
+            self.drills.stop()
             self.failsafes.overrule()
         return outcome
 
@@ -178,8 +160,7 @@ class Vehicle:
         if not self.armed or (self.mode is Mode.HOLD and not disarms):
             return
         self.tell(Severity.CRITICAL, f"{why}, motors off")
-        self.clearing.stop()
-        self.probe.stop()
+        self.drills.stop()
         if disarms:
             self.disarm("by the program")
         else:
@@ -273,10 +254,7 @@ class Vehicle:
         self.standing_order = False
         if self.armed:
             self.armed = False
-            self.clearing.stop()
-            self.probe.reset()
-            self.failsafes.signs.lame = ""
-            self.failsafes.signs.motors.heeds_current = True
+            self.drills.reset()
             self.tell(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 

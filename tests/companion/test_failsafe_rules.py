@@ -81,7 +81,7 @@ class Failsafes(RuleBasedStateMachine):
         self.operator_is_there, self.planner_is_there, self.hand_is_there = operator, planner, hand
 
     @rule(
-        headway=st.integers(0, 2),
+        headway=st.integers(0, 3),
         is_wet=st.booleans(),
         load=st.sampled_from((0.1, 1.5)),
         roll=st.sampled_from((0.0, 2.0)),
@@ -144,7 +144,7 @@ class Failsafes(RuleBasedStateMachine):
         active, mode, armed = vehicle.failsafes.active, vehicle.mode, vehicle.armed
         self.drive()
         if vehicle.armed and self.faults & EstimateFault.HEADING_LOST and not self.reason:
-            is_blind = vehicle.mode in (Mode.MANUAL, Mode.HOLD) or vehicle.clearing.is_running
+            is_blind = vehicle.mode in (Mode.MANUAL, Mode.HOLD) or vehicle.drills.is_running
             feels = (
                 vehicle.mode is Mode.LOITER and isinstance(self.intent, Drive) and not self.intent.steering
             )
@@ -186,7 +186,7 @@ class Failsafes(RuleBasedStateMachine):
     @invariant()
     def a_disarmed_boat_gives_no_thrust(self) -> None:
         assert self.vehicle.armed or self.command == (0.0, 0.0)
-        assert self.vehicle.armed or not self.vehicle.clearing.is_running
+        assert self.vehicle.armed or not self.vehicle.drills.is_running
 
     @invariant()
     def every_command_is_a_share(self) -> None:

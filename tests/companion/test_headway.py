@@ -4,7 +4,7 @@ import pytest
 from msgspec.structs import replace
 
 from companion.config import BoatConfig
-from companion.guidance.headway import NOTICE_S, Headway, Verdict
+from companion.guidance.headway import HELD_S, NOTICE_S, Headway, Verdict
 from companion.state import STOPPED, Demand, MotorCommand, NavState
 
 CONFIG = BoatConfig()
@@ -72,3 +72,41 @@ def test_opening_the_loops_begins_anew() -> None:
     judged(headway, STILL, 0.9 * NOTICE_S)
     headway.update(None, STOPPED, STILL, CONFIG, DT)
     assert headway.stalled_s == 0.0
+
+
+TURNING = MotorCommand(-1.0, 1.0)
+NO_WAY = Demand(1.0, 0.0)
+
+
+def held(
+    headway: Headway, command: MotorCommand, seconds: float, turn_rad_s: float = 0.0, drift_m_s: float = 0.0
+) -> Verdict:
+    for tick in range(round(seconds / DT)):
+        now_s = tick * DT
+        nav = replace(STILL, heading_rad=turn_rad_s * now_s, east_m=drift_m_s * now_s)
+        headway.update(NO_WAY, command, nav, CONFIG, DT, is_at_line=True)
+    return headway.verdict
+
+
+def test_steering_that_turns_nothing_at_the_shore_is_a_boat_aground() -> None:
+    headway = Headway()
+    assert held(headway, TURNING, 0.9 * HELD_S) is Verdict.MAKING_WAY
+    assert headway.held_s > 5.0
+    assert held(headway, TURNING, 0.2 * HELD_S) is Verdict.AGROUND
+
+
+def test_thrust_that_moves_nothing_at_the_shore_is_a_boat_aground() -> None:
+    assert held(Headway(), FULL, 1.1 * HELD_S) is Verdict.AGROUND
+
+
+@pytest.mark.parametrize(("turn", "drift"), [(0.1, 0.0), (0.0, 0.3)])
+def test_a_boat_that_turns_or_drifts_is_afloat(turn: float, drift: float) -> None:
+    assert held(Headway(), TURNING, 60.0, turn, drift) is Verdict.MAKING_WAY
+
+
+def test_a_boat_that_holds_its_place_with_little_thrust_is_afloat() -> None:
+    assert held(Headway(), MotorCommand(0.1, 0.1), 60.0) is Verdict.MAKING_WAY
+
+
+def test_away_from_every_line_nothing_is_said_of_the_shore() -> None:
+    assert judged(Headway(), STILL, 60.0, TURNING, NO_WAY) is Verdict.MAKING_WAY

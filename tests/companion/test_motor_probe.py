@@ -23,21 +23,36 @@ def nav_at(
     )  # fmt: skip
 
 
-def tried(probe: MotorProbe, left: float, right: float, wind_rad_s2: float = 0.0) -> None:
-    """A hull whose motors turn it by so much at full drive, rad/s², while wind turns it too."""
+def tried(
+    probe: MotorProbe,
+    left: float,
+    right: float,
+    wind_rad_s2: float = 0.0,
+    *,
+    damping_s: float = 1.0,
+    held_back: float = 0.0,
+    is_aground: bool = False,
+) -> None:
+    """A hull whose motors turn it by so much at full drive, rad/s², while wind turns it too.
+
+    held_back: of the throttle, by whoever else has a say. is_aground: what it touches turns it as it likes.
+    """
     probe.begin(10.0)
-    now_s, rate = 10.0, 0.1
-    for _ in range(1000):
-        intent = probe.intent(nav_at(now_s, rate), now_s)
+    now_s, rate, a, b = 10.0, 0.1, 0.0, 0.0
+    for tick in range(1000):
+        intent = probe.intent(nav_at(now_s, rate), a, b, now_s)
         if not probe.is_running:
             return
         a, b = 0.0, 0.0
         if isinstance(intent, Drive):
             a, b = intent.throttle + intent.steering, intent.throttle - intent.steering
             assert min(abs(a), abs(b)) < 1e-9, "one at a time"
+            a, b = a + held_back, b + held_back
         else:
             assert isinstance(intent, Stop)
-        rate += 0.02 * (left * a - right * b + wind_rad_s2)
+        rate += 0.02 * (left * a * abs(a) - right * b * abs(b) + wind_rad_s2 - rate / damping_s)
+        if is_aground:
+            rate = 0.3 * math.sin(1.7 * tick)
         now_s += 0.02
     raise AssertionError("it does not end")
 
@@ -47,7 +62,7 @@ def tried(probe: MotorProbe, left: float, right: float, wind_rad_s2: float = 0.0
 @pytest.mark.parametrize("right", [1, -1])
 def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wind: float) -> None:
     probe = MotorProbe()
-    tried(probe, 0.25 * left, 0.25 * right, wind)
+    tried(probe, 1.0 * left, 1.0 * right, wind)
     assert (probe.left, probe.right) == (left, right)
     assert probe.is_lame is (left == 0)
     assert bool(probe.fault()) is probe.is_lame
@@ -57,30 +72,77 @@ def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
     probe = MotorProbe()
     tried(probe, 0.0, 0.0, 0.05)
     assert (probe.left, probe.right) == (1, 1)
+    assert probe.is_unclear
+    assert "not clear" in probe.found()
+
+
+def test_a_hull_that_is_turned_by_what_it_touches_teaches_nothing() -> None:
+    probe = MotorProbe()
+    tried(probe, 1.0, 1.0, is_aground=True)
+    assert (probe.left, probe.right, probe.is_unclear) == (1, 1, True)
+
+
+@pytest.mark.parametrize("left", [1, 0, -1])
+def test_pulses_that_are_not_driven_as_they_are_meant_tell_all_the_same(left: int) -> None:
+    probe = MotorProbe()
+    tried(probe, 1.0 * left, 1.0, 0.05, held_back=0.1)
+    assert (probe.left, probe.right) == (left, 1)
+
+
+@given(st.floats(0.2, 3.0), st.floats(-0.1, 0.1), st.sampled_from([1, 0, -1]))
+def test_neither_swing_nor_wind_hides_a_dead_motor(damping_s: float, wind: float, left: int) -> None:
+    probe = MotorProbe()
+    tried(probe, 1.0 * left, 1.0, wind, damping_s=damping_s)
+    assert (probe.left, probe.right) == (left, 1)
+
+
+def test_a_motor_presumed_dead_is_tried_soon() -> None:
+    probe = MotorProbe()
+    probe.presume(is_left=True, now_s=100.0)
+    assert (probe.left, probe.right, probe.is_running) == (0, 1, False)
+    assert probe.fault() == "Left motor does not pull"
+    assert not probe.is_due(124.0, has_room=True)
+    assert probe.is_due(126.0, has_room=True)
+    assert not probe.is_due(159.0, has_room=False)
+    assert probe.is_due(161.0, has_room=False)
 
 
 def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> None:
     probe = MotorProbe()
-    tried(probe, 0.25, -0.25)
-    tried(probe, 0.25, 0.25)  # as it is driven now
+    tried(probe, 1.0, -1.0)
+    tried(probe, 1.0, 1.0)  # as it is driven now
     assert (probe.left, probe.right) == (1, -1)
-    tried(probe, 0.25, -0.25)  # the wires are right again
+    tried(probe, 1.0, -1.0)  # the wires are right again
     assert (probe.left, probe.right) == (1, 1)
 
 
 def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
     probe = MotorProbe()
-    tried(probe, 0.0, 0.25)
-    assert not probe.is_due(60.0)
-    assert probe.is_due(71.0)
-    tried(probe, 0.25, 0.25)
-    assert not probe.is_due(1000.0)
+    tried(probe, 0.0, 1.0)
+    assert not probe.is_due(34.0, has_room=True)
+    assert probe.is_due(36.0, has_room=True)
+    assert not probe.is_due(69.0, has_room=False)
+    assert probe.is_due(71.0, has_room=False)
+    tried(probe, 1.0, 1.0)
+    assert not probe.is_due(1000.0, has_room=True)
+
+
+def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurry() -> None:
+    probe = MotorProbe()
+    for wait_s in (25.0, 50.0, 100.0, 120.0, 120.0):
+        tried(probe, 0.0, 1.0)  # begins at 10 s
+        assert not probe.is_due(9.0 + wait_s, has_room=True)
+        assert probe.is_due(11.0 + wait_s, has_room=True)
+    tried(probe, 1.0, 1.0)
+    assert not probe.is_lame
+    tried(probe, 0.0, 1.0)
+    assert probe.is_due(36.0, has_room=True)
 
 
 def test_without_an_estimate_the_trying_is_broken_off() -> None:
     probe = MotorProbe()
     probe.begin(0.0)
-    assert probe.intent(None, 1.0) == Stop()
+    assert probe.intent(None, 0.0, 0.0, 1.0) == Stop()
     assert not probe.is_running
 
 

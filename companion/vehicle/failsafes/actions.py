@@ -6,7 +6,7 @@ from companion.vehicle.modes import Mode
 
 
 class Action(IntEnum):
-    """ArduPilot Rover's FS_ACTION numbers, and two of the boat's own."""
+    """ArduPilot Rover's FS_ACTION numbers, and three of the boat's own."""
 
     NONE = 0
     RTL = 1
@@ -17,6 +17,7 @@ class Action(IntEnum):
     LOITER_OR_HOLD = 6
     CLEAR_PROPELLERS = 7
     TRY_MOTORS = 8
+    GET_OFF = 9
 
 
 RETREATS: dict[Action, tuple[Mode, ...]] = {
@@ -27,5 +28,8 @@ RETREATS: dict[Action, tuple[Mode, ...]] = {
     Action.LOITER_OR_HOLD: (Mode.LOITER,),
 }
 """The modes of an action: the first that can be entered, else HOLD. Who cannot go home stays, not drifts."""
+
+ON_THE_SPOT = (Action.CLEAR_PROPELLERS, Action.TRY_MOTORS, Action.GET_OFF)
+"""In place of the mode, which goes on afterwards."""
 
 WAYS_HOME = (Mode.RTL, Mode.SMART_RTL)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from companion.config import BoatConfig
-from companion.vehicle.failsafes.actions import Action
+from companion.vehicle.failsafes.actions import ON_THE_SPOT, Action
 from companion.vehicle.failsafes.ladder import Ladder, Move
 from companion.vehicle.failsafes.signs import Signs
 from companion.vehicle.failsafes.table import ROWS, Concerns, Condition
@@ -12,7 +12,6 @@ from companion.vehicle.sticks import Sticks
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
-_ON_THE_SPOT = (Action.CLEAR_PROPELLERS, Action.TRY_MOTORS)
 _PLANNER_LOST = int(Condition.PLANNER_LOST)  # plain numbers: an IntFlag's arithmetic costs microseconds
 _HELM_LOST = int(Condition.HELM_LOST)
 _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_OF_RANGE)
@@ -61,7 +60,7 @@ class Failsafes:
         self.signs.sticks.let_go()
 
     def update(self, is_clearing: bool) -> list[Alarm]:
-        """Look once. is_clearing: propellers are cleared, or motors tried; nothing is judged of them then."""
+        """Look once. is_clearing: a drill runs; nothing is judged of the motors then."""
         signs = self.signs
         now_s, setting, armed = signs.now_s, signs.config.failsafe, signs.armed
         self._due_s = now_s + PERIOD_S - _SLACK_S
@@ -79,7 +78,7 @@ class Failsafes:
                 if ladder.text:
                     ladder.reset()
                 continue
-            if is_clearing and ladder.action in _ON_THE_SPOT:
+            if is_clearing and ladder.action in ON_THE_SPOT:
                 text = ladder.text
             move = ladder.update(text, setting, now_s)
             if move is not Move.STAYS:

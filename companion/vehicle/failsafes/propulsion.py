@@ -17,6 +17,8 @@ _DRIVING = 0.25  # of the load of one motor: less says nothing about the current
 _STEADY = 0.3  # of command, both sides: a motor that is reversed draws what it likes
 _IDLE_SHARE = 0.02  # command below which a motor draws nothing
 _PALTRY = 0.6  # of the current that such commands have drawn: one of two motors is not there
+_ABSENT = 0.35  # what was most of the load draws nothing: no need to look for long
+_GLARING = 3.0  # times as fast
 _EXCESSIVE = 2.5  # a hull held fast by wind and set asks for up to 1.7
 _ODD_S = 4.0  # for which it must be so
 _WELL_S = 8.0  # of steady driving as it should be, and the fault is over
@@ -31,7 +33,7 @@ _HELPLESS_RAD_S = 0.1
 _EVEN = 0.5  # of one motor's thrust: with more between the two, nothing is learned of what is normal
 _SAME = 0.1  # difference in thrust that points at neither side
 
-NO_HEADWAY, STUCK = 1, 2  # guidance's verdicts
+NO_HEADWAY, STUCK, AGROUND = 1, 2, 3  # guidance's verdicts
 
 
 class MotorWatch:
@@ -42,6 +44,8 @@ class MotorWatch:
     wire that is off or a propeller that is gone shows as a fall, weed as a rise. Where none is measured, only
     steering at its limit that turns nothing is left to go by: a boat with a dead motor is held on its heading
     by ever more of it.
+
+    accuses_left, accuses_right: steering bears out that it is this one, whatever the current says.
 
     is_astray: the boat is steered hard, does not turn, and runs ahead or astern although the two motors
     balance each other. One runs the wrong way round: the more the boat is steered, the worse it gets.
@@ -61,6 +65,8 @@ class MotorWatch:
         "_right",
         "_turn_rad_s",
         "_well_s",
+        "accuses_left",
+        "accuses_right",
         "fault",
         "heeds_current",
         "is_astray",
@@ -72,12 +78,14 @@ class MotorWatch:
         self._gain_a = 0.0  # current of both motors at full command
         self._driven_s = 0.0
         self.fault = ""
+        self.accuses_left = self.accuses_right = False
         self.is_astray = False
         self.reset()
 
     def reset(self) -> None:
         """Begin to judge anew; what is known of the boat stays."""
         self.fault = ""
+        self.accuses_left = self.accuses_right = False
         self.is_astray = False
         self.pause()
 
@@ -144,7 +152,8 @@ class MotorWatch:
             self._ratio += min(dt_s / _SMOOTH_S, 1.0) * (gain_a / max(self._gain_a, 1e-3) - self._ratio)
             self._lopsided_s = 0.0  # the current knows better
         is_odd = not _PALTRY < self._ratio < _EXCESSIVE
-        self._odd_s = self._odd_s + dt_s if is_odd else 0.0
+        haste = _GLARING if self._ratio < _ABSENT else 1.0
+        self._odd_s = self._odd_s + haste * dt_s if is_odd else 0.0
         if not is_odd and not self.fault and abs(self._difference) < _EVEN:
             self._driven_s += dt_s
             self._gain_a += dt_s / min(self._driven_s, _LEARN_S) * (gain_a - self._gain_a)
@@ -155,7 +164,9 @@ class MotorWatch:
         if self._odd_s >= _ODD_S or self._lopsided_s >= _ODD_S or self._helpless_s >= _HELPLESS_S:
             if abs(self._difference) < _SAME:
                 return "A motor does not pull"
-            return f"{'Left' if abs(left) > abs(right) else 'Right'} motor does not pull"
+            is_left, is_sure = abs(left) > abs(right), abs(self._difference) > _EVEN
+            self.accuses_left, self.accuses_right = is_left and is_sure, is_sure and not is_left
+            return f"{'Left' if is_left else 'Right'} motor does not pull"
         return ""
 
 
@@ -183,6 +194,11 @@ def no_headway(signs: "Signs") -> str:
 def stuck(signs: "Signs") -> str:
     """Full ahead, and something holds the boat."""
     return "Stuck: something holds the boat" if signs.headway == STUCK else ""
+
+
+def aground(signs: "Signs") -> str:
+    """Close to a line, driven hard, and held."""
+    return "Aground: held at the shore" if signs.headway == AGROUND else ""
 
 
 def capsized(signs: "Signs") -> str:

@@ -17,8 +17,9 @@ from companion.vehicle.sticks import Sticks
 class Signs:
     """The vehicle and the boat write them, ten times a second is enough; the watches read them.
 
-    headway: guidance's verdict, 1 the water is as fast as the boat, 2 something holds it. sonar_s: when the
-    latest ping came, NaN where there is no sonar. storage_fault: why something could not be written, "".
+    headway: guidance's verdict, 1 the water is as fast as the boat, 2 something holds it, 3 the shore does.
+    sonar_s: when the latest ping came, NaN where there is no sonar. storage_fault: why something could not
+    be written, "".
     """
 
     __slots__ = (
@@ -74,7 +75,7 @@ class Signs:
         self.heading: HeadingReading | None = None  # as the part gave it
         self.hull: HullReading | None = None
         self.consumed_mah = 0.0
-        self.gives_way = False  # goes astern from something, or keeps station before it: little to judge by
+        self.gives_way = False  # it goes astern from something, waits before it, or lies on it
         self.left = self.right = 0.0  # what the motors are given
         self.headway = 0
         self.load = 0.0

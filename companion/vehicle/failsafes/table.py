@@ -42,6 +42,7 @@ class Condition(IntFlag):
     FENCE_BREACHED = 1 << 19
     STEERING_LOST = 1 << 20
     RC_LOST = 1 << 21
+    AGROUND = 1 << 22
 
 
 class Concerns(IntFlag):
@@ -130,6 +131,10 @@ ROWS: tuple[Row, ...] = (
         Condition.MOTOR_FAILING, propulsion.motor_failing, "motor_action", "motors pull again",
         then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
         concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
+    ),
+    Row(
+        Condition.AGROUND, propulsion.aground, "aground_action", "afloat again",
+        clear_s=2.0, concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
     ),
     Row(
         Condition.STUCK, propulsion.stuck, "stuck_action", "free again",

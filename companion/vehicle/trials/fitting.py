@@ -5,19 +5,22 @@ from collections.abc import Sequence
 
 
 class Fit:
-    """value = Σ coefficient × regressor, measured many times; the normal equations are all that is kept."""
+    """value = Σ coefficient × regressor, measured many times; the normal equations are all that is kept.
 
-    __slots__ = ("_rows", "_square", "count")
+    square: the sum of the values' squares.
+    """
+
+    __slots__ = ("_rows", "count", "square")
 
     def __init__(self, unknowns: int) -> None:
         self.count = 0
         self._rows = [[0.0] * (unknowns + 1) for _ in range(unknowns)]
-        self._square = 0.0
+        self.square = 0.0
 
     def add(self, regressors: Sequence[float], value: float, weight: float = 1.0) -> None:
         """One more measurement, as good as its weight says."""
         self.count += 1
-        self._square += weight * value * value
+        self.square += weight * value * value
         for row, one in zip(self._rows, regressors, strict=True):
             for column, other in enumerate(regressors):
                 row[column] += weight * one * other
@@ -43,4 +46,4 @@ class Fit:
 
     def residual(self, found: Sequence[float]) -> float:
         """The sum of squares that the solution leaves."""
-        return max(self._square - sum(a * row[-1] for a, row in zip(found, self._rows, strict=True)), 0.0)
+        return max(self.square - sum(a * row[-1] for a, row in zip(found, self._rows, strict=True)), 0.0)
