@@ -32,7 +32,7 @@ def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
 class SafeSpeed:
     """ahead_m_s and astern_m_s: the limits, infinite for none."""
 
-    __slots__ = ("_least_m_s", "_met", "_solid_m_s", "ahead_m_s", "astern_m_s")
+    __slots__ = ("_met", "_solid_m_s", "ahead_m_s", "astern_m_s")
 
     def __init__(self) -> None:
         self.ahead_m_s = self.astern_m_s = math.inf

@@ -35,7 +35,7 @@ _AHEAD: Final = Sector(-_AHEAD_RAD, _AHEAD_RAD)
 
 
 def choose_sector(nav: NavState, tracks: Tracks, reach_m: float, now_s: float, *, is_open: bool) -> Sector:
-    """Where to look next. is_open: nothing is known to lie there; else what is aside is not lost sight of."""
+    """Where to look next. is_open: nothing surely lies there; else what is aside is not lost sight of."""
     watched: Track | None = None
     nearest_m, bearing = math.inf, 0.0
     for track in tracks.all:

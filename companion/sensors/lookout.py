@@ -103,7 +103,8 @@ class Lookout:
             self.reach_m, self.heard_s = beam.reach_m, beam.time_s
             self._add(beam)
         if nav is not None and setting.is_looking_out:
-            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, is_open=self.is_empty)
+            is_open = self.is_empty or not self.occupancy.things(now_s)
+            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, is_open=is_open)
         if nav is not None and now_s >= self._tidy_s and not self.is_empty:
             self._tidy_s = now_s + _TIDY_S
             self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
