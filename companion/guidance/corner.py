@@ -20,7 +20,7 @@ from companion.guidance.speed_profile import (
 from companion.guidance.stemming import COASTING_SHARE, Stemming, stemming, stemming_radius_m
 from companion.units import clamp, wrap_pi
 
-CIRCLE_SHARE = 0.45  # of the waypoint's radius: how near the corner the arc must pass
+CIRCLE_SHARE = 0.42  # of the waypoint's radius: how near the corner the arc must pass
 LEG_SHARE = 0.5  # of either leg that the arc may take
 SHARPEST_RAD = 2.4  # a sharper one is turned on the spot
 _RIGHT_ANGLE_CUT = math.sqrt(2.0) - 1.0  # of the radius: how far from a right angle's corner its arc passes
