@@ -171,13 +171,14 @@ class Avoidance:
             if self.stage is Stage.PASSING:
                 self.stage = Stage.CLEAR
             return instead
-        self.safe_speed.meet(scene.here)
         if self.stage is Stage.CLEAR:
             self.stage = Stage.PASSING
             self._has_told = False
-        if not self._has_told and any(mover.is_mover for mover in scene.movers):
-            self._has_told = True
-            self._tell(Severity.INFO, "Obstacle moves: letting it pass")
+        if any(mover.is_mover for mover in scene.movers):  # what only may move may be a ghost
+            self.safe_speed.meet(scene.here)
+            if not self._has_told:
+                self._has_told = True
+                self._tell(Severity.INFO, "Obstacle moves: letting it pass")
         turn, speed = self._passing
         if speed > 0.0:
             self.safe_speed.allow(speed)
@@ -188,7 +189,6 @@ class Avoidance:
 
     def _begin(self, scene: Scene) -> Intent | None:
         """The way is shut: choose a side to pass on."""
-        self.safe_speed.meet(scene.here)
         told = self._tries.last_side
         detour = self._tries.begin(scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m)
         if detour is None:
@@ -202,6 +202,8 @@ class Avoidance:
         """Under way round something."""
         here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
         detour.advance(here, margin_m)
+        if scene.solid and detour.length_m > margin_m:  # of a ghost nothing is left by then
+            self.safe_speed.meet(here)
         free_m = scene.way_m(scene.things, _FREE, _MEMORIES)
         if free_m > _LEAVES * scene.sight_m and detour.has_gained(here, free_m, margin_m):
             if scene.must_stop_to_turn(scene.wanted(None)[0]):

@@ -20,6 +20,7 @@ _SAME_PASS_S = 0.4  # echoes of neighbouring beams come within this
 _FREE_BESIDE = 1.5  # of the scale: an echo from farther off is not of something that reaches to here
 _SAME_THING = 0.6  # of the scale: nearer in range to its neighbour is the same thing
 _LONGEST = 2.0  # of the scale: what is longer is shore
+_AGAIN_S = 0.4  # what may move is heard again within this, for it is looked at
 _RANGE_SIGMA = 0.05  # of the scale, per look: the boat's own position is no better known
 _ACCEL = 0.25  # of the scale, m/s²: what moves about on a water changes its ways slowly
 _SMALL = 0.75  # of the scale, its radius: the near side of something larger slides along as a boat goes past
@@ -68,8 +69,12 @@ class Tracks:
         return [track for track in self.known(now_s) if track.is_mover] if self.all else []
 
     def likely(self, now_s: float) -> list[Track]:
-        """What moves, or most likely does."""
-        return [track for track in self.known(now_s) if track.is_likely] if self.all else []
+        """What moves, or most likely does: what only seems to and is not heard again was a ghost."""
+        return [
+            track
+            for track in self.known(now_s)
+            if track.is_mover or (track.is_likely and now_s - track.seen_s < _AGAIN_S)
+        ]
 
     def _is_of_group(self, beam: Beam) -> bool:
         """Whether an echo is of the thing that the sweep passes over: the next beam the same way, ranges

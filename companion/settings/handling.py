@@ -10,4 +10,4 @@ class Handling(Section, frozen=True):
     surge_time_s: Positive = 1.0  # until throttle taken back shows in the speed
     turn_rate_rad_s: Positive = 0.65  # that full steering reaches under way
     yaw_time_s: Positive = 0.6  # until the bow follows the heading that is asked for
-    slip_m: NonNegative = 0.3  # a turning hull slides outward by this times its turn rate
+    slip_m: NonNegative = 0.4  # a turning hull slides outward by this times its turn rate

@@ -78,24 +78,41 @@ def test_closing_stops_the_motors_and_may_be_done_twice() -> None:
     assert rig.peer.link.is_closed
 
 
-def test_a_compass_that_falls_silent_stops_a_boat_that_steers_by_it() -> None:
+def under_way_to_the_north() -> Rig:
     rig = Rig().ready()
     rig.set_mode(15)
     rig.arm()
     rig.peer.command_int(192, -1, 1, 0, 0, x=500_010_000, y=-12_000_000)
     rig.run(5.0)
     assert rig.world._motors.left > 0.1
+    return rig
+
+
+def test_a_boat_whose_compass_falls_silent_goes_on_by_its_course() -> None:
+    rig = under_way_to_the_north()
     stuck = Stuck(rig.hardware.compass.read())
     rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=stuck)
-    rig.run(rig.config.motors.estimate_timeout_s + 0.3)
-    assert any("Failsafe: Heading lost" in text for text in rig.peer.texts)
-    assert rig.mode == "LOITER"
+    rig.run(20.0)
+    assert "Failsafe: Compass lost: gyro and course" in rig.peer.texts
+    assert rig.mode == "GUIDED"
+    assert rig.world.truth.north_m > 30.0
+    assert abs(rig.world.truth.east_m) < 2.0
+
+
+def test_without_compass_and_course_the_motors_stop() -> None:
+    rig = under_way_to_the_north()
+    rig.boat.senses._hardware = dataclasses.replace(
+        rig.hardware, compass=Stuck(rig.hardware.compass.read()), gnss=Stuck(None)
+    )
+    rig.run(rig.config.motors.estimate_timeout_s + 1.3)
+    assert "Failsafe: Position lost" in rig.peer.texts
+    assert rig.mode == "HOLD"
     assert rig.boat.steering.helm.heading_pid is None  # an open loop learns nothing and tells nothing
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 
 class Stuck:
-    """A compass that goes on handing out the same reading."""
+    """A part that goes on handing out the same reading."""
 
     def __init__(self, reading: HeadingReading | None) -> None:
         self._reading = reading

@@ -60,7 +60,7 @@ def test_every_parameter_is_described_as_the_schema_allows() -> None:
 def test_numbers_are_as_people_write_them() -> None:
     tree = json.loads(Served().get(b"/metadata/parameters.json"))
     entries = {entry["name"]: entry for entry in tree["parameters"]}
-    assert entries["HDG_KI"]["default"] == 0.15
+    assert entries["HND_SLIP"]["default"] == 0.4
     assert entries["SYSID_THISMAV"]["default"] == 1
     assert entries["HDG_KI"]["group"] == "HDG"
     assert entries["RC1_MIN"]["group"] == "RC"
