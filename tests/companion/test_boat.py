@@ -102,7 +102,7 @@ def test_a_boat_whose_compass_falls_silent_goes_on_by_its_course() -> None:
 def test_without_compass_and_course_the_motors_stop() -> None:
     rig = under_way_to_the_north()
     rig.boat.senses._hardware = dataclasses.replace(
-        rig.hardware, compass=Stuck(rig.hardware.compass.read()), gnss=Stuck(None)
+        rig.hardware, compass=Stuck(rig.hardware.compass.read()), gnss=Silent()
     )
     rig.run(rig.config.motors.estimate_timeout_s + 1.3)
     assert "Failsafe: Position lost" in rig.peer.texts
@@ -112,7 +112,7 @@ def test_without_compass_and_course_the_motors_stop() -> None:
 
 
 class Stuck:
-    """A part that goes on handing out the same reading."""
+    """A compass that goes on handing out the same reading."""
 
     def __init__(self, reading: HeadingReading | None) -> None:
         self._reading = reading
