@@ -11,7 +11,6 @@ property `kind` says what a feature is, `radius_m` makes a circle of a point:
 | rally | point | a place to return to; what a point without radius_m is |
 """
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -22,7 +21,7 @@ import shapely
 
 from companion.geo import LatLon
 from mission_tools.errors import MapError, PlanFileError
-from mission_tools.maps.geojson import feature_entries, polygon_parts, position
+from mission_tools.maps.geojson import feature_entries, polygon_parts, position, read_json
 from mission_tools.mission import Fence, FenceCircle, FencePolygon, Mission, MissionItem, MissionType, Rally
 from mission_tools.plan_file import load_mission
 
@@ -113,15 +112,7 @@ def _load(path: Path) -> tuple[Fence, tuple[Rally, ...]]:
     if path.suffix not in (".geojson", ".json"):
         mission = load_mission(path)
         return mission.fence, mission.rally
-    try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise MapError(f"{path}: cannot be read: {error.strerror}") from None
-    except json.JSONDecodeError as error:
-        raise MapError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
-    except (UnicodeDecodeError, RecursionError):
-        raise MapError(f"{path}: not a JSON text file") from None
-    return parse_areas(tree, str(path))
+    return parse_areas(read_json(path), str(path))
 
 
 def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:

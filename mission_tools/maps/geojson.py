@@ -37,15 +37,23 @@ def load_geojson(path: Path, origin: LatLon | None = None) -> Chart:
         MapError: cannot be read, is not GeoJSON, a shape is not valid, or there is no water in it; one line
             that names the file, the feature and the place.
     """
+    return parse_geojson(read_json(path), str(path), path.stem, origin)
+
+
+def read_json(path: Path) -> object:
+    """What is in a file of JSON.
+
+    Raises:
+        MapError: cannot be read, or is not JSON.
+    """
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from None
     except json.JSONDecodeError as error:
         raise MapError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
     except (UnicodeDecodeError, RecursionError):
         raise MapError(f"{path}: not a JSON text file") from None
-    return parse_geojson(tree, str(path), path.stem, origin)
 
 
 def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = None) -> Chart:

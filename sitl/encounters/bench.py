@@ -1,14 +1,12 @@
 """The bench: every water of the encounters with every seed, over all cores, and what came out as a table."""
 
-import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from itertools import product
 from statistics import fmean
 from typing import Final
 
-from companion import garbage
 from sitl.encounters.trial import Trial, Water, sail_encounter
+from sitl.parallel import in_parallel
 
 WATERS: Final = (
     *(
@@ -38,19 +36,8 @@ def sail_all(
     Raises:
         SailError: a boat would not arm or start.
     """
-    wanted = list(product(waters, seeds))
-    done: dict[tuple[Water, int], Trial] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, initializer=garbage.settle) as executor:
-        under_way = {executor.submit(sail_encounter, *one, settings): one for one in wanted}
-        try:
-            for future in as_completed(under_way):
-                done[under_way[future]] = future.result()
-                tell()
-        except BaseException:
-            executor.shutdown(cancel_futures=True)
-            raise
-    return [done[one] for one in wanted]
+    wanted = [(water, seed, settings) for water, seed in product(waters, seeds)]
+    return in_parallel(sail_encounter, wanted, workers, tell)
 
 
 def markdown(trials: Sequence[Trial]) -> str:

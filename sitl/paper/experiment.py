@@ -1,13 +1,11 @@
 """All runs of the experiment, over all cores."""
 
-import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from itertools import product
 
-from companion import garbage
 from sitl.paper.conditions import CASES, Method
 from sitl.paper.trial import Sailed, sail_trial
+from sitl.parallel import in_parallel
 
 
 def sail_all(
@@ -24,16 +22,4 @@ def sail_all(
     Raises:
         SailError: a boat would not arm or change mode.
     """
-    wanted = list(product(cases, methods, seeds))
-    done: dict[tuple[str, Method, int], Sailed] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, initializer=garbage.settle) as executor:
-        under_way = {executor.submit(sail_trial, *one): one for one in wanted}
-        try:
-            for future in as_completed(under_way):
-                done[under_way[future]] = future.result()
-                tell()
-        except BaseException:
-            executor.shutdown(cancel_futures=True)
-            raise
-    return [done[one] for one in wanted]
+    return in_parallel(sail_trial, list(product(cases, methods, seeds)), workers, tell)
