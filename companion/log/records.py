@@ -21,7 +21,7 @@ XKF1: Final = RecordKind(
     "s#ddhnnnnmmmkkkm", "F-BBB0000000BBBB",
 )  # fmt: skip
 BOAT: Final = RecordKind(4, "BOAT", "Qfffff", "TimeUS,Surge,Sway,YawRate,PosAge,HdgAge", "snnkss", "F00000")
-EST: Final = RecordKind(11, "EST", "QfffB", "TimeUS,SetN,SetE,PosSD,Flt", "snnm-", "F000-")
+EST: Final = RecordKind(11, "EST", "QfffH", "TimeUS,SetN,SetE,PosSD,Flt", "snnm-", "F000-")
 AVD: Final = RecordKind(12, "AVD", "QBffBf", "TimeUS,Stg,Lim,dR0,Mov,Cls", "s-nm-n", "F-00-0")
 PIDS: Final = RecordKind(5, "PIDS", *_PID, "sddd-------", "F000-------")
 PIDA: Final = RecordKind(6, "PIDA", *_PID, "snnn-------", "F000-------")

@@ -109,11 +109,13 @@ class Stamps:
         return self._last
 
     def take(self) -> int | None:
-        """The next one, None where the limit is reached."""
+        """The next one; None where the limit is reached, or the date is beyond it and none was used yet: a
+        station that knows the date would not believe such an old one.
+        """
         following = self._last + 1
         stamp = max(following, self.clock, self.seen)
         if stamp >= self.limit:
-            if following >= self.limit:
+            if following >= self.limit or not self._last:
                 return None
             stamp = following  # the clock has run ahead of the limit; it can wait
         self._last = stamp

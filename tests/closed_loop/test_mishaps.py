@@ -51,7 +51,7 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
 
 
 def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_station() -> None:
-    sailing, result = sail("what='compass', at_s=28.0", linger_s=60.0)
+    sailing, result = sail("what='compass', at_s=30.0", linger_s=60.0)
     assert result.completed, said(sailing)
     assert any("Compass lost" in text for text in said(sailing))
     rows = sailing.recorder.rows
@@ -68,8 +68,8 @@ def test_a_boat_that_loses_its_heading_in_a_corner_finds_it_again_and_stays() ->
     assert sailing.lockstep.boat.vehicle.mode.name == "LOITER"
     rows = sailing.recorder.rows
     late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
-    assert abs(late[:, 1] - late[0, 1]).max() < 4.0
-    assert abs(late[:, 2] - late[0, 2]).max() < 4.0
+    assert abs(late[:, 1] - late[0, 1]).max() < 6.0  # adrift it would be twenty
+    assert abs(late[:, 2] - late[0, 2]).max() < 6.0
 
 
 def test_a_sonar_that_talks_nonsense_is_not_believed_and_ends_no_mission() -> None:

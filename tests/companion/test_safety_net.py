@@ -55,7 +55,7 @@ def test_a_single_fault_stops_the_motors_in_the_same_tick_and_leaves_the_boat_on
     assert motors(rig) == (0.0, 0.0)
     assert rig.set_mode(10) == OK  # the operator may go on
     rig.run(5.0)
-    assert rig.boat.command.left > 0.3
+    assert rig.world.truth.surge_m_s > 1.5
 
 
 def test_faults_that_do_not_end_disarm_the_boat_and_then_end_the_program() -> None:

@@ -200,6 +200,14 @@ def test_no_stamp_at_the_limit_is_used() -> None:
     assert mine.counters.unsendable == 1
 
 
+def test_nobody_who_knows_the_date_is_shown_a_stamp_from_before_it() -> None:
+    stamps = Stamps(limit=100)
+    stamps.clock = NOW
+    assert stamps.take() is None
+    stamps.limit = NOW + 2
+    assert [stamps.take(), stamps.take(), stamps.take()] == [NOW, NOW + 1, None]
+
+
 def test_a_date_before_2015_is_none() -> None:
     assert timestamp_at(0.0) == 0
     assert timestamp_at(EPOCH_UNIX_S) == 0

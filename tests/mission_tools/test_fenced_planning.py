@@ -61,7 +61,9 @@ def test_no_route_ever_leaves_the_fence(discs: list[tuple[float, float, float]])
         return
     assert shapely.box(-90, -70, 90, 70).contains(route)
     for east, north, radius_m in discs:
-        assert route.distance(shapely.Point(east, north)) >= radius_m + CLEARANCE_M - TOUCH_M
+        middle = shapely.Point(east, north)  # a boat that begins or ends nearer than the clearance may
+        ends_m = min(middle.distance(shapely.Point(end)) for end in (route.coords[0], route.coords[-1]))
+        assert route.distance(middle) >= min(radius_m + CLEARANCE_M, ends_m) - TOUCH_M
 
 
 def test_the_boat_must_be_inside_of_every_inclusion() -> None:
