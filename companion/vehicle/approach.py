@@ -15,7 +15,7 @@ from companion.vehicle.intent import FollowLeg, Intent, KeepStation
 from companion.vehicle.leg import Leg
 from companion.vehicle.mission_progress import MissionProgress
 from companion.vehicle.notice import Notice, Severity
-from companion.vehicle.water_way import WaterWay, is_clear
+from companion.vehicle.water_way import WaterWay, is_clear, way_by_water
 from companion.vehicle.way_home import WayHome
 
 _HURRIES = 3  # at a look, while the boat waits
@@ -90,12 +90,8 @@ class Approach:
         if not field.is_complete:
             return False
         self._station = self._field = None
-        start = self._fence.inside(here, field.grid.clearance_m)
-        corners = field.way(start)
-        if corners:
-            if self._fence.is_outside(here):
-                corners.insert(0, start)
-            self._way = WaterWay(self._fence, here, corners, field.grid.clearance_m, config)
+        self._way = way_by_water(self._fence, field, here, config)
+        if self._way is not None:
             self._notices.append(Notice(Severity.INFO, "The way to the mission leads round the shore"))
         else:
             self._notices.append(Notice(Severity.WARNING, "The way to the mission leads near the fence"))

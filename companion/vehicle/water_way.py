@@ -6,6 +6,7 @@ from companion.config import BoatConfig
 from companion.geo import Point
 from companion.state import NavState
 from companion.vehicle.fence import Fence
+from companion.vehicle.home_field import HomeField
 from companion.vehicle.leg import Leg
 
 _CORNER_SHARE = 0.5  # of the clearance: how near a corner must be passed
@@ -78,6 +79,18 @@ class WaterWay:
 
     def _is_clear(self, start: Point, end: Point) -> bool:
         return is_clear(self._fence, start, end, self._clearance_m)
+
+
+def way_by_water(fence: Fence, field: HomeField, here: Point, config: BoatConfig) -> WaterWay | None:
+    """From here to where a complete field leads, first back inside if need be; None if it leads nowhere."""
+    clearance_m = field.grid.clearance_m
+    start = fence.inside(here, clearance_m)
+    corners = field.way(start)
+    if not corners:
+        return None
+    if fence.is_outside(here):
+        corners.insert(0, start)
+    return WaterWay(fence, here, corners, clearance_m, config)
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:

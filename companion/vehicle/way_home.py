@@ -16,7 +16,7 @@ from companion.vehicle.home_field import HomeField
 from companion.vehicle.intent import FollowLeg, KeepStation
 from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.water_grid import WaterGrid
-from companion.vehicle.water_way import WaterWay, is_clear
+from companion.vehicle.water_way import WaterWay, is_clear, way_by_water
 
 _MARGINS = (
     1.5,
@@ -144,12 +144,8 @@ class WayHome:
         field = self._field
         if field is None or not field.is_complete:
             return False
-        start = self._fence.inside(point, field.grid.clearance_m)
-        corners = field.way(start)
-        if corners:
-            if self._fence.is_outside(point):
-                corners.insert(0, start)
-            self._way = WaterWay(self._fence, point, corners, field.grid.clearance_m, config)
+        self._way = way_by_water(self._fence, field, point, config)
+        if self._way is not None:
             return True
         if self._attempt < len(_MARGINS) - 1:
             self._attempt += 1  # the next field keeps less clear of the lines
