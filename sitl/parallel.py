@@ -1,6 +1,9 @@
-"""Many runs over all cores, handed back in the order in which they were asked for."""
+"""Worker processes of this machine, and many runs by them in the order in which they were asked for."""
 
 import multiprocessing
+import os
+import signal
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import TypeVar
@@ -8,6 +11,11 @@ from typing import TypeVar
 from companion import garbage
 
 Outcome = TypeVar("Outcome")
+
+
+def worker_pool(size: int) -> ProcessPoolExecutor:
+    """So many workers, each a fresh interpreter."""
+    return ProcessPoolExecutor(size, multiprocessing.get_context("spawn"), initializer=_sign_on)
 
 
 def in_parallel(
@@ -21,8 +29,7 @@ def in_parallel(
     Raises:
         What a run raises: those that have not begun are given up.
     """
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, initializer=garbage.settle) as executor:
+    with worker_pool(workers) as executor:
         under_way = [executor.submit(sail, *one) for one in wanted]
         try:
             for future in as_completed(under_way):
@@ -32,3 +39,18 @@ def in_parallel(
             executor.shutdown(cancel_futures=True)
             raise
     return [future.result() for future in under_way]
+
+
+def _sign_on() -> None:
+    """A worker leaves Ctrl-C to whoever hands out the work, and does not outlive them."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
+    garbage.settle()
+
+
+def _leave_with_parent() -> None:
+    """A parent that was killed calls nobody off; its queue alone would keep the worker for ever."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

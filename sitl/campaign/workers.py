@@ -1,17 +1,14 @@
 """Who sails the runs: processes of this machine, or a Dask cluster, behind one executor interface."""
 
-import multiprocessing
 import os
-import signal
-import threading
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from itertools import islice
 
-from companion import garbage
 from companion.errors import BoatError, ConfigError, LinkError
 from sitl.campaign.run import Outcome, Run, sail_run
+from sitl.parallel import worker_pool
 
 _AHEAD = 2  # runs handed over for each worker: one under way and one that waits
 
@@ -54,7 +51,7 @@ def cores() -> int:
 @contextmanager
 def local_crew(size: int) -> Iterator[Crew]:
     """So many processes of this machine. Leaving early gives up what is not begun."""
-    executor = ProcessPoolExecutor(size, multiprocessing.get_context("spawn"), initializer=_sign_on)
+    executor = worker_pool(size)
     try:
         yield Crew(executor, size)
     finally:
@@ -80,18 +77,3 @@ def cluster_crew(address: str) -> Iterator[Crew]:
     with client:
         size = max(1, sum(client.ncores().values()))
         yield Crew(client.get_executor(pure=False), size)
-
-
-def _sign_on() -> None:
-    """A worker leaves Ctrl-C to whoever hands out the work, and does not outlive them."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_leave_with_parent, daemon=True).start()
-    garbage.settle()
-
-
-def _leave_with_parent() -> None:
-    """A parent that was killed calls nobody off; its queue alone would keep the worker for ever."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
