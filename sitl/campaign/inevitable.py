@@ -33,9 +33,8 @@ STEP_S: Final = 0.5
 HORIZON_S: Final = 600.0
 _COAST_M: Final = 2.0  # what way the boat has may carry it so far, any way it likes
 _RECOGNISED_S: Final = 15.0  # six of steering that turns nothing, six of trying the motors, and the bow round
-_RESTART_S: Final = (
-    16.0  # until power that is back drives the boat: boot, a warning to keep clear, gathering way
-)
+# Until power that is back drives the boat: boot, a warning to keep clear, gathering way
+_RESTART_S: Final = 16.0
 _STALLED: Final = 0.4  # of weed, and more, hold a motor fast
 _MOTORS: Final = ("motor_left", "motor_right")
 _TREACHEROUS: Final = ("off", "stuck", "wrong")  # the boat steers otherwise than it means to
@@ -50,7 +49,8 @@ def inevitable(sailing: Sailing) -> str:
     aground = rows[:, Truth._fields.index("grounded")] > 0.0
     if len(scenario.faults) != 1 or not aground.any():
         return ""
-    fault, touch_s = scenario.faults[0], float(rows[int(aground.argmax()), 0])
+    fault, row = scenario.faults[0], rows[int(aground.argmax())]
+    touch_s = float(row[0])
     if touch_s < fault.at_s:
         return ""
     after_s = touch_s - fault.at_s
@@ -62,7 +62,6 @@ def inevitable(sailing: Sailing) -> str:
     if survives(scenario, rows, fault, speed_m_s, touch_s):
         return ""
     what = "no power" if speed_m_s == 0.0 else f"one motor: {speed_m_s:.2f} m/s"
-    row = rows[int(aground.argmax())]
     return f"{what}, in a set of {math.hypot(*_set_m_s(scenario, row)):.2f} m/s"
 
 
@@ -81,17 +80,14 @@ def left_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
 
 def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: float, until_s: float) -> bool:
     """Whether some way stays clear until HORIZON_S after until_s, when the boat touched."""
-    over_s = fault.ends_s + (_RESTART_S if speed_m_s == 0.0 else 0.0)
-    begins_s = fault.at_s + (_RECOGNISED_S if speed_m_s > 0.0 else 0.0)
-    since = rows[(rows[:, 0] >= begins_s) & (rows[:, 0] <= until_s)]
-    place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
-    water = scenario.chart.navigable.buffer(-0.5 * scenario.hull.beam_m)
     if speed_m_s == 0.0:  # without power there is one way only, and that is the one that it went
-        return until_s > over_s
+        return until_s > fault.ends_s + _RESTART_S
+    since = rows[(rows[:, 0] >= fault.at_s + _RECOGNISED_S) & (rows[:, 0] <= until_s)]
     if not len(since):
         return False
-    reach = _Reach(water, since[0, place])
-    at_s = float(since[0, 0])
+    place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
+    reach = _Reach(scenario.chart.navigable.buffer(-0.5 * scenario.hull.beam_m), since[0, place])
+    over_s, at_s = fault.ends_s, float(since[0, 0])
     every = max(1, round(STEP_S / (since[1, 0] - since[0, 0]))) if len(since) > 1 else 1
     north_m_s = east_m_s = 0.0
     for row in since[::every]:
@@ -132,14 +128,12 @@ class _Reach:
 
     def __init__(self, water: shapely.Geometry, at: Rows) -> None:
         west, south, east, north = water.bounds
-        self._norths = np.arange(south, north + CELL_M, CELL_M)
-        self._easts = np.arange(west, east + CELL_M, CELL_M)
-        grid_e, grid_n = np.meshgrid(self._easts, self._norths)
+        norths = np.arange(south, north + CELL_M, CELL_M)
+        grid_e, grid_n = np.meshgrid(np.arange(west, east + CELL_M, CELL_M), norths)
         shapely.prepare(water)
         self._free: Mask = shapely.contains_xy(water, grid_e, grid_n)
         away = np.hypot(grid_n - at[0], grid_e - at[1])
-        near = away <= _COAST_M
-        self._mask: Mask = near & self._free
+        self._mask: Mask = (away <= _COAST_M) & self._free
         self._drift_m = [0.0, 0.0]  # not yet taken, less than a cell
         self._grow_m = 0.0
         self._is_square = False  # by turns a square and its diamond make an octagon, nearly a circle
