@@ -63,7 +63,7 @@ class SimBattery:
         replace = msgspec.structs.replace
         match fault.kind:
             case "stuck":
-                held = fault.held = fault.held or self._sampled or reading
+                held = fault.hold(self._sampled, reading)
                 return replace(held, time_s=reading.time_s)
             case "garbage":
                 uniform = fault.random.uniform

@@ -123,7 +123,7 @@ class SimCompass:
             case "off":
                 heard = None
             case "stuck":
-                held = fault.held = fault.held or self._sampled or reading
+                held = fault.hold(self._sampled, reading)
                 heard = held.yaw_rate_rad_s
             case "garbage":
                 heard = fault.random.uniform(-size_rad_s, size_rad_s)
@@ -137,7 +137,7 @@ class SimCompass:
         replace, heading_rad = msgspec.structs.replace, reading.heading_rad
         match fault.kind:
             case "stuck":
-                held = fault.held = fault.held or self._sampled or reading
+                held = fault.hold(self._sampled, reading)
                 return replace(reading, heading_rad=held.heading_rad)
             case "garbage":
                 return replace(reading, heading_rad=fault.random.uniform(-math.pi, math.pi))

@@ -39,6 +39,11 @@ class SensorFault(Generic[R]):
         self._seen = 0
         self._under_way: deque[tuple[float, R]] = deque(maxlen=_LONGEST_QUEUE)
 
+    def hold(self, sampled: R | None, reading: R) -> R:
+        """What a stuck sensor repeats: what was `sampled` before the fault, else the first reading in it."""
+        held = self.held = self.held or sampled or reading
+        return held
+
     def in_time(self, reading: R, now_s: float) -> R | None:
         """What the sensor puts out at this sample's time; None for nothing."""
         match self.kind:

@@ -113,7 +113,7 @@ class SimGnss:
         replace, since_s = msgspec.structs.replace, now_s - fault.since_s
         match fault.kind:
             case "stuck":
-                held = fault.held = fault.held or self._sampled or fix
+                held = fault.hold(self._sampled, fix)
                 return replace(held, time_s=fix.time_s, unix_time_s=fix.unix_time_s)
             case "no_fix":
                 return replace(fix, fix_type=_NO_FIX, satellites=2, hdop=99.0, north_m_s=None, east_m_s=None)
