@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from companion.mavlink.signing_key import SigningKey
-from mission_tools.areas import Areas, open_areas
+from mission_tools.areas import NO_AREAS, Areas, open_areas
 from mission_tools.compare import Difference, differences
 from mission_tools.connection import DEFAULT_SYSTEM_ID, connect
 from mission_tools.errors import NoVehicle, ReadBackMismatch, UsageError
@@ -124,7 +124,7 @@ async def _run_without_source(
     if unfit or request.wishes != Wishes():
         options = ", ".join("--" + name for name in unfit) or "options about the route"
         raise UsageError(f"no SOURCE: {options} would need a scenario, a map or a mission file")
-    if areas == Areas():
+    if areas == NO_AREAS:
         raise UsageError("nothing to upload: expected a SOURCE, --fence FILE or --rally FILE")
     console.print(str(areas))
     if not request.dry_run:

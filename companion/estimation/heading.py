@@ -176,9 +176,7 @@ class HeadingFilter:
             self.is_off = self.is_off or self._odd > _ODD
             return
         if self.is_off and abs(residual) > self.gate_rad:
-            self.resets += 1
-            self.starts += 1
-            self.heading_rad = wrap_pi(self.heading_rad + residual)
+            self._give_in(residual)
             residual = 0.0
         self._blocks += 1
         share = 1.0 - math.exp(-span / DRAW_S)
@@ -189,6 +187,12 @@ class HeadingFilter:
             bias = self.bias_rad_s - share * residual / BIAS_S
             self.bias_rad_s = min(max(bias, -MAX_BIAS_RAD_S), MAX_BIAS_RAD_S)
         self._believe(time_s)
+
+    def _give_in(self, residual_rad: float) -> None:
+        """The compass is right after all: the heading leaps to it."""
+        self.resets += 1
+        self.starts += 1
+        self.heading_rad = wrap_pi(self.heading_rad + residual_rad)
 
     def _draw_in(self, by_rad: float) -> None:
         self.heading_rad = wrap_pi(self.heading_rad + by_rad)
@@ -212,9 +216,7 @@ class HeadingFilter:
             self._agrees_s = 0.0
         self._is_disowned = self._agrees_s < _AGREES_S
         if not self._is_disowned and abs(residual_rad) > self.gate_rad:
-            self.resets += 1
-            self.starts += 1
-            self.heading_rad = wrap_pi(self.heading_rad + residual_rad)
+            self._give_in(residual_rad)
         return not self._is_disowned
 
     def _gate_now_rad(self, time_s: float) -> float:

@@ -19,9 +19,8 @@ WAY_SHARE = 0.1  # of min_speed_m_s: made good, and less counts as nothing
 ALIGNED_RAD = 0.8  # a boat that still turns is not yet trying
 SET_TIME_S = 20.0  # over which the set is remembered
 HELD_S = 6.0  # at the shore
-HELD_M = (
-    1.0  # way made meanwhile, and less is none; a speed tells nothing while thrust moves the estimate alone
-)
+# Way made meanwhile, and less is none; a speed tells nothing while thrust moves the estimate alone
+HELD_M = 1.0
 HELD_RAD = 0.25
 STEERED = 1.0  # between the commands, of 2: a boat afloat turns by that
 UNMET_M_S = 0.6  # of the speed over ground that thrust and set should make

@@ -80,7 +80,7 @@ class Radio:
 
     def fault(self, setting: Rc, now_s: float) -> str:
         """Why a transmitter that was there is no longer; empty while it is, or has never been."""
-        if not self.is_heard or now_s - self._good_s <= setting.timeout_s:
+        if not self.is_heard or self.is_fresh(setting, now_s):
             return ""
         return self._fault or "the receiver is silent"
 

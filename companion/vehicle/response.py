@@ -17,9 +17,8 @@ if TYPE_CHECKING:
 
 NO_HEADING: Final = "no heading"
 _RANGE_S: Final = 1.0  # how often the charge is held against the way home
-_DRIFT_S: Final = (
-    60.0  # clearing the propellers and trying the motors, twice over, and getting under way again
-)
+# Clearing the propellers and trying the motors, twice over, and getting under way again
+_DRIFT_S: Final = 60.0
 _TRY_S: Final = 10.0  # trying the motors, and turning into what the water does
 TRY_AGAIN_S: Final = 15.0  # and what a boat with one motor then takes to get out of the way
 _ASTRAY_RAD: Final = (0.0, -0.3, 0.3)  # the set is not known better

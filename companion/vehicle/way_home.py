@@ -18,11 +18,8 @@ from companion.vehicle.notice import Notice, Severity
 from companion.vehicle.water_grid import WaterGrid
 from companion.vehicle.water_way import WaterWay, is_clear, way_by_water
 
-_MARGINS = (
-    1.5,
-    0.75,
-    0.25,
-)  # of fence.margin_m: how far to keep from the lines, less where there is no way else
+# Of fence.margin_m: how far to keep from the lines, less where there is no way else
+_MARGINS = (1.5, 0.75, 0.25)
 _HURRY_STEPS = 3
 _LOOK_S = 1.0  # between looks whether the way is still clear
 
