@@ -4,6 +4,7 @@ They are made anew every tick, so they are msgspec structs: frozen dataclasses w
 to make.
 """
 
+import math
 from enum import IntFlag
 
 from msgspec import Struct
@@ -56,6 +57,10 @@ class NavState(Struct, frozen=True, gc=False):
     def point(self) -> Point:
         """Where the boat is."""
         return Point(self.north_m, self.east_m)
+
+    def set_along_m_s(self, course_rad: float) -> float:
+        """How fast water and wind carry the boat that way, negative against it."""
+        return self.set_north_m_s * math.cos(course_rad) + self.set_east_m_s * math.sin(course_rad)
 
 
 class Demand(Struct, frozen=True, gc=False):

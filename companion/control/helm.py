@@ -1,7 +1,5 @@
 """The helm: closes the heading and speed loops, or lets the operator's hand through."""
 
-import math
-
 from companion.config import BoatConfig
 from companion.control.heading import HeadingControl, gain_schedule
 from companion.control.mixer import mix
@@ -45,9 +43,7 @@ class Helm:
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
-        set_along = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(
-            nav.heading_rad
-        )
+        set_along = nav.set_along_m_s(nav.heading_rad)
         heading = self._heading.update(
             demand.heading_rad,
             nav.heading_rad,

@@ -127,7 +127,7 @@ class _Ahead:
         speed = self._along(nav.heading_rad, wanted)
         if speed == wanted:
             return drive
-        set_m_s = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(nav.heading_rad)
+        set_m_s = nav.set_along_m_s(nav.heading_rad)
         most = feed_forward(speed - set_m_s, setting) + setting.kp * (speed - nav.surge_m_s)
         throttle = min(drive.throttle, most) if wanted > 0.0 else max(drive.throttle, most)
         return Drive(clamp(throttle, -1.0, 1.0), drive.steering)

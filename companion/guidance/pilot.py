@@ -119,8 +119,8 @@ class Pilot:
             water *= max(math.cos(heading - nav.heading_rad), 0.0)  # what the bow, as it points, makes of it
         else:
             water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
-        along_bow = set_n * math.cos(nav.heading_rad) + set_e * math.sin(nav.heading_rad)
-        return Demand(heading, water + along_bow, cross_track_m, distance_m, yaw_rate)
+        speed = water + nav.set_along_m_s(nav.heading_rad)
+        return Demand(heading, speed, cross_track_m, distance_m, yaw_rate)
 
     def _keep(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         last = self._station_point
@@ -147,9 +147,7 @@ class Pilot:
                 self._lay_corner(leg, nav, config)
         speed = self._speed_m_s(leg, to_go, config)
         if leg.next_line is None:
-            carried = nav.set_north_m_s * math.cos(line.course_rad) + nav.set_east_m_s * math.sin(
-                line.course_rad
-            )
+            carried = nav.set_along_m_s(line.course_rad)
             if carried > LYING_SHARE * setting.min_speed_m_s:
                 # Lest a set from astern carry it past, it turns about before and is let down on the stop.
                 room = to_go - carried * turning_s(config)

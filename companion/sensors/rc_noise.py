@@ -2,6 +2,8 @@
 
 from typing import Final
 
+from companion.sensors.recurrence import Recurrence
+
 _LEAP_US: Final = 250
 _SHARE: Final = 1.0 / 16.0  # of a frame in the running mean: a third of a second at 50 frames a second
 _TOO_OFTEN: Final = 0.4
@@ -9,15 +11,19 @@ _SELDOM: Final = 0.1
 
 
 class RcNoise:
-    """is_noisy: the frames are not to be believed. leaps: this one is not, whatever the others were like."""
+    """leaps: this frame is not to be believed, whatever the others were like."""
 
-    __slots__ = ("_channels_us", "_mean", "is_noisy", "leaps")
+    __slots__ = ("_channels_us", "_often", "leaps")
 
     def __init__(self) -> None:
-        self.is_noisy = False
         self.leaps = False
         self._channels_us: tuple[int, ...] = ()
-        self._mean = 0.0  # running share of frames that leap
+        self._often = Recurrence(_SHARE, _TOO_OFTEN, _SELDOM)
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether no frame is to be believed."""
+        return self._often.is_often
 
     def update(self, channels_us: tuple[int, ...]) -> None:
         """Take the next frame."""
@@ -26,8 +32,4 @@ class RcNoise:
         for now_us, then_us in zip(channels_us, before_us, strict=False):
             moved += abs(now_us - then_us) > _LEAP_US
         self.leaps = 2 * moved > len(channels_us)
-        self._mean += _SHARE * (self.leaps - self._mean)
-        if self._mean > _TOO_OFTEN:
-            self.is_noisy = True
-        elif self._mean < _SELDOM:
-            self.is_noisy = False
+        self._often.update(self.leaps)

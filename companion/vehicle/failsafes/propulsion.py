@@ -131,9 +131,7 @@ class MotorWatch:
         is_helpless = abs(self._difference) > _LOPSIDED and turn < _HELPLESS_RAD_S
         self._helpless_s = self._helpless_s + dt_s if is_helpless else 0.0
         self._lopsided_s = self._lopsided_s + dt_s if steered > _LOPSIDED else 0.0
-        set_ahead_m_s = nav.set_north_m_s * math.cos(nav.heading_rad) + nav.set_east_m_s * math.sin(
-            nav.heading_rad
-        )
+        set_ahead_m_s = nav.set_along_m_s(nav.heading_rad)
         fast_m_s = _FAST_SHARE * cruise_m_s
         runs = abs(nav.surge_m_s) > fast_m_s and abs(nav.surge_m_s - set_ahead_m_s) > 0.5 * fast_m_s
         is_balanced = abs(self._left + self._right) < 2.0 * _BALANCED
