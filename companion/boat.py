@@ -180,14 +180,23 @@ class Boat:
         self._flush()
 
     def _catch(self, error: Exception) -> None:
-        """A tick has gone wrong: motors off before anything else, and what was steering begins anew."""
-        self._hardware.motors.stop()
+        """A tick has gone wrong: motors off before anything else, and what was steering begins anew.
+
+        Motors that do not stop disarm the boat; the driver is asked again at every tick from then on.
+        """
+        outcome, has_stopped = "motors off", True
+        try:
+            self._hardware.motors.stop()
+        except Exception as stuck:
+            logger.exception("the motors do not stop")
+            outcome, has_stopped = f"motors do not stop: {stuck}", False
         self.command = STOPPED
         self.motor_test.stop()
         self.trials.stop("fault in the program")
         self.steering.begin_anew()
         fall = self.net.caught(error)
-        self.vehicle.halt(f"Fault in the program: {type(error).__name__}", disarms=fall is not Fall.HOLD)
+        what = f"Fault in the program: {type(error).__name__}, {outcome}"
+        self.vehicle.halt(what, disarms=fall is not Fall.HOLD or not has_stopped)
         try:
             self.endpoint.tell_changes()
             self._flush()
@@ -260,7 +269,13 @@ class Boat:
             steering.guide(intent, nav, config, now_s)
         if self.motor_test.is_running:
             thrust = self.motor_test.thrust(now_s)  # which may be the end of it
-            return steering.turn(thrust, config, TICK_S, may_turn=self.motor_test.is_running)
+            return steering.turn(
+                thrust,
+                config,
+                TICK_S,
+                may_turn=self.motor_test.is_running,
+                command_age_s=now_s - self.motor_test.decided_s,
+            )
         return steering.drive(nav, config, now_s, TICK_S)
 
     def look(self) -> Snapshot:

@@ -130,25 +130,28 @@ class Steering:
         command = self.gate.check(
             thrust,
             armed=vehicle.armed,
-            command_age_s=now_s - nav.time_s if nav is not None else 0.0,
+            command_age_s=now_s - self._guided_s,
             nav=nav,
             needs_estimate=not isinstance(steered, Drive),
             setting=config.motors,
             dt_s=dt_s,
             needs_position=vehicle.conduct.stemming is None,
+            estimate_age_s=now_s - nav.time_s if nav is not None else 0.0,
         )
         if command.reason:
             self.helm.reset()
         self._command = command
         return command
 
-    def turn(self, thrust: Thrust, config: BoatConfig, dt_s: float, *, may_turn: bool) -> MotorCommand:
+    def turn(
+        self, thrust: Thrust, config: BoatConfig, dt_s: float, *, may_turn: bool, command_age_s: float
+    ) -> MotorCommand:
         """A motor test's command through the gate; nothing is steered for meanwhile."""
         self.rest()
         return self.gate.check(
             thrust,
             armed=may_turn,
-            command_age_s=0.0,
+            command_age_s=command_age_s,
             nav=None,
             needs_estimate=False,
             setting=config.motors,

@@ -33,16 +33,18 @@ class Gate:
         setting: Motors,
         dt_s: float,
         needs_position: bool = True,
+        estimate_age_s: float = 0.0,
     ) -> MotorCommand:
         """What the motors may do for the next dt_s.
 
-        command_age_s: how long ago the command was given; a negative age is as bad as a stale one, for a
+        command_age_s: how long ago the command was decided; a negative age is as bad as a stale one, for a
         clock that runs wrong would otherwise keep the motors running. needs_estimate: whether the command
         was computed from nav (False while the operator drives by hand). needs_position: not while a boat that
-        has lost its position keeps its bow into the water.
+        has lost its position keeps its bow into the water. estimate_age_s: how long ago nav was computed.
         """
         estimate = nav if needs_estimate else _FINE
-        reason = _objection(thrust, armed, command_age_s, estimate, setting, needs_position)
+        age_s = estimate_age_s if needs_estimate else 0.0
+        reason = _objection(thrust, armed, command_age_s, estimate, setting, needs_position, age_s)
         if reason:
             self._left = self._right = 0.0
             return MotorCommand(0.0, 0.0, reason)
@@ -65,6 +67,7 @@ def _objection(
     nav: NavState | None,
     setting: Motors,
     needs_position: bool,
+    estimate_age_s: float,
 ) -> str:
     """Why the motors must not turn; empty when they may. Comparisons are written so that NaN objects."""
     if not armed:
@@ -75,6 +78,8 @@ def _objection(
         return "thrust is not a number"
     if nav is None:
         return "no estimate"
+    if not 0.0 <= estimate_age_s <= setting.command_timeout_s:
+        return "estimate is stale"
     limit_s = setting.estimate_timeout_s
     if needs_position and lacks_position(nav, limit_s):
         return "position is stale"

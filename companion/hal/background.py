@@ -16,10 +16,20 @@ class Background:
     I²C wire must not end the thread, and a part that comes back is read again.
     """
 
-    def __init__(self, step: Callable[[], float], name: str, first_wait_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        step: Callable[[], float],
+        name: str,
+        first_wait_s: float = 0.0,
+        *,
+        retry_s: float = 0.1,
+        longest_retry_s: float = 2.0,
+    ) -> None:
+        """retry_s: the wait after a first failure, which doubles up to longest_retry_s."""
         self._step = step
         self._name = name
         self._first_wait_s = first_wait_s
+        self._retry = Backoff(first_s=retry_s, longest_s=longest_retry_s)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
@@ -35,16 +45,16 @@ class Background:
 
     def _run(self) -> None:
         wait_s = self._first_wait_s
-        trouble_s, is_well = Backoff(first_s=0.1, longest_s=2.0), True
+        is_well = True
         while not self._stop.wait(wait_s):
             try:
                 wait_s = self._step()
             except Exception as error:
                 if is_well:
                     _log.warning("%s: %s; trying again", self._name, error)
-                wait_s, is_well = trouble_s.failed(), False
+                wait_s, is_well = self._retry.failed(), False
             else:
                 if not is_well:
                     _log.info("%s: answers again", self._name)
-                trouble_s.succeeded()
+                self._retry.succeeded()
                 is_well = True

@@ -63,7 +63,7 @@ class HalfBridgePair:
         self._enable = enable
         self._dead_time_s = dead_time_s
         self._now = now
-        self._direction = 0  # whose leg is on: 1 forward, −1 backward, 0 neither
+        self._direction: int | None = 0  # whose leg is on: 1 forward, −1 backward, 0 neither, None unknown
         self._side = 0  # whose leg was on last
         self._released_s = -math.inf
 
@@ -71,15 +71,16 @@ class HalfBridgePair:
         """Turn at a share of full drive, −1..1."""
         direction = (share > 0.0) - (share < 0.0)
         if direction != self._direction:
-            if self._direction:
+            if self._direction != 0:
                 self.release()
             if not direction or (
                 direction != self._side and self._now() - self._released_s < self._dead_time_s
             ):
                 return
             (self._backward if direction > 0 else self._forward).off()
-            self._direction = self._side = direction
+            self._direction, self._side = None, direction  # unknown until the pin has obeyed
             (self._forward if direction > 0 else self._backward).on()
+            self._direction = direction
         if direction:
             self._enable.value = abs(share)
 
@@ -89,10 +90,11 @@ class HalfBridgePair:
         Raises:
             HardwareError: a pin could not be switched.
         """
-        if self._direction:
+        if self._direction != 0:
             self._released_s = self._now()
-        self._direction = 0
+            self._direction = None
         _try_all(self._enable.off, self._forward.off, self._backward.off)
+        self._direction = 0
 
     def close(self) -> None:
         """Give the pins back.

@@ -4,6 +4,7 @@ It goes through the gate like every other command, and ends by itself: after its
 at all changes (arming, mode, a failsafe). Whoever gives another command stops it too.
 """
 
+import math
 from enum import IntEnum
 
 from companion.state import Thrust
@@ -34,10 +35,11 @@ _SIDES = {
 class MotorTest:
     """At most one test at a time; a new one takes the place of the old."""
 
-    __slots__ = ("_began", "_thrust", "_until_s", "_vehicle", "is_running")
+    __slots__ = ("_began", "_thrust", "_until_s", "_vehicle", "decided_s", "is_running")
 
     def __init__(self, vehicle: Vehicle) -> None:
         self.is_running = False
+        self.decided_s = -math.inf  # when it was last decided that the test goes on
         self._vehicle = vehicle
         self._thrust = _NO_THRUST
         self._until_s = 0.0
@@ -64,6 +66,7 @@ class MotorTest:
         """What the motors should do now; nothing once the test is over."""
         if self.is_running and not (now_s < self._until_s and self._situation() == self._began):
             self.stop()
+        self.decided_s = now_s
         return self._thrust
 
     def _situation(self) -> tuple[object, ...]:

@@ -159,7 +159,7 @@ class Vehicle:
         """Something in the program has gone wrong: HOLD, or disarm. Told once, however often it happens."""
         if not self.armed or (self.mode is Mode.HOLD and not disarms):
             return
-        self.tell(Severity.CRITICAL, f"{why}, motors off")
+        self.tell(Severity.CRITICAL, why)
         self.drills.stop()
         if disarms:
             self.disarm("by the program")

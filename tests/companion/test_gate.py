@@ -28,6 +28,7 @@ def _check(
     needs_estimate: bool = True,
     setting: Motors = SETTING,
     dt_s: float = DT,
+    nav_age_s: float = 0.0,
 ) -> MotorCommand:
     return gate.check(
         thrust,
@@ -37,6 +38,7 @@ def _check(
         needs_estimate=needs_estimate,
         setting=setting,
         dt_s=dt_s,
+        estimate_age_s=nav_age_s,
     )
 
 
@@ -70,6 +72,9 @@ def test_the_way_down_is_slewed_too() -> None:
         ({"thrust": Thrust(0.0, math.nan)}, "thrust is not a number"),
         ({"thrust": Thrust(math.inf, -math.inf)}, "thrust is not a number"),
         ({"nav": None}, "no estimate"),
+        ({"nav_age_s": math.nextafter(0.5, 1.0)}, "estimate is stale"),
+        ({"nav_age_s": -1e-9}, "estimate is stale"),
+        ({"nav_age_s": math.nan}, "estimate is stale"),
         ({"nav": replace(NAV, position_age_s=math.nextafter(3.0, 4.0))}, "position is stale"),
         ({"nav": replace(NAV, position_age_s=math.inf)}, "position is stale"),
         ({"nav": replace(NAV, position_age_s=math.nan)}, "position is stale"),
@@ -91,6 +96,7 @@ def test_every_objection_stops_both_motors_at_once(faults: dict[str, object], re
     [
         {"age_s": 0.5},
         {"age_s": 0.0},
+        {"nav_age_s": 0.5},
         {"nav": replace(NAV, position_age_s=3.0, heading_age_s=3.0)},
         {"thrust": Thrust(1.0, -1.0)},
     ],
@@ -101,7 +107,7 @@ def test_exactly_at_the_limit_is_still_good(limits: dict[str, object]) -> None:
 
 @pytest.mark.parametrize("nav", [None, replace(NAV, position_age_s=math.inf, north_m=math.nan)])
 def test_the_operators_hand_needs_no_estimate(nav: NavState | None) -> None:
-    assert _check(Gate(), nav=nav, needs_estimate=False) == MotorCommand(STEP, STEP)
+    assert _check(Gate(), nav=nav, needs_estimate=False, nav_age_s=60.0) == MotorCommand(STEP, STEP)
 
 
 def test_a_reversal_stops_at_zero_for_a_tick() -> None:

@@ -17,6 +17,7 @@ from programs import until
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.app import run_boat
+from companion.boat import Boat
 from companion.config import BoatConfig
 from companion.errors import LinkError
 from companion.hal.interfaces import Hardware
@@ -122,6 +123,31 @@ def test_a_signal_ends_the_loop_within_its_tick_and_the_motors_are_off(
     event = Event(pi, lambda: os.kill(os.getpid(), number))
     run_until_it_happens(pi, event, shutdown, caplog)
     assert shutdown.signal_number == number
+    assert_went_off_at_once(pi, event)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, GeneratorExit])
+def test_what_no_handler_catches_leaves_the_motors_off(
+    pi: MockPi, caplog: pytest.LogCaptureFixture, error: type[BaseException]
+) -> None:
+    def interrupt() -> None:
+        raise error
+
+    caplog.set_level(logging.INFO)
+    event = Event(pi, interrupt)
+    with pytest.raises(error):
+        run_until_it_happens(pi, event, lambda: False, caplog)
+    assert_went_off_at_once(pi, event)
+
+
+def test_the_program_is_replaced_only_after_the_motors_are_off(
+    pi: MockPi, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    caplog.set_level(logging.INFO)
+    asked = threading.Event()
+    monkeypatch.setattr(Boat, "wants_restart", property(lambda _: asked.is_set()))
+    event = Event(pi, asked.set)
+    run_until_it_happens(pi, event, lambda: False, caplog)
     assert_went_off_at_once(pi, event)
 
 

@@ -288,6 +288,30 @@ def test_a_failed_write_stops_the_motor_that_was_well(clock: HandClock) -> None:
     assert level["left forward"] == level["left enable"] == level["right forward"] == 0.0
 
 
+@pytest.mark.parametrize("way", ["stop", "zero", "other way", "on"])
+@pytest.mark.parametrize("stuck", ["left enable", "left forward"])
+def test_a_bridge_that_could_not_be_opened_is_opened_again_by_whatever_comes_next(
+    clock: HandClock, stuck: str, way: str
+) -> None:
+    bridge, level, broken = fake_bridge(clock)
+    bridge.write(0.5, 0.0)
+    broken.add(stuck)
+    with pytest.raises(HardwareError):
+        bridge.stop()
+    assert level[stuck]
+    with pytest.raises(HardwareError):  # and says so for as long as it cannot
+        bridge.write(0.0, 0.0)
+    broken.clear()
+    if way == "stop":
+        bridge.stop()
+    else:
+        bridge.write({"zero": 0.0, "other way": -0.5, "on": 0.3}[way], 0.0)
+    if way == "on":
+        assert (level["left forward"], level["left enable"]) == (1.0, 0.3)
+    else:
+        assert not any(level.values())
+
+
 @pytest.mark.parametrize("stuck", [None, *PIN_NAMES])
 def test_every_pin_is_switched_off_before_the_first_is_given_back(
     clock: HandClock, monkeypatch: pytest.MonkeyPatch, stuck: str | None

@@ -25,6 +25,39 @@ class RecordingMotors:
         self.calls.append(("close", 0.0, 0.0))
 
 
+class StickingMotors(RecordingMotors):
+    """Every way of switching off raises so many times before it works."""
+
+    def __init__(self, failures: int) -> None:
+        super().__init__()
+        self._is_on = False
+        self._failures = failures
+
+    def write(self, left: float, right: float) -> None:
+        if left or right:
+            self._is_on = True
+        else:
+            self._switch_off()
+        super().write(left, right)
+
+    def stop(self) -> None:
+        self._switch_off()
+        super().stop()
+
+    def close(self) -> None:
+        self._switch_off()
+        super().close()
+
+    def is_on(self) -> bool:
+        return self._is_on
+
+    def _switch_off(self) -> None:
+        if self._failures:
+            self._failures -= 1
+            raise OSError("the bus does not answer")
+        self._is_on = False
+
+
 class Clock:
     now_s = 100.0
 
@@ -87,6 +120,46 @@ def test_a_loop_that_comes_back_drives_again(motors: RecordingMotors, clock: Clo
     clock.now_s += 0.1
     watched.watch()
     assert motors.calls[-1] == ("write", 0.4, 0.4)
+
+
+def test_a_driver_that_raises_while_the_watch_stops_it_is_asked_again(clock: Clock) -> None:
+    motors = StickingMotors(failures=3)
+    watched = WatchedMotors(motors, clock, timeout_s=0.5)
+    watched.write(0.4, 0.4)
+    clock.now_s += 0.6
+    for _ in range(3):
+        with pytest.raises(OSError, match="does not answer"):
+            watched.watch()
+    assert motors.is_on()
+    watched.watch()
+    assert not motors.is_on()
+    assert watched.trips == 1
+
+
+@pytest.mark.parametrize("way", ["stop", "close", "write"])
+def test_motors_that_could_not_be_stopped_stay_watched(clock: Clock, way: str) -> None:
+    motors = StickingMotors(failures=1)
+    watched = WatchedMotors(motors, clock, timeout_s=0.5)
+    watched.write(0.4, 0.4)
+    with pytest.raises(OSError, match="does not answer"):
+        getattr(watched, way)(*((0.0, 0.0) if way == "write" else ()))
+    assert motors.is_on()
+    clock.now_s += 0.6
+    watched.watch()
+    assert not motors.is_on()
+
+
+@pytest.mark.realtime
+def test_the_thread_asks_a_driver_that_raises_again_and_again(clock: Clock) -> None:
+    motors = StickingMotors(failures=20)
+    watched = WatchedMotors(motors, clock, timeout_s=0.02)
+    watched.write(0.4, 0.4)
+    clock.now_s += 1.0
+    watched.start()
+    # 20 retries at the watch's own pace take 0.1 s; waits that doubled up to 2 s would take 32 s
+    assert motors.stopped.wait(15.0)
+    watched.close()
+    assert not motors.is_on()
 
 
 @pytest.mark.realtime

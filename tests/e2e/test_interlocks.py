@@ -1,0 +1,252 @@
+"""Each interlock through the whole boat: what lies before it breaks, and the pins go low within its time.
+
+The times are those of the table in docs/failsafes.md; the ways out of the program are in test_ways_out.py.
+"""
+
+import logging
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from boat_rig import OK, Silent
+from msgspec.structs import replace
+from pinned_boat import LOOK_S, DriverError, PinnedBoat
+
+from companion.boat import TICK_S
+from companion.config import BoatConfig
+from companion.control.helm import Helm
+from companion.control.thruster_trim import ThrusterTrim
+from companion.estimation.estimator import Estimator
+from companion.mavlink.dialect import dialect
+from companion.safety_net import DISARM_LEVEL, GIVE_UP_LEVEL
+from companion.services.endpoint import Endpoint
+from companion.state import NavState, Thrust
+from companion.steering import GUIDANCE_S, Steering
+from companion.vehicle.motor_test import MotorTest
+from companion.vehicle.vehicle import Vehicle
+
+STALE_S = BoatConfig().motors.command_timeout_s + 2.0 * TICK_S
+LOST_S = BoatConfig().motors.estimate_timeout_s + 1.3
+HANG_S = BoatConfig().motors.command_timeout_s + LOOK_S + 2.0 * TICK_S
+SAME_TICK_S = TICK_S
+NAN = math.nan
+
+
+@pytest.fixture
+def boat() -> Iterator[PinnedBoat]:
+    logging.disable(logging.CRITICAL)  # the faults of these tests are meant
+    boat = PinnedBoat()
+    yield boat
+    boat.bridge.breaks.clear()
+    boat.rig.boat.close()
+    boat.pi.factory.reset()
+    logging.disable(logging.NOTSET)
+
+
+# Armed
+
+
+@pytest.mark.parametrize("magic", [0.0, 21196.0], ids=["disarm", "emergency stop"])
+def test_disarming_stops_the_motors_before_the_next_tick(boat: PinnedBoat, magic: float) -> None:
+    boat.sail()
+    if not magic:  # an ordinary disarming under way is refused unless forced, as in Rover
+        assert boat.rig.set_mode(0) == OK
+    boat.rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, magic)
+    assert not boat.pi.is_driving
+    assert boat.off_after_s(0.0) == 0.0
+
+
+def test_a_boat_that_is_no_longer_armed_stops_in_the_same_tick_whatever_is_steered_for(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat.sail()
+    decide = Vehicle.decide
+    intent = decide(boat.rig.boat.vehicle)
+    monkeypatch.setattr(Vehicle, "decide", lambda _: intent)
+    boat.rig.boat.vehicle.armed = False
+    boat.off_after_s(SAME_TICK_S)
+
+
+# A fresh decision
+
+
+@pytest.mark.parametrize("what", ["guide", "is_due"])
+def test_guidance_that_falls_silent_stops_the_motors(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    boat.sail()
+    monkeypatch.setattr(Steering, what, lambda *_: None)
+    took_s = boat.off_after_s(STALE_S)
+    assert took_s > STALE_S - GUIDANCE_S - 2.0 * TICK_S, "it went off for another reason"
+    assert boat.rig.boat.command.reason == "command is stale"
+
+
+def test_guidance_that_falls_silent_stops_a_boat_that_is_driven_by_hand(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat.by_hand()
+    monkeypatch.setattr(Steering, "guide", lambda *_: None)
+    boat.off_after_s(STALE_S)
+
+
+def test_guidance_that_comes_back_drives_again(boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch) -> None:
+    boat.sail()
+    with monkeypatch.context() as silence:
+        silence.setattr(Steering, "guide", lambda *_: None)
+        boat.off_after_s(STALE_S)
+    boat.run(1.0)
+    assert boat.pi.is_driving
+
+
+def test_a_motor_test_that_nobody_watches_over_any_more_stops(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat.rig.ready()
+    assert boat.rig.ask(dialect.MAV_CMD_DO_MOTOR_TEST, 3.0, 0.0, 50.0, 30.0, 1.0) == OK
+    boat.run(1.0)
+    assert boat.pi.is_driving
+    monkeypatch.setattr(MotorTest, "thrust", lambda *_: Thrust(0.5, 0.0))
+    boat.off_after_s(STALE_S)
+
+
+# A fresh estimate
+
+
+def test_an_estimator_that_returns_the_same_estimate_for_ever_stops_the_motors(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat.sail()
+    stuck = boat.rig.boat.nav
+    monkeypatch.setattr(Estimator, "update", lambda *_: stuck)
+    boat.off_after_s(STALE_S)
+    assert boat.rig.boat.command.reason == "estimate is stale"
+
+
+def test_an_estimator_that_has_nothing_to_say_stops_the_motors(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat.sail()
+    monkeypatch.setattr(Estimator, "update", lambda *_: None)
+    boat.off_after_s(SAME_TICK_S)
+
+
+def test_receiver_and_compass_that_fall_silent_together_stop_the_motors(boat: PinnedBoat) -> None:
+    boat.sail()
+    senses, rig = boat.rig.boat.senses, boat.rig
+    parts = {name: getattr(rig.hardware, name) for name in ("motors", "sonar", "battery", "hull", "rc")}
+    senses._hardware = type(rig.hardware)(gnss=Silent(), compass=Silent(), **parts)
+    boat.off_after_s(LOST_S)
+
+
+# Finite numbers
+
+
+@pytest.mark.parametrize("thrust", [Thrust(NAN, 0.3), Thrust(0.3, math.inf), Thrust(-math.inf, math.inf)])
+def test_a_thrust_that_is_not_a_number_stops_the_motors_in_the_same_tick(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch, thrust: Thrust
+) -> None:
+    boat.sail()
+    monkeypatch.setattr(Helm, "update", lambda *_: thrust)
+    boat.off_after_s(SAME_TICK_S)
+
+
+@pytest.mark.parametrize("field", ["north_m", "heading_rad", "yaw_rate_rad_s", "surge_m_s", "sway_m_s"])
+def test_an_estimate_that_is_not_a_number_stops_the_motors_in_the_same_tick(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch, field: str
+) -> None:
+    boat.sail()
+    update: Callable[..., NavState | None] = Estimator.update
+
+    def broken(*arguments: Any) -> NavState | None:  # noqa: ANN401 — hands on whatever it is called with
+        nav = update(*arguments)
+        return None if nav is None else replace(nav, **{field: NAN})
+
+    monkeypatch.setattr(Estimator, "update", broken)
+    boat.off_after_s(SAME_TICK_S)
+
+
+def test_a_trim_that_makes_a_command_not_a_number_is_stopped_by_the_driver(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat.sail()
+
+    def broken(trim: ThrusterTrim, *_: object, **__: object) -> None:
+        trim.left = NAN
+
+    monkeypatch.setattr(ThrusterTrim, "update", broken)
+    boat.off_after_s(SAME_TICK_S)
+
+
+# The watch
+
+
+def test_a_loop_that_hangs_is_stopped_by_the_motors_watch(boat: PinnedBoat) -> None:
+    boat.sail()
+    boat.off_after_s(HANG_S, hangs=True)
+    assert boat.motors.trips == 1
+
+
+def test_a_loop_that_hangs_while_the_driver_raises_is_stopped_once_the_driver_answers(
+    boat: PinnedBoat,
+) -> None:
+    boat.sail()
+    boat.bridge.breaks = {"stop"}
+    for _ in range(round(2.0 / TICK_S)):
+        boat.step(hangs=True)
+    assert boat.pi.is_driving
+    boat.bridge.breaks = set()
+    boat.off_after_s(LOOK_S + TICK_S, hangs=True)
+
+
+# The safety net, and drivers that raise
+
+
+@pytest.mark.parametrize(
+    ("owner", "what"),
+    [(Estimator, "update"), (Vehicle, "decide"), (Steering, "drive"), (Endpoint, "tick")],
+    ids=lambda part: getattr(part, "__name__", part),
+)
+def test_a_fault_anywhere_in_the_tick_stops_the_motors_in_the_same_tick(
+    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch, owner: type, what: str
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    boat.sail()
+    monkeypatch.setattr(owner, what, fail)
+    boat.step()
+    assert not boat.pi.is_driving
+    assert boat.rig.boat.net.faults == 1
+
+
+def test_a_driver_that_raises_when_it_is_written_to_is_stopped_in_the_same_tick(boat: PinnedBoat) -> None:
+    boat.sail()
+    boat.bridge.breaks = {"write"}
+    boat.step()
+    assert not boat.pi.is_driving
+    assert boat.rig.mode == "HOLD"
+
+
+def test_motors_that_do_not_stop_disarm_the_boat_and_are_told(boat: PinnedBoat) -> None:
+    boat.sail()
+    boat.bridge.breaks = {"write", "stop"}
+    boat.step()
+    assert boat.pi.is_driving
+    assert not boat.rig.boat.vehicle.armed
+    assert boat.rig.boat.net.faults == 1
+    (text,) = [text for text in boat.rig.peer.texts if text.startswith("Fault in the program")]
+    assert "motors do not stop: stop: the wire has come off" in text
+    boat.bridge.breaks = set()
+    boat.off_after_s(SAME_TICK_S)
+
+
+def test_motors_that_never_stop_end_the_program_in_a_second(boat: PinnedBoat) -> None:
+    boat.sail()
+    boat.bridge.breaks = {"write", "stop"}
+    with pytest.raises(DriverError):
+        boat.run(1.5 * GIVE_UP_LEVEL * TICK_S)
+    assert boat.rig.boat.net.faults == GIVE_UP_LEVEL > DISARM_LEVEL
+    boat.bridge.breaks = set()
+    boat.rig.boat.close()
+    assert boat.pi.is_off
