@@ -16,7 +16,8 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,7 @@ from mission_tools.planning import PlanSettings
 
 CRUISE_M_S = 2.0
 SAIL_S = 18.0  # wall-clock seconds that the voyage is to take
+PATIENCE_S = 80.0  # for first heartbeat and position: the usual ten at eight times the machine's load
 FASTEST = 120.0  # times real time; what an emulated boat keeps up with on a small machine
 FARTHEST_M = 700.0
 KEEPS_WITHIN_M = 0.5  # how far inside the clearance the boat may stray where there is no room for a margin
@@ -74,7 +76,7 @@ def main() -> int:
     speedup = min(max(1.5 * straight_m / CRUISE_M_S / SAIL_S, 1.0), FASTEST)
     ends = [frame.to_global(start), frame.to_global(goal)]
     console.print(f"1  boat-sitl serve {arguments.map} --speedup {speedup:.0f}")
-    with _emulator(arguments.map, ends[0], speedup, out / "track.csv") as url:
+    with _emulator(arguments.map, ends[0], speedup, out / "track.csv", console) as url:
         console.print(f"2  mission-upload {arguments.map} --connect {url} --start --follow")
         report = _upload(arguments.map, ends, clearance_m, url, out / "demo.plan")
     if report is None:
@@ -127,7 +129,7 @@ def _far_apart(chart: Chart, clearance_m: float, fixed: Point | None) -> tuple[P
 
 
 @contextlib.contextmanager
-def _emulator(source: str, start: LatLon, speedup: float, track: Path) -> Iterator[str]:
+def _emulator(source: str, start: LatLon, speedup: float, track: Path, console: Console) -> Iterator[str]:
     """A boat-sitl process on a port of the system's choice; its url."""
     command = [_program("boat-sitl"), "serve", source, f"--start={start.lat_deg:.7f},{start.lon_deg:.7f}"]
     command += ["--speedup", f"{speedup:.1f}", "--tcp", "0", "--no-udp", "--csv", str(track)]
@@ -137,10 +139,18 @@ def _emulator(source: str, start: LatLon, speedup: float, track: Path) -> Iterat
         first = process.stdout.readline()
         if "tcpin:" not in first:
             raise SystemExit(process.wait() or 1)
+        threading.Thread(target=_forward, args=(process.stdout, console), daemon=True).start()
         yield "tcp:" + first.rsplit("tcpin:", 1)[1].split(",")[0].strip()
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(timeout=30)
+
+
+def _forward(lines: Iterable[str], console: Console) -> None:
+    """Show what the emulator says later on, such as that this computer is too slow for the speed."""
+    for line in lines:
+        if "ready; Ctrl-C" not in line:
+            console.print(line.rstrip(), soft_wrap=True)
 
 
 def _upload(
@@ -150,7 +160,7 @@ def _upload(
     command = [_program("mission-upload"), source, "--connect", url, "--start", "--follow", "--json"]
     command += [f"--start-at={ends[0].lat_deg:.7f},{ends[0].lon_deg:.7f}"]
     command += [f"--goal={ends[1].lat_deg:.7f},{ends[1].lon_deg:.7f}"]
-    command += ["--clearance", f"{clearance_m:g}", "--save", str(saved), "--timeout", "120"]
+    command += ["--clearance", f"{clearance_m:g}", "--save", str(saved), "--patience", f"{PATIENCE_S:g}"]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)  # noqa: S603
     if done.returncode != 0:
         return None

@@ -20,9 +20,12 @@ class Clocked(Protocol):
 
 
 class Computer:
-    """Its state. clock_offset_s: what its clock shows more than the world's."""
+    """Its state. clock_offset_s: what its clock shows more than the world's.
 
-    __slots__ = ("_drivers", "boots", "clock_offset_s", "disk_is_full", "has_power", "link_quality")
+    load: share of a tick that the boat's program needs on this computer, apart from what it costs the host.
+    """
+
+    __slots__ = ("_drivers", "boots", "clock_offset_s", "disk_is_full", "has_power", "link_quality", "load")
 
     def __init__(self, drivers: Sequence[Clocked] = ()) -> None:
         """Running, at time zero."""
@@ -31,6 +34,7 @@ class Computer:
         self.has_power = True
         self.clock_offset_s = 0.0
         self.disk_is_full = False
+        self.load = 0.0
         self.link_quality: Quality = WHOLE  # of every link, on top of its own
 
     def lose_power(self) -> None:

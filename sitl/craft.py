@@ -87,7 +87,8 @@ class Craft:
         boat = self.boat
         if self._berth.unix_offset_s:  # the simulated receiver has a day of its own, and stations live today
             boat.signing.stamps.follow(timestamp_at(self._clock.now_s() + self._berth.unix_offset_s))
-        boat.load = runner.load / boats
+        # A host that cannot keep up stretches the emulator's time; the emulated computer does not overrun
+        self._program.host_load = min(runner.load / boats, 1.0)
         self._program.step()
         if self.boat is not boat:
             self.time_ticks(runner)

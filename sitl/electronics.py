@@ -12,6 +12,7 @@ from sitl.faults.knobs import FaultKnobs
 from sitl.faults.parts import (
     ClockPart,
     ComputerPart,
+    CpuPart,
     DiskPart,
     GyroPart,
     LeakPart,
@@ -87,6 +88,7 @@ class Electronics:
             "motor_right": MotorPart(right),
             "link": LinkPart(self.computer),
             "computer": ComputerPart(self.computer, self.motors),
+            "cpu": CpuPart(self.computer),
             "clock": ClockPart(self.computer),
             "disk": DiskPart(self.computer),
         }

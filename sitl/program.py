@@ -10,10 +10,11 @@ class Program:
     """One `Boat` after another over the same world.
 
     build: makes a boat from what survives a power cut. let_go: takes its links and threads from one that is
-    no more; nothing is stored on the way, as nothing is when the power goes.
+    no more; nothing is stored on the way, as nothing is when the power goes. host_load: the share of a tick
+    that the program takes on the host, reported as the boat's own load unless the simulated one is higher.
     """
 
-    __slots__ = ("_boots", "_build", "_computer", "_is_running", "_let_go", "_world", "boat")
+    __slots__ = ("_boots", "_build", "_computer", "_is_running", "_let_go", "_world", "boat", "host_load")
 
     def __init__(self, world: World, build: Callable[[], Boat], let_go: Callable[[Boat], None]) -> None:
         self.boat = build()
@@ -23,6 +24,7 @@ class Program:
         self._let_go = let_go
         self._boots = self._computer.boots
         self._is_running = True
+        self.host_load = 0.0
 
     @property
     def is_running(self) -> bool:
@@ -40,6 +42,7 @@ class Program:
             self.boat = self._build()
             self._boots, self._is_running = computer.boots, True
         boat = self.boat
+        boat.load = max(self.host_load, computer.load)
         boat.step(self._world.clock_s)
         if boat.wants_restart:
             computer.begin(self._world.time_s)

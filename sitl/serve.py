@@ -9,6 +9,7 @@ from companion.clock import Clock
 from companion.config import BoatConfig
 from companion.runner import Runner
 from sitl.craft import Craft
+from sitl.pace import Pace
 
 PHASES = round(1.0 / TICK_S)  # what boats do more seldom than once a second is of no weight
 RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
@@ -18,9 +19,17 @@ MEMORY = -1  # the descriptor of links that have none: those between boats of on
 class Server:
     """Boats in step with the wall clock times `speedup`."""
 
-    def __init__(self, crafts: Sequence[Craft], clock: Clock, speedup: float = 1.0) -> None:
-        """crafts: at least one."""
+    def __init__(
+        self,
+        crafts: Sequence[Craft],
+        clock: Clock,
+        speedup: float = 1.0,
+        report: Callable[[str], None] = lambda line: None,
+    ) -> None:
+        """crafts: at least one. report: called with one line if the host cannot keep up with `speedup`."""
         self.crafts = tuple(crafts)
+        self._clock = clock
+        self._pace = Pace(speedup, report)
         self._by_fileno: dict[int, Craft] = {}
         self._runner = Runner(
             clock,
@@ -55,6 +64,7 @@ class Server:
     def _step(self, number: int) -> None:
         for craft in self.crafts if number >= PHASES else self._begun(number):
             craft.step(self._runner, len(self.crafts))
+        self._pace.tick(self._clock.now_s(), TICK_S)
 
     def _begun(self, number: int) -> list[Craft]:
         """One boat more every tick, so that what each does once a second is not done by all in the same."""

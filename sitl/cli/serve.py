@@ -95,7 +95,7 @@ def serve(
         for number in range(count)
     ]
     crafts = moor(scenarios, links, clock, berths, speedup)
-    server = Server(crafts, clock, speedup)
+    server = Server(crafts, clock, speedup, _report)
     names = ", ".join(crafts[0].port_names) or "no link"
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
     for craft, sailed in zip(crafts[1:], scenarios[1:], strict=True):
@@ -112,6 +112,11 @@ def serve(
             craft.recorder.write_csv(path, every=RECORD_EVERY)
     if server.wants_restart and not shutdown():
         restart_program()
+
+
+def _report(line: str) -> None:
+    typer.echo(f"boat-sitl: {line}")
+    sys.stdout.flush()
 
 
 def _urls(

@@ -113,6 +113,7 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
         "lossy": Effect(0.5, "a share of size is lost each way", 0.0, 1.0),
     },
     "computer": {"off": Effect(0.0, "no power; when it is back, the boat's program begins anew")},
+    "cpu": {"slow": Effect(1.5, "too slow: the boat's program needs size times the tick that it has", 0.0)},
     "clock": {
         "wrong": Effect(10.0, "leaps ahead by size seconds, as if the program had hung; never goes back", 0.0)
     },

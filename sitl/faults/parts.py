@@ -129,6 +129,17 @@ class ComputerPart:
             self._computer.begin(now_s)
 
 
+class CpuPart:
+    """The computer's speed."""
+
+    def __init__(self, computer: Computer) -> None:
+        self._computer = computer
+
+    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Be too slow for the program, or fast enough."""
+        self._computer.load = 0.0 if fault is None else fault.amount
+
+
 class ClockPart:
     """The computer's clock. It is monotonic: it may leap ahead, and nothing sets it back but a new start."""
 

@@ -262,6 +262,19 @@ def test_a_clock_leaps_for_the_boat_and_its_readings_alike_and_never_goes_back()
     assert boat.boat.endpoint.faults == 0
 
 
+def test_a_computer_that_is_too_slow_for_the_program_is_overloaded_until_it_is_well() -> None:
+    boat = lockstep('faults=[{what="cpu", kind="slow", size=1.3, at_s=2, for_s=10}]')
+    run(boat, 1.9)
+    assert boat.boat.load == 0.0
+    run(boat, 2.1)
+    assert boat.boat.vehicle.arm(force=True).accepted
+    run(boat, 6.0)
+    assert boat.boat.load == 1.3
+    assert any("Computer overloaded: 130 % of its time" in text for text in boat.station.texts)
+    run(boat, 5.0)
+    assert boat.boat.load == 0.0
+
+
 @pytest.mark.parametrize(
     "link", ["loss=0.3", "delay_s=0.5", "duplication=0.5", "reordering=0.5", "jitter_s=0.3"]
 )

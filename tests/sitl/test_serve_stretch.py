@@ -1,4 +1,6 @@
+import contextlib
 import socket
+from collections.abc import Callable
 
 import pytest
 from boat_rig import scenario
@@ -10,6 +12,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
 from sitl.craft import Berth, Craft
+from sitl.pace import Pace
 from sitl.serve import Server, stretched
 
 
@@ -34,6 +37,69 @@ def test_the_water_moves_speedup_times_as_fast_as_the_clock(speedup: float) -> N
     Server([craft], clock, speedup).run(lambda: clock.time_s >= 2.0)
     assert craft.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
     assert len(craft.recorder) == craft.world.tick
+
+
+class BusyHost(FakeClock):
+    """A host on which whatever happens between two looks at the clock takes 30 ms: more than a tick."""
+
+    def now_s(self) -> float:
+        """The time, later at every call."""
+        self.time_s += 0.03
+        return self.time_s
+
+
+def texts_of(crafts: list[Craft], serve: Callable[[], object]) -> set[str]:
+    """What the first boat says on its UDP link meanwhile."""
+    address = ("127.0.0.1", int(crafts[0].port_names[0].rsplit(":", 1)[1]))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
+        station.setblocking(False)
+        heartbeat = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+        station.sendto(Encoder(Address(255, 190)).encode(heartbeat), address)
+        serve()
+        decoder, texts = Decoder(datagram=True), set()
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                for received in decoder.feed(station.recv(4096)):
+                    if received.message.get_type() == "STATUSTEXT":
+                        texts.add(str(received.message.text).rstrip("\0"))
+    return texts
+
+
+@pytest.mark.parametrize("speedup", [1.0, 24.0])
+def test_on_a_host_that_cannot_keep_up_time_stretches_and_the_boat_is_not_overloaded(speedup: float) -> None:
+    clock, lines = BusyHost(), list[str]()
+    craft = Craft(scenario("open"), ["udpin:127.0.0.1:0"], clock)
+    server = Server([craft], clock, speedup, lines.append)
+
+    def is_over() -> bool:
+        if craft.world.time_s >= 4.0 and not craft.boat.vehicle.armed:
+            craft.boat.vehicle.arm(force=True)  # only then are failsafes on watch
+        return craft.world.time_s >= 12.0
+
+    texts = texts_of([craft], lambda: server.run(is_over))
+    assert server.load > 1.0
+    assert craft.boat.load <= 1.0
+    assert texts
+    assert not [text for text in texts if "overloaded" in text]
+    assert clock.time_s > 12.0 / speedup
+    (line,) = lines
+    assert f"{speedup:g} × real time" in line
+
+
+def test_on_a_host_that_keeps_up_nothing_is_said() -> None:
+    clock, lines = FakeClock(), list[str]()
+    craft = Craft(scenario("open"), [], clock)
+    Server([craft], clock, 5.0, lines.append).run(lambda: clock.time_s >= 12.0)
+    assert lines == []
+
+
+@pytest.mark.parametrize(("share", "is_said"), [(0.79, True), (0.81, False)])
+def test_a_host_a_fifth_too_slow_is_reported_once(share: float, is_said: bool) -> None:
+    lines = list[str]()
+    pace = Pace(2.0, lines.append)
+    for tick in range(2000):
+        pace.tick(tick * 0.01 / share, 0.02)
+    assert len(lines) == is_said
 
 
 def test_without_a_file_to_write_no_trajectory_grows() -> None:
