@@ -22,6 +22,12 @@ parameter stands for; the value there is the default. The same descriptions are 
 component metadata (`mftp:///metadata/parameters.json`), and all values as one file (`@PARAM/param.pck`).
 """
 
+_VALUES = """\
+## Values
+
+What the numbers stand for. `+` marks a bit: the parameter is the sum of those that are set.
+"""
+
 _CONSTANTS = """\
 ## Constants
 
@@ -35,7 +41,7 @@ def parameter_page(rows: tuple[Row, ...] = ROWS) -> str:
     live = [
         (
             f"`{row.name}`",
-            row.text,
+            _meaning(row),
             _number(parameters.value(row)),
             _range(row),
             row.unit,
@@ -46,7 +52,7 @@ def parameter_page(rows: tuple[Row, ...] = ROWS) -> str:
         if not row.read_only
     ]
     constants = [
-        (f"`{row.name}`", row.text, _number(parameters.value(row)), row.unit, _TYPES[row.kind])
+        (f"`{row.name}`", _meaning(row), _number(parameters.value(row)), row.unit, _TYPES[row.kind])
         for row in rows
         if row.read_only
     ]
@@ -54,6 +60,9 @@ def parameter_page(rows: tuple[Row, ...] = ROWS) -> str:
         [
             _INTRODUCTION,
             *_table(("name", "meaning", "default", "range", "unit", "key", "type"), live),
+            "",
+            _VALUES,
+            *_table(("parameters", "values"), _values(rows)),
             "",
             _CONSTANTS,
             *_table(("name", "meaning", "value", "unit", "type"), constants),
@@ -65,6 +74,21 @@ def parameter_page(rows: tuple[Row, ...] = ROWS) -> str:
 def _table(head: tuple[str, ...], lines: Iterable[tuple[str, ...]]) -> list[str]:
     rule = tuple("---" for _ in head)
     return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in (head, rule, *lines)]
+
+
+def _meaning(row: Row) -> str:
+    return f"{row.text} (from the next start on)" if row.needs_restart else row.text
+
+
+def _values(rows: Iterable[Row]) -> Iterable[tuple[str, str]]:
+    """Parameters that share their values or bits, and what these stand for."""
+    shared: dict[str, list[str]] = {}
+    for row in rows:
+        named = [f"{number} {name}" for number, name in row.values]
+        named += [f"+{1 << number} {name}" for number, name in row.bits]
+        if named and not row.read_only:
+            shared.setdefault("; ".join(named), []).append(f"`{row.name}`")
+    return [(", ".join(names), values) for values, names in shared.items()]
 
 
 def _number(value: float) -> str:

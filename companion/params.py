@@ -19,6 +19,7 @@ from operator import attrgetter
 
 from companion.config import BoatConfig, with_value
 from companion.errors import ConfigError
+from companion.param_names import Names
 from companion.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
@@ -36,10 +37,20 @@ class Kind(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Choice:
+    """A parameter that selects one setting of a field: it is `value` while the field is `setting`, else 0."""
+
+    setting: int
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
     """One parameter. `path` is a field of the configuration; without one the row keeps `default` itself.
 
-    value = field × scale. read_only rows are documented constants.
+    value = field × scale. read_only rows are documented constants. values: all that it may be, where it is a
+    choice. bits: of a sum of bits. decimals: that stations show of a REAL32. needs_restart: a change holds
+    from the next start of the program on.
     """
 
     name: str
@@ -52,6 +63,11 @@ class Row:
     low: float = -math.inf
     high: float = math.inf
     read_only: bool = False
+    values: Names = ()
+    bits: Names = ()
+    decimals: int = 3
+    needs_restart: bool = False
+    choice: Choice | None = None
 
     def __post_init__(self) -> None:
         if not 0 < len(self.name) <= 16:
@@ -89,10 +105,20 @@ class Parameters:
         """Where a parameter stands in the list, None when there is no such one."""
         return self._index.get(name)
 
+    def sharing(self, name: str) -> list[int]:
+        """Where this parameter stands, and the others over the same field, which change with it."""
+        path = self.rows[self._index[name]].path if name in self._index else ""
+        return [
+            index for index, row in enumerate(self.rows) if row.name == name or (path and row.path == path)
+        ]
+
     def value(self, row: Row) -> float:
         """The value as stations see it: a whole number or a 32-bit float, which is all the wire carries."""
         if not row.path:
             return _as_float32(self._kept[row.name])
+        if row.choice is not None:
+            is_chosen = attrgetter(row.path)(self.config) == row.choice.setting
+            return float(row.choice.value) if is_chosen else 0.0
         value = float(attrgetter(row.path)(self.config)) * row.scale
         return _as_float32(value if row.kind is Kind.REAL32 else round(value))
 
@@ -140,6 +166,8 @@ class Parameters:
             return f"{name}: {value:g} is outside {row.low:g}..{row.high:g}"
         if row.kind is not Kind.REAL32:
             value = float(round(value))
+        if row.values and value not in [number for number, _ in row.values]:
+            return f"{name}: {value:g} is none of {', '.join(str(number) for number, _ in row.values)}"
         if not row.path:
             self._kept[name] = value
             if name in self._knobs:
@@ -153,16 +181,20 @@ class Parameters:
 
     def _field_value(self, row: Row, value: float) -> object:
         current = attrgetter(row.path)(self.config)
+        if row.choice is not None:
+            if value != 0.0:
+                return row.choice.setting
+            return 0 if current == row.choice.setting else current
         if isinstance(current, bool):
             return value != 0.0
         if isinstance(current, int):
             return round(value / row.scale)
         # 0.1 arrives as 0.10000000149: the shortest decimal with the same 32 bits is what was meant
-        return float(_shortest(value)) / row.scale
+        return float(shortest(value)) / row.scale
 
     def _save(self) -> None:
         lines = [
-            f"{row.name} {_shortest(self.value(row))}"
+            f"{row.name} {shortest(self.value(row))}"
             for row, default in zip(self.rows, self._defaults, strict=True)
             if self.value(row) != default
         ]
@@ -186,7 +218,7 @@ def _as_float32(value: float) -> float:
     return result
 
 
-def _shortest(value: float) -> str:
+def shortest(value: float) -> str:
     """The shortest decimal that reads back as the same 32-bit float."""
     for digits in range(1, 10):
         short = float(f"{value:.{digits}g}")

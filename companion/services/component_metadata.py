@@ -7,6 +7,7 @@ station that knows their checksums need not fetch them again. Other subjects (ev
 
 import json
 import math
+from decimal import Decimal
 from functools import cache
 from typing import Any
 
@@ -14,7 +15,7 @@ from companion import __version__
 from companion.config import BoatConfig
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
-from companion.params import Kind, Parameters, Row
+from companion.params import Kind, Parameters, Row, shortest
 from companion.params_table import ROWS
 from companion.services.ftp_tree import checksum
 from companion.services.ftp_virtual import Content
@@ -26,6 +27,11 @@ COMPONENT_METADATA_ID: int = ComponentMetadata.id
 _PARAMETER_METADATA = 1  # COMP_METADATA_TYPE_PARAMETER, which the dialect lacks
 FOLDER = "metadata"
 GENERAL, PARAMETERS = "general.json", "parameters.json"
+# The only version that QGroundControl reads (4.4 to 5.0): it drops any other file and shows no texts then.
+# The schema has come to 3 since, without a change to what is written here.
+_READ_BY_QGC = 1
+_UNITS = {"degC": "C"}  # the schema's word for what stations may convert
+_MOST_DECIMALS = 7  # the schema's default
 _TYPES = {Kind.INT8: "Int8", Kind.INT16: "Int16", Kind.INT32: "Int32", Kind.REAL32: "Float"}
 
 
@@ -57,7 +63,7 @@ def parameters_json() -> bytes:
     """The file about the parameters."""
     parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
     entries = [_entry(row, parameters.value(row)) for row in ROWS]
-    return _encode({"version": 2, "parameters": entries})
+    return _encode({"version": _READ_BY_QGC, "parameters": entries})
 
 
 def component_metadata(now: Snapshot) -> Message:
@@ -77,30 +83,58 @@ def component_information(now: Snapshot) -> Message:
 
 
 def _entry(row: Row, default: float) -> dict[str, Any]:
-    """A parameter after the schema, which has no word for read-only: such a one has no other value."""
-    low, high = (default, default) if row.read_only else (row.low, row.high)
+    """A parameter after the schema and after QGroundControl's reader of it, which is stricter.
+
+    Without `decimalPlaces` some of its versions show a fraction as a whole number; without `values` a choice
+    has an empty menu.
+    """
+    low, high = _range(row, default)
     entry: dict[str, Any] = {
         "name": row.name,
         "type": _TYPES[row.kind],
         "shortDesc": row.text,
         "default": _number(row, default),
+        "decimalPlaces": _decimals(row, default),
         "group": row.name.partition("_")[0].rstrip("0123456789"),
         "category": "Constant" if row.read_only else "Standard",
+        "rebootRequired": row.needs_restart,
     }
+    if row.read_only:
+        entry["readOnly"] = True
     if row.unit:
-        entry["units"] = row.unit
+        entry["units"] = _UNITS.get(row.unit, row.unit)
     if math.isfinite(low):
         entry["min"] = _number(row, low)
     if math.isfinite(high):
         entry["max"] = _number(row, high)
+    if row.values:
+        entry["values"] = [{"value": number, "description": name} for number, name in row.values]
+    if row.bits:
+        entry["bitmask"] = [{"index": number, "description": name} for number, name in row.bits]
     return entry
 
 
+def _range(row: Row, default: float) -> tuple[float, float]:
+    """What the parameter may be: a constant nothing but its value, unless it has names for others."""
+    if row.values:
+        numbers = [float(number) for number, _ in row.values]
+        return min(numbers), max(numbers)
+    return (default, default) if row.read_only else (row.low, row.high)
+
+
 def _number(row: Row, value: float) -> float:
-    """As short as it is exact: the wire's 0.1 is not 0.10000000149."""
+    """As short as it is exact: what reads back as the same 32-bit float is the default, what does not is
+    shown as changed."""
+    return float(shortest(value)) if row.kind is Kind.REAL32 else round(value)
+
+
+def _decimals(row: Row, default: float) -> int:
+    """As many places as the row asks for, or as many as its default and its bounds have."""
     if row.kind is not Kind.REAL32:
-        return round(value)
-    return float(f"{value:.7g}")
+        return 0
+    numbers = [number for number in (default, row.low, row.high) if math.isfinite(number)]
+    places = [-int(Decimal(shortest(number)).normalize().as_tuple().exponent) for number in numbers]
+    return min(max(row.decimals, *places), _MOST_DECIMALS)
 
 
 def _encode(tree: dict[str, Any]) -> bytes:

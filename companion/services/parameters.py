@@ -10,7 +10,7 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.statustext import StatusTextService
 from companion.vehicle.notice import Notice, Severity
 
-_LIST_PER_TICK = 200  # where the line is fast; a slow one takes what it has room for
+_LIST_PER_TICK = 250  # all there are, where the line is fast; a slow one takes what it has room for
 _VALUE_BYTES = 37  # a PARAM_VALUE on the line
 _NAMED_REASONS = 3  # of a refused file; the others are only counted
 
@@ -45,10 +45,10 @@ class ParameterService:
             self._texts.tell([Notice(Severity.WARNING, reason)])
 
     def keep(self, name: str, value: float) -> str:
-        """Change one; everyone hears the stored value. Returns why not, empty when done."""
+        """Change one; everyone hears the stored value, and those of other names for the same setting. Returns
+        why not, empty when done."""
         reason = self._parameters.set(name, value)
-        index = self._parameters.index_of(name)
-        if index is not None:
+        for index in self._parameters.sharing(name):
             self._outbox.broadcast(self._value(index))
         return reason
 

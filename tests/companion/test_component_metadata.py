@@ -15,7 +15,7 @@ from companion.services.ftp_frames import Opcode
 TYPES = {"Uint8", "Int8", "Uint16", "Int16", "Uint32", "Int32", "Float"}
 KEYS = {
     "name", "type", "shortDesc", "longDesc", "units", "default", "decimalPlaces", "min", "max", "increment",
-    "rebootRequired", "group", "category", "volatile", "values", "bitmask",
+    "rebootRequired", "group", "category", "volatile", "values", "bitmask", "readOnly",
 }  # fmt: skip
 REQUEST_MESSAGE = 512
 
@@ -43,18 +43,23 @@ def crc(served: Served, name: str) -> int:
 
 def test_every_parameter_is_described_as_the_schema_allows() -> None:
     tree = json.loads(Served().get(b"/metadata/parameters.json"))
-    assert (set(tree), tree["version"]) == ({"version", "parameters"}, 2)
+    assert set(tree) == {"version", "parameters"}
     assert [entry["name"] for entry in tree["parameters"]] == [row.name for row in ROWS]
     for entry, row in zip(tree["parameters"], ROWS, strict=True):
         assert set(entry) <= KEYS
         assert entry["type"] in TYPES
         assert re.fullmatch(r"[.\-a-zA-Z0-9_{}]{1,16}", entry["name"])
         assert entry["shortDesc"] == row.text
-        assert entry.get("units", "") == row.unit
+        assert entry.get("units", "") == ("C" if row.unit == "degC" else row.unit)
         assert entry["min"] <= entry["default"] <= entry["max"], entry
+        assert isinstance(entry["decimalPlaces"], int)
+        assert 0 <= entry["decimalPlaces"] <= 7
+        assert all(set(one) == {"value", "description"} for one in entry.get("values", ()))
+        assert all(set(one) == {"index", "description"} for one in entry.get("bitmask", ()))
+        assert all(isinstance(one["index"], int) for one in entry.get("bitmask", ()))
         if row.read_only:
-            assert entry["min"] == entry["max"]
             assert entry["category"] == "Constant"
+            assert entry["readOnly"]
 
 
 def test_numbers_are_as_people_write_them() -> None:

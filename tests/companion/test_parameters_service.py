@@ -154,3 +154,15 @@ def test_a_new_system_id_counts_after_a_restart(rig: Rig) -> None:
     rig.receive()
     assert len(rig.peer.said("PARAM_VALUE")) == 1
     assert read(rig, "HDG_KP") == []
+
+
+def test_other_names_of_a_setting_are_told_with_it() -> None:
+    rig = Rig()
+    rig.step()
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"RC7_OPTION", 153.0, 4))
+    rig.receive()
+    told = {one.param_id.rstrip("\0"): one.param_value for one in rig.peer.said("PARAM_VALUE")}
+    assert told["RC7_OPTION"] == 153.0
+    assert told["RC_ARM_CH"] == 7.0
+    assert told["RC9_OPTION"] == 0.0

@@ -92,6 +92,40 @@ def test_two_names_of_one_field_move_together() -> None:
     assert parameters.value(BY_NAME["CRUISE_SPEED"]) == 1.25
 
 
+def test_a_channels_option_makes_it_the_one_that_arms() -> None:
+    parameters = fresh()
+    assert parameters.set("RC7_OPTION", 153.0) == ""
+    assert parameters.config.rc.arm_channel == 7
+    assert parameters.set("RC9_OPTION", 153.0) == ""
+    options = {number: parameters.value(BY_NAME[f"RC{number}_OPTION"]) for number in range(5, 17)}
+    assert [number for number, value in options.items() if value] == [9]
+    assert parameters.set("RC7_OPTION", 0.0) == ""  # which it is already
+    assert parameters.config.rc.arm_channel == 9
+    assert parameters.set("RC9_OPTION", 0.0) == ""
+    assert parameters.config.rc.arm_channel == 0
+
+
+def test_an_option_survives_a_restart() -> None:
+    storage = MemoryStorage()
+    assert fresh(storage).set("RC7_OPTION", 153.0) == ""
+    assert fresh(storage).config.rc.arm_channel == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("RC7_OPTION", 4.0, "RC7_OPTION: 4 is none of 0, 153"),
+        ("MODE1", 2.0, "MODE1: 2 is none of 0, 1, 3"),
+        ("AHRS_ORIENTATION", 4.0, "AHRS_ORIENTATION is fixed at 0"),
+        ("FS_CRASH_CHECK", 1.0, "FS_CRASH_CHECK is fixed at 0"),
+    ],
+)
+def test_a_choice_that_the_boat_does_not_have_is_refused(name: str, value: float, words: str) -> None:
+    parameters = fresh()
+    assert words in parameters.set(name, value)
+    assert parameters.value(BY_NAME[name]) == 0.0
+
+
 def test_a_whole_number_is_rounded_before_it_is_kept() -> None:
     parameters = fresh()
     assert parameters.set("WP_PIVOT_ANGLE", 90.4) == ""

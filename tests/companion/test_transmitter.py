@@ -6,10 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config import BoatConfig, with_value
+from companion.params import Parameters
+from companion.params_table import ROWS
 from companion.requests import Arm, ChangeMode, ManualInput
 from companion.sensors.rc_pulses import deflection, mode_position
 from companion.sensors.readings import RcReading
 from companion.settings.rc import RcChannel
+from companion.storage import MemoryStorage
 from companion.vehicle.failsafes.table import Condition
 from companion.vehicle.intent import Drive, Intent, Stop
 from companion.vehicle.mission_steps import Waypoint
@@ -126,6 +129,18 @@ def test_the_switch_arms_when_it_goes_up_and_disarms_when_it_goes_down() -> None
     assert hand.live(0.5, arm=2000) == ["Armed"]
     assert hand.live(0.5, arm=1500) == []
     assert hand.live(0.5, arm=1000) == ["Disarmed by the transmitter"]
+
+
+def test_a_channel_arms_once_its_option_says_so() -> None:
+    hand = Hand(rc__arm_channel=0)
+    parameters = Parameters(hand.vehicle.config, ROWS, MemoryStorage())
+    hand.live(0.5, arm=1000)
+    hand.live(0.5, arm=2000)
+    assert not hand.vehicle.armed
+    assert parameters.set("RC5_OPTION", 153.0) == ""
+    hand.vehicle.config = parameters.config
+    hand.live(0.5, arm=1000)
+    assert hand.live(0.5, arm=2000) == ["Armed"]
 
 
 def test_a_switch_that_is_up_at_boot_does_not_arm_until_it_has_been_down() -> None:

@@ -1,0 +1,63 @@
+"""Names of the values of parameters that are a choice or a set of bits, as stations show them.
+
+Numbers are ArduPilot Rover's where the parameter has its name.
+"""
+
+Names = tuple[tuple[int, str], ...]
+"""Each value, or the number of each bit, with its name."""
+
+DISABLED_ENABLED: Names = ((0, "Disabled"), (1, "Enabled"))
+NO_YES: Names = ((0, "No"), (1, "Yes"))
+
+ACTIONS: Names = (
+    (0, "Report only"),
+    (1, "RTL"),
+    (2, "HOLD"),
+    (3, "SMART_RTL or RTL"),
+    (4, "SMART_RTL or HOLD"),
+    (5, "Disarm"),
+    (6, "LOITER or HOLD"),
+)
+STUCK_ACTIONS: Names = (*ACTIONS, (7, "Clear the propellers"))
+MOTOR_ACTIONS: Names = (*STUCK_ACTIONS, (8, "Test the motors one by one"))
+GROUND_ACTIONS: Names = (*MOTOR_ACTIONS, (9, "Get off the shore by turning"))
+RC_FAILSAFES: Names = ((0, "Disabled"), (1, "Enabled"), (2, "Enabled, but a mission continues"))
+RESUMPTIONS: Names = ((0, "Forget it"), (1, "MISSION_START resumes it"), (2, "Resume without being asked"))
+
+MODES: Names = (
+    (0, "Manual"),
+    (1, "Acro"),
+    (3, "Steering"),
+    (4, "Hold"),
+    (5, "Loiter"),
+    (6, "Follow"),
+    (7, "Simple"),
+    (9, "Circle"),
+    (10, "Auto"),
+    (11, "RTL"),
+    (12, "Smart RTL"),
+    (15, "Guided"),
+)
+ARM_DISARM = 153
+SWITCHES: Names = ((0, "Do nothing"), (ARM_DISARM, "Arm or disarm"))
+
+# QGroundControl's Frame page leaves out the first entry: for it, that is the undefined class
+FRAME_CLASSES: Names = ((0, "Undefined"), (2, "Boat"))
+ARMING_CHECKS: Names = ((0, "All"),)
+AVOIDED: Names = ((0, "Fence"), (1, "What the rangers see"), (2, "No effect"))
+FENCE_PARTS: Names = ((0, "No effect"), (1, "Circle around home"), (2, "Uploaded polygons and circles"))
+
+EXTERNAL_USES: Names = (
+    (0, "Never"),
+    (1, "While the boat's own part is silent"),
+    (2, "In preference to the boat's own part"),
+)
+OBSTACLE_USES: Names = ((0, "Ignored"), (1, "Added to the boat's own sonar"))
+LOG_BACKENDS: Names = ((0, "None"), (1, "File"))
+LOG_TIMES: Names = ((0, "While armed"), (1, "From boot"))
+MISSION_ENDS: Names = ((0, "HOLD"), (1, "LOITER"))
+OBSTACLE_ACTIONS: Names = ((0, "Stop before it"), (1, "Go round it"))
+OFFSET_AXES: Names = ((0, "North and east"), (1, "Ahead and to starboard"))
+SIGHT_LIMITS: Names = ((0, "Never"), (1, "Always"), (2, "For a while after an unexpected obstacle"))
+SIMPLE_DIRECTIONS: Names = ((0, "Heading at the start"), (1, "North"))
+TURN_DIRECTIONS: Names = ((0, "Clockwise"), (1, "Counter-clockwise"))

@@ -1,0 +1,155 @@
+"""What QGroundControl's pages show of the boat's parameters, read by its rules (`qgc_metadata`)."""
+
+import json
+
+import pytest
+from boat_rig import BOAT, Rig
+from ftp_client import Served
+from qgc_metadata import Fact, UnreadableError, read
+
+from companion.config import BoatConfig
+from companion.mavlink.dialect import dialect
+from companion.params import Parameters
+from companion.params_table import ROWS
+from companion.storage import MemoryStorage
+
+# What the pages of QGroundControl 4.4 ask of a Rover; without it they open with a warning.
+AIRFRAME = {"FRAME_CLASS", "FRAME_TYPE"}
+RADIO = {"RCMAP_ROLL", "RCMAP_PITCH", "RCMAP_YAW", "RCMAP_THROTTLE"} | {
+    f"RC{number}_{what}" for number in (1, 2, 3, 4) for what in ("MIN", "MAX", "TRIM")
+}
+FLIGHT_MODES = {"MODE_CH", *(f"MODE{number}" for number in range(1, 7))} | {
+    f"RC{number}_OPTION" for number in range(6, 17)
+}
+SENSORS = {
+    "AHRS_ORIENTATION", "COMPASS_DEC", "COMPASS_AUTODEC", "INS_ACCOFFS_X", "INS_ACCOFFS_Y", "INS_ACCOFFS_Z",
+    *(f"COMPASS_DEV_ID{number}" for number in ("", 2, 3)),
+    *(f"COMPASS_USE{number}" for number in ("", 2, 3)),
+    *(f"COMPASS_OFS{number}_{axis}" for number in ("", 2, 3) for axis in "XYZ"),
+    # once the first is there, it asks for all three; without it the Summary calls the compass unused
+    "COMPASS_PRIO1_ID", "COMPASS_PRIO2_ID", "COMPASS_PRIO3_ID",
+}  # fmt: skip
+COMPASS_CALIBRATION = {"COMPASS_CAL_FIT"}  # read and written once the first step has been accepted
+POWER = {"BATT_MONITOR", "BATT_CAPACITY", "BATT_ARM_VOLT"}
+SAFETY = {"FS_GCS_ENABLE", "FS_THR_ENABLE", "FS_THR_VALUE", "FS_ACTION", "FS_CRASH_CHECK", "ARMING_CHECK"}
+FLY_VIEW = {"WPNAV_SPEED", "WP_SPEED"}  # the speed slider's end: the one of 4.4, the one of later versions
+FACTS = read(Served().get(b"/metadata/parameters.json"))
+
+
+def sent_by(rig: Rig) -> dict[str, float]:
+    """All parameters as they come over the wire."""
+    rig.step()
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_request_list_message(*BOAT))
+    rig.receive()
+    rig.run(1.0)
+    return {one.param_id.rstrip("\0"): one.param_value for one in rig.peer.said("PARAM_VALUE")}
+
+
+@pytest.mark.parametrize(
+    "page", [AIRFRAME, RADIO, FLIGHT_MODES, SENSORS, COMPASS_CALIBRATION, POWER, SAFETY, FLY_VIEW]
+)
+def test_no_page_misses_a_parameter(page: set[str]) -> None:
+    assert page <= set(sent_by(Rig()))
+
+
+def test_every_parameter_has_a_text_and_is_shown_as_unchanged_on_a_fresh_boat() -> None:
+    rig = Rig()
+    values = sent_by(rig)
+    own = Parameters(
+        rig.config, ROWS, MemoryStorage()
+    )  # the scenario's boat differs from the usual one in these
+    usual = Parameters(BoatConfig(), ROWS, MemoryStorage())
+    different = {row.name for row in ROWS if own.value(row) != usual.value(row)}
+    assert {name for name, fact in FACTS.items() if not fact.is_default(values[name])} == different
+    assert all(fact.text for fact in FACTS.values())
+
+
+def test_a_fraction_is_shown_as_one() -> None:
+    assert FACTS["HND_SLIP"].shown(FACTS["HND_SLIP"].default) == "0.400"
+    for fact in FACTS.values():
+        if fact.kind == "Float":
+            assert float(fact.shown(fact.default)) == pytest.approx(fact.default, rel=0.01)
+            assert float(fact.shown(fact.low)) == pytest.approx(fact.low, rel=0.01), fact
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("MODE1", 15, "Guided"),
+        ("MODE6", 10, "Auto"),
+        ("FS_ACTION", 6, "LOITER or HOLD"),
+        ("FS_GCS_ENABLE", 1, "Enabled"),
+        ("FS_THR_ENABLE", 2, "Enabled, but a mission continues"),
+        ("BATT_MONITOR", 4, "Voltage and current"),
+        ("FRAME_TYPE", 0, "Undefined"),
+        ("AHRS_ORIENTATION", 0, "None"),
+        ("RC7_OPTION", 153, "Arm or disarm"),
+        ("COMPASS_USE", 1, "Yes"),
+        ("FS_MOT_ACT", 8, "Test the motors one by one"),
+    ],
+)
+def test_a_choice_has_a_menu_with_its_present_value(name: str, value: int, text: str) -> None:
+    assert FACTS[name].shown(value) == text
+
+
+def test_what_is_a_choice_by_its_range_has_a_menu_or_bits() -> None:
+    def is_choice(fact: Fact) -> bool:
+        return fact.kind != "Float" and 0 < fact.high - fact.low < 20 and not fact.units
+
+    # numbers of channels, and counts
+    numbers = {
+        "RCMAP_ROLL",
+        "RCMAP_PITCH",
+        "RCMAP_YAW",
+        "RCMAP_THROTTLE",
+        "RC_ARM_CH",
+        "MODE_CH",
+        "FS_CLEAR_TRIES",
+    }
+    assert {f.name for f in FACTS.values() if is_choice(f) and not f.choices and not f.bits} <= numbers
+
+
+def test_the_frame_page_finds_the_boat_behind_the_entry_that_it_leaves_out() -> None:
+    assert "Boat" in list(FACTS["FRAME_CLASS"].choices.values())[1:]
+
+
+def test_the_safety_page_has_a_box_for_all_arming_checks_that_stands_for_the_value() -> None:
+    assert FACTS["ARMING_CHECK"].bits == {1: "All"}
+    assert FACTS["ARMING_CHECK"].default == 1
+    assert FACTS["FENCE_TYPE"].bits[4] == "Uploaded polygons and circles"
+    assert FACTS["AVOID_ENABLE"].bits[1] == "Fence"
+
+
+def test_what_holds_from_the_next_start_on_asks_for_a_reboot() -> None:
+    assert {name for name, fact in FACTS.items() if fact.needs_reboot} == {
+        "SYSID_THISMAV", "EST_DR_TIME", "EST_SD_MAX", "EST_SURGE_TIME",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"version": 2}, "unsupported version"),
+        ({"version": "1"}, "Incorrect value type"),
+        ({"parameters": {}}, "Incorrect value type"),
+        ({"type": "int8"}, "Unknown type"),
+        ({"default": "0"}, "Invalid default"),
+        ({"default": 300}, "no Int8"),
+        ({"default": 7}, "outside"),
+        ({"shortDesc": 3}, "Incorrect value type"),
+        ({"name": "SEVENTEEN_LETTERS"}, "no name"),
+        ({"values": [{"value": "0", "description": "Off"}]}, "Incorrect value type"),
+        ({"values": [{"value": 0}]}, "missing: description"),
+        ({"values": [{"value": 1, "description": "On"}]}, "not in the menu"),
+        ({"bitmask": [{"index": 40, "description": "On"}]}, "no number of a bit"),
+    ],
+)
+def test_the_reader_here_is_as_strict_as_theirs(change: dict[str, object], words: str) -> None:
+    entry: dict[str, object] = {"name": "A", "type": "Int8", "default": 0, "min": 0, "max": 2}
+    tree: dict[str, object] = {"version": 1, "parameters": [entry]}
+    assert read(json.dumps(tree).encode())["A"].high == 2
+    for key, value in change.items():
+        (tree if key in tree else entry)[key] = value
+    with pytest.raises(UnreadableError, match=words):
+        read(json.dumps(tree).encode())
