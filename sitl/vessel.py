@@ -108,6 +108,12 @@ class Vessel:
         self._is_fresh = True
         self._resolve()
 
+    def hold(self, flow_north_m_s: float, flow_east_m_s: float) -> None:
+        """Stay at rest over ground in water that flows like this."""
+        surge_m_s = -flow_north_m_s * self.cos - flow_east_m_s * self.sin
+        sway_m_s = flow_north_m_s * self.sin - flow_east_m_s * self.cos
+        self.move(surge_m_s, sway_m_s, 0.0)
+
     def feel(self, north_m_s: float, east_m_s: float) -> None:
         """The hull has made way through the water to where the current is stronger by this much over ground.
 

@@ -75,6 +75,7 @@ class World:
         hull, weather, start = scenario.hull, scenario.environment, scenario.start
         self.shore = Shore(scenario.chart, max(1.0, hull.length_m, scenario.sensors.sonar.max_range_m))
         self.tick = 0
+        self._is_moored = False
         self.groundings = 0
         self._touched_s = -math.inf
         self._current = Current(weather)
@@ -125,6 +126,16 @@ class World:
         """Charge taken from the pack since it was full."""
         return self._pack.used_mah
 
+    def moor(self) -> None:
+        """Hold the boat where it is, at rest over ground; time, water, wind and sensors go on."""
+        self._is_moored = True
+        self._vessel.hold(self._flow_n, self._flow_e)
+        self.truth = self._observe(self.time_s)
+
+    def cast_off(self) -> None:
+        """Let the boat go, if it is moored."""
+        self._is_moored = False
+
     def step(self, dt_s: float) -> Truth:
         """Advance by one tick; the truth at its end.
 
@@ -150,7 +161,10 @@ class World:
             self.wind.step(self.time_s)
             ahead_n, sway_n, turning_nm = self._wind_force()
             surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
-        vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
+        if self._is_moored:
+            vessel.hold(self._flow_n, self._flow_e)
+        else:
+            vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
         contact = self._contact
         contact.room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)

@@ -35,7 +35,8 @@ def physics(
     """Serve hull, drive, water, weather, sonar and pack to ArduPilot's simulator until Ctrl-C.
 
     Time passes when ArduPilot sends a frame, and no faster. Its own simulator makes the readings of GNSS,
-    compass and gyro from the true state; sonar, battery and wind come from here.
+    compass and gyro from the true state; the sonar's range comes from here, as rng_1. The boat is moored
+    until a motor is first driven.
 
     Example:  boat-sitl physics lake --set environment.current_m_s=0.5
     """
@@ -48,7 +49,8 @@ def physics(
     origin = scenario.frame.origin
     heading_deg = math.degrees(scenario.heading_rad) % 360.0
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, on UDP {host}:{server.port}")
-    typer.echo("boat-sitl: now start ArduPilot's Rover, with SERVO functions 73 (left) and 74 (right):")
+    typer.echo("boat-sitl: now start ArduPilot's Rover, with SERVO functions 73 (left) and 74 (right),")
+    typer.echo("boat-sitl: and SIM_RATE_HZ of at least 100:")
     home = f"{origin.lat_deg:.7f},{origin.lon_deg:.7f},0,{heading_deg:.0f}"
     typer.echo(f"  ardurover --model JSON:{host} --home {home}")
     sys.stdout.flush()

@@ -6,21 +6,22 @@ from collections.abc import Callable
 from companion.errors import ConfigError
 from sitl.hull import LONGEST_STEP_S
 from sitl.physics.servo_packet import parse_servos
-from sitl.physics.state_line import state_line
+from sitl.physics.state_line import NO_ECHO_M, state_line
 from sitl.scenario import Scenario
 from sitl.world import Truth, World
 
 CHANNELS = 16
 _AHEAD_RAD = math.radians(10.0)  # a ping this near to the bow is what a fixed ranger would have heard
 _STALE_S = 3.0
+_DRIVEN = 0.02  # 10 µs of pulse: a trim that is a little off its centre drives nothing
 
 
 class Backend:
     """Steps one world in lockstep with the other side: time passes here only when a new frame comes.
 
     A frame that comes twice is answered twice and stepped once, because the answer was lost. A frame count
-    that falls means that the other side has begun anew, and so does the water. record: is shown each step's
-    truth.
+    that falls means that the other side has begun anew, and so does the water. The boat is moored until a
+    motor is first driven: an autopilot takes a minute to start. record: is shown each step's truth.
     """
 
     def __init__(
@@ -41,6 +42,7 @@ class Backend:
         if left == right:
             raise ConfigError(f"--left {left} and --right {right}: expected two different servo outputs")
         self.world = World(scenario)
+        self.world.moor()
         self.steps = 0
         self.restarts = 0
         self.ignored = 0  # datagrams that are no servo packet
@@ -49,7 +51,7 @@ class Backend:
         self._record = record
         self._frame: int | None = None
         self._reply = b""
-        self._range_m: float | None = None
+        self._range_m = self._silence_m()
         self._heard_s = -math.inf
 
     def handle(self, data: bytes) -> bytes | None:
@@ -63,14 +65,18 @@ class Backend:
         if self._frame is not None and packet.frame < self._frame:
             self._begin_anew()
         self._frame = packet.frame
-        self.world.hardware.motors.write(packet.share(self._left), packet.share(self._right))
+        left, right = packet.share(self._left), packet.share(self._right)
+        if max(abs(left), abs(right)) > _DRIVEN:
+            self.world.cast_off()
+        self.world.hardware.motors.write(left, right)
         self._advance(1.0 / packet.rate_hz)
         return self._reply
 
     def _begin_anew(self) -> None:
         self.restarts += 1
         self.world = World(self._scenario)
-        self._range_m, self._heard_s = None, -math.inf
+        self.world.moor()
+        self._range_m, self._heard_s = self._silence_m(), -math.inf
 
     def _advance(self, dt_s: float) -> None:
         """One frame, in as many steps as the hull's integrator needs."""
@@ -90,6 +96,11 @@ class Backend:
             return
         for ping in sonar.read():
             if abs(ping.bearing_rad) <= _AHEAD_RAD:
-                self._range_m, self._heard_s = ping.range_m, ping.time_s
+                self._range_m = NO_ECHO_M if ping.range_m is None else ping.range_m
+                self._heard_s = ping.time_s
         if now_s - self._heard_s > _STALE_S:
-            self._range_m = None
+            self._range_m = NO_ECHO_M
+
+    def _silence_m(self) -> float | None:
+        """The range while nothing is heard: none at all without a sonar."""
+        return None if self.world.hardware.sonar is None else NO_ECHO_M

@@ -2,6 +2,10 @@
 
 North, east, down in metres of the scenario's frame, body axes ahead, starboard, down; the boat floats level.
 Acceleration is what an accelerometer on board feels, so a boat at rest says −g.
+
+ArduPilot does not parse JSON: it looks for a key's name and scans what stands two characters behind it, so
+no blank may follow a colon. A key that is left out keeps its last value, so an echo that ends has to be told
+as one that is far away. Release 4.7 reads neither `battery` nor `velocity_wind`.
 """
 
 import json
@@ -10,12 +14,13 @@ import math
 from sitl.world import Truth
 
 GRAVITY_M_S2 = 9.80665
+NO_ECHO_M = 300.0  # beyond every RNGFND1_MAX; drivers that count centimetres in 16 bits end at 655 m
 
 
 def state_line(now: Truth, before: Truth, range_ahead_m: float | None) -> bytes:
     """The state of now. before: one step earlier, for the acceleration.
 
-    range_ahead_m: what the sonar last heard over the bow, None for no echo or no sonar.
+    range_ahead_m: what the sonar last heard over the bow, NO_ECHO_M for no echo, None for no sonar.
     """
     dt_s = now.time_s - before.time_s
     north = (now.north_m_s - before.north_m_s) / dt_s if dt_s > 0.0 else 0.0
@@ -35,4 +40,4 @@ def state_line(now: Truth, before: Truth, range_ahead_m: float | None) -> bytes:
     }
     if range_ahead_m is not None:
         state["rng_1"] = range_ahead_m
-    return b"\n" + json.dumps(state, allow_nan=False).encode() + b"\n"
+    return b"\n" + json.dumps(state, allow_nan=False, separators=(",", ":")).encode() + b"\n"
