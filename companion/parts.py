@@ -39,6 +39,7 @@ class CompassPart(Section, frozen=True):
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0
+    address: Annotated[int, Meta(ge=0x08, le=0x77)] = 0x28  # of the BNO055; 0x29 where its COM3 pin is high
 
 
 class SonarPart(Section, frozen=True):
@@ -57,7 +58,8 @@ class BatteryPart(Section, frozen=True):
     """Battery monitor."""
 
     driver: Literal["ina219", "none"] = "none"
-    address: int = 0x40
+    address: Annotated[int, Meta(ge=0x08, le=0x77)] = 0x40
+    shunt_ohm: Positive = 0.1  # the board's shunt; beyond 0.32 V over it the current is unknown
 
 
 class HullPart(Section, frozen=True):

@@ -7,16 +7,16 @@ from typing import Protocol
 from companion import parts
 from companion.errors import HardwareError
 from companion.hal.background import Background
+from companion.hal.bno055 import Bno055, Bno055Sample
+from companion.hal.i2c import open_i2c
 from companion.hal.interfaces import Port
 from companion.hal.nmea_part import NmeaPart, open_nmea_port
-from companion.hal.optional import import_optional
 from companion.sensors.nmea import Sentence
 from companion.sensors.nmea_heading import HEADING_SENTENCES, HeadingAssembler
 from companion.sensors.readings import HeadingReading
 from companion.units import wrap_pi
 
 _BNO055_PERIOD_S = 0.04
-_NDOF_MODE = 0x0C
 
 
 class NmeaCompass:
@@ -54,16 +54,11 @@ def open_nmea_compass(part: parts.CompassPart, now: Callable[[], float]) -> Nmea
 
 
 class Bno055Part(Protocol):
-    """What is used of the part's driver: degrees, rad/s, calibration 0..3 (system, gyro, accel, magnet)."""
+    """What is used of the part's registers."""
 
-    mode: int
-
-    @property
-    def euler(self) -> tuple[float | None, float | None, float | None]: ...
-    @property
-    def gyro(self) -> tuple[float | None, float | None, float | None]: ...
-    @property
-    def calibration_status(self) -> tuple[int, int, int, int]: ...
+    def read(self) -> Bno055Sample | None: ...
+    def set_up(self) -> None: ...
+    def close(self) -> None: ...
 
 
 class Bno055Compass:
@@ -89,19 +84,18 @@ class Bno055Compass:
 
     def step(self) -> float:
         """Read the part once; returns the seconds to wait before the next reading."""
-        (heading_deg, roll_deg, pitch_deg), rate_rad_s = self._part.euler, self._part.gyro[2]
-        if heading_deg is None:
+        sample = self._part.read()
+        if sample is None:
             # A dip of its supply sends the part back to configuration mode, where it measures nothing.
             self._knows_north = False
-            self._part.mode = _NDOF_MODE
+            self._part.set_up()
         elif not self._knows_north:
-            self._knows_north = self._part.calibration_status[3] > 0
-        elif 0.0 <= heading_deg <= 360.0:  # a disturbed transfer shows as a heading off the scale
-            heading_rad = wrap_pi(math.radians(heading_deg) + self._correction_rad)
-            yaw_rate_rad_s = None if rate_rad_s is None else -rate_rad_s
-            roll_rad = None if roll_deg is None else math.radians(roll_deg)
-            pitch_rad = None if pitch_deg is None else math.radians(pitch_deg)
-            self._latest = HeadingReading(self._now(), heading_rad, yaw_rate_rad_s, roll_rad, pitch_rad)
+            self._knows_north = sample.magnet > 0
+        elif 0.0 <= sample.heading_deg <= 360.0:  # a disturbed transfer shows as a heading off the scale
+            heading_rad = wrap_pi(math.radians(sample.heading_deg) + self._correction_rad)
+            roll_rad, pitch_rad = math.radians(sample.roll_deg), math.radians(sample.pitch_deg)
+            rate_rad_s = -sample.yaw_rate_rad_s
+            self._latest = HeadingReading(self._now(), heading_rad, rate_rad_s, roll_rad, pitch_rad)
         return _BNO055_PERIOD_S
 
     def read(self) -> HeadingReading | None:
@@ -109,21 +103,24 @@ class Bno055Compass:
         return self._latest
 
     def close(self) -> None:
-        """End the thread. May be called twice."""
+        """End the thread, give the bus back. May be called twice."""
         self._background.close()
+        self._part.close()
 
 
 def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Compass:
     """The part on the Pi's I²C bus, being read.
 
     Raises:
-        HardwareError: its library is missing, or it does not answer.
+        HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
-    board = import_optional("board", "BNO055")
-    bno055 = import_optional("adafruit_bno055", "BNO055")
+    bus = open_i2c("BNO055")
     try:
-        compass = Bno055Compass(bno055.BNO055_I2C(board.I2C()), now, part.correction_rad)
-    except Exception as error:
-        raise HardwareError(f"BNO055: does not answer on the I²C bus: {error}") from error
+        compass = Bno055Compass(Bno055(bus, part.address), now, part.correction_rad)
+    except OSError as error:
+        bus.close()
+        if isinstance(error, HardwareError):
+            raise
+        raise HardwareError(f"BNO055: nothing answers at I²C address {part.address:#x}: {error}") from error
     compass.start()
     return compass

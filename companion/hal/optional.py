@@ -10,7 +10,7 @@ def import_optional(module: str, part: str) -> ModuleType:
     """Import a module of the extra `pi`.
 
     Raises:
-        HardwareError: it is not installed; the message says what to install.
+        HardwareError: it is not installed, or does not load on this machine; the message says what to do.
     """
     try:
         return importlib.import_module(module)
@@ -18,3 +18,13 @@ def import_optional(module: str, part: str) -> ModuleType:
         raise HardwareError(
             f"{part}: the Python module {error.name or module!r} is missing; install mavboat[pi]"
         ) from None
+    except Exception as error:
+        raise HardwareError(
+            f"{part}: the Python module {module!r} does not load on this machine ({_line(error)}); "
+            "install mavboat[pi] anew, or set the part's driver to none"
+        ) from error
+
+
+def _line(error: Exception) -> str:
+    """An error in one line."""
+    return " ".join(str(error).split()) or type(error).__name__

@@ -1,53 +1,51 @@
-"""BNO055 and INA219 over twins that behave as the parts' own drivers do."""
+"""BNO055 and INA219 by their registers, through the real smbus2."""
 
 import math
 import sys
-import types
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hardware_twins import HandClock
+from i2c_twins import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, Ina219Twin, plug_in
 
 from companion import parts
 from companion.errors import HardwareError
 from companion.hal.battery import Ina219Battery, open_ina219
+from companion.hal.bno055 import Bno055
 from companion.hal.compass import Bno055Compass, open_bno055
+from companion.hal.i2c import I2cBus, open_i2c
+from companion.hal.ina219 import CONFIGURATION, Ina219
+from companion.hal.optional import import_optional
 
-NDOF, CONFIG = 0x0C, 0x00
-
-
-class FakeBno055:
-    """Measures only in NDOF mode; a dip of the supply sends it back to configuration mode, uncalibrated."""
-
-    def __init__(self) -> None:
-        self.mode = NDOF
-        self.heading_deg = 90.0
-        self.rate_rad_s = 0.1
-        self.magnet = 3
-
-    def brown_out(self) -> None:
-        self.mode, self.magnet = CONFIG, 0
-
-    @property
-    def euler(self) -> tuple[float | None, float | None, float | None]:
-        return (self.heading_deg, 1.0, 2.0) if self.mode == NDOF else (None, None, None)
-
-    @property
-    def gyro(self) -> tuple[float | None, float | None, float | None]:
-        return (0.0, 0.0, self.rate_rad_s) if self.mode == NDOF else (None, None, None)
-
-    @property
-    def calibration_status(self) -> tuple[int, int, int, int]:
-        return 3, 3, 3, self.magnet
+COMPASS, BATTERY = parts.CompassPart(driver="bno055"), parts.BatteryPart(driver="ina219")
 
 
-class FakeIna219:
-    """An 11.1 V pack behind a 0.1 Ω shunt."""
+@pytest.fixture
+def chip() -> Bno055Twin:
+    return Bno055Twin()
 
-    def __init__(self) -> None:
-        self.bus_voltage = 11.0
-        self.shunt_voltage = 0.15
-        self.current = 1500.0
-        self.overflow = 0
+
+@pytest.fixture
+def monitor() -> Ina219Twin:
+    return Ina219Twin()
+
+
+@pytest.fixture
+def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip: Bno055Twin, monitor: Ina219Twin) -> I2cDev:
+    return plug_in(monkeypatch, tmp_path, {0x28: chip, 0x40: monitor})
+
+
+@pytest.fixture
+def bus(dev: I2cDev) -> Iterator[I2cBus]:
+    bus = open_i2c("test")
+    yield bus
+    bus.close()
+
+
+@pytest.fixture
+def clock() -> HandClock:
+    return HandClock()
 
 
 def steps(compass: Bno055Compass, count: int) -> None:
@@ -55,65 +53,100 @@ def steps(compass: Bno055Compass, count: int) -> None:
         assert 0.0 < compass.step() < 0.1
 
 
-def test_heading_and_rate_are_clockwise_and_corrected() -> None:
-    part, clock = FakeBno055(), HandClock()
-    compass = Bno055Compass(part, clock, correction_rad=math.radians(-3.0))
+def test_heading_and_rate_are_clockwise_and_corrected(bus: I2cBus, clock: HandClock) -> None:
+    compass = Bno055Compass(Bno055(bus), clock, correction_rad=math.radians(-3.0))
     assert compass.read() is None
-    steps(compass, 2)
+    steps(compass, 3)
     reading = compass.read()
     assert reading is not None
     assert reading.time_s == clock()
     assert math.degrees(reading.heading_rad) == pytest.approx(87.0)
-    assert reading.yaw_rate_rad_s == pytest.approx(-0.1)  # z is up: counter-clockwise is positive there
+    assert reading.yaw_rate_rad_s == pytest.approx(math.radians(-10.0))  # z up: counter-clockwise is positive
+    assert reading.roll_rad == pytest.approx(math.radians(1.0))
+    assert reading.pitch_rad == pytest.approx(math.radians(-2.0))
 
 
-def test_no_heading_counts_before_the_magnetometer_is_calibrated() -> None:
-    part = FakeBno055()
-    part.magnet = 0
-    compass = Bno055Compass(part, HandClock())
-    steps(compass, 5)
-    assert compass.read() is None
-    part.magnet = 1
+def test_a_part_that_has_just_been_switched_on_is_set_up(bus: I2cBus, chip: Bno055Twin) -> None:
+    part = Bno055(bus)
+    assert part.read() is None
+    part.set_up()
+    assert (chip.mode, chip.units, chip.page, chip.power) == (NDOF, 0x80, 0, 0)
+    assert part.read() is not None
+
+
+def test_a_part_in_another_programs_mode_and_units_is_set_up_through_configuration_mode(
+    bus: I2cBus, chip: Bno055Twin
+) -> None:
+    chip.mode, chip.units = AMG, 0x06  # raw values, radians
+    part = Bno055(bus)
+    assert part.read() is None
+    part.set_up()
+    assert chip.mode == CONFIG
+    part.set_up()
+    sample = part.read()
+    assert sample is not None
+    assert sample.heading_deg == pytest.approx(90.0)
+    assert sample.yaw_rate_rad_s == pytest.approx(math.radians(10.0), abs=1e-3)
+
+
+def test_radians_of_another_program_are_not_taken_for_degrees(bus: I2cBus, chip: Bno055Twin) -> None:
+    chip.mode, chip.units = NDOF, 0x06
+    assert Bno055(bus).read() is None
+
+
+def test_a_program_that_starts_again_keeps_what_the_part_has_learned(bus: I2cBus, chip: Bno055Twin) -> None:
+    chip.mode = NDOF
+    compass = Bno055Compass(Bno055(bus), HandClock())
     steps(compass, 2)
     assert compass.read() is not None
-    part.magnet, part.heading_deg = 0, 180.0
+    assert chip.resets == 0
+
+
+def test_no_heading_counts_before_the_magnetometer_is_calibrated(bus: I2cBus, chip: Bno055Twin) -> None:
+    chip.magnet = 0
+    compass = Bno055Compass(Bno055(bus), HandClock())
+    steps(compass, 5)
+    assert compass.read() is None
+    chip.magnet = 1
+    steps(compass, 2)
+    assert compass.read() is not None
+    chip.magnet, chip.heading_deg = 0, 180.0
     steps(compass, 1)
     reading = compass.read()
     assert reading is not None
     assert abs(reading.heading_rad) == pytest.approx(math.pi)
 
 
-def test_a_part_that_lost_its_mode_is_set_up_again_and_must_find_north_again() -> None:
-    part, clock = FakeBno055(), HandClock()
-    compass = Bno055Compass(part, clock)
-    steps(compass, 2)
+def test_a_part_whose_supply_dipped_is_set_up_again_and_must_find_north_again(
+    bus: I2cBus, chip: Bno055Twin, clock: HandClock
+) -> None:
+    compass = Bno055Compass(Bno055(bus), clock)
+    steps(compass, 3)
     before = compass.read()
-    part.brown_out()
+    chip.power_up()
+    chip.magnet, chip.heading_deg = 0, 0.0
     clock.advance(1.0)
-    part.heading_deg = 0.0
     steps(compass, 5)
-    assert part.mode == NDOF
+    assert chip.mode == NDOF
     assert compass.read() is before
-    part.magnet = 2
+    chip.magnet = 2
     steps(compass, 2)
     after = compass.read()
     assert after is not None
     assert after.time_s == clock()
 
 
-def test_a_heading_off_the_scale_is_ignored() -> None:
-    part = FakeBno055()
-    compass = Bno055Compass(part, HandClock())
-    steps(compass, 2)
+def test_a_heading_off_the_scale_is_ignored(bus: I2cBus, chip: Bno055Twin) -> None:
+    compass = Bno055Compass(Bno055(bus), HandClock())
+    steps(compass, 3)
     before = compass.read()
-    part.heading_deg = 4095.9
+    chip.heading_deg = 2047.0
     steps(compass, 1)
     assert compass.read() is before
 
 
-def test_the_packs_voltage_is_what_is_before_the_shunt() -> None:
-    clock = HandClock()
-    battery = Ina219Battery(FakeIna219(), clock)
+def test_the_packs_voltage_is_what_is_before_the_shunt(bus: I2cBus, clock: HandClock) -> None:
+    battery = Ina219Battery(Ina219(bus), clock)
     assert battery.read() is None
     battery.step()
     reading = battery.read()
@@ -123,45 +156,110 @@ def test_the_packs_voltage_is_what_is_before_the_shunt() -> None:
     assert reading.current_a == pytest.approx(1.5)
 
 
-def test_a_current_beyond_the_shunt_is_unknown() -> None:
-    part = FakeIna219()
-    part.overflow = 1
-    battery = Ina219Battery(part, HandClock())
+@pytest.mark.parametrize(
+    ("shunt_v", "shunt_ohm", "current_a"), [(-0.02, 0.1, -0.2), (0.31999, 0.1, 3.1999), (0.1, 0.01, 10.0)]
+)
+def test_current_is_signed_and_goes_by_the_shunt(
+    bus: I2cBus, monitor: Ina219Twin, shunt_v: float, shunt_ohm: float, current_a: float
+) -> None:
+    monitor.shunt_v = shunt_v
+    battery = Ina219Battery(Ina219(bus), HandClock(), shunt_ohm)
+    battery.step()
+    reading = battery.read()
+    assert reading is not None
+    assert reading.current_a == pytest.approx(current_a)
+
+
+@pytest.mark.parametrize("shunt_v", [0.32, 0.5, -0.4])
+def test_a_current_beyond_the_shunt_is_unknown(bus: I2cBus, monitor: Ina219Twin, shunt_v: float) -> None:
+    monitor.shunt_v = shunt_v
+    battery = Ina219Battery(Ina219(bus), HandClock())
     battery.step()
     reading = battery.read()
     assert reading is not None
     assert reading.current_a is None
+    assert reading.voltage_v == pytest.approx(11.0)
 
 
-def test_the_factories_read_the_parts_on_the_bus_they_find(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[object, ...]] = []
-
-    def made(part: object, *arguments: object) -> object:
-        asked.append(arguments)
-        return part
-
-    board = types.SimpleNamespace(I2C=lambda: "bus")
-    monkeypatch.setitem(sys.modules, "board", board)
-    bno055 = types.SimpleNamespace(BNO055_I2C=lambda *arguments: made(FakeBno055(), *arguments))
-    ina219 = types.SimpleNamespace(INA219=lambda *arguments: made(FakeIna219(), *arguments))
-    monkeypatch.setitem(sys.modules, "adafruit_bno055", bno055)
-    monkeypatch.setitem(sys.modules, "adafruit_ina219", ina219)
-    open_bno055(parts.CompassPart(driver="bno055"), HandClock()).close()
-    open_ina219(parts.BatteryPart(driver="ina219", address=0x41), HandClock()).close()
-    assert asked == [("bus",), ("bus", 0x41)]
+def test_a_monitor_whose_supply_dipped_averages_again(bus: I2cBus, monitor: Ina219Twin) -> None:
+    part = Ina219(bus)
+    monitor.power_up()
+    assert part.read().bus_v == pytest.approx(11.0)
+    assert monitor.configuration == CONFIGURATION == 0x3F77
 
 
-def test_a_missing_library_or_a_silent_part_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "board", None)
+def test_the_factories_find_both_parts_on_one_bus(dev: I2cDev) -> None:
+    compass, battery = open_bno055(COMPASS, HandClock()), open_ina219(BATTERY, HandClock())
+    for part in (compass, battery, compass, battery):
+        part.close()
+
+
+@pytest.mark.parametrize("address", [0x29, 0x41])
+def test_a_part_that_does_not_answer_is_told_in_one_line(dev: I2cDev, address: int) -> None:
+    with pytest.raises(HardwareError, match=rf"BNO055: nothing answers at I²C address {address:#x}: .*121"):
+        open_bno055(parts.CompassPart(address=address), HandClock())
+    with pytest.raises(HardwareError, match=rf"INA219: nothing answers at I²C address {address:#x}: .*121"):
+        open_ina219(parts.BatteryPart(address=address), HandClock())
+
+
+def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
+    dev.parts = {0x28: Bno055Twin(chip_id=0x55), 0x40: Bno055Twin()}
+    with pytest.raises(HardwareError, match="BNO055: the part at I²C address 0x28 says 0x55, not 0xa0"):
+        open_bno055(COMPASS, HandClock())
+    dev.parts[0x40] = dev.parts[0x28]
+    with pytest.raises(HardwareError, match="INA219: the part at I²C address 0x40 is another one"):
+        open_ina219(BATTERY, HandClock())
+
+
+def test_a_pi_without_i2c_is_told_how_to_switch_it_on(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("companion.hal.i2c.DEVICE", tmp_path / "i2c-1")
+    with pytest.raises(HardwareError, match=r"BNO055: there is no .*i2c-1; .* raspi-config nonint do_i2c 0"):
+        open_bno055(COMPASS, HandClock())
+
+
+def test_a_bus_that_this_user_may_not_open_names_the_group(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: str) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("smbus2.SMBus", refuse)
+    with pytest.raises(HardwareError, match=r"INA219: /dev/i2c-1 may not be opened; .* group i2c"):
+        open_ina219(BATTERY, HandClock())
+
+
+def test_a_file_that_is_no_bus_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "i2c-1").touch()
+    monkeypatch.setattr("companion.hal.i2c.DEVICE", tmp_path / "i2c-1")
+    with pytest.raises(HardwareError, match=r"BNO055: .*i2c-1 cannot be opened: .*ioctl"):
+        open_bno055(COMPASS, HandClock())
+
+
+def test_a_library_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "smbus2", None)
     with pytest.raises(
-        HardwareError, match=r"BNO055: the Python module 'board' is missing; install mavboat\[pi\]"
+        HardwareError, match=r"BNO055: the Python module 'smbus2' is missing; install mavboat\[pi\]"
     ):
-        open_bno055(parts.CompassPart(), HandClock())
+        open_bno055(COMPASS, HandClock())
 
-    def nobody() -> object:
-        raise ValueError("No I2C device at address: 0x40")
 
-    monkeypatch.setitem(sys.modules, "board", types.SimpleNamespace(I2C=nobody))
-    monkeypatch.setitem(sys.modules, "adafruit_ina219", types.SimpleNamespace())
-    with pytest.raises(HardwareError, match="INA219: nothing usable at I²C address 0x40"):
-        open_ina219(parts.BatteryPart(), HandClock())
+@pytest.mark.parametrize(
+    "fault",
+    [
+        'RuntimeError("The gpiod library is not installed\\n  see the manual")',
+        'NotImplementedError("Board not supported")',
+        'FileNotFoundError(2, "No such file or directory", ".lgd-nfy-3")',
+        "AttributeError",
+    ],
+)
+def test_a_library_that_does_not_load_is_one_line_that_names_the_part_and_the_cure(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fault: str
+) -> None:
+    (tmp_path / "moody_library.py").write_text(f"raise {fault}\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(HardwareError) as caught:
+        import_optional("moody_library", "BNO055")
+    text = str(caught.value)
+    assert text.startswith("BNO055: the Python module 'moody_library' does not load on this machine (")
+    assert text.endswith("install mavboat[pi] anew, or set the part's driver to none")
+    assert "\n" not in text

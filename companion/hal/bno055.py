@@ -1,0 +1,98 @@
+"""The registers of the BNO055, from its data sheet (Bosch BST-BNO055-DS000-14, June 2016).
+
+The part fuses accelerometer, magnetometer and gyroscope by itself in NDOF mode. It is not reset when the
+program starts: what it has learned of its magnetometer since power-up would be lost.
+"""
+
+import math
+import struct
+from typing import Final, NamedTuple
+
+from companion.errors import HardwareError
+from companion.hal.i2c import I2cBus
+
+ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
+CHIP_ID: Final = 0xA0
+CONFIG_MODE, NDOF_MODE = 0x00, 0x0C  # table 3-5
+UNITS: Final = 0x80  # table 3-11: degrees, degrees a second, Android's signs; what it has after a reset
+_CHIP_ID_AT, _PAGE_AT, _DATA_AT, _STATUS_AT = 0x00, 0x07, 0x18, 0x35
+_UNITS_AT, _MODE_AT, _POWER_AT = 0x3B, 0x3D, 0x3E
+_DATA: Final = struct.Struct(
+    "<4h"
+)  # GYR_DATA_Z, EUL_Heading, EUL_Roll, EUL_Pitch, least significant byte first
+_STATUS_BYTES: Final = _MODE_AT + 1 - _STATUS_AT  # CALIB_STAT to OPR_MODE
+_PER_DEGREE: Final = 16.0  # tables 3-22 and 3-29: of angles and of rates
+_MODE_BITS: Final = 0x0F
+
+
+class Bno055Sample(NamedTuple):
+    """One reading in the part's own axes, x ahead, z up.
+
+    magnet: how well its magnetometer is calibrated, 0..3.
+    """
+
+    heading_deg: float
+    roll_deg: float
+    pitch_deg: float
+    yaw_rate_rad_s: float
+    magnet: int
+
+
+class Bno055:
+    """The part at one address of a bus. Nothing here waits: between two calls it needs 20 ms."""
+
+    def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
+        """Raises:
+        HardwareError: what answers there is another part.
+        """
+        self._bus = bus
+        self._address = address
+        (found,) = self._read(_CHIP_ID_AT, 1)
+        if found != CHIP_ID:
+            raise HardwareError(
+                f"BNO055: the part at I²C address {address:#x} says {found:#x}, not {CHIP_ID:#x}"
+            )
+
+    def read(self) -> Bno055Sample | None:
+        """What it measures; None while it does not, because it has just been switched on.
+
+        Raises:
+            OSError: it does not answer.
+        """
+        yaw_rate, heading, roll, pitch = _DATA.unpack(self._read(_DATA_AT, _DATA.size))
+        status = self._read(_STATUS_AT, _STATUS_BYTES)  # after the data: it is the status they were taken in
+        is_set_up = status[_MODE_AT - _STATUS_AT] & _MODE_BITS == NDOF_MODE
+        if not is_set_up or status[_UNITS_AT - _STATUS_AT] != UNITS:
+            return None
+        return Bno055Sample(
+            heading / _PER_DEGREE,
+            roll / _PER_DEGREE,
+            pitch / _PER_DEGREE,
+            math.radians(yaw_rate / _PER_DEGREE),
+            status[0] & 0x03,
+        )
+
+    def set_up(self) -> None:
+        """Have it measure. From another mode it takes two calls: units change in CONFIG mode only.
+
+        Raises:
+            OSError: it does not answer.
+        """
+        (mode,) = self._read(_MODE_AT, 1)
+        if mode & _MODE_BITS != CONFIG_MODE:
+            self._write(_MODE_AT, CONFIG_MODE)  # it takes 19 ms (table 3-6)
+            return
+        self._write(_PAGE_AT, 0)
+        self._write(_POWER_AT, 0)  # normal power
+        self._write(_UNITS_AT, UNITS)
+        self._write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
+
+    def close(self) -> None:
+        """Give the bus back."""
+        self._bus.close()
+
+    def _read(self, register: int, length: int) -> bytes:
+        return bytes(self._bus.read_i2c_block_data(self._address, register, length))
+
+    def _write(self, register: int, value: int) -> None:
+        self._bus.write_i2c_block_data(self._address, register, [value])

@@ -1,0 +1,68 @@
+"""The registers of the INA219, from its data sheet (Texas Instruments SBOS448G, December 2015).
+
+The shunt's voltage is read and divided by its resistance here: the part's own calculation of current and
+power (8.5.2) needs a calibration register that a dip of its supply clears, and says zero from then on.
+"""
+
+import struct
+from typing import Final, NamedTuple
+
+from companion.errors import HardwareError
+from companion.hal.i2c import I2cBus
+
+ADDRESS: Final = 0x40
+# Register 0: bus range 32 V, shunt range ±320 mV, both averaged over 64 samples (34 ms each: many periods of
+# the motors' PWM), measuring without a break
+CONFIGURATION: Final = 0x2000 | 0x1800 | 0x0700 | 0x0070 | 0x0007
+_CONFIGURATION_AT, _SHUNT_AT, _BUS_AT = 0, 1, 2
+_SHUNT_V: Final = 10e-6  # 8.6.3.1
+_BUS_V: Final = 4e-3  # 8.6.3.2, behind three bits of status
+_SHUNT_LIMIT: Final = 32000  # 320 mV
+
+
+class Ina219Sample(NamedTuple):
+    """bus_v: behind the shunt. shunt_v: over it, None beyond its range."""
+
+    bus_v: float
+    shunt_v: float | None
+
+
+class Ina219:
+    """The part at one address of a bus."""
+
+    def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
+        """Raises:
+        HardwareError: what answers there does not keep its configuration, so it is another part.
+        """
+        self._bus = bus
+        self._address = address
+        self._configure()
+        if self._read(_CONFIGURATION_AT) != CONFIGURATION:
+            raise HardwareError(f"INA219: the part at I²C address {address:#x} is another one")
+
+    def read(self) -> Ina219Sample:
+        """What it has measured last; set up again first, if its supply has dipped.
+
+        Raises:
+            OSError: it does not answer.
+        """
+        if self._read(_CONFIGURATION_AT) != CONFIGURATION:
+            self._configure()
+        shunt, bus = self._read(_SHUNT_AT), self._read(_BUS_AT)
+        if shunt >= 0x8000:
+            shunt -= 0x10000
+        is_in_range = abs(shunt) < _SHUNT_LIMIT
+        return Ina219Sample((bus >> 3) * _BUS_V, shunt * _SHUNT_V if is_in_range else None)
+
+    def close(self) -> None:
+        """Give the bus back."""
+        self._bus.close()
+
+    def _configure(self) -> None:
+        self._bus.write_i2c_block_data(
+            self._address, _CONFIGURATION_AT, list(struct.pack(">H", CONFIGURATION))
+        )
+
+    def _read(self, register: int) -> int:
+        high, low = self._bus.read_i2c_block_data(self._address, register, 2)
+        return high << 8 | low

@@ -1,0 +1,43 @@
+"""The extra `pi`: what a Pi installs is what was tested here, and it loads."""
+
+import re
+import subprocess
+import sys
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PACKAGES = [re.split(r"[<>=;\[ ]", line)[0] for line in PROJECT["optional-dependencies"]["pi"]]
+PINS = dict(
+    line.split("==")
+    for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").split()
+    if "==" in line
+)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_of_the_pi_is_pinned_and_installed_as_pinned(package: str) -> None:
+    assert metadata.version(package) == PINS[package]
+
+
+def test_all_that_the_packages_of_the_pi_need_is_pinned_too() -> None:
+    """No package may bring along what nobody has tested, nor load what it does not bring along."""
+    todo, seen = list(PACKAGES), set[str]()
+    while todo:
+        package = todo.pop()
+        if package in seen:
+            continue
+        seen.add(package)
+        assert package in PINS, f"{package} is not pinned"
+        needs = metadata.requires(package) or []
+        todo += [re.split(r"[<>=!~;\[ (]", need)[0].lower() for need in needs if "extra ==" not in need]
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_of_the_pi_loads_in_a_folder_of_its_users(package: str, tmp_path: Path) -> None:
+    load = [sys.executable, "-c", f"import {package}"]
+    subprocess.run(load, cwd=tmp_path, check=True, timeout=100.0)
