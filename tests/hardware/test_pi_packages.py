@@ -8,6 +8,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -33,8 +34,8 @@ def test_all_that_the_packages_of_the_pi_need_is_pinned_too() -> None:
             continue
         seen.add(package)
         assert package in PINS, f"{package} is not pinned"
-        needs = metadata.requires(package) or []
-        todo += [re.split(r"[<>=!~;\[ (]", need)[0].lower() for need in needs if "extra ==" not in need]
+        needs = [Requirement(line) for line in metadata.requires(package) or []]
+        todo += [need.name for need in needs if need.marker is None or need.marker.evaluate({"extra": ""})]
 
 
 @pytest.mark.parametrize("package", PACKAGES)
