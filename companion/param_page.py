@@ -16,10 +16,11 @@ _INTRODUCTION = """\
 Made by `boat-companion params --markdown` from the one table in `companion/params_table.py`; do not edit.
 
 Ground stations read and change these over MAVLink. A change holds at once, unless it says otherwise, and is
-kept in `params.parm` of the storage folder, as text that ground stations can read. A value out of range is
-refused with a message, and the old one stays. The key is the field of the configuration file that the
-parameter stands for; the value there is the default. The same descriptions are served from the boat as
-component metadata (`mftp:///metadata/parameters.json`), and all values as one file (`@PARAM/param.pck`).
+kept in `params.parm` of the storage folder, as text that ground stations can read. It is answered with
+PARAM_VALUE once the disk has it. A value out of range is refused with a message, and the old one stays.
+The key is the field of the configuration file that the parameter stands for; the value there is the default.
+The same descriptions are served from the boat as component metadata (`mftp:///metadata/parameters.json`),
+and all values as one file (`@PARAM/param.pck`).
 """
 
 _VALUES = """\

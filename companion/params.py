@@ -12,10 +12,12 @@ MAVProxy and Mission Planner read as a parameter file.
 import logging
 import math
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from operator import attrgetter
+from typing import NamedTuple
 
 from companion.config import BoatConfig, with_value
 from companion.errors import ConfigError
@@ -25,6 +27,8 @@ from companion.storage import Saving, Storage
 logger = logging.getLogger(__name__)
 
 _FILE = "params.parm"
+_LONGEST_TOLD = 40  # characters of a line that cannot be read
+_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
 
 
 class Kind(IntEnum):
@@ -82,6 +86,15 @@ class Knob:
     turn: Callable[[float], None]
 
 
+class Stored(NamedTuple):
+    """A save has ended. values: of what was changed with it, as saved; counts: how often each was changed;
+    error: why the save failed, or empty."""
+
+    values: dict[str, float]
+    counts: Counter[str]
+    error: str
+
+
 class Parameters:
     """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
 
@@ -97,7 +110,8 @@ class Parameters:
         self._storage = storage
         self._index = {row.name: index for index, row in enumerate(rows)}
         self._kept = {row.name: row.default for row in rows if not row.path}
-        self._savings: list[Saving] = []
+        self.loss = ""  # what of the stored values is lost, and what is in use instead
+        self._savings: list[tuple[Saving, dict[str, float], Counter[str]]] = []  # oldest first; see Stored
         self._defaults = [self.value(row) for row in rows]
         self._load()
 
@@ -127,31 +141,48 @@ class Parameters:
         return self._defaults[self._index[row.name]]
 
     def set(self, name: str, value: float) -> str:
-        """Change a parameter and keep it. Returns why not, in words for the operator; empty when done."""
+        """Change a parameter and begin to keep it. Returns why not, in words for the operator; empty when it
+        has changed."""
         reason = self._change(name, value)
         if not reason:
-            self._save()
+            self._save([self.rows[index].name for index in self.sharing(name)])
         return reason
 
     def set_many(self, values: Iterable[tuple[str, float]]) -> list[str]:
         """Change several and keep them with one save; those that do not exist are passed over. Returns why
         not for each that was refused."""
+        before = self._values()
         reasons = [self._change(name, value) for name, value in values if name in self._index]
-        self._save()
+        self._save(self._changed_since(before))
         return [reason for reason in reasons if reason]
 
     def reset(self) -> None:
         """Go back to the defaults, and keep that."""
+        before = self._values()
         for row, default in zip(self.rows, self._defaults, strict=True):
             if not row.read_only and self.value(row) != default:
                 self._change(row.name, default)
-        self._save()
+        self._save(self._changed_since(before))
 
-    def take_fault(self) -> str:
-        """Why a change of late could not be kept; empty when none has failed. To be asked now and then."""
-        if not self._savings or not self._savings[0].is_done():
-            return ""
-        return self._savings.pop(0).error()
+    def is_unsaved(self, name: str) -> bool:
+        """Whether the medium does not have the present value yet; `take_stored` will name it."""
+        return any(name in values and not saving.is_done() for saving, values, _ in self._savings)
+
+    def take_stored(self) -> list[Stored]:
+        """The saves that have ended since the last call. To be asked every tick."""
+        ended: list[Stored] = []
+        while self._savings and self._savings[0][0].is_done():
+            saving, values, counts = self._savings.pop(0)
+            ended.append(Stored(values, counts, saving.error()))
+        return ended
+
+    def _values(self) -> list[float]:
+        return [self.value(row) for row in self.rows]
+
+    def _changed_since(self, before: list[float]) -> list[str]:
+        return [
+            row.name for row, old, new in zip(self.rows, before, self._values(), strict=True) if new != old
+        ]
 
     def _change(self, name: str, value: float) -> str:
         index = self._index.get(name)
@@ -160,8 +191,8 @@ class Parameters:
         row = self.rows[index]
         if row.read_only:
             return "" if value == self.value(row) else f"{name} is fixed at {self.value(row):g}"
-        if not math.isfinite(value):
-            return f"{name}: not a number"
+        if not abs(value) <= _LARGEST:
+            return f"{name}: not a number that fits 32 bits"
         if not row.low <= value <= row.high:
             return f"{name}: {value:g} is outside {row.low:g}..{row.high:g}"
         if row.kind is not Kind.REAL32:
@@ -192,25 +223,37 @@ class Parameters:
         # 0.1 arrives as 0.10000000149: the shortest decimal with the same 32 bits is what was meant
         return float(shortest(value)) / row.scale
 
-    def _save(self) -> None:
+    def _save(self, names: list[str]) -> None:
         lines = [
             f"{row.name} {shortest(self.value(row))}"
             for row, default in zip(self.rows, self._defaults, strict=True)
             if self.value(row) != default
         ]
-        self._savings.append(self._storage.save(_FILE, ("\n".join(lines) + "\n").encode()))
+        saving = self._storage.save(_FILE, ("\n".join(lines) + "\n").encode())
+        if not self._savings or self._savings[-1][0] is not saving:  # else one write is for both
+            self._savings.append((saving, {}, Counter()))
+        _, values, counts = self._savings[-1]
+        values.update({name: self.value(self.rows[self._index[name]]) for name in names})
+        counts.update(names)
 
     def _load(self) -> None:
-        for number, line in enumerate(self._storage.load(_FILE).decode(errors="replace").splitlines(), 1):
+        content = self._storage.load(_FILE)
+        self.loss = self._storage.damage(_FILE)
+        refused: list[str] = []
+        for number, line in enumerate(content.decode(errors="replace").splitlines(), 1):
             words = line.replace(",", " ").split()
             if not words or words[0].startswith("#"):
                 continue
             try:
                 reason = self._change(words[0], float(words[1]))
             except (IndexError, ValueError):
-                reason = f"{line!r} is not 'NAME VALUE'"
+                reason = f"{line[:_LONGEST_TOLD]!r} is not 'NAME VALUE'"
             if reason:
                 logger.warning("%s line %d ignored: %s", _FILE, number, reason)
+                refused.append(reason)
+        if refused and not self.loss:
+            more = f", and {len(refused) - 1} more" if len(refused) > 1 else ""
+            self.loss = f"in {_FILE}, {refused[0]}{more}; the defaults are in use"
 
 
 def _as_float32(value: float) -> float:

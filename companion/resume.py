@@ -31,6 +31,7 @@ ALONG_M = 5.0  # further along the leg is worth a new record,
 ALONG_S = 10.0  # but not more often than this
 REPEAT_S = 30.0
 WARNING_S = 10.0  # between saying that the boat will go on by itself, and going on
+_VOYAGE, _TRACK = "voyage record", "track of SMART_RTL"  # their names among the losses
 _FORGET, _ASK, _GO_ON = 0, 1, 2  # FS_RESUME
 
 
@@ -88,7 +89,7 @@ class Resume:
         self._vehicle = vehicle
         self._mission: Mission = ()
         self._plan = plan_id(())
-        self._saved: Voyage | None = _load(storage)
+        self._saved, loss = _load(storage)
         self._saved_s = -math.inf
         self._saving: Saving | None = None
         self._tell_s = 0.0
@@ -99,6 +100,9 @@ class Resume:
         self._number = 0 if saved is None else saved.number
         goes_on = saved is not None and saved.is_armed and vehicle.config.failsafe.resume != _FORGET
         self._trail = TrailRecord(storage, vehicle.conduct.trail, self._number if goes_on else None)
+        for name, what in ((_VOYAGE, loss), (_TRACK, self._trail.loss)):
+            if what:
+                vehicle.losses.add(name, what, "Arming begins a new one")
 
     def tick(self, now_s: float) -> None:
         """Write what is worth it; say, or do, what there is to take up."""
@@ -112,6 +116,8 @@ class Resume:
         if vehicle.armed and not self._sign[1]:
             self._number += 1
             self._trail.begin()
+            vehicle.losses.end(_VOYAGE)
+            vehicle.losses.end(_TRACK)
         self._due_s, self._sign = now_s + PERIOD_S, sign
         self._trail.take_up(vehicle.frame, vehicle.armed)
         if vehicle.armed and vehicle.frame is not None:
@@ -255,12 +261,14 @@ class Resume:
             vehicle.request(ChangeMode(Mode.AUTO))
 
 
-def _load(storage: Storage) -> Voyage | None:
+def _load(storage: Storage) -> tuple[Voyage | None, str]:
+    """The record, and what of it is lost."""
     content = storage.load(FILE)
+    loss = storage.damage(FILE)
     if not content:
-        return None
+        return None, loss
     try:
-        return msgspec.json.decode(content, type=Voyage)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        return msgspec.json.decode(content, type=Voyage), loss
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         logger.warning("%s ignored: %s", FILE, error)
-        return None
+        return None, f"{FILE} cannot be read, none is in use"

@@ -1,17 +1,19 @@
 """The boat's memory: small files that hold the old content or the new, never a mixture.
 
-A save writes a file aside, flushes it to the medium and renames it over the old one (write, fsync, rename),
-on a worker thread, because an SD card may take a tenth of a second and the control loop must not wait.
+Each has a checksum and a generation number, and the generation before the newest is kept (`generations.py`).
+A save runs on a worker thread, because an SD card may take a tenth of a second and the control loop must not
+wait. Saves of one name that wait for the worker become one: the newest content is written, and all of them
+are done when the medium has it.
 """
 
 import logging
-import os
-from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+import threading
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Protocol
 
 from companion.errors import StorageError
+from companion.generations import Write, find_newest, save_next, write_atomically
 
 logger = logging.getLogger(__name__)
 
@@ -31,6 +33,10 @@ class Storage(Protocol):
 
     def load(self, name: str) -> bytes:
         """The content last saved under this name, empty when there is none. Waits for saves under way."""
+
+    def damage(self, name: str) -> str:
+        """What the last load of this name found damaged, and what it returned instead; empty when all was
+        well."""
 
     def save(self, name: str, content: bytes) -> Saving:
         """Begin to replace the content under this name."""
@@ -57,6 +63,10 @@ class MemoryStorage:
         """The content last saved under this name, empty when there is none."""
         return self.content.get(name, b"")
 
+    def damage(self, name: str) -> str:  # noqa: ARG002
+        """Memory does not decay."""
+        return ""
+
     def save(self, name: str, content: bytes) -> Saving:
         """Replace the content under this name."""
         self.content[name] = content
@@ -66,16 +76,19 @@ class MemoryStorage:
         """Nothing to wait for."""
 
 
-class _FutureSaving:
-    def __init__(self, future: "Future[None]") -> None:
-        self._future = future
+class _Write:
+    """A write that waits for the worker or is under way; every save that it includes holds it."""
+
+    def __init__(self, content: bytes) -> None:
+        self.content = content
+        self.future: Future[None] = Future()
 
     def is_done(self) -> bool:
-        return self._future.done()
+        return self.future.done()
 
     def error(self) -> str:
-        fault = self._future.exception(timeout=0)
-        return "" if fault is None else str(fault) or type(fault).__name__
+        fault = self.future.exception(timeout=0)
+        return "" if fault is None else (getattr(fault, "strerror", "") or str(fault) or type(fault).__name__)
 
 
 class FolderStorage:
@@ -85,11 +98,15 @@ class FolderStorage:
         StorageError: the folder cannot be made, or a file in it cannot be read.
     """
 
-    def __init__(self, folder: Path, write: Callable[[Path, bytes], None] | None = None) -> None:
+    def __init__(self, folder: Path, write: Write = write_atomically, worker: Executor | None = None) -> None:
+        """worker: where writes run, one after the other; a thread unless given."""
         self._folder = folder
-        self._write = write or write_atomically
-        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="storage")
-        self._under_way: list[Future[None]] = []
+        self._write = write
+        self._worker = worker or ThreadPoolExecutor(max_workers=1, thread_name_prefix="storage")
+        self._lock = threading.Lock()
+        self._waiting: dict[str, _Write] = {}  # by name; the worker takes a write out when it begins it
+        self._last: Future[None] | None = None  # one worker: the last to begin is the last to end
+        self._damage: dict[str, str] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -101,39 +118,45 @@ class FolderStorage:
         return self._folder
 
     def load(self, name: str) -> bytes:
-        """The content last saved under this name, empty when there is none."""
+        """The newest whole generation saved under this name, empty when there is none."""
+        if self._last is not None:
+            wait([self._last])
         try:
-            wait(self._under_way)
-            return (self._folder / name).read_bytes()
-        except FileNotFoundError:
-            return b""
+            generation, damage, _ = find_newest(self._folder / name)
         except OSError as error:
             raise StorageError(f"{self._folder / name}: cannot be read: {error.strerror}") from None
+        if damage:
+            taken = "the previous one is in use" if generation.content else "there is no previous one"
+            damage = f"{name} is damaged, {taken}"
+            logger.error("%s: %s", self._folder / name, damage)
+        self._damage[name] = damage
+        return generation.content
+
+    def damage(self, name: str) -> str:
+        """What the last load of this name found damaged, and what it returned instead."""
+        return self._damage.get(name, "")
 
     def save(self, name: str, content: bytes) -> Saving:
-        """Begin to replace the content under this name; saves are carried out in order."""
-        saving = self._worker.submit(self._write, self._folder / name, content)
-        self._under_way = [saving]  # one worker: the last to begin is the last to end
-        return _FutureSaving(saving)
+        """Begin to replace the content under this name."""
+        with self._lock:
+            if (write := self._waiting.get(name)) is not None:
+                write.content = content
+                return write
+            write = self._waiting[name] = _Write(content)
+        self._last = write.future
+        self._worker.submit(self._carry_out, name)
+        return write
 
     def close(self) -> None:
         """Wait for what is under way."""
         self._worker.shutdown(wait=True)
 
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file so that a power cut leaves the old content or the new. A *.key is its owner's alone."""
-    aside = path.with_name(path.name + ".new")
-    if path.suffix == ".key":
-        aside.unlink(missing_ok=True)
-        aside.touch(mode=0o600, exist_ok=False)
-    with aside.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    aside.replace(path)
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+    def _carry_out(self, name: str) -> None:
+        with self._lock:
+            write = self._waiting.pop(name)
+        try:
+            save_next(self._folder / name, write.content, self._write)
+        except Exception as error:
+            write.future.set_exception(error)
+        else:
+            write.future.set_result(None)

@@ -41,13 +41,16 @@ class _Record(Struct, frozen=True, forbid_unknown_fields=True):
 class TrailRecord:
     """Keeps the trail of an armed boat; hands over what was kept once it is known where that lies."""
 
-    __slots__ = ("_due_s", "_kept", "_laid", "_places", "_saving", "_sign", "_storage", "_trail")
+    __slots__ = ("_due_s", "_kept", "_laid", "_places", "_saving", "_sign", "_storage", "_trail", "loss")
 
     def __init__(self, storage: Storage, trail: Trail, cut_voyage: int | None) -> None:
         """cut_voyage: the voyage that a power cut ended; None: what is on the medium is over."""
         self._storage = storage
         self._trail = trail
-        self._kept: tuple[_Place, ...] = () if cut_voyage is None else _load(storage, cut_voyage)
+        self._kept: tuple[_Place, ...] = ()
+        self.loss = ""  # what of the stored track is lost, and what is in use instead
+        if cut_voyage is not None:
+            self._kept, self.loss = _load(storage, cut_voyage)
         self._laid: list[Point] = []  # the points whose places are known,
         self._places: list[_Place] = []  # and these
         self._sign: tuple[int, Point | None] = (-1, None)
@@ -113,14 +116,16 @@ class TrailRecord:
         return tuple(self._places)
 
 
-def _load(storage: Storage, voyage: int) -> tuple[_Place, ...]:
+def _load(storage: Storage, voyage: int) -> tuple[tuple[_Place, ...], str]:
+    """The track, and what of it is lost."""
     content = storage.load(FILE)
+    loss = storage.damage(FILE)
     if not content:
-        return ()
+        return (), loss
     try:
         record = msgspec.json.decode(content, type=_Record)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         logger.warning("%s ignored: %s", FILE, error)
-        return ()
+        return (), f"{FILE} cannot be read, none is in use"
     # Written before the voyage's own record, it may already be the next one's, which goes on with this
-    return record.places if record.voyage in (voyage, voyage + 1) else ()
+    return record.places if record.voyage in (voyage, voyage + 1) else (), loss

@@ -2,10 +2,10 @@
 
 import errno
 import os
-from collections.abc import Callable
 from pathlib import Path
 
-from companion.storage import Saving, Storage, write_atomically
+from companion.generations import Write, write_atomically
+from companion.storage import Saving, Storage
 from sitl.computer import Computer
 
 _FULL = os.strerror(errno.ENOSPC)
@@ -30,6 +30,10 @@ class Disk:
         """The content last saved under this name, empty when there is none."""
         return self._storage.load(name)
 
+    def damage(self, name: str) -> str:
+        """What the last load of this name found damaged."""
+        return self._storage.damage(name)
+
     def save(self, name: str, content: bytes) -> Saving:
         """Replace the content under this name, unless there is no room."""
         return _Refused() if self._computer.disk_is_full else self._storage.save(name, content)
@@ -39,12 +43,12 @@ class Disk:
         self._storage.close()
 
 
-def file_writer(computer: Computer) -> Callable[[Path, bytes], None]:
+def file_writer(computer: Computer) -> Write:
     """Writes files, for `FolderStorage`, as long as there is room."""
 
-    def write(path: Path, content: bytes) -> None:
+    def write(path: Path, content: bytes, keep: Path | None) -> None:
         if computer.disk_is_full:
             raise OSError(errno.ENOSPC, _FULL, str(path))
-        write_atomically(path, content)
+        write_atomically(path, content, keep)
 
     return write

@@ -6,7 +6,8 @@ A key file belongs to its owner alone (mode 0600) and holds one of
     64 hex digits       the key in writing
     a line of text      a passphrase; the key is its SHA-256, as MAVProxy and QGroundControl make it
 
-A line of text is never taken for 32 raw bytes, however long it is.
+A line of text is never taken for 32 raw bytes, however long it is. A comment line, which begins with `# `,
+may precede it: the boat's own file has its checksum there.
 """
 
 import hashlib
@@ -88,6 +89,9 @@ def parse_key(content: bytes) -> SigningKey:
     Raises:
         ValueError: it stands for none; what was found is told by its length only.
     """
+    comment, _, rest = content.partition(b"\n")
+    if comment.startswith(b"# ") and rest and len(content) != KEY_BYTES:
+        content = rest
     text = _as_line(content)
     if text is None:
         if len(content) != KEY_BYTES:

@@ -121,7 +121,7 @@ class Endpoint:
         self._pose = ExternalPoseService(
             external, vehicle, parameters, self.outbox, tell, self._time.to_own_clock
         )
-        self._listings = ParameterService(parameters, self.outbox, self._texts)
+        self._listings = ParameterService(parameters, self.outbox, self._texts, vehicle.losses)
         self._commands = CommandService(
             vehicle,
             self._telemetry,

@@ -37,6 +37,7 @@ _DOWNLOAD = frozenset({"MISSION_REQUEST_LIST", "MISSION_REQUEST_INT", "MISSION_R
 _LIST_ITEM = 1  # MISSION_ITEM.current above it: ArduPilot's old go-to, an item of no list
 _PART_PER_TICK = 10
 _ITEM_BYTES = 50  # on the line
+_NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
 
 
 class _Clearing(NamedTuple):
@@ -67,8 +68,10 @@ class MissionService:
         self._busy: list[MissionList] = []  # something is under way that time can change
         self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
         for one in self._lists.values():
-            if one.load_fault:
-                logger.warning("the stored %s is not taken: %s", one.type.name.lower(), one.load_fault)
+            if one.loss:
+                name = one.type.name.lower()
+                logger.warning("the stored %s is lost: %s", name, one.loss)
+                vehicle.losses.add(name, one.loss, f"Upload or clear the {_NAMES[one.type]}")
         vehicle.take_mission(self._lists[MissionType.MISSION].steps)
         vehicle.take_fence(fence_areas(self.items(MissionType.FENCE)))
         vehicle.take_rally(rally_points(self.items(MissionType.RALLY)))
@@ -208,6 +211,7 @@ class MissionService:
 
     def _swap_in(self, one: MissionList) -> None:
         one.swap_in()
+        self._vehicle.losses.end(one.type.name.lower())
         if one.type is MissionType.FENCE:
             self._vehicle.take_fence(fence_areas(one.items))
             return

@@ -46,7 +46,7 @@ class MissionList:
         self.senders: dict[int, Sender] = {}
         self.parts: dict[int, Part] = {}
         self.saving: Saving | None = None
-        self.load_fault = ""  # why the stored list is not held; empty when it is
+        self.loss = ""  # what of the stored list is lost, and what is held instead
         self._own = own
         self._timers = config.mavlink
         self._storage = storage
@@ -111,14 +111,18 @@ class MissionList:
         return save_lines(self._storage, self.type, ())
 
     def _load(self) -> None:
-        for seq, item in enumerate(load_items(self._storage, self.type)):
+        items, self.loss = load_items(self._storage, self.type)
+        text = ""
+        for seq, item in enumerate(items):
             if fault := self._check(seq, item):
-                self.load_fault = f"item {seq}: {fault.text}"
+                text = f"item {seq}: {fault.text}"
                 break
         else:
             fault = self._check_whole(self._arriving)
-            self.load_fault = fault.text if fault else ""
-        if not self.load_fault:
+            text = fault.text if fault else ""
+        if text:
+            self.loss = f"{text}; none is in use"
+        else:
             self._arrived = tuple(self._arriving)
             self.swap_in()
         self._arriving = []

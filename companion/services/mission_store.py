@@ -3,6 +3,7 @@
 import json
 import logging
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from companion.mavlink.items import MissionItem, MissionType
 from companion.storage import Saving, Storage
@@ -32,19 +33,30 @@ def save_items(storage: Storage, mission_type: MissionType, items: Iterable[Miss
     return save_lines(storage, mission_type, [encode_item(item) for item in items])
 
 
-def load_items(storage: Storage, mission_type: MissionType) -> tuple[MissionItem, ...]:
-    """The list last saved; empty, with a warning, where the file is no list of ours."""
-    content = storage.load(_file(mission_type))
+class StoredList(NamedTuple):
+    """A list from the medium. loss: what of it is lost, and what is in use instead; empty if nothing is."""
+
+    items: tuple[MissionItem, ...]
+    loss: str
+
+
+def load_items(storage: Storage, mission_type: MissionType) -> StoredList:
+    """The list last saved; empty, with a loss, where the file is no list of ours."""
+    name = _file(mission_type)
+    content = storage.load(name)
+    loss = storage.damage(name)
     if not content:
-        return ()
+        return StoredList((), loss)
     try:
-        tree = json.loads(content)
-        version, entries = tree["version"], tree["items"]
-        items = tuple(MissionItem.from_dict(entry) for entry in entries)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        logger.warning("%s ignored: %s", _file(mission_type), error)
-        return ()
+        return StoredList(_parse(content), loss)
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+        logger.warning("%s ignored: %s", name, error)
+        return StoredList((), f"{name} cannot be read, none is in use")
+
+
+def _parse(content: bytes) -> tuple[MissionItem, ...]:
+    tree = json.loads(content)
+    version, entries = tree["version"], tree["items"]
     if version != _VERSION:
-        logger.warning("%s ignored: version %s, expected %s", _file(mission_type), version, _VERSION)
-        return ()
-    return items
+        raise ValueError(f"version {version}, expected {_VERSION}")
+    return tuple(MissionItem.from_dict(entry) for entry in entries)

@@ -8,18 +8,32 @@ from companion.params import Parameters
 from companion.services.ftp_frames import Code, Refusal
 from companion.services.outbox import Origin, Outbox
 from companion.services.statustext import StatusTextService
+from companion.vehicle.losses import Losses
 from companion.vehicle.notice import Notice, Severity
 
 _LIST_PER_TICK = 250  # all there are, where the line is fast; a slow one takes what it has room for
+_STORED = "parameters"  # their name among the losses
 _VALUE_BYTES = 37  # a PARAM_VALUE on the line
+_ANSWERS_PER_TICK = 50  # PARAM_VALUEs after a save: 200 changes at once are answered within four ticks
+_MOST_ANSWERS = 1000  # for one name that is changed again and again while the medium takes its time
 _NAMED_REASONS = 3  # of a refused file; the others are only counted
 
 
 class ParameterService:
-    """Answers every request at once; a whole list goes out over the following ticks."""
+    """Answers a change once the medium has it, all else at once; a list goes out over the following ticks.
 
-    def __init__(self, parameters: Parameters, outbox: Outbox, texts: StatusTextService) -> None:
+    A value that the medium refuses stays in use until the restart: it is answered, and the operator is told.
+    """
+
+    def __init__(
+        self, parameters: Parameters, outbox: Outbox, texts: StatusTextService, losses: Losses | None = None
+    ) -> None:
+        self._losses = losses or Losses()
+        if parameters.loss:
+            self._losses.add(_STORED, parameters.loss, "Set any parameter to keep what is in use")
         self._parameters = parameters
+        self._answers: deque[tuple[int, float]] = deque()  # values that the medium has, still to send
+        self._answers_left = _ANSWERS_PER_TICK
         self._outbox = outbox
         self._texts = texts
         self._listing: dict[int, deque[int]] = {}  # by channel: the indexes still to send
@@ -36,7 +50,9 @@ class ParameterService:
         index: int | None = message.param_index
         if message.param_index < 0:
             index = self._parameters.index_of(_name(message.param_id))
-        if index is not None and index < len(self._parameters.rows):
+        if index is None or index >= len(self._parameters.rows):
+            return
+        if not self._parameters.is_unsaved(self._parameters.rows[index].name):  # else an answer comes anyway
             self._outbox.send(origin.channel, self._value(index))
 
     def on_set(self, message: Message) -> None:
@@ -45,11 +61,13 @@ class ParameterService:
             self._texts.tell([Notice(Severity.WARNING, reason)])
 
     def keep(self, name: str, value: float) -> str:
-        """Change one; everyone hears the stored value, and those of other names for the same setting. Returns
-        why not, empty when done."""
+        """Change one; everyone hears the value, and those of other names for the same setting, once the
+        medium has them. Returns why not, empty if changed."""
         reason = self._parameters.set(name, value)
-        for index in self._parameters.sharing(name):
-            self._outbox.broadcast(self._value(index))
+        if reason and not self._parameters.is_unsaved(name):
+            for index in self._parameters.sharing(name):
+                self._outbox.broadcast(self._value(index))
+        self._answer()
         return reason
 
     def value(self, name: str) -> float:
@@ -65,9 +83,8 @@ class ParameterService:
 
     def reset(self) -> None:
         """Go back to the boat's file; everyone hears the values that have changed."""
-        before = self._values()
         self._parameters.reset()
-        self._tell_changes(before)
+        self._answer()
 
     def take_file(self, file: bytes) -> None:
         """A packed file sets many at once; everyone hears the values that have changed.
@@ -80,9 +97,8 @@ class ParameterService:
         except PackError as error:
             self._texts.tell([Notice(Severity.WARNING, f"Parameter file refused: {error}")])
             raise Refusal(Code.FAIL) from None
-        before = self._values()
         reasons = self._parameters.set_many(values)
-        self._tell_changes(before)
+        self._answer()
         told = reasons[:_NAMED_REASONS]
         if len(reasons) > len(told):
             told.append(f"{len(reasons) - len(told)} more parameters refused")
@@ -93,9 +109,9 @@ class ParameterService:
         self._listing.pop(channel, None)
 
     def tick(self) -> None:
-        """Go on with the lists under way, and say so when a change could not be kept."""
-        if fault := self._parameters.take_fault():
-            self._texts.tell([Notice(Severity.ERROR, f"Parameters not stored: {fault}")])
+        """Go on with the lists under way, and answer the changes that the medium has taken or refused."""
+        self._answers_left = _ANSWERS_PER_TICK
+        self._answer()
         self._left = _LIST_PER_TICK
         if self._listing:
             for channel in list(self._listing):
@@ -110,19 +126,26 @@ class ParameterService:
         if not queue:
             del self._listing[channel]
 
-    def _values(self) -> list[float]:
-        return [self._parameters.value(row) for row in self._parameters.rows]
+    def _answer(self) -> None:
+        for values, counts, error in self._parameters.take_stored():
+            if error:
+                self._texts.tell([Notice(Severity.ERROR, f"Parameters not stored: {error}")])
+            else:
+                self._losses.end(_STORED)
+            for name, value in values.items():
+                index = self._parameters.index_of(name)
+                if index is not None:
+                    self._answers.extend([(index, value)] * min(counts[name], _MOST_ANSWERS))
+        while self._answers and self._answers_left > 0:
+            self._answers_left -= 1
+            self._outbox.broadcast(self._value(*self._answers.popleft()))
 
-    def _tell_changes(self, before: list[float]) -> None:
-        for index, (old, new) in enumerate(zip(before, self._values(), strict=True)):
-            if new != old:
-                self._outbox.broadcast(self._value(index))
-
-    def _value(self, index: int) -> Message:
+    def _value(self, index: int, value: float | None = None) -> Message:
+        """A parameter's present value, or another one."""
         row = self._parameters.rows[index]
         return dialect.MAVLink_param_value_message(
             param_id=row.name.encode("ascii"),
-            param_value=self._parameters.value(row),
+            param_value=self._parameters.value(row) if value is None else value,
             param_type=int(row.kind),
             param_count=len(self._parameters.rows),
             param_index=index,

@@ -48,6 +48,8 @@ class SigningService:
         self._look_s = 0.0
         self._complain_s = 0.0
         self._refuse_s = 0.0
+        for name, what in store.losses.items():
+            vehicle.losses.add(name, what, "Set or remove the signing key")
 
     def open(self, channel: int) -> None:
         """A channel has come into being: from now on it is guarded. What is wrong with that is told once.
@@ -103,6 +105,8 @@ class SigningService:
         if error:
             self._texts.tell([Notice(Severity.ERROR, f"Signing key not stored: {error}")])
         else:
+            for name in self._store.losses:
+                self._vehicle.losses.end(name)
             self._texts.tell([Notice(Severity.NOTICE, what)])
 
     def _refuse(self, reason: str, now_s: float) -> None:

@@ -29,10 +29,11 @@ class SigningStore:
 
     def __init__(self, storage: Storage, unix_s: float = 0.0) -> None:
         self._storage = storage
-        first, seen = _load_stamps(storage)
+        self.losses: dict[str, str] = {}  # by file: what of it is lost, and what is in use instead
+        first, seen = self._load_stamps()
         self.stamps = Stamps(first, seen, limit=first)
         self.stamps.clock = timestamp_at(unix_s)
-        self.boat = Signatory(_load_key(storage), self.stamps)
+        self.boat = Signatory(self._load_key(), self.stamps)
         self._of_files: dict[str, Signatory] = {}
         self._saving: Saving | None = None
         self._reserved = first
@@ -109,33 +110,45 @@ class SigningStore:
         self._saving = None
         self.stamps.limit = self._reserved
 
+    def _load_stamps(self) -> tuple[int, int]:
+        content = self._storage.load(STAMPS_FILE)
+        loss = self._storage.damage(STAMPS_FILE)
+        first, seen = 1, 0
+        if content:
+            try:
+                first, seen = _parse_stamps(content)
+            except (ValueError, KeyError, TypeError, RecursionError) as error:
+                logger.warning("%s ignored: %s", STAMPS_FILE, error)
+                loss = f"{STAMPS_FILE} cannot be read, none is in use"
+            else:
+                # The generation that is damaged was written when this one's lead was half used up
+                first = min(max(first, 1) + (AHEAD if loss else 0), NEVER - 1)
+        if loss:
+            self.losses["signing timestamps"] = loss
+        return first, seen
 
-def _load_stamps(storage: Storage) -> tuple[int, int]:
-    content = storage.load(STAMPS_FILE)
-    if not content:
-        return 1, 0
-    try:
-        tree = json.loads(content)
-        first, seen = tree["first"], tree["seen"]
-    except (ValueError, KeyError, TypeError) as error:
-        logger.warning("%s ignored: %s", STAMPS_FILE, error)
-        return 1, 0
+    def _load_key(self) -> SigningKey | None:
+        content = self._storage.load(KEY_FILE)
+        loss = self._storage.damage(KEY_FILE)
+        key = None
+        if content:
+            try:
+                key = parse_key(content)
+            except ValueError as error:
+                logger.warning("%s ignored: %s", KEY_FILE, error)
+                loss = f"{KEY_FILE} cannot be read, none is in use"
+        if loss:
+            self.losses["signing key"] = loss
+        return key
+
+
+def _parse_stamps(content: bytes) -> tuple[int, int]:
+    tree = json.loads(content)
+    first, seen = tree["first"], tree["seen"]
     if not (_is_stamp(first) and _is_stamp(seen)):
-        logger.warning("%s ignored: no timestamps in it", STAMPS_FILE)
-        return 1, 0
-    return max(first, 1), seen
+        raise ValueError("no timestamps in it")
+    return first, seen
 
 
 def _is_stamp(value: object) -> bool:
     return isinstance(value, int) and 0 <= value < NEVER
-
-
-def _load_key(storage: Storage) -> SigningKey | None:
-    content = storage.load(KEY_FILE)
-    if not content:
-        return None
-    try:
-        return parse_key(content)
-    except ValueError as error:
-        logger.warning("%s ignored: %s", KEY_FILE, error)
-        return None

@@ -14,6 +14,7 @@ from companion.vehicle.drills import Drills
 from companion.vehicle.failsafes.failsafes import Failsafes
 from companion.vehicle.fence import Fence, FenceArea
 from companion.vehicle.intent import Intent, Stop
+from companion.vehicle.losses import FENCE, Losses
 from companion.vehicle.mission_steps import Mission
 from companion.vehicle.modes import COMES_INSIDE, Mode
 from companion.vehicle.notice import Notice, Severity
@@ -46,6 +47,7 @@ class Vehicle:
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
         self.standing_order = False  # it is about to arm itself, or to go on; any mode or disarming ends that
+        self.losses = Losses()
         self._response = Response(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
@@ -79,6 +81,8 @@ class Vehicle:
         """What to sail now. Runs the failsafes first."""
         if self.failsafes.is_due(self._now_s):
             self._response.watch(self._now_s)
+        for text in self.losses.update(self._now_s):
+            self.tell(Severity.WARNING, text)
         if not self.armed:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s):
                 self.tell(Severity.CRITICAL, f"PreArm: {fault}")
@@ -187,6 +191,8 @@ class Vehicle:
         faults = arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
         if config.arming.check and self.is_outside and self.mode not in COMES_INSIDE:
             faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
+        if config.arming.check and self.losses.text(FENCE):
+            faults.append("Fence: the stored fence is lost: upload or clear it")
         if fault := radio_fault(self.conduct.sticks, config, self._now_s):
             faults.append(fault)
         return faults

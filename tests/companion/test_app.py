@@ -171,4 +171,4 @@ def test_without_a_folder_the_memory_lasts_as_long_as_the_process(tmp_path: Path
     storage = open_storage(str(tmp_path / "state"))
     storage.save("a", b"1")
     storage.close()
-    assert (tmp_path / "state" / "a").read_bytes() == b"1"
+    assert open_storage(str(tmp_path / "state")).load("a") == b"1"

@@ -210,6 +210,7 @@ def test_the_compass_is_trimmed_to_the_heading_that_the_operator_gives() -> None
 def test_parameters_go_back_to_the_boats_file_and_stay_there(rig: Rig) -> None:
     default = value(rig, "WP_RADIUS")
     rig.boat.parameters.set("WP_RADIUS", default + 1.0)
+    rig.step()  # which says so
     rig.arm()
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_STORAGE, 2) == REJECTED_FOR_NOW
     rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0)

@@ -17,7 +17,7 @@ ITEMS = (HOME_ITEM, waypoint(10.0, 20.0, param1=float("inf")), waypoint(-1.0, 2.
 def test_a_list_is_loaded_as_it_was_saved_nan_and_infinity_included(kind: MissionType) -> None:
     storage = MemoryStorage()
     assert save_items(storage, kind, ITEMS).is_done()
-    assert load_items(storage, kind) == ITEMS
+    assert load_items(storage, kind) == (ITEMS, "")
     assert list(storage.content) == [f"{kind.name.lower()}.json"]
 
 
@@ -43,6 +43,8 @@ def test_the_file_is_plain_json_for_a_person_to_read() -> None:
         b'{"version": 1, "items": [7]}',
         b'{"version": 1, "items": [{"frame": 3}]}',
         b'{"version": 2, "items": []}',
+        b"[" * 100_000,
+        b'{"version": 1, "items": [{"frame": %s}]}' % (b"9" * 5000),
     ],
 )
 def test_a_file_that_is_no_list_of_ours_is_an_empty_list_and_a_warning(
@@ -51,7 +53,9 @@ def test_a_file_that_is_no_list_of_ours_is_an_empty_list_and_a_warning(
     storage = MemoryStorage()
     storage.content["fence.json"] = content
     with caplog.at_level(logging.WARNING):
-        assert load_items(storage, MissionType.FENCE) == ()
+        items, loss = load_items(storage, MissionType.FENCE)
+    assert items == ()
+    assert bool(content) == ("fence.json cannot be read" in loss)
     assert bool(content) == any("fence.json ignored" in record.getMessage() for record in caplog.records)
 
 
@@ -64,5 +68,5 @@ SAVED = whole.content["mission.json"]
 def test_a_damaged_file_never_raises(at: int, damage: bytes) -> None:
     storage = MemoryStorage()
     storage.content["mission.json"] = SAVED[:at] + damage + SAVED[at + len(damage) :]
-    items = load_items(storage, MissionType.MISSION)
+    items, _ = load_items(storage, MissionType.MISSION)
     assert all(isinstance(item, MissionItem) for item in items)

@@ -192,16 +192,16 @@ def test_a_ground_stations_own_reader_reads_the_file(tmp_path: Path) -> None:
 
 
 def test_a_change_that_cannot_be_kept_is_told_once(tmp_path: Path) -> None:
-    def refuse(path: Path, content: bytes) -> None:
+    def refuse(path: Path, content: bytes, keep: Path | None) -> None:
         raise OSError(28, "No space left on device")
 
     storage = FolderStorage(tmp_path, refuse)
     parameters = Parameters(BoatConfig(), ROWS, storage)
-    assert parameters.take_fault() == ""
+    assert parameters.take_stored() == []
     parameters.set("HDG_KP", 3.0)
     storage.close()
-    assert "No space left" in parameters.take_fault()
-    assert parameters.take_fault() == ""
+    assert [stored.error for stored in parameters.take_stored()] == ["No space left on device"]
+    assert parameters.take_stored() == []
     assert parameters.config.heading.kp == 3.0
 
 

@@ -1,10 +1,12 @@
 import os
+import threading
 from pathlib import Path
 
 import pytest
 
 from companion.errors import StorageError
-from companion.storage import FolderStorage, MemoryStorage, Saving, write_atomically
+from companion.generations import unseal, write_atomically
+from companion.storage import FolderStorage, MemoryStorage, Saving
 
 OLD, NEW = b"the old list", b"the new list, which is longer"
 
@@ -121,7 +123,7 @@ def test_the_content_is_on_the_medium_before_the_name_changes(
     ("fault", "words"), [(OSError(28, "disk full"), "disk full"), (OSError(), "OSError")]
 )
 def test_a_write_that_fails_says_why(tmp_path: Path, fault: OSError, words: str) -> None:
-    def refuse(path: Path, content: bytes) -> None:
+    def refuse(path: Path, content: bytes, keep: Path | None) -> None:
         raise fault
 
     storage = FolderStorage(tmp_path, refuse)
@@ -139,6 +141,29 @@ def test_saves_of_one_name_are_carried_out_in_order(tmp_path: Path) -> None:
     storage.close()
     assert all(saving.is_done() and not saving.error() for saving in savings)
     assert storage.load("a") == b"49"
+
+
+def test_saves_that_wait_for_the_medium_become_one_for_each_name(tmp_path: Path) -> None:
+    written: list[tuple[str, bytes]] = []
+    begun, go = threading.Event(), threading.Event()
+
+    def write(path: Path, content: bytes, keep: Path | None) -> None:
+        begun.set()
+        assert go.wait(60.0)
+        written.append((path.name, unseal(content).content))
+        write_atomically(path, content, keep)
+
+    storage = FolderStorage(tmp_path, write)
+    savings = [storage.save("params.parm", b"0")]
+    assert begun.wait(60.0)
+    savings += [storage.save("params.parm", str(n).encode()) for n in range(1, 200)]
+    savings += [storage.save("mission.json", NEW)]
+    savings += [storage.save("params.parm", b"200")]
+    assert not any(saving.is_done() for saving in savings)
+    go.set()
+    storage.close()
+    assert written == [("params.parm", b"0"), ("params.parm", b"200"), ("mission.json", NEW)]
+    assert all(saving.is_done() and not saving.error() for saving in savings)
 
 
 def test_what_is_being_saved_is_loaded(tmp_path: Path) -> None:

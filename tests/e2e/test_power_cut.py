@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from mavutil_station import OpenStation, Place, zigzag
-from programs import RunBoat, until
+from programs import RunBoat
 from pymavlink.dialects.v20 import all as dialect
 
 pytestmark = pytest.mark.realtime
@@ -58,7 +58,7 @@ def test_a_mission_survives_power_cuts_at_every_stage_of_an_upload(
         held = after
 
 
-def test_a_parameter_that_has_reached_the_disk_survives_a_power_cut(
+def test_a_parameter_that_has_been_answered_survives_a_power_cut(
     running_boat: RunBoat, open_station: OpenStation, tmp_path: Path
 ) -> None:
     memory = tmp_path / "memory"
@@ -67,8 +67,7 @@ def test_a_parameter_that_has_reached_the_disk_survives_a_power_cut(
     station.mav.param_set_send(1, 1, b"CRUISE_SPEED", 1.25, dialect.MAV_PARAM_TYPE_REAL32)
     answer = station.wait_for("PARAM_VALUE", lambda value: value.param_id == "CRUISE_SPEED")
     assert answer.param_value == 1.25
-    # The answer says what is in force; the disk follows a moment later
-    until(lambda: any(b"CRUISE_SPEED" in path.read_bytes() for path in memory.glob("*.parm")))
+    # The answer says that the disk has it
     boat.program.kill()
     boat = running_boat("open", "--state", str(memory))
     assert open_station(boat.port).parameters()["CRUISE_SPEED"] == 1.25

@@ -1,0 +1,240 @@
+"""What a boat says and does when something that it had stored is damaged at its start."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from boat_rig import FAILED, OK, PLANNER, Peer, Rig, waypoint
+from mission_station import FENCE, MISSION, RALLY, clear, count
+
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.signing_key import SigningKey
+from companion.mavlink.transfer import Completed
+from companion.services.ftp_mounts import InlineExecutor
+from companion.services.signing_store import KEY_FILE, STAMPS_FILE, SigningStore
+from companion.storage import FolderStorage
+from companion.vehicle.losses import FIRST_S, REPEAT_S, Losses
+
+LISTS = {MissionType.MISSION: MISSION, MissionType.FENCE: FENCE, MissionType.RALLY: RALLY}
+PREVIOUS = "is damaged, the previous one is in use"
+NONE = "is damaged, there is no previous one"
+
+
+def wide(radius_m: float) -> list[MissionItem]:
+    """A fence round the boat."""
+    return [MissionItem(frame=0, command=5003, param1=radius_m, x=500_000_000, y=-12_000_000)]
+
+
+class StoredRig(Rig):
+    """A boat whose memory is a folder, into which the test reaches between two runs."""
+
+    def __init__(self, folder: Path, config: dict[str, object] | None = None) -> None:
+        self.folder = folder
+        super().__init__(storage=FolderStorage(folder, worker=InlineExecutor()), config=config)
+
+    def keep(self, items: list[MissionItem], kind: MissionType) -> None:
+        """Upload a list."""
+        assert isinstance(self.upload(items, mission_type=kind), Completed)
+
+    def damage(self, name: str) -> None:
+        """A bit flips in the newest generation of a file while power is off; then the boat starts."""
+        self.world._motors.stop()
+        file = bytearray((self.folder / name).read_bytes())
+        file[-3] ^= 0x10
+        (self.folder / name).write_bytes(file)
+        self.reboot()
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> StoredRig:
+    return StoredRig(tmp_path)
+
+
+def lines(peer: Peer, begin: str) -> list[str]:
+    return [text for text in peer.texts if text.startswith(begin)]
+
+
+def test_a_boat_whose_fence_is_lost_says_so_and_does_not_arm(rig: StoredRig) -> None:
+    rig.ready()
+    rig.keep(wide(300.0), MissionType.FENCE)
+    rig.damage("fence.json")
+    other = rig.connect(PLANNER)
+    rig.run(10.0)
+    for peer in (rig.peer, other):
+        assert lines(peer, "Fence lost: ") == [f"Fence lost: fence.json {NONE}. Upload or clear the fence"]
+        assert "PreArm: Fence: the stored fence is lost: upload or clear it" in peer.texts
+    assert rig.arm() == FAILED
+    assert "Arm: Fence: the stored fence is lost: upload or clear it" in rig.peer.texts
+    health = rig.peer.said("SYS_STATUS")
+    assert not any(one.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_PREARM_CHECK for one in health)
+
+
+def test_the_previous_fence_holds_but_does_not_let_the_boat_arm(rig: StoredRig) -> None:
+    rig.ready()
+    rig.keep(wide(200.0), MissionType.FENCE)
+    rig.keep(wide(300.0), MissionType.FENCE)
+    rig.damage("fence.json")
+    rig.run(10.0)
+    assert rig.items(MissionType.FENCE) == tuple(wide(200.0))
+    assert lines(rig.peer, "Fence lost: ") == [
+        f"Fence lost: fence.json {PREVIOUS}. Upload or clear the fence"
+    ]
+    assert rig.arm() == FAILED
+    assert rig.arm(force=True) == OK
+
+
+@pytest.mark.parametrize("acts", ["uploads", "uploads none", "clears", "clears all"])
+def test_the_operator_ends_it(rig: StoredRig, acts: str) -> None:
+    rig.ready()
+    rig.keep(wide(300.0), MissionType.FENCE)
+    rig.damage("fence.json")
+    rig.run(10.0)
+    rig.peer.forget()
+    if acts == "uploads":
+        rig.keep(wide(200.0), MissionType.FENCE)
+    else:
+        ask = {"uploads none": count(0, MissionType.FENCE), "clears": clear(MissionType.FENCE)}
+        rig.peer.send(ask.get(acts, clear(dialect.MAV_MISSION_TYPE_ALL)))
+        rig.receive()
+        rig.step(2)
+    rig.peer.forget()
+    rig.run(2.0 * REPEAT_S)
+    assert not lines(rig.peer, "Fence lost") + lines(rig.peer, "PreArm")
+    assert rig.arm() == OK
+    rig.reboot()
+    rig.run(10.0)
+    assert not lines(rig.peer, "Fence lost")
+
+
+@pytest.mark.parametrize("kind", [MissionType.MISSION, MissionType.RALLY])
+def test_a_lost_list_is_told_every_half_minute_and_keeps_nobody_from_arming(
+    rig: StoredRig, kind: MissionType
+) -> None:
+    rig.ready()
+    rig.keep(LISTS[kind], kind)
+    rig.damage(f"{kind.name.lower()}.json")
+    rig.ready()
+    rig.run(FIRST_S + 3.0 * REPEAT_S - rig.now_s % 1.0)
+    begin = f"{kind.name.capitalize()} lost: {kind.name.lower()}.json {NONE}. Upload or clear the "
+    assert len(lines(rig.peer, begin)) in (3, 4)
+    assert rig.arm() == OK
+    rig.keep(LISTS[kind], kind)
+    rig.peer.forget()
+    rig.run(2.0 * REPEAT_S)
+    assert not lines(rig.peer, begin)
+
+
+def test_a_list_that_is_whole_but_no_list_is_lost_too(rig: StoredRig) -> None:
+    rig.ready()
+    rig.storage.save("mission.json", b"[" * 100_000)
+    rig.storage.save("fence.json", b'{"version": 1, "items": [%s]}' % (b"1" * 5000))
+    rig.reboot()
+    rig.run(10.0)
+    assert lines(rig.peer, "Mission lost: mission.json cannot be read, none is in use")
+    assert lines(rig.peer, "Fence lost: fence.json cannot be read, none is in use")
+
+
+def test_parameters_of_the_previous_generation_are_used_and_any_set_ends_the_notice(rig: StoredRig) -> None:
+    rig.ready()
+    for radius_m in (3.0, 4.0):
+        assert rig.boat.parameters.set("WP_RADIUS", radius_m) == ""
+        rig.step(2)
+    rig.damage("params.parm")
+    rig.run(10.0)
+    assert rig.boat.parameters.config.guidance.waypoint_radius_m == 3.0
+    told = f"Parameters lost: params.parm {PREVIOUS}. Set any parameter to keep what is in use"
+    assert lines(rig.peer, "Parameters lost") == [told]
+    rig.peer.send(dialect.MAVLink_param_set_message(1, 1, b"HDG_KP", 3.5, dialect.MAV_PARAM_TYPE_REAL32))
+    rig.receive()
+    rig.step(2)
+    rig.peer.forget()
+    rig.run(2.0 * REPEAT_S)
+    assert not lines(rig.peer, "Parameters lost")
+
+
+def test_lines_of_a_parameter_file_that_are_not_used_are_told(tmp_path: Path) -> None:
+    (tmp_path / "params.parm").write_bytes(b"NOPE 1\nHDG_KP 3.5\nHDG_KI 1e308\nRC1_MIN 1e300\n")
+    rig = StoredRig(tmp_path)
+    rig.run(10.0)
+    assert rig.boat.parameters.config.heading.kp == 3.5
+    assert lines(
+        rig.peer, "Parameters lost: in params.parm, NOPE: no such parameter, and 2 more; the defaults"
+    )
+
+
+def under_way(rig: StoredRig) -> None:
+    rig.sail(waypoint(30.0, 0.0), waypoint(30.0, 60.0))
+    rig.run(20.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "what"), [("voyage.json", "Voyage record"), ("trail.json", "Track of SMART_RTL")]
+)
+def test_a_damaged_record_of_the_voyage_is_told_until_the_boat_is_armed(
+    rig: StoredRig, name: str, what: str
+) -> None:
+    under_way(rig)
+    rig.damage(name)
+    rig.ready()
+    rig.run(10.0)
+    assert lines(rig.peer, f"{what} lost: {name} {PREVIOUS}. Arming begins a new one")
+    assert rig.arm() == OK
+    rig.run(1.0)
+    rig.peer.forget()
+    rig.run(2.0 * REPEAT_S)
+    assert not lines(rig.peer, what)
+
+
+def keyed(folder: Path) -> StoredRig:
+    rig = StoredRig(folder)
+    for secret in (1, 2):
+        rig.boat.signing.change_key(SigningKey(bytes([secret] * 32)), 1)
+        rig.step(2)
+    rig.boat.signing.close()
+    rig.step(2)
+    return rig
+
+
+def test_a_damaged_key_leaves_the_previous_one_in_use_not_an_open_boat(tmp_path: Path) -> None:
+    rig = keyed(tmp_path)
+    rig.damage(KEY_FILE)
+    assert rig.boat.signing.boat.key == SigningKey(bytes([1] * 32))
+    assert rig.boat.vehicle.losses.text("signing key") == (
+        f"Signing key lost: {KEY_FILE} {PREVIOUS}. Set or remove the signing key"
+    )
+    rig.boat.signing.change_key(SigningKey(bytes([3] * 32)), 1)
+    rig.run(1.0)
+    assert rig.boat.vehicle.losses.text("signing key") == ""
+
+
+def test_timestamps_begin_beyond_whatever_the_damaged_file_may_have_said(tmp_path: Path) -> None:
+    rig = keyed(tmp_path)
+    whole = SigningStore(rig.storage)
+    rig.damage(STAMPS_FILE)
+    assert rig.boat.signing.stamps.limit >= whole.stamps.limit
+    assert "signing timestamps" in rig.boat.signing.losses
+
+
+def test_nothing_is_told_of_a_boat_whose_memory_is_whole(rig: StoredRig) -> None:
+    under_way(rig)
+    rig.world._motors.stop()
+    rig.reboot()
+    rig.run(2.0 * REPEAT_S)
+    assert not [text for text in rig.peer.texts if " lost: " in text]
+
+
+def test_a_loss_is_told_soon_then_at_intervals_until_it_ends() -> None:
+    losses = Losses()
+    losses.add("fence", "it is damaged", "Upload it")
+    tell: Callable[[float], list[str]] = losses.update
+    assert [tell(FIRST_S - 0.1), tell(FIRST_S), tell(FIRST_S + REPEAT_S - 0.1)] == [
+        [],
+        ["Fence lost: it is damaged. Upload it"],
+        [],
+    ]
+    assert tell(FIRST_S + REPEAT_S) != []
+    losses.end("fence")
+    losses.end("rally")
+    assert tell(1e9) == []
+    assert (FIRST_S, REPEAT_S) == (5.0, 30.0)  # as PreArm lines

@@ -1,0 +1,202 @@
+"""Parameters on a slow medium: what is answered when, and what others have to wait for."""
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+from boat_rig import BOAT, Rig
+from mission_station import MISSION
+
+from companion.boat import TICK_S
+from companion.generations import unseal, write_atomically
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionType
+from companion.mavlink.sender import Sender
+from companion.mavlink.transfer import Completed, Event, Failed
+from companion.params import Row
+from companion.storage import FolderStorage
+
+FSYNC_S = 0.05
+WRITE_S = 2 * FSYNC_S  # the file and its folder
+QGC_WAITS_S = 1.0  # for the PARAM_VALUE after its PARAM_SET
+VALUE = "PARAM_VALUE"
+
+
+class SlowWorker(Executor):
+    """Carries out one job after the other, each WRITE_S of simulated time after it could begin."""
+
+    def __init__(self) -> None:
+        self.jobs: deque[Callable[[], object]] = deque()
+        self.done = 0
+        self._left_s = WRITE_S
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
+        """Take a job; its future is not looked at by the storage."""
+        self.jobs.append(lambda: fn(*args, **kwargs))
+        return Future()
+
+    def tick(self) -> None:
+        """Time goes by."""
+        self._left_s = self._left_s - TICK_S if self.jobs else WRITE_S
+        if self._left_s < TICK_S / 2.0:
+            self.jobs.popleft()()
+            self.done += 1
+            self._left_s = WRITE_S
+
+
+class SlowRig(Rig):
+    """A boat on such a medium."""
+
+    def __init__(self, folder: Path, write: Callable[..., None] = write_atomically) -> None:
+        self.worker = SlowWorker()
+        super().__init__(storage=FolderStorage(folder, write, self.worker))
+        self.step()
+        self.peer.forget()
+
+    def step(self, ticks: int = 1) -> None:
+        """One tick of boat, water and medium."""
+        for _ in range(ticks):
+            super().step()
+            self.worker.tick()
+
+    def set(self, name: str, value: float) -> None:
+        """PARAM_SET, as it comes."""
+        self.peer.send(
+            dialect.MAVLink_param_set_message(*BOAT, name.encode(), value, dialect.MAV_PARAM_TYPE_REAL32)
+        )
+        self.receive()
+
+    def answers(self) -> list[tuple[str, float]]:
+        """What has been answered."""
+        return [(answer.param_id, answer.param_value) for answer in self.peer.said(VALUE)]
+
+
+def stored(folder: Path) -> str:
+    path = folder / "params.parm"
+    return unseal(path.read_bytes()).content.decode() if path.exists() else ""
+
+
+def free(rig: Rig) -> list[Row]:
+    """Parameters that may be set, and that share their setting with no other."""
+    rows = [row for row in rig.boat.parameters.rows if not row.read_only]
+    return [row for row in rows if len(rig.boat.parameters.sharing(row.name)) == 1]
+
+
+def test_a_change_is_answered_once_the_medium_has_it_and_within_the_second_of_a_station(
+    tmp_path: Path,
+) -> None:
+    rig = SlowRig(tmp_path)
+    rig.set("WP_RADIUS", 3.25)
+    assert rig.boat.parameters.config.guidance.waypoint_radius_m == 3.25  # it is in use at once
+    took_s = rig.until(lambda: bool(rig.answers()), QGC_WAITS_S)
+    assert WRITE_S - TICK_S <= took_s <= WRITE_S + 2 * TICK_S
+    assert rig.answers() == [("WP_RADIUS", 3.25)]
+    assert "WP_RADIUS 3.25" in stored(tmp_path)
+
+
+def test_no_answer_says_a_value_that_a_power_cut_now_would_lose(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    for number in range(60):
+        rig.set("WP_RADIUS", 2.0 + number / 16.0)
+        rig.step()
+        for _, value in rig.answers():
+            assert f"WP_RADIUS {value:g}" in stored(tmp_path)
+        rig.peer.forget()
+
+
+def test_two_hundred_changes_are_all_answered_within_the_second(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    rows = free(rig)
+    sent = [(row.name, rig.boat.parameters.value(row)) for row in (rows * (200 // len(rows) + 1))[:200]]
+    for name, value in sent:
+        rig.set(name, value)
+    rig.until(lambda: len(rig.answers()) >= 200, QGC_WAITS_S)
+    assert sorted(rig.answers()) == sorted(sent)
+    assert rig.worker.done <= 2
+
+
+def test_the_same_parameter_two_hundred_times_is_answered_two_hundred_times(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    for number in range(200):
+        rig.set("WP_RADIUS", 2.0 + number / 100.0)
+    rig.until(lambda: len(rig.answers()) >= 200, QGC_WAITS_S)
+    assert len(rig.answers()) == 200
+    assert rig.answers()[-1][1] == pytest.approx(3.99)
+
+
+def upload(rig: SlowRig) -> Event | None:
+    """A station that waits as the MAVLink guide says: 1.5 s, five retries."""
+    sender = Sender(rig.peer.address, MissionType.MISSION)
+    sender.offer(MISSION, BOAT, rig.now_s)
+    for _ in range(1000):
+        for message in sender.take_outbox():
+            rig.peer.send(message)
+        rig.step()
+        for message in rig.peer.listen():
+            if message.get_type().startswith("MISSION_"):
+                sender.handle(message, BOAT, rig.now_s)
+        sender.tick(rig.now_s)
+        for event in sender.take_events():
+            if isinstance(event, Completed | Failed):
+                return event
+    return None
+
+
+def test_a_mission_uploaded_right_after_two_hundred_changes_is_taken(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    for number in range(200):
+        rig.set("WP_RADIUS", 2.0 + number / 100.0)
+    assert isinstance(upload(rig), Completed)
+    assert rig.worker.done <= 3  # the first change, all the others, the mission
+
+
+def test_a_value_is_not_read_out_between_its_change_and_the_medium(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    index = rig.boat.parameters.index_of("WP_RADIUS")
+    rig.set("WP_RADIUS", 3.25)
+    ask: Callable[[], Message] = lambda: dialect.MAVLink_param_request_read_message(*BOAT, b"", index)  # noqa: E731
+    rig.peer.send(ask())
+    rig.receive()
+    assert rig.answers() == []
+    rig.until(lambda: bool(rig.answers()), QGC_WAITS_S)
+    rig.peer.send(ask())
+    rig.receive()
+    assert rig.answers() == [("WP_RADIUS", 3.25)] * 2
+
+
+def test_a_refused_value_is_answered_at_once_with_the_old_one(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    before = rig.boat.parameters.config.guidance.waypoint_radius_m
+    rig.set("WP_RADIUS", 1e6)
+    ((name, value),) = rig.answers()
+    assert name == "WP_RADIUS"
+    assert value == pytest.approx(before)
+
+
+def test_a_full_disk_is_told_once_and_the_change_is_answered_all_the_same(tmp_path: Path) -> None:
+    def refuse(path: Path, content: bytes, keep: Path | None) -> None:
+        raise OSError(28, "No space left on device")
+
+    rig = SlowRig(tmp_path, refuse)
+    for _ in range(5):
+        rig.set("WP_RADIUS", 3.25)
+    rig.until(lambda: len(rig.answers()) == 5, QGC_WAITS_S)
+    told = [text for text in rig.peer.texts if "not stored" in text]
+    assert told == ["Parameters not stored: No space left on device"]
+
+
+def test_a_file_of_many_and_a_reset_are_answered_when_stored_too(tmp_path: Path) -> None:
+    rig = SlowRig(tmp_path)
+    default = rig.boat.parameters.config.guidance.waypoint_radius_m
+    rig.boat.parameters.set_many([("WP_RADIUS", 3.5), ("HDG_KP", 3.5)])
+    rig.step()
+    assert rig.answers() == []
+    rig.until(lambda: len(rig.answers()) == 2, QGC_WAITS_S)
+    rig.peer.forget()
+    rig.boat.parameters.reset()
+    rig.until(lambda: len(rig.answers()) == 2, QGC_WAITS_S)
+    assert dict(rig.answers())["WP_RADIUS"] == pytest.approx(default)
+    assert stored(tmp_path) == "\n"
