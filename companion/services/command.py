@@ -1,6 +1,7 @@
 """A command as a station gives it, whichever of the two messages carried it."""
 
 import math
+from collections.abc import Callable
 
 from msgspec import Struct
 
@@ -25,6 +26,10 @@ _GLOBAL_FRAMES = frozenset(
         dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
     }
 )
+
+
+SendLater = Callable[[int, Message], None]
+"""Takes a channel and a message that follows the command's COMMAND_ACK."""
 
 
 class Command(Struct, frozen=True):

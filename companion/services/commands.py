@@ -66,9 +66,10 @@ class CommandService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._motor_test = motor_test
-        self._upkeep = UpkeepCommands(vehicle, motor_test, parameters, tell)
+        self._later: list[tuple[int, Message]] = []  # what follows the answer
+        self._upkeep = UpkeepCommands(vehicle, motor_test, parameters, tell, self._send_later)
         self._trials = TrialCommands(trials, parameters, tell)
-        self._questions = MessageCommands(telemetry, outbox).table
+        self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
@@ -106,9 +107,23 @@ class CommandService:
         self._questions[dialect.MAV_CMD_REQUEST_MESSAGE](
             Command(dialect.MAV_CMD_REQUEST_MESSAGE, asked, 0.0, 0.0, 0, origin, now_s)
         )
+        self._send_what_follows()
+
+    def hear(self, origin: Origin, now_s: float) -> None:
+        """Anything from a station: it is still there."""
+        if self._motor_test.is_running:
+            self._upkeep.hear(origin, now_s)
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone."""
+        self._upkeep.forget(channel)
 
     def handle(self, command: Command) -> None:
-        """Carry out one command and answer it."""
+        """Carry out one command and answer it; then send what has been asked for."""
+        self._handle(command)
+        self._send_what_follows()
+
+    def _handle(self, command: Command) -> None:
         carry_out = self._table.get(command.number)
         if carry_out is None:
             self._answer(command, UNSUPPORTED)
@@ -160,6 +175,14 @@ class CommandService:
             and command.is_same_as(done)
             and self._situation() == self._left_behind
         )
+
+    def _send_later(self, channel: int, message: Message) -> None:
+        self._later.append((channel, message))
+
+    def _send_what_follows(self) -> None:
+        for channel, message in self._later:
+            self._outbox.send(channel, message)
+        self._later.clear()
 
     def _answer(self, command: Command, result: int, progress_percent: int = 0) -> None:
         self._outbox.send(

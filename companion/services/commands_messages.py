@@ -3,17 +3,21 @@
 from collections.abc import Callable
 
 from companion.mavlink.dialect import dialect
-from companion.services.command import ACCEPTED, DENIED, FAILED, UNSUPPORTED, Command
-from companion.services.outbox import Outbox
+from companion.services.command import ACCEPTED, DENIED, FAILED, UNSUPPORTED, Command, SendLater
+from companion.services.streams import MIN_INTERVAL_S
 from companion.services.telemetry import TelemetryService
+
+SHORTEST_US = MIN_INTERVAL_S * 1e6  # an interval that is granted is kept
 
 
 class MessageCommands:
-    """A message that is asked for comes before its ACK, both at once: QGroundControl wants both in 1 s."""
+    """A message that is asked for follows its ACK at once, as ArduPilot's does: a client that waits for the
+    ACK first would miss it otherwise, and QGroundControl wants both within 1 s.
+    """
 
-    def __init__(self, telemetry: TelemetryService, outbox: Outbox) -> None:
+    def __init__(self, telemetry: TelemetryService, send_later: SendLater) -> None:
         self._telemetry = telemetry
-        self._outbox = outbox
+        self._send_later = send_later
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_GET_HOME_POSITION: self._asks_for(dialect.MAVLINK_MSG_ID_HOME_POSITION),
             dialect.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
@@ -38,14 +42,14 @@ class MessageCommands:
             return UNSUPPORTED
         messages = self._telemetry.build_all(message_id, which)
         for message in messages:
-            self._outbox.send(channel, message)
+            self._send_later(channel, message)
         return ACCEPTED if messages else FAILED
 
     def _set_interval(self, command: Command) -> int:
         message_id = command.whole(0)
-        if message_id is None:
-            return DENIED
         channel, interval_us = command.origin.channel, command.p[1]
+        if message_id is None or 0.0 < interval_us < SHORTEST_US:
+            return DENIED
         done = self._telemetry.set_interval_us(channel, message_id, interval_us, command.now_s)
         return ACCEPTED if done else UNSUPPORTED
 
@@ -55,5 +59,5 @@ class MessageCommands:
             return DENIED
         channel = command.origin.channel
         interval_us = self._telemetry.interval_us(channel, message_id)
-        self._outbox.send(channel, dialect.MAVLink_message_interval_message(message_id, interval_us))
+        self._send_later(channel, dialect.MAVLink_message_interval_message(message_id, interval_us))
         return ACCEPTED

@@ -25,7 +25,8 @@ from companion.vehicle.vehicle import Vehicle
 Tell = Callable[[list[Notice]], None]
 """Lines for every station."""
 
-_ARM_MAGIC, _DISARM_MAGIC = 2989, 21196
+_DISARM_MAGIC = 21196
+_ARM_MAGIC = (2989, 21196)  # ArduPilot's own, and that of MAVLink's common set, which forces both ways
 _AIRSPEED_OR_GROUND = (0.0, 1.0)
 _NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
 
@@ -60,7 +61,7 @@ class VehicleCommands:
     def _arm_disarm(self, command: Command) -> int:
         arm, magic = command.whole(0), command.p[1]
         if arm == 1:
-            return self._ask(Arm(force=magic == _ARM_MAGIC))
+            return self._ask(Arm(force=magic in _ARM_MAGIC))
         if arm == 0:
             return self._ask(Disarm("by emergency stop" if magic == _DISARM_MAGIC else "by command"))
         return DENIED
@@ -104,7 +105,9 @@ class VehicleCommands:
         seq = command.whole(0)
         if seq is None or seq < -1:
             return DENIED
-        return self._ask(SetCurrentItem(None if seq == -1 else seq, reset=command.whole(1) == 1))
+        is_beyond = seq > self._vehicle.progress.last_seq
+        result = self._ask(SetCurrentItem(None if seq == -1 else seq, reset=command.whole(1) == 1))
+        return DENIED if is_beyond else result
 
     def _reposition(self, command: Command) -> int:
         position = command.position()
@@ -138,6 +141,6 @@ class VehicleCommands:
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED
         if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
-            self._tell([Notice(Severity.WARNING, "Fence: none is uploaded")])
+            self._tell([Notice(Severity.ERROR, "Fence: none is uploaded")])
             return FAILED
         return FAILED if self._parameters.keep("FENCE_ENABLE", float(wanted)) else ACCEPTED

@@ -94,11 +94,13 @@ def _entry(row: Row, default: float) -> dict[str, Any]:
         "type": _TYPES[row.kind],
         "shortDesc": row.text,
         "default": _number(row, default),
-        "decimalPlaces": _decimals(row, default),
         "group": row.name.partition("_")[0].rstrip("0123456789"),
         "category": "Constant" if row.read_only else "Standard",
-        "rebootRequired": row.needs_restart,
     }
+    if row.kind is Kind.REAL32:
+        entry["decimalPlaces"] = _decimals(row, default)
+    if row.needs_restart:
+        entry["rebootRequired"] = True
     if row.read_only:
         entry["readOnly"] = True
     if row.unit:
@@ -130,8 +132,6 @@ def _number(row: Row, value: float) -> float:
 
 def _decimals(row: Row, default: float) -> int:
     """As many places as the row asks for, or as many as its default and its bounds have."""
-    if row.kind is not Kind.REAL32:
-        return 0
     numbers = [number for number in (default, row.low, row.high) if math.isfinite(number)]
     places = [-int(Decimal(shortest(number)).normalize().as_tuple().exponent) for number in numbers]
     return min(max(row.decimals, *places), _MOST_DECIMALS)

@@ -114,7 +114,7 @@ class Endpoint:
         self._texts = StatusTextService(self.outbox)
         if logbook is not None:
             self._texts.listener = logbook.note
-        self._heartbeat = HeartbeatService(vehicle, self.outbox)
+        self._heartbeat = HeartbeatService(vehicle, self.outbox, motor_test)
         self._telemetry = TelemetryService(self.outbox, look, may_send)
         self._time = TimeService(self.outbox)
         tell = self._texts.tell
@@ -205,6 +205,7 @@ class Endpoint:
         self._files.forget(channel)
         self._missions.forget(channel, now_s)
         self._manual.forget(channel)
+        self._commands.forget(channel)
         self._logs.forget(channel)
 
     @property
@@ -232,8 +233,10 @@ class Endpoint:
         if handler is None or sender == self._own or not self._is_for_us(message):
             self.ignored += 1
             return
+        origin = Origin(channel, sender)
         try:
-            handler(message, Origin(channel, sender), now_s)
+            self._commands.hear(origin, now_s)
+            handler(message, origin, now_s)
             if message.get_msgId() in _STEERING:
                 self._note_planner(message, sender, now_s)
         except Exception:

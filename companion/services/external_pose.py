@@ -30,6 +30,7 @@ _FASTEST_M_S = 30.0
 _FASTEST_RAD_S = 10.0
 _POSE_SIGMA_M = 0.05  # of a pose that does not say how good it is
 _UNKNOWN_SATELLITES = 255
+_BEST_FIX: int = dialect.GPS_FIX_TYPE_PPP
 _GPS_EPOCH_UNIX_S, _WEEK_S, _LEAP_S = 315964800.0, 604800.0, 18.0
 _UNIT = (0.8, 1.2)  # the norm of a quaternion that is meant as one
 _RAY_RAD = math.radians(15.0)
@@ -103,7 +104,7 @@ class ExternalPoseService:
         )
         numbers = [hdop, *(one for one in (north_m_s, east_m_s, accuracy) if one is not None)]
         is_sane = _all_below(numbers, 1000.0) and hdop >= 0.0 and (accuracy is None or accuracy >= 0.0)
-        if place is None or message.fix_type > 6 or not is_sane:
+        if place is None or message.fix_type > _BEST_FIX or not is_sane:
             self.dropped += 1
             return
         if not self._admits(origin.address, self._external.fix, now_s):

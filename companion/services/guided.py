@@ -1,7 +1,7 @@
 """GUIDED from outside: set-points of position, velocity, heading and turn rate, and the old go-to item.
 
-The protocol has no answer for set-points, so one that is not obeyed is told to its sender in words: once, and
-again only after some have been obeyed or REPEAT_S have passed.
+The protocol has no answer for set-points, so one that is not obeyed is told to its sender in words: each
+reason once in REPEAT_S.
 """
 
 import math
@@ -22,6 +22,7 @@ from companion.vehicle.sticks import top_speed_m_s
 from companion.vehicle.vehicle import Vehicle
 
 REPEAT_S = 30.0
+_MOST_REASONS = 20  # in that time, of all senders: a hostile one could invent any number
 
 _SHORTEST_Q = 0.5  # a quaternion has length 1; all zeros is no attitude
 _GUIDED_ITEM, _ALTITUDE_ITEM = 2, 3  # MISSION_ITEM.current of ArduPilot's old go-to and change of altitude
@@ -32,7 +33,6 @@ _NO_VELOCITY = _BIT.POSITION_TARGET_TYPEMASK_VX_IGNORE | _BIT.POSITION_TARGET_TY
 _NO_ACCELERATION = _BIT.POSITION_TARGET_TYPEMASK_AX_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_AY_IGNORE
 _NO_YAW = _BIT.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 _NO_YAW_RATE = _BIT.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-_FORCE = _BIT.POSITION_TARGET_TYPEMASK_FORCE_SET
 
 _NO_ATTITUDE = dialect.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
 _NO_BODY_YAW_RATE = dialect.ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE
@@ -77,7 +77,7 @@ class GuidedService:
     def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._texts = texts
-        self._told_s = -math.inf
+        self._told_s: dict[str, float] = {}  # by reason, when it was last told
 
     def on_global_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_GLOBAL_INT."""
@@ -118,13 +118,16 @@ class GuidedService:
         frames: frozenset[int],
         locate: Callable[[Message, NavState], LatLon | None],
     ) -> None:
-        """Position comes before velocity, yaw before yaw rate; accelerations and forces are not taken."""
+        """Position comes before velocity, yaw before yaw rate; accelerations and forces are not taken.
+        FORCE_SET says which of the two is meant, and nothing where both are ignored: many programs set all
+        upper bits.
+        """
         nav, mask = self._vehicle.nav, message.type_mask
         if nav is None or self._vehicle.frame is None:
             self._tell(origin, "no position yet", now_s)
         elif message.coordinate_frame not in frames:
             self._tell(origin, f"frame {message.coordinate_frame} is not supported", now_s)
-        elif mask & _NO_ACCELERATION != _NO_ACCELERATION or mask & _FORCE:
+        elif mask & _NO_ACCELERATION != _NO_ACCELERATION:
             self._tell(origin, "accelerations and forces are not supported", now_s)
         elif not mask & _NO_POSITION:
             self._go(message, locate(message, nav), origin, now_s)
@@ -142,21 +145,29 @@ class GuidedService:
             self._tell(origin, "a number is out of range", now_s)
         elif not self._vehicle.conduct.is_guided(self._vehicle.mode):
             self._tell(origin, "not in GUIDED", now_s)
-        elif self._vehicle.request(GoTo(position, speed_m_s)).accepted:
-            self._told_s = -math.inf
+        elif self._is_beyond_fence(position):
+            self._tell(origin, "outside the fence", now_s)
+        else:
+            self._vehicle.request(GoTo(position, speed_m_s))
+
+    def _is_beyond_fence(self, position: LatLon) -> bool:
+        vehicle = self._vehicle
+        return vehicle.frame is not None and not vehicle.fence.allows(vehicle.frame.to_local(position))
 
     def _hold(self, hold: Hold, origin: Origin, now_s: float) -> None:
         outcome = self._vehicle.request(SetPoint(hold))
-        if outcome.accepted:
-            self._told_s = -math.inf
-        else:
+        if not outcome.accepted:
             self._tell(origin, outcome.reason, now_s)
 
     def _tell(self, origin: Origin, reason: str, now_s: float) -> None:
-        if now_s - self._told_s >= REPEAT_S:
-            self._told_s = now_s
-            whom = f"{origin.address.system}/{origin.address.component}"
-            self._texts.tell([Notice(Severity.WARNING, f"Set-point of {whom} ignored: {reason}")])
+        whom = f"{origin.address.system}/{origin.address.component}"
+        text = f"Set-point of {whom} ignored: {reason}"
+        if now_s - self._told_s.get(text, -math.inf) < REPEAT_S:
+            return
+        self._told_s = {one: at_s for one, at_s in self._told_s.items() if now_s - at_s < REPEAT_S}
+        if len(self._told_s) < _MOST_REASONS:
+            self._told_s[text] = now_s
+            self._texts.tell([Notice(Severity.WARNING, text)])
 
     @staticmethod
     def _globe(message: Message, nav: NavState) -> LatLon | None:  # noqa: ARG004

@@ -7,6 +7,7 @@ report a failure that never was.
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
 from companion.vehicle.modes import Mode
+from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
 
 _PERIOD_S = 1.0
@@ -22,17 +23,23 @@ _BASE_MODE = {
 class HeartbeatService:
     """Announces the boat as an ArduPilot surface boat with Rover's modes."""
 
-    def __init__(self, vehicle: Vehicle, outbox: Outbox) -> None:
+    def __init__(self, vehicle: Vehicle, outbox: Outbox, motor_test: MotorTest) -> None:
         self._vehicle = vehicle
         self._outbox = outbox
+        self._motor_test = motor_test
         self._due_s = 0.0
         self._said = (vehicle.mode, vehicle.armed)
+
+    @property
+    def _is_armed(self) -> bool:
+        """Whether propellers may turn, a motor test included: as ArduPilot says it."""
+        return self._vehicle.armed or self._motor_test.is_running
 
     def message(self) -> Message:
         """The heartbeat of now."""
         vehicle = self._vehicle
         base_mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | _BASE_MODE[vehicle.mode]
-        if vehicle.armed:
+        if self._is_armed:
             base_mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
         # ACTIVE makes stations offer Return and go-to; a boat that holds is STANDBY so that they offer Disarm
         is_active = vehicle.armed and vehicle.mode is not Mode.HOLD
@@ -56,9 +63,9 @@ class HeartbeatService:
     def tell_change(self) -> None:
         """Send if mode or arming differ from what was said last."""
         said, vehicle = self._said, self._vehicle
-        if vehicle.mode is not said[0] or vehicle.armed is not said[1]:
+        if vehicle.mode is not said[0] or self._is_armed is not said[1]:
             self._say()
 
     def _say(self) -> None:
-        self._said = (self._vehicle.mode, self._vehicle.armed)
+        self._said = (self._vehicle.mode, self._is_armed)
         self._outbox.broadcast(self.message())

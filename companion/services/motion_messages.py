@@ -11,6 +11,10 @@ from companion.units import clamp, deg_to_e7, wrap_two_pi
 _POSITION_AND_VELOCITY = 0b1001_1110_0100
 
 
+# What a field holds: a cold receiver reports any altitude and any accuracy
+_INT32_MAX, _UINT32_MAX = 0x7FFFFFFF, 0xFFFFFFFF
+
+
 def _int16(value: float) -> int:
     return round(clamp(value, -32767.0, 32767.0))
 
@@ -133,13 +137,13 @@ def gps_raw_int(now: Snapshot) -> Message | None:
         fix_type=fix.fix_type,
         lat=deg_to_e7(fix.position.lat_deg),
         lon=deg_to_e7(fix.position.lon_deg),
-        alt=round(fix.altitude_m * 1e3),
+        alt=round(clamp(fix.altitude_m * 1e3, -_INT32_MAX, _INT32_MAX)),
         eph=round(min(fix.hdop * 100.0, 65534.0)),
         epv=0xFFFF,
         vel=speed_cm_s,
         cog=course_cdeg,
         satellites_visible=min(fix.satellites, 255),  # which is: not known
-        h_acc=0 if accuracy_m is None else round(accuracy_m * 1e3),
+        h_acc=0 if accuracy_m is None else round(clamp(accuracy_m * 1e3, 0.0, _UINT32_MAX)),
     )
 
 

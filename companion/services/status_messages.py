@@ -1,6 +1,7 @@
 """Telemetry of the boat's condition: one function per message, None while there is nothing true to say."""
 
 import math
+import re
 
 from companion import __version__
 from companion.mavlink.dialect import Message, dialect
@@ -185,7 +186,7 @@ def distance_sensor(now: Snapshot) -> Message | None:
     half_yaw_rad = 0.5 * ping.bearing_rad
     range_m = ping.max_range_m + 0.01 if ping.range_m is None else ping.range_m
     return dialect.MAVLink_distance_sensor_message(
-        time_boot_ms=round(ping.time_s * 1e3),
+        time_boot_ms=round(ping.time_s * 1e3) & 0xFFFFFFFF,
         min_distance=round(ping.min_range_m * 100.0),
         max_distance=round(ping.max_range_m * 100.0),
         current_distance=round(clamp(range_m * 100.0, 0.0, 65535.0)),
@@ -217,6 +218,15 @@ def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
     )
 
 
+def _hex_version(version: str) -> str:
+    """A version as eight hexadecimal digits: tools take this field for the head of a commit's hash, and fail
+    on anything else. Two digits for major and minor each, four for the patch.
+    """
+    numbers = [int(number) for number in re.findall(r"\d+", version)[:3]]
+    major, minor, patch = [*numbers, 0, 0, 0][:3]
+    return f"{major & 0xFF:02x}{minor & 0xFF:02x}{patch & 0xFFFF:04x}"
+
+
 def autopilot_version(now: Snapshot) -> Message:
     """Capabilities decide what stations even try: fence and rally transfers, COMMAND_INT, MISSION_INT."""
     capabilities = (
@@ -225,6 +235,9 @@ def autopilot_version(now: Snapshot) -> Message:
         | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | dialect.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | dialect.MAV_PROTOCOL_CAPABILITY_FTP
+        | dialect.MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
+        | dialect.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+        | dialect.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
         | dialect.MAV_PROTOCOL_CAPABILITY_MAVLINK2
         | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
         | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
@@ -236,7 +249,7 @@ def autopilot_version(now: Snapshot) -> Message:
         middleware_sw_version=0,
         os_sw_version=0,
         board_version=0,
-        flight_custom_version=list(__version__.encode("ascii")[:8].ljust(8, b"\x00")),
+        flight_custom_version=list(_hex_version(__version__).encode("ascii")),
         middleware_custom_version=[0] * 8,
         os_custom_version=[0] * 8,
         vendor_id=0,

@@ -10,7 +10,7 @@ _CHUNK_BYTES = 50
 
 # Lines at once, and lines a second: a station that provokes refusals by the thousand must not drown others
 _MOST, _PER_SECOND = 40.0, 10.0
-_RESERVED = 20.0  # for what is severe
+_RESERVED = 20.0  # for what is critical: an error may be a refusal
 
 
 class StatusTextService:
@@ -28,7 +28,7 @@ class StatusTextService:
         for notice in notices:
             if self.listener is not None:
                 self.listener(notice)
-            if self._left < (1.0 if notice.severity <= Severity.ERROR else 1.0 + _RESERVED):
+            if self._left < (1.0 if notice.severity <= Severity.CRITICAL else 1.0 + _RESERVED):
                 self.dropped += 1
                 continue
             self._left -= 1.0

@@ -63,7 +63,7 @@ _UNASKED: dict[int, float] = {
     _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 0.125,
 }
 
-_MIN_INTERVAL_S = 0.02  # the tick
+MIN_INTERVAL_S = 0.02  # the tick
 _SLACK_S = 1e-6  # sums of intervals are not exact: without it a message of every tick would miss some
 _ONCE_A_SECOND_S = 1.0
 
@@ -91,7 +91,7 @@ class Streams:
             self._interval_s.pop(message_id, None)
             self._due_s.pop(message_id, None)
         else:
-            self._interval_s[message_id] = max(interval_s, _MIN_INTERVAL_S)
+            self._interval_s[message_id] = max(interval_s, MIN_INTERVAL_S)
             self._due_s[message_id] = now_s
         self._next_s = min(self._due_s.values(), default=math.inf)
 

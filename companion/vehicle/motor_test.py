@@ -49,6 +49,8 @@ class MotorTest:
         """Turn a motor at a share of full drive, −1..1. Returns why not, empty when it turns."""
         if self._vehicle.armed:
             return "disarm first"
+        if self._vehicle.is_restarting:
+            return "the program is restarting"
         left, right = _SIDES[motor]
         share = clamp(share, -1.0, 1.0)
         self._thrust = Thrust(left * share, right * share)

@@ -23,6 +23,7 @@ from companion.vehicle.response import NO_HEADING, TRY_AGAIN_S, Response
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
+_RESTARTING = "Program: restarting"
 
 
 class Vehicle:
@@ -46,6 +47,7 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
+        self.is_restarting = False  # the program is about to begin anew: it does not arm any more
         self.standing_order = False  # it is about to arm itself, or to go on; any mode or disarming ends that
         self.losses = Losses()
         self._response = Response(self)
@@ -195,6 +197,8 @@ class Vehicle:
             faults.append("Fence: the stored fence is lost: upload or clear it")
         if fault := radio_fault(self.conduct.sticks, config, self._now_s):
             faults.append(fault)
+        if self.is_restarting:
+            faults.append(_RESTARTING)
         return faults
 
     @property
@@ -241,7 +245,7 @@ class Vehicle:
     def arm(self, force: bool) -> Outcome:
         if self.armed:
             return ACCEPTED
-        faults = [] if force else self.arming_faults()
+        faults = self.arming_faults() if not force else [_RESTARTING] if self.is_restarting else []
         if faults:
             for fault in faults:
                 self.tell(Severity.CRITICAL, f"Arm: {fault}")
@@ -277,5 +281,6 @@ class Vehicle:
         self._notices.append(Notice(severity, text))
 
     def refuse(self, reason: str) -> Outcome:
-        self.tell(Severity.WARNING, reason)
+        """Say why a request is not carried out. Stations pop up an error; a warning they only list."""
+        self.tell(Severity.ERROR, reason)
         return Outcome(False, reason)

@@ -46,7 +46,7 @@ ROWS = [
     (CMD.MAV_CMD_MISSION_START, (-1,), DENIED),
     (CMD.MAV_CMD_MISSION_START, (NAN,), DENIED),
     (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (2,), OK),
-    (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (4,), FAILED),
+    (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (4,), DENIED),
     (CMD.MAV_CMD_DO_SET_MISSION_CURRENT, (NAN,), DENIED),
     (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, 1.5), OK),
     (CMD.MAV_CMD_DO_CHANGE_SPEED, (1, 0), DENIED),
@@ -75,6 +75,7 @@ ROWS = [
     (CMD.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, (1,), OK),
     (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, 100_000), OK),
     (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, -1), OK),
+    (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, 1250), DENIED),
     (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (245, 1_000_000), OK),
     (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (233, 1_000_000), UNSUPPORTED),
     (CMD.MAV_CMD_SET_MESSAGE_INTERVAL, (30, NAN), UNSUPPORTED),
@@ -97,6 +98,8 @@ ROWS = [
     (CMD.MAV_CMD_USER_1, (1, -40), DENIED),
     (CMD.MAV_CMD_USER_1, (1, NAN), DENIED),
     (CMD.MAV_CMD_USER_1, (NAN,), DENIED),
+    (CMD.MAV_CMD_DO_CANCEL_MAG_CAL, (), OK),
+    (CMD.MAV_CMD_DO_START_MAG_CAL, (1, 0, 1), FAILED),
     (CMD.MAV_CMD_FIXED_MAG_CAL_YAW, (90,), OK),
     (CMD.MAV_CMD_FIXED_MAG_CAL_YAW, (NAN,), DENIED),
     (CMD.MAV_CMD_DO_MOTOR_TEST, (3, 0, 20, 1), OK),
@@ -158,7 +161,12 @@ def test_a_command_is_answered_at_once_as_its_row_says(
 def test_every_command_of_the_table_has_a_row_here_that_is_accepted(rig: Rig) -> None:
     table = rig.boat.endpoint._commands._table
     assert isinstance(rig.boat.endpoint._commands, CommandService)
-    refused_plainly = {CMD.MAV_CMD_DO_SET_SERVO, CMD.MAV_CMD_DO_SET_RELAY, CMD.MAV_CMD_DO_SET_GLOBAL_ORIGIN}
+    refused_plainly = {
+        CMD.MAV_CMD_DO_SET_SERVO,
+        CMD.MAV_CMD_DO_SET_RELAY,
+        CMD.MAV_CMD_DO_SET_GLOBAL_ORIGIN,
+        CMD.MAV_CMD_DO_START_MAG_CAL,
+    }
     assert set(table) - refused_plainly == {number for number, _, result in ROWS if result == OK}
 
 

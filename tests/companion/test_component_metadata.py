@@ -52,8 +52,8 @@ def test_every_parameter_is_described_as_the_schema_allows() -> None:
         assert entry["shortDesc"] == row.text
         assert entry.get("units", "") == ("C" if row.unit == "degC" else row.unit)
         assert entry["min"] <= entry["default"] <= entry["max"], entry
-        assert isinstance(entry["decimalPlaces"], int)
-        assert 0 <= entry["decimalPlaces"] <= 7
+        assert isinstance(entry.get("decimalPlaces", 0), int)
+        assert 0 <= entry.get("decimalPlaces", 0) <= 7
         assert all(set(one) == {"value", "description"} for one in entry.get("values", ()))
         assert all(set(one) == {"index", "description"} for one in entry.get("bitmask", ()))
         assert all(isinstance(one["index"], int) for one in entry.get("bitmask", ()))

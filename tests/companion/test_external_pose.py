@@ -269,6 +269,15 @@ def test_gps_input_stands_in_for_receiver_and_compass() -> None:
     assert not rig.boat.vehicle.arming_faults()
 
 
+@pytest.mark.parametrize("fix_type", [7, 8])
+def test_a_static_or_precise_fix_is_a_fix(fix_type: int) -> None:
+    rig, _ = blind()
+    camera = rig.connect(CAMERA)
+    watch(rig, camera, 2.0, gps_input(ORIGIN, fix_type=fix_type, yaw_cdeg=9000))
+    assert rig.peer.said("GPS_RAW_INT")[-1].fix_type == fix_type
+    assert not rig.boat.vehicle.arming_faults()
+
+
 def bins(rig: Rig) -> list[int]:
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) == OK
     (message,) = rig.peer.said("OBSTACLE_DISTANCE")

@@ -3,11 +3,14 @@
 import math
 
 import pytest
-from boat_rig import BOAT, OK, Rig
+from boat_rig import BOAT, OK, ORIGIN, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.transfer import Completed
+from companion.units import deg_to_e7
 from companion.vehicle.intent import HoldCourse, HoldHeading, HoldTurn
 
 NAN, INF = math.nan, math.inf
@@ -82,7 +85,7 @@ def test_a_set_point_is_held(rig: Rig, message: Message, expected: object) -> No
         (local(POSITION, x=NAN), "out of range"),
         (local(POSITION, x=1e6), "out of range"),
         (local(VELOCITY & ~0b111000000), "accelerations"),
-        (local(VELOCITY | 0x200), "accelerations"),
+        (local(VELOCITY & ~0b111000000 | 0x200), "accelerations"),
         (local(VELOCITY, frame=3), "frame 3"),
         (globe(POSITION, 0, 0), "out of range"),
         (globe(POSITION, 910_000_000, 0), "out of range"),
@@ -102,6 +105,60 @@ def test_what_cannot_be_held_is_refused_in_words(rig: Rig, message: Message, wor
     assert text.startswith("Set-point of 255/190 ignored: ")
     assert words in text
     assert rig.boat.endpoint.faults == 0
+
+
+# As thousands of programs write it: use position or velocity, ignore all else, FORCE_SET included
+ONLY_POSITION, ONLY_VELOCITY = 0b0000111111111000, 0b0000111111000111
+
+
+def test_the_usual_masks_are_obeyed_although_they_name_a_force_that_is_ignored(rig: Rig) -> None:
+    hold = held(rig, local(ONLY_VELOCITY, vx=0.0, vy=2.0))
+    assert isinstance(hold, HoldCourse)
+    assert hold.speed_m_s == 2.0
+    held(rig, local(ONLY_POSITION, x=5.0))
+    assert rig.boat.vehicle.target is not None
+    held(rig, globe(ONLY_POSITION, 500_010_000, -12_000_000))
+    assert rig.boat.vehicle.target.lat_deg == pytest.approx(50.001)
+    assert [text for text in rig.peer.texts if "ignored" in text] == []
+
+
+def test_each_reason_is_told_once_in_half_a_minute_whatever_comes_between(rig: Rig) -> None:
+    rig.peer.forget()
+    for _ in range(20):
+        held(rig, local(VELOCITY, vx=NAN))
+        held(rig, local(VELOCITY, frame=3))
+        held(rig, local(VELOCITY, vx=1.0))  # which is obeyed
+        rig.step()
+    told = [text.rpartition(": ")[2] for text in rig.peer.texts if "ignored" in text]
+    assert told == ["neither position nor velocity nor yaw, or not a number", "frame 3 is not supported"]
+    rig.run(30.0)
+    held(rig, local(VELOCITY, frame=3))
+    assert len([text for text in rig.peer.texts if "frame 3" in text]) == 2
+
+
+def test_reasons_that_a_hostile_station_invents_are_bounded(rig: Rig) -> None:
+    rig.peer.forget()
+    for frame in range(20, 200):
+        held(rig, local(VELOCITY, frame=frame))
+        rig.step(6)
+    assert len([text for text in rig.peer.texts if "ignored" in text]) == 20
+
+
+def test_a_stream_of_positions_beyond_the_fence_is_told_once(rig: Rig) -> None:
+    fence = [
+        MissionItem(
+            frame=0, command=5003, param1=50.0, x=deg_to_e7(ORIGIN.lat_deg), y=deg_to_e7(ORIGIN.lon_deg)
+        )
+    ]
+    assert isinstance(rig.upload(fence, mission_type=MissionType.FENCE), Completed)
+    rig.peer.forget()
+    for _ in range(20):
+        held(rig, globe(POSITION, 500_100_000, -12_000_000))
+        rig.step(5)
+    assert rig.boat.vehicle.target is None
+    assert [text for text in rig.peer.texts if "fence" in text] == [
+        "Set-point of 255/190 ignored: outside the fence"
+    ]
 
 
 def test_a_position_is_a_target_and_its_velocity_the_speed(rig: Rig) -> None:

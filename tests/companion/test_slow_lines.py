@@ -62,7 +62,7 @@ def test_a_file_takes_its_share_and_leaves_room_for_telemetry() -> None:
     blocks = -(-struct.unpack_from("<I", bytes(opened.payload), 12)[0] // 239)
     radio.peer.forget()
     radio.ask(2, Opcode.BURST_READ_FILE, size=239)
-    share, heard = radio.share_until("FILE_TRANSFER_PROTOCOL", blocks + 1, 8.0)
+    share, heard = radio.share_until("FILE_TRANSFER_PROTOCOL", blocks + 1, 12.0)
     assert LEAST_SHARE < share <= 1.05
     assert {"ATTITUDE", "GLOBAL_POSITION_INT", "HEARTBEAT"} <= {one.get_type() for one in heard}
     assert radio.channel.dropped == 0

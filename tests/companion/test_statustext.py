@@ -43,15 +43,16 @@ def test_what_is_not_ascii_is_replaced_not_raised() -> None:
     assert message.text == "Kurs 90? ? S?d"
 
 
-def test_a_flood_of_lines_is_held_back_and_leaves_room_for_what_is_severe() -> None:
+@pytest.mark.parametrize("severity", [Severity.WARNING, Severity.ERROR])
+def test_a_flood_of_lines_is_held_back_and_leaves_room_for_what_is_severe(severity: int) -> None:
     outbox = Outbox()
     texts = StatusTextService(outbox)
-    texts.tell([Notice(Severity.WARNING, "refused")] * 1000)
+    texts.tell([Notice(severity, "refused")] * 1000)
     assert len(outbox.take()) == 20
     texts.tell([Notice(Severity.CRITICAL, "Failsafe: battery low")])
     assert len(outbox.take()) == 1
     assert texts.dropped == 980
     for _ in range(50):
         texts.tick(0.02)
-        texts.tell([Notice(Severity.WARNING, "refused")] * 10)
+        texts.tell([Notice(severity, "refused")] * 10)
     assert len(outbox.take()) == pytest.approx(9, abs=1)  # of those, one makes up for the severe one

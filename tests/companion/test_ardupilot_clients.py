@@ -1,0 +1,210 @@
+"""What programs written for ArduPilot take for granted: the order on the wire, fields that they parse, codes.
+
+Measured at ArduPilot Rover, or written in MAVLink's common set.
+"""
+
+import math
+import types
+
+import pytest
+from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
+
+from companion.geo import LatLon
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import Message, dialect
+from companion.sensors.readings import GnssFix, SonarReading
+from companion.services.motion_messages import gps_raw_int
+from companion.services.status_messages import distance_sensor
+
+CMD = dialect
+LEFT, BOTH, PERCENT = 3, 1, 0
+ARMED = dialect.MAV_MODE_FLAG_SAFETY_ARMED
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat that could be armed, with a mission."""
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(40.0, 0.0), waypoint(40.0, 40.0)])
+    return rig
+
+
+def motors(rig: Rig) -> tuple[float, float]:
+    return rig.world._motors.left, rig.world._motors.right
+
+
+class PatientClient:
+    """Waits for its COMMAND_ACK first, and only then for the message; what came before is thrown away."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+
+    def request(self, number: int, *params: float, name: str) -> Message:
+        """Send a command; the message that has come behind the answer.
+
+        Raises:
+            TimeoutError: none has.
+        """
+        peer = self.rig.peer
+        peer.forget()
+        peer.command(number, *params)
+        self.rig.receive()
+        heard = iter(peer.listen())
+        for message in heard:
+            if message.get_type() == "COMMAND_ACK":
+                assert message.result == OK
+                break
+        for message in heard:
+            if message.get_type() == name:
+                return message
+        raise TimeoutError(f"no {name} behind its answer")
+
+
+@pytest.mark.parametrize(
+    ("number", "params", "name"),
+    [
+        (CMD.MAV_CMD_REQUEST_MESSAGE, (148.0,), "AUTOPILOT_VERSION"),
+        (CMD.MAV_CMD_REQUEST_MESSAGE, (435.0, 0.0), "AVAILABLE_MODES"),
+        (CMD.MAV_CMD_REQUEST_MESSAGE, (397.0,), "COMPONENT_METADATA"),
+        (CMD.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, (1.0,), "AUTOPILOT_VERSION"),
+        (CMD.MAV_CMD_GET_HOME_POSITION, (), "HOME_POSITION"),
+        (CMD.MAV_CMD_GET_MESSAGE_INTERVAL, (30.0,), "MESSAGE_INTERVAL"),
+    ],
+)
+def test_a_message_follows_its_answer(rig: Rig, number: int, params: tuple[float, ...], name: str) -> None:
+    assert PatientClient(rig).request(number, *params, name=name)
+
+
+def test_the_set_points_that_the_boat_obeys_are_among_its_capabilities(rig: Rig) -> None:
+    version = PatientClient(rig).request(CMD.MAV_CMD_REQUEST_MESSAGE, 148.0, name="AUTOPILOT_VERSION")
+    for bit in (64, 128, 256):  # attitude, local and global position
+        assert version.capabilities & bit
+
+
+def test_the_version_is_eight_hexadecimal_digits(rig: Rig) -> None:
+    version = PatientClient(rig).request(CMD.MAV_CMD_REQUEST_MESSAGE, 148.0, name="AUTOPILOT_VERSION")
+    digits = bytes(version.flight_custom_version).decode("ascii")
+    assert len(digits) == 8
+    assert int(digits, 16) > 0
+
+
+@pytest.mark.parametrize(("interval_us", "result"), [(1250.0, DENIED), (19_900.0, DENIED), (20_000.0, OK)])
+def test_an_interval_that_is_accepted_is_kept(rig: Rig, interval_us: float, result: int) -> None:
+    assert rig.ask(CMD.MAV_CMD_SET_MESSAGE_INTERVAL, 30, interval_us) == result
+    rig.peer.forget()
+    rig.run(2.0)
+    hz = len(rig.peer.said("ATTITUDE")) / 2.0
+    assert hz == pytest.approx(50.0 if result == OK else 4.0, abs=1.0)
+
+
+def test_an_item_beyond_the_end_is_denied(rig: Rig) -> None:
+    assert rig.ask(CMD.MAV_CMD_DO_SET_MISSION_CURRENT, 3) == DENIED
+    assert rig.ask(CMD.MAV_CMD_DO_SET_MISSION_CURRENT, 2) == OK
+
+
+@pytest.mark.parametrize("magic", [2989.0, 21196.0])
+def test_both_numbers_that_force_arming_do(magic: float) -> None:
+    rig = Rig(gnss=Silent())
+    rig.step()
+    rig.set_mode(0)
+    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"BATT_ARM_VOLT", 99.0, 9))
+    rig.run(1.0)
+    assert rig.boat.vehicle.arming_faults()
+    assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 0.0) == FAILED
+    assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, magic) == OK
+    assert rig.boat.vehicle.armed
+
+
+def test_the_heartbeat_says_armed_while_a_motor_test_turns_propellers(rig: Rig) -> None:
+    rig.peer.forget()
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PERCENT, 30.0, 2.0) == OK
+    beats = rig.peer.said("HEARTBEAT")  # at once, before the motor turns
+    assert beats
+    assert beats[-1].base_mode & ARMED
+    assert not rig.boat.vehicle.armed
+    rig.run(3.0)
+    assert motors(rig) == (0.0, 0.0)
+    assert not rig.peer.said("HEARTBEAT")[-1].base_mode & ARMED
+
+
+# Interlocks of what stations start
+
+
+def test_a_motor_test_does_not_outlive_its_link(rig: Rig) -> None:
+    other = rig.connect(Address(42, 190))
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 25.0, peer=other) == OK
+    rig.run(1.0)
+    assert motors(rig) == (0.5, 0.5)
+    other.link.close()
+    rig.run(0.5)
+    assert motors(rig) == (0.0, 0.0)
+    assert "Motor test: ended, its link has closed" in rig.peer.texts
+
+
+def test_a_motor_test_does_not_outlive_its_station_though_another_is_there(rig: Rig) -> None:
+    other = rig.connect(Address(42, 190))
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 25.0, peer=other) == OK
+    for second in range(10):
+        rig.peer.heartbeat()
+        if second < 3:
+            other.heartbeat()
+        rig.run(1.0)
+        assert motors(rig) == ((0.5, 0.5) if second < 7 else (0.0, 0.0)), second
+    assert "Motor test: ended, its station is silent" in rig.peer.texts
+
+
+@pytest.mark.parametrize("magic", [0.0, 2989.0, 21196.0])
+def test_a_boat_that_is_about_to_restart_does_not_arm(rig: Rig, magic: float) -> None:
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == OK
+    assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, magic) == FAILED
+    assert "Arm: Program: restarting" in rig.peer.texts
+    rig.ask(CMD.MAV_CMD_MISSION_START)
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 25.0) == FAILED
+    rig.run(0.4)
+    assert rig.boat.wants_restart
+    assert motors(rig) == (0.0, 0.0)
+
+
+def test_a_program_that_does_not_restart_arms_again(rig: Rig) -> None:
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == OK
+    rig.run(6.0)
+    assert "Reboot: this program does not restart" in rig.peer.texts
+    assert not rig.boat.wants_restart
+    assert rig.arm() == OK
+
+
+# Numbers that do not fit
+
+
+def bytes_of(message: Message | None) -> bytes:
+    """A frame, as the boat would send it: packing raises where a number does not fit its field."""
+    assert message is not None
+    return Encoder(QGC).encode(message)
+
+
+def test_a_ping_is_told_after_fifty_days_too() -> None:
+    ping = SonarReading(50.0 * 86400.0, 0.5, 2.0)
+    message = distance_sensor(types.SimpleNamespace(sonar=ping))  # type: ignore[arg-type]
+    assert bytes_of(message)
+    assert message is not None
+    assert message.time_boot_ms == 50 * 86_400_000 - 2**32
+
+
+@pytest.mark.parametrize(
+    ("altitude_m", "accuracy_m"), [(3e6, 1.0), (-3e6, 1.0), (0.0, 5e6), (math.inf, math.inf), (-1e30, 1e30)]
+)
+def test_a_cold_receivers_numbers_fit_their_fields(altitude_m: float, accuracy_m: float) -> None:
+    fix = GnssFix(1.0, LatLon(0.0, 0.0), 1, 0, 99.99, altitude_m=altitude_m, horizontal_accuracy_m=accuracy_m)
+    now = types.SimpleNamespace(fix=fix, boot_us=0)
+    message = gps_raw_int(now)  # type: ignore[arg-type]
+    assert bytes_of(message)
+    assert message is not None
+    assert message.h_acc == min(round(min(accuracy_m, 1e9) * 1e3), 0xFFFFFFFF)
+
+
+def test_an_answer_still_goes_to_the_asker_alone(rig: Rig) -> None:
+    other: Peer = rig.connect()
+    other.forget()
+    PatientClient(rig).request(CMD.MAV_CMD_REQUEST_MESSAGE, 148.0, name="AUTOPILOT_VERSION")
+    assert other.said("AUTOPILOT_VERSION") == []

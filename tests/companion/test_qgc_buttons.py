@@ -1,0 +1,112 @@
+"""What an operator sees in QGroundControl 4.4 when a button does not do what it says.
+
+A command that fails is shown as "… command failed"; the reason is what the boat says beside it. A text of
+severity ERROR (3) or worse pops up, others are only in the list. The pages for sensors show every text.
+"""
+
+import pytest
+from boat_rig import BOAT, DENIED, FAILED, OK, UNSUPPORTED, Rig
+
+from companion.mavlink.dialect import Message, dialect
+
+CMD = dialect
+POPS_UP = 3
+HIDDEN = ("prearm:", "ekf", "arm", "initialising")  # beginnings of texts that the sensors page leaves out
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat that could be armed, with neither a mission nor a fence."""
+    return Rig().ready()
+
+
+def popped_up(rig: Rig) -> list[str]:
+    return [one.text for one in rig.peer.said("STATUSTEXT") if one.severity <= POPS_UP]
+
+
+@pytest.mark.parametrize(
+    ("number", "params", "reason"),
+    [
+        (CMD.MAV_CMD_DO_SET_MODE, (1.0, 6.0), "FOLLOW: no vehicle is heard"),
+        (CMD.MAV_CMD_DO_SET_MODE, (1.0, 10.0), "AUTO: no mission"),
+        (CMD.MAV_CMD_MISSION_START, (), "AUTO: no mission"),
+        (CMD.MAV_CMD_DO_SET_MODE, (1.0, 8.0), "Mode 8 is not available on this boat"),
+        (CMD.MAV_CMD_DO_REPOSITION, (-1.0, 0.0, 0.0, 0.0, 50.001, -1.2), "Go to: not in GUIDED"),
+        (CMD.MAV_CMD_DO_FENCE_ENABLE, (1.0,), "Fence: none is uploaded"),
+    ],
+)
+def test_a_button_that_fails_pops_up_its_reason(
+    rig: Rig, number: int, params: tuple[float, ...], reason: str
+) -> None:
+    assert rig.ask(number, *params) == FAILED
+    assert popped_up(rig) == [reason]
+
+
+def test_a_motor_test_or_restart_of_an_armed_boat_pops_up_its_reason(rig: Rig) -> None:
+    rig.arm()
+    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, 3.0, 0.0, 20.0, 5.0) == FAILED
+    assert popped_up(rig) == ["Motor test: disarm first"]
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0) == FAILED
+    assert popped_up(rig) == ["Reboot: disarm first"]
+
+
+class CompassPage:
+    """QGroundControl's compass calibration: it probes with a cancellation and goes on if that is accepted,
+    prepares a parameter, starts, and waits for one report of each compass in use, whatever the answer was.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.log: list[str] = []
+        self.verdict = "nothing appears"
+
+    def press_ok(self) -> None:
+        """From the press to the end of what the boat says."""
+        rig = self.rig
+        if rig.ask(CMD.MAV_CMD_DO_CANCEL_MAG_CAL) != OK:
+            return
+        self.verdict = "waits for ever"
+        rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"COMPASS_CAL_FIT", 100.0, 9))
+        rig.receive()
+        assert [one.param_value for one in rig.peer.said("PARAM_VALUE")] == [100.0]
+        rig.peer.forget()
+        rig.peer.command(CMD.MAV_CMD_DO_START_MAG_CAL, 1.0, 0.0, 1.0, 0.0, 0.0)
+        rig.receive()
+        is_answered = False
+        for message in rig.peer.listen():
+            self._take(message, is_answered)
+            is_answered = is_answered or message.get_type() == "COMMAND_ACK"
+
+    def _take(self, message: Message, is_answered: bool) -> None:
+        if message.get_type() == "STATUSTEXT" and not message.text.lower().startswith(HIDDEN):
+            self.log.append(message.text)
+        if message.get_type() == "MAG_CAL_REPORT":
+            assert is_answered
+            assert (message.compass_id, message.cal_mask) == (0, 1)
+            is_good = message.cal_status == dialect.MAG_CAL_SUCCESS
+            self.verdict = "complete" if is_good else "Calibration failed. Calibration log will be displayed."
+
+
+def test_the_compass_page_ends_with_the_reason_in_its_log(rig: Rig) -> None:
+    page = CompassPage(rig)
+    page.press_ok()
+    assert page.verdict == "Calibration failed. Calibration log will be displayed."
+    assert any("calibrates itself" in line for line in page.log)
+
+
+@pytest.mark.parametrize(
+    ("params", "reason"),
+    [
+        ((0, 0, 1, 0, 0, 0), "Pressure: this boat has no barometer"),
+        ((0, 0, 0, 0, 1, 0), "Accelerometer: the heading sensor calibrates itself"),
+        ((0, 0, 0, 0, 2, 0), "Accelerometer: the heading sensor calibrates itself"),
+        ((0, 0, 0, 0, 0, 1), "Compass: interference of the motors is not measured"),
+        ((0, 0, 0, 1, 0, 0), "RC: this boat has no receiver"),
+    ],
+)
+def test_a_sensor_without_anything_to_calibrate_says_so(
+    rig: Rig, params: tuple[float, ...], reason: str
+) -> None:
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, *params) in (UNSUPPORTED, DENIED)
+    assert rig.peer.texts == [reason]
+    assert not reason.lower().startswith(HIDDEN)
