@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Protocol
 
 from companion import parts
-from companion.errors import HardwareError
 from companion.hal.background import Background
-from companion.hal.optional import import_optional
+from companion.hal.pins import opening_pins
 from companion.sensors.readings import HullReading
 
 _PERIOD_S = 1.0
@@ -71,11 +70,8 @@ def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
     """
     switch: Switch | None = None
     if part.leak >= 0:
-        gpiozero = import_optional("gpiozero", "leak switch")
-        try:
+        with opening_pins("leak switch") as gpiozero:
             switch = gpiozero.DigitalInputDevice(part.leak, pull_up=True)  # it closes to ground when wet
-        except Exception as error:
-            raise HardwareError(f"leak switch: pin {part.leak} cannot be had: {error}") from error
     hull = HullSensor(Path(part.thermometer), switch, now)
     hull.start()
     return hull

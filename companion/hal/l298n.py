@@ -16,7 +16,7 @@ from typing import Protocol
 
 from companion import parts
 from companion.errors import HardwareError
-from companion.hal.optional import import_optional
+from companion.hal.pins import opening_pins
 from companion.units import clamp
 
 
@@ -170,27 +170,23 @@ def open_l298n(pins: parts.L298N, now: Callable[[], float], pin_factory: object 
     Raises:
         HardwareError: gpiozero is missing, there are no pins on this machine, or one is taken.
     """
-    gpiozero = import_optional("gpiozero", "L298N")
-    try:
-        with ExitStack() as undo:
+    with opening_pins("L298N") as gpiozero, ExitStack() as undo:
 
-            def pair(forward: int, backward: int, enable: int, is_reversed: bool) -> HalfBridgePair:
-                # Enable comes first: held low, it keeps the motor free while the legs are set up.
-                pwm = gpiozero.PWMOutputDevice(enable, frequency=pins.pwm_hz, pin_factory=pin_factory)
-                undo.enter_context(pwm)
-                legs = (backward, forward) if is_reversed else (forward, backward)
-                ahead, astern = (
-                    undo.enter_context(gpiozero.OutputDevice(leg, pin_factory=pin_factory)) for leg in legs
-                )
-                return HalfBridgePair(ahead, astern, pwm, pins.dead_time_s, now)
-
-            bridge = L298N(
-                pair(pins.left_forward, pins.left_backward, pins.left_enable, pins.left_reversed),
-                pair(pins.right_forward, pins.right_backward, pins.right_enable, pins.right_reversed),
+        def pair(forward: int, backward: int, enable: int, is_reversed: bool) -> HalfBridgePair:
+            # Enable comes first: held low, it keeps the motor free while the legs are set up.
+            pwm = gpiozero.PWMOutputDevice(enable, frequency=pins.pwm_hz, pin_factory=pin_factory)
+            undo.enter_context(pwm)
+            legs = (backward, forward) if is_reversed else (forward, backward)
+            ahead, astern = (
+                undo.enter_context(gpiozero.OutputDevice(leg, pin_factory=pin_factory)) for leg in legs
             )
-            undo.pop_all()
-    except Exception as error:
-        raise HardwareError(f"L298N: the pins cannot be opened: {error}") from error
+            return HalfBridgePair(ahead, astern, pwm, pins.dead_time_s, now)
+
+        bridge = L298N(
+            pair(pins.left_forward, pins.left_backward, pins.left_enable, pins.left_reversed),
+            pair(pins.right_forward, pins.right_backward, pins.right_enable, pins.right_reversed),
+        )
+        undo.pop_all()
     return bridge
 
 

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from companion import parts
 from companion.errors import HardwareError
 from companion.hal.background import Background
-from companion.hal.optional import import_optional
+from companion.hal.pins import opening_pins
 from companion.sensors.readings import SonarReading
 from companion.sensors.swing import Swing
 
@@ -213,33 +213,29 @@ def open_ultrasonic(
     Raises:
         HardwareError: gpiozero is missing, there are no pins on this machine, or one is taken.
     """
-    gpiozero = import_optional("gpiozero", "sonar")
-    try:
-        with ExitStack() as undo:
-            trigger = undo.enter_context(gpiozero.GPIODevice(part.trigger, pin_factory=pin_factory))
-            echo = undo.enter_context(gpiozero.InputDevice(part.echo, pin_factory=pin_factory))
-            ranger = HcSr04(trigger, echo, echo.pin_factory.ticks_diff, part.max_range_m, _WATER_AIR_C)
-            if part.servo < 0:
-                sonar = Ultrasonic(ranger, now, max_range_m=part.max_range_m)
-            else:
-                # A longer pulse turns a servo counter-clockwise seen from above: −90° is the longest.
-                servo = gpiozero.AngularServo(
-                    part.servo,
-                    min_angle=90,
-                    max_angle=-90,
-                    min_pulse_width=0.0005,
-                    max_pulse_width=0.0025,
-                    pin_factory=pin_factory,
-                )
-                undo.enter_context(servo)
+    with opening_pins("sonar") as gpiozero, ExitStack() as undo:
+        trigger = undo.enter_context(gpiozero.GPIODevice(part.trigger, pin_factory=pin_factory))
+        echo = undo.enter_context(gpiozero.InputDevice(part.echo, pin_factory=pin_factory))
+        ranger = HcSr04(trigger, echo, echo.pin_factory.ticks_diff, part.max_range_m, _WATER_AIR_C)
+        if part.servo < 0:
+            sonar = Ultrasonic(ranger, now, max_range_m=part.max_range_m)
+        else:
+            # A longer pulse turns a servo counter-clockwise seen from above: −90° is the longest.
+            servo = gpiozero.AngularServo(
+                part.servo,
+                min_angle=90,
+                max_angle=-90,
+                min_pulse_width=0.0005,
+                max_pulse_width=0.0025,
+                pin_factory=pin_factory,
+            )
+            undo.enter_context(servo)
 
-                def turn(bearing_rad: float) -> None:
-                    servo.angle = math.degrees(bearing_rad)
+            def turn(bearing_rad: float) -> None:
+                servo.angle = math.degrees(bearing_rad)
 
-                bearings_rad = sweep_bearings_rad(part.sweep_rad, part.step_rad)
-                sonar = Ultrasonic(ranger, now, bearings_rad, turn, part.max_range_m, servo.close)
-            undo.pop_all()
-    except Exception as error:
-        raise HardwareError(f"sonar: the pins cannot be opened: {error}") from error
+            bearings_rad = sweep_bearings_rad(part.sweep_rad, part.step_rad)
+            sonar = Ultrasonic(ranger, now, bearings_rad, turn, part.max_range_m, servo.close)
+        undo.pop_all()
     sonar.start()
     return sonar

@@ -61,8 +61,3 @@ def test_the_example_is_a_whole_boat_with_links_that_can_be_read() -> None:
     urls = [link if isinstance(link, str) else link.url for link in config.links]
     assert [parse_port_url(url).kind for url in urls] == ["udpout", "tcpin"]
     assert config.storage.folder
-
-
-def test_the_unit_pulls_down_the_pins_that_the_bridge_is_enabled_with() -> None:
-    pins = BoatConfig().parts.motors
-    assert f"pinctrl set {pins.left_enable},{pins.right_enable} op dl" in GUIDE

@@ -1,0 +1,200 @@
+"""The unit of docs/hardware.md: as systemd reads it, and its program as its own user in an empty folder."""
+
+import configparser
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from programs import SCRIPTS, RunProgram
+
+from companion.config import load_config
+from companion.motors_off import main
+
+pytest_plugins = ("program_fixtures",)
+
+ROOT = Path(__file__).parents[2]
+UNIT = (ROOT / "examples" / "mavboat.service").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
+BOAT = ROOT / "examples" / "configs" / "boat.toml"
+NOBODY = 65534
+LIMIT_S = 100.0
+MOCK_PINS = {"GPIOZERO_PIN_FACTORY": "mock", "GPIOZERO_MOCK_PIN_CLASS": "mockpwmpin"}
+LISTENING = """
+links = ["tcpin:127.0.0.1:0"]
+parts.motors.driver = "l298n"
+external = { position = 2, heading = 2 }
+storage.folder = "state"
+"""
+
+
+def service() -> dict[str, str]:
+    """The unit's settings for its program."""
+    parser = configparser.ConfigParser(interpolation=None)
+    parser.optionxform = str  # type: ignore[assignment,method-assign]
+    parser.read_string(UNIT)
+    assert parser["Unit"]["StartLimitIntervalSec"] == "0", "five quick failures would end the boat for good"
+    return dict(parser["Service"])
+
+
+def test_the_page_shows_the_unit_that_comes_along() -> None:
+    assert UNIT.split("\n", 1)[1] in GUIDE
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
+def test_systemd_has_nothing_to_say_against_it(tmp_path: Path) -> None:
+    unit = tmp_path / "mavboat.service"
+    unit.write_text(UNIT.replace("/opt/mavboat/.venv/bin", str(SCRIPTS)), encoding="utf-8")
+    done = subprocess.run(
+        ["systemd-analyze", "verify", "--man=no", str(unit)],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    said = [line for line in (done.stdout + done.stderr).splitlines() if "mavboat" in line]
+    assert (done.returncode, said) == (0, [])
+
+
+def test_the_files_of_the_example_lie_in_folders_that_the_unit_makes() -> None:
+    settings = service()
+    assert settings["WorkingDirectory"] == f"/run/{settings['RuntimeDirectory']}"
+    assert settings["Environment"] == f"LG_WD={settings['WorkingDirectory']}"
+    assert load_config(BOAT).storage.folder == f"/var/lib/{settings['StateDirectory']}"
+    assert f'"/run/{settings["RuntimeDirectory"]}/status.json"' in BOAT.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def pinctrl(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """A pinctrl that notes how it was called."""
+    folder, record = tmp_path / "bin", tmp_path / "calls"
+    folder.mkdir()
+    program = folder / "pinctrl"
+    program.write_text(f'#!/bin/sh\necho "$@" >> {shlex.quote(str(record))}\n', encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
+    record.touch()
+    return record
+
+
+def test_after_the_program_its_enable_pins_are_driven_low(pinctrl: Path, tmp_path: Path) -> None:
+    boat = tmp_path / "boat.toml"
+    boat.write_text(
+        'parts.motors = {driver = "l298n", left_enable = 19, right_enable = 26}', encoding="utf-8"
+    )
+    command = service()["ExecStopPost"].removeprefix("+").split()
+    assert command[0] == "/opt/mavboat/.venv/bin/python"
+    assert command[-1] == "/etc/mavboat/boat.toml"
+    subprocess.run([sys.executable, *command[1:-1], str(boat)], cwd=tmp_path, check=True, timeout=LIMIT_S)
+    assert pinctrl.read_text(encoding="utf-8") == "set 19,26 op dl\n"
+
+
+def test_what_is_run_after_the_program_loads_no_more_than_the_configuration() -> None:
+    """It is waited for with the motors running."""
+    code = "import sys, companion.motors_off; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=LIMIT_S
+    )
+    loaded = {name.partition(".")[0] for name in done.stdout.split()}
+    assert not loaded & {"pymavlink", "typer", "rich", "numpy", "gpiozero", "serial", "lgpio", "smbus2"}
+
+
+def test_the_module_that_root_runs_is_not_looked_for_in_the_users_folder() -> None:
+    assert " -I -m companion.motors_off " in service()["ExecStopPost"]
+
+
+@pytest.mark.parametrize("text", ["parts.motors = 3", "parts.motors.left_enable = ", None])
+def test_a_file_that_cannot_be_read_stands_for_the_default_pins(
+    pinctrl: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str | None
+) -> None:
+    boat = tmp_path / "boat.toml"
+    if text is not None:
+        boat.write_text(text, encoding="utf-8")
+    assert main([str(boat)]) == 2
+    assert pinctrl.read_text(encoding="utf-8") == "set 12,13 op dl\n"
+    assert "taking the default pins" in capsys.readouterr().err
+
+
+def test_a_boat_without_motors_touches_no_pin(pinctrl: Path, tmp_path: Path) -> None:
+    boat = tmp_path / "boat.toml"
+    boat.write_text("", encoding="utf-8")
+    assert main([str(boat)]) == 0
+    assert pinctrl.read_text(encoding="utf-8") == ""
+
+
+def test_a_machine_without_pinctrl_says_so(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert main([str(BOAT)]) == 1
+    assert "pins 12,13: pinctrl is not installed" in capsys.readouterr().err
+
+
+# As its own user, who may read all files here, as on a Pi, where they lie in /opt, but write only his own
+
+AS_ITS_USER = (
+    "setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups",
+    "--inh-caps=-all,+dac_read_search", "--ambient-caps=-all,+dac_read_search",
+)  # fmt: skip
+needs_root = pytest.mark.skipif(
+    os.geteuid() != 0 or shutil.which("setpriv") is None, reason="only root may become another user"
+)
+
+
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """Empty, and the unit's user's own; what lies beside it, he may read."""
+    with tempfile.TemporaryDirectory() as place:
+        Path(place).chmod(0o755)
+        folder = Path(place) / "run"
+        folder.mkdir()
+        os.chown(folder, NOBODY, NOBODY)
+        yield folder
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """The unit's, with its folder standing for /run/mavboat."""
+    name, _, value = service()["Environment"].partition("=")
+    return {**os.environ, name: value.replace("/run/mavboat", str(folder))}
+
+
+@needs_root
+@pytest.mark.parametrize("where", ["its folder", "the root"])
+def test_lgpio_loads_for_the_units_user(folder: Path, where: str) -> None:
+    loads = [*AS_ITS_USER, sys.executable, "-c", "import lgpio"]
+    cwd = folder if where == "its folder" else Path("/")
+    subprocess.run(loads, cwd=cwd, env=environment(folder), check=True, timeout=LIMIT_S)
+
+
+@needs_root
+def test_a_folder_that_is_not_the_users_is_named_in_one_line(folder: Path) -> None:
+    boat = folder.parent / "boat.toml"
+    boat.write_text(LISTENING, encoding="utf-8")
+    bare = {name: value for name, value in os.environ.items() if name != "LG_WD"}
+    program = [*AS_ITS_USER, str(SCRIPTS / "boat-companion"), "run", "--config", str(boat)]
+    done = subprocess.run(
+        program, cwd="/", env=bare, capture_output=True, text=True, timeout=LIMIT_S, check=False
+    )
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("boat-companion:")]
+    assert line.startswith("boat-companion: L298N: the pins cannot be opened: lgpio cannot write to /; ")
+    assert done.returncode == 1
+
+
+@needs_root
+@pytest.mark.realtime
+def test_the_program_runs_as_its_own_user_in_an_empty_folder(run_program: RunProgram, folder: Path) -> None:
+    boat = folder.parent / "boat.toml"
+    boat.write_text(LISTENING.replace('"state"', f'"{folder}/state"'), encoding="utf-8")
+    command = ["env", "-C", str(folder), *AS_ITS_USER, str(SCRIPTS / "boat-companion"), "run"]
+    program = run_program(*command, "--config", str(boat), environment={**environment(folder), **MOCK_PINS})
+    program.wait_for("listening on tcpin:", stream="err")
+    program.send(signal.SIGTERM)
+    ended = program.wait(LIMIT_S)
+    assert ended.code == 0, ended
+    assert (folder / "state").stat().st_uid == NOBODY
