@@ -199,7 +199,8 @@ class Storage(Section, frozen=True):
 
     folder: str = ""
     status_file: str = ""
-    files_mb: NonNegative = 64.0  # what stations may leave in `files` altogether; 0: they may only read
+    # what stations may leave in `files` altogether, in at most 1000 files and folders; 0: they may only read
+    files_mb: NonNegative = 64.0
 
 
 class Log(Section, frozen=True):

@@ -9,11 +9,12 @@ import errno
 import os
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from companion.services.ftp_frames import Code, Refusal
-from companion.services.ftp_tree import Entry, Names
+from companion.services.ftp_quota import Quota, size_of
+from companion.services.ftp_tree import MAX_DEPTH, Entry, Names
 
 _WINDOW_BYTES = 256 * 1024
 _MAX_ENTRIES = 10_000
@@ -71,6 +72,7 @@ class FolderMount:
         aside: where a new file is written before it takes its place; on the same disk, not in the folder."""
         self._folder = folder
         self._quota_bytes = quota_bytes
+        self._quota = Quota(folder, quota_bytes)
         self._aside = aside or folder.with_name(f".{folder.name}.new")
         if quota_bytes:
             folder.mkdir(parents=True, exist_ok=True)
@@ -104,6 +106,7 @@ class FolderMount:
             try:
                 descriptor, size = _open_file(name, os.O_RDONLY, parent)
             except FileNotFoundError:
+                self._quota.check(0, 1)
                 return b""
             try:
                 if size > self._quota_bytes:
@@ -115,14 +118,21 @@ class FolderMount:
     def save(self, names: Names, content: bytes) -> None:
         """Write aside, flush to the medium, rename."""
         self._check_writable(names)
-        if self._used_bytes() + len(content) > self._quota_bytes:
-            raise OSError(errno.ENOSPC, "quota")
         with self._parent(names) as (parent, name):
-            with self._aside.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            os.rename(self._aside, name, dst_dir_fd=parent)
+            replaced = size_of(name, parent)
+            growth = len(content) - (replaced or 0), 1 if replaced is None else 0
+            self._quota.check(*growth)
+            try:
+                with self._aside.open("wb") as file:
+                    file.write(content)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.rename(self._aside, name, dst_dir_fd=parent)
+            except OSError:
+                with suppress(OSError):
+                    self._aside.unlink(missing_ok=True)  # on a full disk a part of it would keep its room
+                raise
+            self._quota.add(*growth)
             os.fsync(parent)
 
     def truncate(self, names: Names, size: int) -> None:
@@ -134,6 +144,7 @@ class FolderMount:
                 if size > has:
                     raise OSError(errno.EINVAL, "beyond the end")
                 os.ftruncate(descriptor, size)
+                self._quota.add(size - has, 0)
                 os.fsync(descriptor)
             finally:
                 os.close(descriptor)
@@ -142,26 +153,33 @@ class FolderMount:
         """Remove a file or a link, but no folder."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
+            size = size_of(name, parent) or 0
             os.unlink(name, dir_fd=parent)
+            self._quota.add(-size, -1)
 
     def make_folder(self, names: Names) -> None:
         """Make a folder in one that is there."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
+            self._quota.check(0, 1)
             os.mkdir(name, dir_fd=parent)
+            self._quota.add(0, 1)
 
     def remove_folder(self, names: Names) -> None:
         """Remove an empty folder."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             os.rmdir(name, dir_fd=parent)
+            self._quota.add(0, -1)
 
     def rename(self, names: Names, to: Names) -> None:
-        """Move within the folder, never over something."""
+        """Move within the folder, never over something, nor so deep that no path leads to what is in it."""
         self._check_writable(names)
         self._check_writable(to)
         with self._parent(names) as (source, name), self._parent(to) as (goal, new_name):
             os.stat(name, dir_fd=source, follow_symlinks=False)
+            if 1 + len(to) + _height(name, source) > MAX_DEPTH:
+                raise OSError(errno.ENAMETOOLONG, "too deep")
             try:
                 os.stat(new_name, dir_fd=goal, follow_symlinks=False)
             except FileNotFoundError:
@@ -172,12 +190,6 @@ class FolderMount:
     def _check_writable(self, names: Names) -> None:
         if not self._quota_bytes or not names:
             raise Refusal(Code.FILE_PROTECTED)
-
-    def _used_bytes(self) -> int:
-        used = 0
-        for _, _, files, descriptor in os.fwalk(self._folder):
-            used += sum(os.stat(name, dir_fd=descriptor, follow_symlinks=False).st_size for name in files)
-        return used
 
     @contextmanager
     def _walk(self, names: Names) -> Iterator[int]:
@@ -198,6 +210,14 @@ class FolderMount:
             raise Refusal(Code.FILE_NOT_FOUND)
         with self._walk(names[:-1]) as descriptor:
             yield descriptor, names[-1]
+
+
+def _height(name: str, parent: int) -> int:
+    """How many names the deepest path below this one has; 0 for a file or an empty folder."""
+    if not stat.S_ISDIR(os.stat(name, dir_fd=parent, follow_symlinks=False).st_mode):
+        return 0
+    found = os.fwalk(name, dir_fd=parent)
+    return max(path.count(os.sep) + bool(folders or files) for path, folders, files, _ in found)
 
 
 def _open_file(name: str, flags: int, parent: int) -> tuple[int, int]:

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 from companion.services.ftp_frames import DATA_BYTES, Code, Refusal
 
 Names = tuple[str, ...]
-_MAX_DEPTH = 16
+MAX_DEPTH = 16  # names in a path, the mount's with them
 _CHUNK_BYTES = 64 * 1024
 
 
@@ -124,7 +124,7 @@ def split_path(path: bytes) -> Names:
     except UnicodeDecodeError:
         raise Refusal(Code.FILE_NOT_FOUND) from None
     names = tuple(name for name in text.split("/") if name not in ("", "."))
-    if ".." in names or len(names) > _MAX_DEPTH or not text.isprintable():
+    if ".." in names or len(names) > MAX_DEPTH or not text.isprintable():
         raise Refusal(Code.FILE_NOT_FOUND)
     return names
 
