@@ -156,7 +156,10 @@ def test_override_values_are_toml_or_else_words() -> None:
         ("[hull]\nbeam_m = 3.0\n", "beam_m must not exceed length_m"),
         ("[vehicle.heading]\nkq = 1\n", "mine.toml: vehicle.heading.kq: no such setting"),
         ("[vehicle.speed]\ncruise_m_s = 0\n", "mine.toml: vehicle.speed.cruise_m_s: Expected float > 0.0"),
-        ("[boat]\nmodel = 'canoe'\n", "mine.toml: boat.model: no boat 'canoe': expected one of lake, pool"),
+        (
+            "[boat]\nmodel = 'canoe'\n",
+            "mine.toml: boat.model: no boat 'canoe': expected one of kit, lake, pool",
+        ),
         ("[boat]\nmodel = 7\n", "mine.toml: boat.model: Expected str"),
         ("[boat]\nstart = [0]\n", "mine.toml: boat.start: "),
         ("nonsense = 1\n[boat]\n", "mine.toml: Object contains unknown field `nonsense` - at `$.origin`"),

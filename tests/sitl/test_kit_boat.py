@@ -1,0 +1,104 @@
+"""The emulated kit boat is the boat of docs/hardware.md, and its parts bear the currents in it."""
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from companion.config import load_config
+from companion.hal.l298n import L298N
+from sitl.drive import Thruster
+from sitl.scenario import Scenario, load_scenario
+from sitl.world import World
+
+ROOT = Path(__file__).parents[2]
+GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
+DT_S = 0.02
+DROP_V = {
+    1.0: (1.8, 3.2),
+    2.0: (2.8, 4.9),
+}  # ST's data sheet, V_CEsat in all: from typical values to the most
+
+
+@cache
+def kit() -> Scenario:
+    return load_scenario("open", ("boat.model=kit",))
+
+
+def stated(pattern: str) -> float:
+    """A figure of the page's list of parts."""
+    (figure,) = re.findall(pattern, GUIDE)
+    return float(figure.replace(",", ""))
+
+
+BRIDGE_A = stated(r"drives both motors \| (\d+) A per motor")
+STALL_A = stated(r"stall current below (\d+) A each")
+FUSE_A = stated(r"a (\d+) A fuse next to it")
+SHUNT_A = stated(r"up to ([\d.]+) A with its 0.1 Ω shunt")
+
+
+def full_pack_v() -> float:
+    return 4.2 * kit().battery.cells
+
+
+def stalled_a() -> float:
+    """What one motor takes from a full pack when its shaft is held."""
+    shaft = Thruster(kit().thrusters)
+    shaft.weed = 1.0
+    for _ in range(500):
+        shaft.step(1.0, full_pack_v(), 0.0, DT_S)
+    assert shaft.speed_rad_s == 0.0
+    return shaft.current_a
+
+
+def at(throttle: float, seconds: float = 60.0) -> tuple[float, float]:
+    """Speed and pack current, straight ahead in still water."""
+    world = World(kit())
+    world.hardware.motors.write(throttle, throttle)
+    for _ in range(round(seconds / DT_S)):
+        world.step(DT_S)
+    return world.truth.surge_m_s, world.truth.current_a
+
+
+def test_the_pack_is_the_pages() -> None:
+    assert kit().battery.cells == stated(r"\| (\d)S LiPo")
+    assert kit().battery.capacity_mah == stated(r"\| 3S LiPo, 11.1 V, (\d+) mAh")
+
+
+@pytest.mark.parametrize("current_a", DROP_V)
+def test_the_bridge_loses_what_an_l298n_loses(current_a: float) -> None:
+    bridge = kit().thrusters.bridge
+    least_v, most_v = DROP_V[current_a]
+    assert least_v <= bridge.drop_v + current_a * bridge.resistance_ohm <= most_v
+    assert not bridge.brake, f"{L298N.__name__} pulses the enable pin, which opens the bridge"
+
+
+def test_a_motor_that_stalls_is_within_the_bridge() -> None:
+    assert 12.0 / kit().thrusters.motor.resistance_ohm < STALL_A
+    assert stalled_a() < BRIDGE_A
+
+
+def test_both_motors_stalled_blow_no_fuse() -> None:
+    assert 2.0 * stalled_a() + kit().battery.idle_a < FUSE_A
+
+
+def test_full_ahead_is_within_the_shunt() -> None:
+    speed_m_s, current_a = at(1.0)
+    assert current_a < SHUNT_A
+    assert speed_m_s == pytest.approx(stated(r"It makes ([\d.]+) m/s at full throttle"), abs=0.05)
+    assert current_a == pytest.approx(
+        stated(r"full ahead at 1.6 m/s, with Pi and servo \| ([\d.]+) A"), abs=0.1
+    )
+
+
+def test_the_example_cruises_as_this_boat_does() -> None:
+    config = load_config(ROOT / "examples" / "configs" / "boat.toml")
+    vehicle = kit().vehicle
+    assert config.speed == vehicle.speed
+    assert config.handling == vehicle.handling
+    assert config.battery.capacity_mah == vehicle.battery.capacity_mah == kit().battery.capacity_mah
+    assert config.parts.battery.shunt_ohm * SHUNT_A == pytest.approx(0.32)
+    speed_m_s, current_a = at(config.speed.cruise_throttle)
+    assert speed_m_s == pytest.approx(config.speed.cruise_m_s, abs=0.05)
+    assert current_a == pytest.approx(stated(r"cruises at 1.2 m/s on ([\d.]+) A"), abs=0.1)
