@@ -218,6 +218,10 @@ class Endpoint:
         """What to add to the boat's time for the date, as a station has it."""
         return self._time.unix_offset_s
 
+    def keep_journal(self) -> None:
+        """Log whatever the operator is told, too."""
+        self._texts.has_journal = True
+
     def mission_items(self) -> tuple[MissionItem, ...]:
         """The mission that the boat holds."""
         return self._missions.items(MissionType.MISSION)

@@ -1,10 +1,18 @@
-"""STATUSTEXT: lines for the operator. Long ones go out in MAVLink 2's chunks of 50 bytes."""
+"""STATUSTEXT: lines for the operator. Long ones go out in MAVLink 2's chunks of 50 bytes.
 
+A program that keeps a journal has each line that is told logged as well.
+"""
+
+import logging
 from collections.abc import Callable, Iterable, Iterator
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
 from companion.vehicle.notice import Notice, Severity
+
+logger = logging.getLogger(__name__)
+# MAVLink's severities are those of syslog
+_LEVELS = {Severity.WARNING: logging.WARNING, Severity.NOTICE: logging.INFO, Severity.INFO: logging.INFO}
 
 _CHUNK_BYTES = 50
 
@@ -22,6 +30,7 @@ class StatusTextService:
         self.dropped = 0
         self._left = _MOST
         self.listener: Callable[[Notice], object] | None = None  # whoever keeps a log
+        self.has_journal = False  # whether lines are logged too
 
     def tell(self, notices: Iterable[Notice]) -> None:
         """Send lines to everyone; what is too much is dropped and counted, the least severe first."""
@@ -32,6 +41,7 @@ class StatusTextService:
                 self.dropped += 1
                 continue
             self._left -= 1.0
+            self._log(notice)
             for message in self._chunks(notice):
                 self._outbox.broadcast(message)
 
@@ -41,8 +51,14 @@ class StatusTextService:
 
     def tell_one(self, channel: int, notice: Notice) -> None:
         """Send a line to whoever listens on one channel."""
+        self._log(notice)
         for message in self._chunks(notice):
             self._outbox.send(channel, message)
+
+    def _log(self, notice: Notice) -> None:
+        if self.has_journal:
+            text = "".join(one if one.isprintable() else " " for one in notice.text)  # a line stays one
+            logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
 
     def _chunks(self, notice: Notice) -> Iterator[Message]:
         raw = notice.text.encode("ascii", errors="replace")

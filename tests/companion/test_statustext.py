@@ -1,3 +1,5 @@
+import logging
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -56,3 +58,35 @@ def test_a_flood_of_lines_is_held_back_and_leaves_room_for_what_is_severe(severi
         texts.tick(0.02)
         texts.tell([Notice(severity, "refused")] * 10)
     assert len(outbox.take()) == pytest.approx(9, abs=1)  # of those, one makes up for the severe one
+
+
+@pytest.mark.parametrize(
+    ("severity", "level"),
+    [
+        (Severity.CRITICAL, logging.ERROR),
+        (Severity.ERROR, logging.ERROR),
+        (Severity.WARNING, logging.WARNING),
+        (Severity.NOTICE, logging.INFO),
+        (Severity.INFO, logging.INFO),
+    ],
+)
+def test_a_journal_has_what_is_told_with_its_severity(
+    caplog: pytest.LogCaptureFixture, severity: int, level: int
+) -> None:
+    caplog.set_level(logging.INFO)
+    texts = StatusTextService(Outbox())
+    texts.tell([Notice(severity, "not yet")])
+    texts.has_journal = True
+    texts.tell([Notice(severity, "Failsafe: a\nlong\x1b[2J line" + "x" * 60)])
+    texts.tell_one(3, Notice(severity, "Helm: 255/190 has it"))
+    assert [(record.levelno, record.getMessage()) for record in caplog.records] == [
+        (level, "Failsafe: a long [2J line" + "x" * 60),
+        (level, "Helm: 255/190 has it"),
+    ]
+
+
+def test_a_flood_of_lines_does_not_fill_the_journal(caplog: pytest.LogCaptureFixture) -> None:
+    texts = StatusTextService(Outbox())
+    texts.has_journal = True
+    texts.tell([Notice(Severity.WARNING, "refused")] * 1000)
+    assert len(caplog.records) == 20

@@ -80,6 +80,9 @@ def test_it_finds_itself_arms_and_obeys_the_operators_hand(boat: Program, open_s
     station.mav.rc_channels_override_send(1, 1, 2000, 0, 1500, 0, 0, 0, 0, 0)
     turning = station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1600)
     assert turning.servo3_raw < 1400
+    # The journal says what the operator was told
+    for line in ("INFO Mode MANUAL", "INFO Armed", "ERROR AUTO: no mission"):
+        boat.wait_for(rf"^[-0-9]+ [:,0-9]+ {line}", stream="err")
 
 
 def channels(throttle_us: int, arm_us: int) -> bytes:
