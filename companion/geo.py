@@ -107,6 +107,11 @@ class LocalFrame:
         return LatLon(math.degrees(lat), lon_deg)
 
 
+def longitude_difference_deg(lon_deg: float, from_deg: float) -> float:
+    """How far east one longitude lies of another, the short way round: in [−180, 180)."""
+    return (lon_deg - from_deg + 180.0) % 360.0 - 180.0
+
+
 def distance_m(a: Point, b: Point) -> float:
     """Length of the straight line between two points of one frame."""
     return math.hypot(b.north_m - a.north_m, b.east_m - a.east_m)

@@ -9,19 +9,33 @@ property `kind` says what a feature is, `radius_m` makes a circle of a point:
 | exclusion | polygon, or point with radius_m | the boat stays out; so are the holes of an inclusion |
 | return_point | point | where a breach leads back to, at most one |
 | rally | point | a place to return to; what a point without radius_m is |
+
+A map does as well: the outer line of its `water` is an inclusion, and the islands in it, everything solid and
+everything to keep out of are exclusions. Landmarks do not count.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import shapely
+from shapely.geometry import Polygon
 
 from companion.geo import LatLon
 from mission_tools.errors import MapError, PlanFileError
-from mission_tools.maps.geojson import feature_entries, polygon_parts, position, read_json
+from mission_tools.maps.chart import KEPT_OUT, SOLID, Feature
+from mission_tools.maps.geojson import (
+    feature_entries,
+    labelled,
+    map_features,
+    polygon_parts,
+    position,
+    read_json,
+)
+from mission_tools.maps.kinds import KINDS as MAP_KINDS
+from mission_tools.maps.kinds import tagged_kind
 from mission_tools.mission import Fence, FenceCircle, FencePolygon, Mission, MissionItem, MissionType, Rally
 from mission_tools.plan_file import load_mission
 
@@ -123,7 +137,10 @@ def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
     """
     found: list[FencePolygon | FenceCircle | Rally] = []
     returns: list[LatLon] = []
-    for number, entry in enumerate(feature_entries(tree, source), start=1):
+    entries = feature_entries(tree, source)
+    if any(_is_of_a_map(entry, f"{source}: feature {n}") for n, entry in enumerate(entries, start=1)):
+        return _fence_of_map(map_features(entries, source), source), ()
+    for number, entry in enumerate(entries, start=1):
         where = f"{source}: feature {number}"
         for part in _parts(entry, where):
             if isinstance(part, LatLon):
@@ -140,12 +157,37 @@ def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
     return fence, tuple(part for part in found if isinstance(part, Rally))
 
 
+def _is_of_a_map(entry: object, where: str) -> bool:
+    """Whether a feature says what it is on a map, and not in a fence."""
+    _, properties, geometry = labelled(entry, where)
+    if "kind" in properties:
+        return properties["kind"] in MAP_KINDS
+    return geometry.get("type") != "Point" and tagged_kind(properties) is not None
+
+
+def _fence_of_map(features: Sequence[Feature], source: str) -> Fence:
+    """The water's outline, without its islands and whatever else is no water to sail on.
+
+    Raises:
+        MapError: no water, or several pieces of it, while a boat must be inside of all inclusions.
+    """
+    water = shapely.union_all([feature.shape for feature in features if feature.kind == "water"])
+    pieces = [part for part in shapely.get_parts(water) if isinstance(part, Polygon)]
+    if len(pieces) != 1:
+        raise MapError(
+            f"{source}: {len(pieces) or 'no'} separate pieces of water: a fence has one, as a boat must be "
+            "inside of all its inclusions"
+        )
+    closed = [feature.shape for feature in features if feature.kind in SOLID | KEPT_OUT]
+    parts = [part for shape in closed for part in shapely.get_parts(shape)]
+    exclusions = [*pieces[0].interiors, *(part.exterior for part in parts)]
+    outline = _polygon(pieces[0].exterior, is_inclusion=True)
+    return Fence(polygons=(outline, *(_polygon(ring, is_inclusion=False) for ring in exclusions)))
+
+
 def _parts(entry: object, where: str) -> Iterator[FencePolygon | FenceCircle | Rally | LatLon]:
     """What one feature stands for; a return point is its bare place."""
-    if not isinstance(entry, Mapping) or not isinstance(entry.get("geometry"), Mapping):
-        raise MapError(f"{where}: no geometry: expected a Feature with a Polygon or a Point")
-    geometry, properties = entry["geometry"], entry.get("properties")
-    properties = properties if isinstance(properties, Mapping) else {}
+    where, properties, geometry = labelled(entry, where)
     is_point, has_radius = geometry.get("type") == "Point", "radius_m" in properties
     kind = properties.get("kind", "rally" if is_point and not has_radius else "inclusion")
     if kind not in KINDS:

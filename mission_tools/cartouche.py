@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
-from companion.geo import Point
+from companion.geo import Point, longitude_difference_deg
 from mission_tools.maps.chart import KEPT_OUT, Chart
 
 BAND, KEEP_OUT, KEEP_OUT_TINT = "#94c1dd", "#c2413b", "#f6d5d0"
@@ -46,12 +46,13 @@ def _degree_ticks(axes: Axes, chart: Chart, view: View) -> None:
     west, south, east, north = view
     low = chart.frame.to_global(Point(south, west))
     high = chart.frame.to_global(Point(north, east))
-    lons_deg, decimals = _round_values(low.lon_deg, high.lon_deg)
+    across_deg = longitude_difference_deg(high.lon_deg, low.lon_deg)
+    lons_deg, decimals = _round_values(low.lon_deg, low.lon_deg + across_deg)
     lats_deg, lat_decimals = _round_values(low.lat_deg, high.lat_deg)
-    span = (east - west) / (high.lon_deg - low.lon_deg)
+    span = (east - west) / across_deg
     axes.set_xticks(
         [west + (lon - low.lon_deg) * span for lon in lons_deg],
-        [f"{abs(lon):.{decimals}f}° {'W' if lon < 0 else 'E'}" for lon in lons_deg],
+        [f"{abs(lon):.{decimals}f}° {'W' if lon < 0 else 'E'}" for lon in map(_wrapped_deg, lons_deg)],
     )
     span = (north - south) / (high.lat_deg - low.lat_deg)
     axes.set_yticks(
@@ -60,6 +61,10 @@ def _degree_ticks(axes: Axes, chart: Chart, view: View) -> None:
         rotation=90,
         va="center",
     )
+
+
+def _wrapped_deg(lon_deg: float) -> float:
+    return longitude_difference_deg(lon_deg, 0.0)
 
 
 def _round_values(low: float, high: float) -> tuple[list[float], int]:

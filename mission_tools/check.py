@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import shapely
 
-from companion.geo import LatLon, LocalFrame, Point, distance_m
+from companion.geo import LatLon, LocalFrame, Point, distance_m, longitude_difference_deg
 from mission_tools.maps import Chart
 from mission_tools.mission import Command, Frame, Mission, MissionItem, command_name, plain_frame
 
@@ -107,7 +107,7 @@ def _distances(mission: Mission) -> Iterator[Finding]:
 
 def _is_near(a: LatLon, b: LatLon) -> bool:
     """Whether a local frame at one reaches the other."""
-    return abs(a.lat_deg - b.lat_deg) < 1.0 and abs(a.lon_deg - b.lon_deg) < 2.0
+    return abs(a.lat_deg - b.lat_deg) < 1.0 and abs(longitude_difference_deg(a.lon_deg, b.lon_deg)) < 2.0
 
 
 def in_the_way(mission: Mission, chart: Chart, clearance_m: float) -> Iterator[Finding]:

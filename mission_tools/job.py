@@ -18,7 +18,7 @@ from mission_tools.errors import NoVehicle, ReadBackMismatch, UsageError
 from mission_tools.follow import follow
 from mission_tools.link_url import DEFAULT_LINK, LinkUrl, parse_link
 from mission_tools.mission import MissionItem, MissionType
-from mission_tools.plan_file import save_mission
+from mission_tools.plan_file import check_mission_name, save_mission
 from mission_tools.preview import check_picture_name, save_preview
 from mission_tools.proposal import MissionFile, Proposal, Water, Wishes, open_source
 from mission_tools.signed_link import read_sign_key
@@ -78,6 +78,7 @@ async def run(request: Request, report: Report, console: Console) -> None:
     key = None if request.sign_key is None else read_sign_key(request.sign_key)
     if request.preview is not None:
         check_picture_name(request.preview)
+    _check_outputs(request)
     areas = open_areas(request.fence, request.rally)
     if request.source is None:
         await _run_without_source(request, areas, link, key, report, console)
@@ -85,11 +86,11 @@ async def run(request: Request, report: Report, console: Console) -> None:
     source = open_source(request.source, request.wishes, areas)
     async with AsyncExitStack() as stack:
         vehicle = None
-        if source.needs_position and not request.dry_run:
+        if source.wants_position and not request.dry_run:
             vehicle = await stack.enter_async_context(
                 connect(link, request.patience_s, request.system_id, key)
             )
-        proposal = report.proposal = await _propose(source, vehicle, request.patience_s)
+        proposal = report.proposal = await _propose(source, vehicle, request.patience_s, console)
         _say_proposal(proposal, console)
         if request.save is not None:
             save_mission(proposal.mission, request.save)
@@ -109,6 +110,24 @@ async def run(request: Request, report: Report, console: Console) -> None:
                 save_preview(request.preview, proposal, report.voyage)
                 report.preview = request.preview
                 console.print(f"drew {request.preview}")
+
+
+def _check_outputs(request: Request) -> None:
+    """What is written is of a known format, and nothing that is read is overwritten.
+
+    Raises:
+        PlanFileError, UsageError: names the file.
+    """
+    if request.save is not None:
+        check_mission_name(request.save)
+    inputs = [Path(name) for name in (request.source, request.fence, request.rally) if name is not None]
+    inputs += [request.sign_key] if request.sign_key is not None else []
+    for option, output in (("--save", request.save), ("--preview", request.preview)):
+        for given in inputs:
+            if output is not None and output.exists() and given.exists() and output.samefile(given):
+                raise UsageError(
+                    f"{option} {output}: would overwrite {given}, which is read; choose another name"
+                )
 
 
 async def _run_without_source(
@@ -132,16 +151,21 @@ async def _run_without_source(
             await _upload(vehicle, areas.wire_lists(), report, console)
 
 
-async def _propose(source: MissionFile | Water, vehicle: Vehicle | None, patience_s: float) -> Proposal:
+async def _propose(
+    source: MissionFile | Water, vehicle: Vehicle | None, patience_s: float, console: Console
+) -> Proposal:
     here = None
     if vehicle is not None:
-        if not await vehicle.wait_for(lambda: vehicle.state.position is not None, patience_s):
+        is_known = await vehicle.wait_for(lambda: vehicle.state.position is not None, patience_s)
+        if not is_known and source.needs_position:
             vehicle.raise_if_lost("waiting for its position")
             raise NoVehicle(
                 f"{vehicle.link.typed}: no position from the boat within {patience_s:g} s: is there a fix? "
                 "Or name the start: --start-at LAT,LON"
             )
         here = vehicle.state.position
+        if here is None:
+            console.print("note: no position from the boat: the route starts at the scenario's start")
     # Off the event loop, so that the vehicle's messages are taken in meanwhile.
     return await asyncio.to_thread(source.propose, here)
 

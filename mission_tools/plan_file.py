@@ -40,13 +40,28 @@ def parse_mission(text: str, source: str) -> Mission:
         raise PlanFileError(f"{source}: {error}") from None
 
 
-def save_mission(mission: Mission, path: Path) -> None:
-    """Write a mission; a name ending in `.plan` gives QGroundControl's format, any other QGC WPL 110.
+def check_mission_name(path: Path) -> None:
+    """See whether a mission can be written under this name.
 
     Raises:
-        PlanFileError: the file cannot be written, or the format cannot hold the mission.
+        PlanFileError: its ending is of no format that is written here; names those that are.
     """
-    if path.suffix == ".plan":
+    if path.suffix.lower() not in MISSION_SUFFIXES:
+        raise PlanFileError(
+            f"{path}: missions are written as .plan (QGroundControl) or as .waypoints, .wpl, .txt (QGC WPL "
+            "110): expected a name that ends in one of these"
+        )
+
+
+def save_mission(mission: Mission, path: Path) -> None:
+    """Write a mission; `.plan` gives QGroundControl's format, the other endings QGC WPL 110.
+
+    Raises:
+        PlanFileError: the file cannot be written, the name is of no known format, or the format cannot hold
+            the mission.
+    """
+    check_mission_name(path)
+    if path.suffix.lower() == ".plan":
         text = qgc_plan.compose(mission)
     elif mission.fence != Fence() or mission.rally:
         raise PlanFileError(f"{path}: QGC WPL 110 holds no fence and no rally points; name it .plan instead")

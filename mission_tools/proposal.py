@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.areas import NO_AREAS, Areas
 from mission_tools.check import in_the_way
 from mission_tools.errors import UsageError
@@ -17,7 +17,6 @@ from mission_tools.route import mission_along, with_speed
 
 MOST_MARGIN_M = 0.6  # what a boat sails beside its plan, corners and the receiver's wander together
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
-REACH_DEG = 2.0  # farther from a chart's middle than this nothing can be on it
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +72,7 @@ def open_source(text: str, wishes: Wishes, areas: Areas = NO_AREAS) -> "MissionF
 class MissionFile:
     """A mission that is ready; nothing is left to plan."""
 
-    needs_position = False
+    wants_position = needs_position = False
 
     def __init__(
         self,
@@ -117,7 +116,8 @@ class Water:
         if source.route.margin_m is None:
             margin_m = min(MOST_MARGIN_M, MARGIN_SHARE * self._settings.clearance_m)
             self._settings = replace(self._settings, margin_m=margin_m)
-        self._start = self._local("--start-at", wishes.start_at) if wishes.start_at else source.route.start
+        self._named_start = self._local("--start-at", wishes.start_at) if wishes.start_at else None
+        self._usual_start = source.route.start
         goal = self._local("--goal", wishes.goal) if wishes.goal else source.route.goal
         if goal is None:
             raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
@@ -126,9 +126,14 @@ class Water:
         self._via: Sequence[Point] = () if wishes.goal else source.route.via
 
     @property
+    def wants_position(self) -> bool:
+        """Whether the route starts where the boat is: nobody has named a start."""
+        return self._named_start is None
+
+    @property
     def needs_position(self) -> bool:
-        """Whether nobody has said where to start: the boat's own position is wanted."""
-        return self._start is None
+        """Whether there is no start but the boat's position."""
+        return self._named_start is None and self._usual_start is None
 
     def propose(self, here: LatLon | None = None) -> Proposal:
         """Plan a route; `here` is where the boat is, used where no start was named.
@@ -137,15 +142,27 @@ class Water:
             NoRouteError: there is none; says what is in the way.
             UsageError: no start.
         """
-        start = self._start
-        if start is None and here is not None:
-            start = self._local("the boat", here)
-        if start is None:
-            raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
+        start = self._named_start or self._start_of(here)
         found = plan(self._chart, start, self._goal, self._settings, self._via)
         places = [self._chart.frame.to_global(point) for point in found.points]
         mission = self._areas.over(mission_along(places, self._wishes.speed_m_s))
         return Proposal(self._chart.name, mission, self._chart, found, found.notes)
+
+    def _start_of(self, here: LatLon | None) -> Point:
+        """The boat's place, or the scenario's start where that is not known or as good as the same.
+
+        Raises:
+            UsageError: neither is known.
+        """
+        usual = self._usual_start
+        if here is None:
+            if usual is None:
+                raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
+            return usual
+        at = self._local("the boat", here)
+        # A boat that still lies at the scenario's start may seem to lie ashore there, by its receiver's error
+        is_there = usual is not None and distance_m(at, usual) <= self._settings.clearance_m
+        return usual if usual is not None and is_there else at
 
     def _local(self, what: str, place: LatLon) -> Point:
         """A place in the chart's frame.
@@ -153,9 +170,8 @@ class Water:
         Raises:
             UsageError: so far away that the frame does not reach it.
         """
-        origin = self._chart.frame.origin
-        away_deg = max(abs(place.lat_deg - origin.lat_deg), abs(place.lon_deg - origin.lon_deg))
-        if away_deg > REACH_DEG:
+        if not self._chart.reaches(place):
+            origin = self._chart.frame.origin
             raise UsageError(
                 f"{what}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {self._chart.name} "
                 f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"

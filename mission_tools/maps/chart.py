@@ -12,7 +12,7 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.geo import LocalFrame, Point
+from companion.geo import LatLon, LocalFrame, Point, longitude_difference_deg
 from mission_tools.errors import MapError
 
 Kind = Literal["water", "island", "obstacle", "pier", "raft", "keep_out", "swimming", "landmark"]
@@ -20,7 +20,8 @@ Area: TypeAlias = Polygon | MultiPolygon
 
 KEPT_OUT: frozenset[str] = frozenset({"keep_out", "swimming"})
 SOLID: frozenset[str] = frozenset({"island", "obstacle", "pier", "raft"})
-OPEN_WATER_HALF_SIDE_M = 5000.0
+REACH_DEG = 2.0  # of latitude or longitude from a chart's origin; nothing farther away belongs to it
+OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice what REACH_DEG comes to: nobody gets to the square's sides
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,12 @@ class Chart:
     is_open: bool
     navigable: Area
     shores: BaseGeometry
+
+    def reaches(self, place: LatLon) -> bool:
+        """Whether a place may belong to this chart."""
+        origin = self.frame.origin
+        east_deg = longitude_difference_deg(place.lon_deg, origin.lon_deg)
+        return max(abs(place.lat_deg - origin.lat_deg), abs(east_deg)) <= REACH_DEG
 
     def clearance_m(self, point: Point) -> float:
         """Distance from a point in navigable water to the nearest thing that is not; 0 anywhere else."""

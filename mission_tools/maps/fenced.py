@@ -16,7 +16,6 @@ from mission_tools.mission import Fence, FenceCircle, FencePolygon
 
 BEYOND_M = 50.0  # of open water round an inclusion that is still on the chart
 OUTSIDE = "the water outside the fence"
-REACH_DEG = 2.0  # farther from a chart's origin than this no fence can be meant for it
 _SEGMENTS_PER_QUARTER = 32
 
 
@@ -66,8 +65,8 @@ def _shape(chart: Chart, area: FencePolygon | FenceCircle, where: str) -> Polygo
 
 
 def _at(chart: Chart, place: LatLon, where: str) -> tuple[float, float]:
-    origin = chart.frame.origin
-    if max(abs(place.lat_deg - origin.lat_deg), abs(place.lon_deg - origin.lon_deg)) > REACH_DEG:
+    if not chart.reaches(place):
+        origin = chart.frame.origin
         raise MapError(
             f"{where}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {chart.name} "
             f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"

@@ -1,6 +1,8 @@
 """GeoJSON (RFC 7946) maps: a FeatureCollection, a Feature or a geometry, in WGS 84 [longitude, latitude].
 
-The property `kind` says what a feature is; without it, it is water, so a plain lake works as it is:
+The property `kind` says what a feature is, or else its OpenStreetMap tags (`kinds.py`); without either it is
+water, so a plain lake works as it is. Water without a kind within other water is refused: it may be an
+island. A member `crs` is obeyed (`crs.py`).
 
 | kind | shape | means |
 |---|---|---|
@@ -14,7 +16,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, cast
 
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
@@ -23,9 +25,10 @@ from shapely.geometry.base import BaseGeometry
 from companion.geo import LatLon, LocalFrame
 from mission_tools.errors import MapError
 from mission_tools.maps.chart import Area, Chart, Feature, Kind, build_chart
+from mission_tools.maps.crs import to_wgs84
+from mission_tools.maps.kinds import kind_of, raise_if_ambiguous
 from mission_tools.maps.projection import to_local
 
-KINDS: tuple[str, ...] = get_args(Kind)
 _CROSSINGS = ("Self-intersection", "Ring Self-intersection")
 MAX_DISTANCE_FROM_ORIGIN_M = 100_000.0
 
@@ -62,9 +65,7 @@ def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = 
     Raises:
         MapError: as `load_geojson`.
     """
-    features = [
-        _feature(entry, f"{source}: feature {n}") for n, entry in enumerate(feature_entries(tree, source), 1)
-    ]
+    features = map_features(feature_entries(tree, source), source)
     water = _area([feature for feature in features if feature.kind == "water"])
     if water is None:
         raise MapError(
@@ -91,6 +92,25 @@ def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = 
         raise MapError(f"{source}: {error}") from None
 
 
+def map_features(entries: Sequence[object], source: str) -> list[Feature]:
+    """The features of a map, in degrees: x longitude, y latitude.
+
+    Raises:
+        MapError: names the feature and what is wrong with it.
+    """
+    features: list[Feature] = []
+    water: list[tuple[str, BaseGeometry, bool]] = []
+    for number, entry in enumerate(entries, 1):
+        where, properties, geometry = labelled(entry, f"{source}: feature {number}")
+        kind, is_said = kind_of(properties, where)
+        feature = _feature(kind, properties, geometry, where)
+        features.append(feature)
+        if kind == "water":
+            water.append((where, feature.shape, is_said))
+    raise_if_ambiguous(water)
+    return features
+
+
 def _area(features: Sequence[Feature]) -> BaseGeometry | None:
     return shapely.union_all([feature.shape for feature in features]) if features else None
 
@@ -102,6 +122,7 @@ def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
         MapError: it is none.
     """
     if isinstance(tree, Mapping):
+        tree = to_wgs84(tree, source)
         kind = tree.get("type")
         if kind == "FeatureCollection" and isinstance(tree.get("features"), list):
             return list(tree["features"])
@@ -114,20 +135,26 @@ def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
     raise MapError(f"{source}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
 
 
-def _feature(entry: object, where: str) -> Feature:
+def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping[str, Any]]:
+    """A feature's name for messages, its properties and its geometry.
+
+    Raises:
+        MapError: it has no geometry.
+    """
     if not isinstance(entry, Mapping) or not isinstance(entry.get("geometry"), Mapping):
-        raise MapError(f"{where}: no geometry: expected a Feature with a Polygon")
+        raise MapError(f"{where}: no geometry: expected a Feature with a Polygon or a Point")
     properties = entry.get("properties")
     properties = properties if isinstance(properties, Mapping) else {}
+    name = properties.get("name")
+    return f'{where} "{name}"' if isinstance(name, str) and name else where, properties, entry["geometry"]
+
+
+def _feature(kind: Kind, properties: Mapping[str, Any], geometry: Mapping[str, Any], where: str) -> Feature:
     given = properties.get("name")
     name = given if isinstance(given, str) else ""
-    where = f'{where} "{name}"' if name else where
-    kind = properties.get("kind", "water")
-    if kind not in KINDS:
-        raise MapError(f"{where}: kind {kind!r} is none of {', '.join(KINDS)}")
     if kind == "landmark":
-        return Feature(name, kind, _landmark(entry["geometry"], where))
-    shape = _polygons(entry["geometry"], where)
+        return Feature(name, kind, _landmark(geometry, where))
+    shape = _polygons(geometry, where)
     return Feature(name or ("" if kind == "water" else kind.replace("_", "-")), kind, shape)
 
 

@@ -49,6 +49,37 @@ def pond(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.parametrize("name", ["pond.geojson", "pond.toml", "route.kml", "route.gpx", "route"])
+def test_a_mission_is_saved_in_a_known_format_only_and_never_over_the_map(pond: Path, name: str) -> None:
+    before = {path: path.read_bytes() for path in pond.iterdir()}
+    arguments = ["pond.geojson", "--start-at", START, "--goal", GOAL, "--dry-run", "--save", name]
+    assert upload_cli.run_program(arguments) == 2
+    assert {path: path.read_bytes() for path in pond.iterdir()} == before
+
+
+@pytest.mark.parametrize("option", ["--save", "--preview"])
+def test_what_is_read_is_not_written_over(
+    pond: Path, option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["pond.toml", "--dry-run", "--save", "first.plan"]
+    assert upload_cli.run_program(arguments) == 0
+    before = (pond / "first.plan").read_bytes()
+    (pond / "again.png").symlink_to("first.plan")
+    name = "./first.plan" if option == "--save" else "again.png"
+    assert upload_cli.run_program(["first.plan", "--dry-run", "--speed", "1", option, name]) == 2
+    assert f"{option} {Path(name)}: would overwrite first.plan" in capsys.readouterr().err
+    assert (pond / "first.plan").read_bytes() == before
+    assert upload_cli.run_program(["pond.toml", "--dry-run", "--save", "FIRST.PLAN"]) == 0
+    assert load_mission(pond / "FIRST.PLAN").places == load_mission(pond / "first.plan").places
+
+
+def test_the_map_itself_is_a_fence_for_the_route_on_it(pond: Path) -> None:
+    arguments = ["pond.toml", "--fence", "pond.geojson", "--dry-run", "--save", "fenced.plan"]
+    assert upload_cli.run_program(arguments) == 0
+    fence = load_mission(pond / "fenced.plan").fence
+    assert [polygon.inclusion for polygon in fence.polygons] == [True, False]
+
+
 @pytest.fixture
 def nobody() -> str:
     """A port on which nobody listens."""
@@ -70,6 +101,12 @@ def nobody() -> str:
         ("pond.toml --goal 50.01,-1.199 --dry-run", 2, "goal .* outside the map"),
         ("pond.toml --start 50.001,-1.199 --dry-run", 2, "start .* on Goose Island"),
         ("pond.toml --clearance 60 --dry-run", 2, "clearance of 60 m"),
+        (
+            "pond.toml --dry-run --save route.kml",
+            2,
+            r"route.kml: missions are written as \.plan .*\.waypoints",
+        ),
+        ("pond.toml --dry-run --save pond.toml", 2, r"pond.toml: missions are written as \.plan"),
         ("pond.toml --clearance -1 --dry-run", 2, "clearance"),
         ("pond.toml --clearance wide", 2, "Invalid value for '--clearance'"),
         ("pond.toml --heuristic luck --dry-run", 2, "heuristic 'luck'"),

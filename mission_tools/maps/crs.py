@@ -1,0 +1,137 @@
+"""The coordinate reference system (CRS) of a GeoJSON file: its positions become WGS 84 degrees.
+
+RFC 7946 knows WGS 84 alone. Its forerunner, GeoJSON 2008, had a member `crs`; GIS programs still write it.
+PROJ transforms what it knows; a file whose CRS it does not know, or only roughly, is refused.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pyproj
+from pyproj.transformer import AreaOfInterest, TransformerGroup
+
+from mission_tools.errors import MapError
+
+# PROJ's stated accuracy: NAD83 and GDA94 to WGS 84 have 3 to 4 m, NAD27 without its grid files has 7 to 10 m,
+# which is more than a boat's usual clearance
+WORST_ACCURACY_M = 5.0
+_WGS84 = "EPSG:4326"
+_SAME = ("OGC:CRS84", _WGS84)
+_ADVICE = "convert the file to WGS 84, as by ogr2ogr -t_srs EPSG:4326 OUT.geojson IN.geojson"
+
+Transform = Callable[[list[float], list[float]], tuple[list[float], list[float]]]
+
+
+def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
+    """The tree with its positions in WGS 84, and without a CRS; as it is when it names none.
+
+    Raises:
+        MapError: names the CRS and why it cannot be used.
+    """
+    features = tree.get("features")
+    entries = features if isinstance(features, list) else []
+    if any(isinstance(entry, Mapping) and entry.get("crs") for entry in entries):
+        raise MapError(f"{source}: a feature has a crs of its own: expected one for the whole file")
+    given = tree.get("crs")
+    if given is None:
+        return tree
+    name = _name(given, source)
+    leaves: list[list[Any]] = []
+    rest = {key: value for key, value in tree.items() if key != "crs"}
+    copied: dict[str, Any] = _copied(rest, leaves)
+    crs = _known(name, source)
+    if leaves and not any(crs.equals(pyproj.CRS(same), ignore_axis_order=True) for same in _SAME):
+        _transform(leaves, crs, f'{source}: crs "{name}" ({crs.name})')
+    return copied
+
+
+def _name(given: object, source: str) -> str:
+    """The name in a `crs` member: of the form of 2008, or an EPSG number as still older files have it."""
+    properties = given.get("properties") if isinstance(given, Mapping) else None
+    if isinstance(given, Mapping) and isinstance(properties, Mapping):
+        if given.get("type") == "name" and isinstance(properties.get("name"), str):
+            return str(properties["name"])
+        if given.get("type") == "EPSG" and isinstance(properties.get("code"), int | str):
+            return f"EPSG:{properties['code']}"
+    raise MapError(f"{source}: crs {str(given)[:80]} is not the name of one; {_ADVICE}")
+
+
+def _known(name: str, source: str) -> pyproj.CRS:
+    try:
+        return pyproj.CRS.from_user_input(name)
+    except pyproj.exceptions.CRSError:
+        raise MapError(f'{source}: crs "{name}" is not known; {_ADVICE}') from None
+
+
+def _transform(leaves: list[list[Any]], crs: pyproj.CRS, where: str) -> None:
+    """Replace x and y of every position by longitude and latitude.
+
+    Raises:
+        MapError: PROJ has no transformation that is good enough here.
+    """
+    x, y = [float(leaf[0]) for leaf in leaves], [float(leaf[1]) for leaf in leaves]
+    lon_deg, lat_deg = _best(x, y, crs, where).transform(x, y)
+    for number, (leaf, lon, lat) in enumerate(zip(leaves, lon_deg, lat_deg, strict=True), 1):
+        if not (math.isfinite(lon) and math.isfinite(lat)):
+            raise MapError(f"{where}: position {number}, {leaf[:2]}, is outside of it; {_ADVICE}")
+        leaf[:2] = [lon, lat]
+
+
+def _best(x: list[float], y: list[float], crs: pyproj.CRS, where: str) -> pyproj.Transformer:
+    """The best transformation for where the data lie; a CRS may have several, each for its own country."""
+    try:
+        area = _area(x, y, crs)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # that a better one needs a file which is not here
+            found = TransformerGroup(
+                crs, _WGS84, always_xy=True, area_of_interest=area, allow_ballpark=False
+            ).transformers
+    except pyproj.exceptions.ProjError:
+        found = []
+    known = [transformer for transformer in found if transformer.accuracy >= 0.0]
+    if not known:
+        raise MapError(f"{where}: no transformation to WGS 84 is known for this place; {_ADVICE}")
+    if known[0].accuracy > WORST_ACCURACY_M:
+        raise MapError(
+            f"{where}: can be transformed to WGS 84 only to {known[0].accuracy:g} m here, "
+            f"expected {WORST_ACCURACY_M:g} m or better; {_ADVICE}, with this CRS's grid files installed"
+        )
+    return known[0]
+
+
+def _area(x: list[float], y: list[float], crs: pyproj.CRS) -> AreaOfInterest | None:
+    """Bounds in degrees, roughly: in the CRS's own datum. None where it has none, or the data are outside."""
+    if crs.geodetic_crs is None:
+        return None
+    to_degrees = pyproj.Transformer.from_crs(crs, crs.geodetic_crs, always_xy=True)
+    lon_deg, lat_deg = to_degrees.transform(x, y)
+    if not all(map(math.isfinite, (*lon_deg, *lat_deg))) or max(map(abs, lat_deg)) > 90.0:
+        return None
+    return AreaOfInterest(min(lon_deg), min(lat_deg), max(lon_deg), max(lat_deg))
+
+
+def _copied(value: Any, leaves: list[list[Any]]) -> Any:  # noqa: ANN401 (decoded JSON)
+    """A copy of decoded JSON; `leaves` gets every position in it."""
+    if isinstance(value, Mapping):
+        return {
+            key: _coordinates(part, leaves) if key == "coordinates" else _copied(part, leaves)
+            for key, part in value.items()
+        }
+    if isinstance(value, list):
+        return [_copied(part, leaves) for part in value]
+    return value
+
+
+def _coordinates(value: Any, leaves: list[list[Any]]) -> Any:  # noqa: ANN401 (decoded JSON)
+    if not isinstance(value, list):
+        return value
+    is_position = len(value) >= 2 and all(
+        isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in value[:2]
+    )
+    if not is_position:
+        return [_coordinates(part, leaves) for part in value]
+    leaf = list(value)
+    leaves.append(leaf)
+    return leaf

@@ -1,0 +1,95 @@
+"""What a feature of a GeoJSON map is: its property `kind`, or else its OpenStreetMap tags.
+
+Without either it is water, so that a plain lake works as it is; but a shape within another's water is then
+ambiguous, most likely an island, and `raise_if_ambiguous` asks which.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
+
+from shapely.geometry.base import BaseGeometry
+
+from mission_tools.errors import MapError
+from mission_tools.maps.chart import Kind
+
+KINDS: tuple[str, ...] = get_args(Kind)
+INSIDE_SHARE = 0.5  # of a shape's area: a bay that is drawn as a piece of its own overlaps its lake by less
+
+# https://wiki.openstreetmap.org/wiki/Map_features; land first: an island in a lake may carry the lake's tags
+_LAND = {
+    "place": ("island", "islet", "archipelago"),
+    "natural": (
+        *("land", "coastline", "beach", "sand", "shingle", "rock", "bare_rock", "stone", "scree", "reef"),
+        *("shoal", "wetland", "mud", "wood", "tree_group", "scrub", "heath", "grassland", "fell", "cliff"),
+    ),
+}
+_STRUCTURES = {
+    "man_made": ("pier", "breakwater", "groyne", "jetty", "dyke", "embankment", "bridge", "quay"),
+    "waterway": ("dam", "weir", "lock_gate"),
+}
+_WATER = {
+    "natural": ("water", "bay", "strait"),
+    "place": ("sea", "ocean"),
+    "waterway": ("riverbank", "river", "canal", "dock", "fairway", "stream", "ditch", "drain"),
+    "landuse": ("reservoir", "basin", "salt_pond"),
+}
+_TOLD = ("place", "natural", "man_made", "waterway", "building")  # whose unknown values are asked about
+
+
+def kind_of(properties: Mapping[str, Any], where: str) -> tuple[Kind, bool]:
+    """The kind of a feature, and whether the file says so: False for water by default.
+
+    Raises:
+        MapError: a kind that does not exist, or tags that say neither water nor land.
+    """
+    if "kind" in properties:
+        kind = properties["kind"]
+        if kind not in KINDS:
+            raise MapError(f"{where}: kind {kind!r} is none of {', '.join(KINDS)}")
+        return kind, True
+    tagged = tagged_kind(properties)
+    if tagged is not None:
+        return tagged, True
+    said = next((f"{key}={properties[key]}" for key in _TOLD if properties.get(key)), None)
+    if said is not None:
+        raise MapError(
+            f"{where}: {said} says neither water nor land here: "
+            f"add the property kind, one of {', '.join(KINDS)}"
+        )
+    return "water", False
+
+
+def tagged_kind(properties: Mapping[str, Any]) -> Kind | None:
+    """What the tags of OpenStreetMap say; None where they say nothing that is known here."""
+    if _has(properties, _LAND):
+        return "island"
+    if _has(properties, _STRUCTURES):
+        return "pier"
+    if properties.get("building") not in (None, "no"):
+        return "obstacle"
+    return "water" if _has(properties, _WATER) else None
+
+
+def _has(properties: Mapping[str, Any], tags: Mapping[str, Sequence[str]]) -> bool:
+    return any(properties.get(key) in values for key, values in tags.items())
+
+
+def raise_if_ambiguous(shapes: Sequence[tuple[str, BaseGeometry, bool]]) -> None:
+    """Ask about water by default that lies in other water: taken as water it would be sailed over.
+
+    shapes: every piece of water as (name for messages, shape, whether the file says that it is water).
+
+    Raises:
+        MapError: names both features.
+    """
+    for where, shape, is_said in shapes:
+        if is_said:
+            continue
+        for other, around, _ in shapes:
+            if other == where or around.area <= shape.area:
+                continue
+            if shape.intersection(around).area > INSIDE_SHARE * shape.area:
+                raise MapError(
+                    f"{where}: lies within {other.rpartition(': ')[2]} and does not say what it is: "
+                    f"add the property kind, such as island (land in it) or water (to be sailed over)"
+                )
