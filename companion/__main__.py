@@ -1,126 +1,29 @@
 """boat-companion: the program on the boat."""
 
-import contextlib
-import logging
 import sys
-from pathlib import Path
-from typing import Annotated
+from typing import Any
 
-import msgspec
-import typer
-from rich.console import Console
-from rich.table import Table
-
-from companion import __version__
-from companion.app import check_config, run_boat
-from companion.config import BoatConfig, load_config
-from companion.errors import BoatError
-from companion.links_view import watch
-from companion.param_page import parameter_page
-from companion.params import Parameters
-from companion.params_table import ROWS
-from companion.restart import restart_program
-from companion.shutdown import Shutdown
-from companion.status_file import find_status, read_status
-from companion.storage import MemoryStorage
-
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    help="The vehicle: drives the boat and speaks MAVLink to every ground station.",
-)
-
-ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
+from companion.interrupts import Run, run_interruptibly
 
 
-@app.callback()
-def options(
-    debug: Annotated[bool, typer.Option("--debug", help="A traceback with every error.")] = False,
-) -> None:
-    """What goes before the command; --debug is looked for where errors end."""
+def load() -> Run:
+    """Do the imports, which take a second; returns the program."""
+    from companion.cli import run_program  # noqa: PLC0415 (an interrupt meanwhile ends without a traceback)
 
-
-@app.command()
-def run(
-    config: ConfigFile,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say more in the log.")] = False,
-) -> None:
-    """Run the boat until Ctrl-C or SIGTERM. The motors are off before the first and after the last tick.
-
-    Example:  boat-companion run --config /etc/mavboat/boat.toml
-    """
-    logging.basicConfig(
-        level=logging.DEBUG if verbose else logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
-    )
-    shutdown = Shutdown()
-    shutdown.install()
-    boat = run_boat(load_config(config), shutdown)
-    if boat.wants_restart and not shutdown():
-        restart_program()
-
-
-@app.command()
-def check(config: ConfigFile) -> None:
-    """Read a configuration and say what is wrong with it, without touching any hardware."""
-    tree = load_config(config)
-    check_config(tree)
-    typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
-
-
-@app.command()
-def links(
-    config: ConfigFile,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the figures once, as JSON.")] = False,
-) -> None:
-    """Show the running boat's links, second by second, until Ctrl-C.
-
-    Example:  boat-companion links --config /etc/mavboat/boat.toml
-    """
-    path = find_status(load_config(config))
-    if as_json:
-        typer.echo(msgspec.json.format(msgspec.json.encode(read_status(path))).decode())
-        return
-    with contextlib.suppress(KeyboardInterrupt):
-        watch(path, Console())
-
-
-@app.command()
-def params(
-    markdown: Annotated[bool, typer.Option("--markdown", help="Print docs/parameters.md.")] = False,
-) -> None:
-    """List every parameter with its default, unit and meaning."""
-    if markdown:
-        typer.echo(parameter_page(), nl=False)
-        return
-    table = Table("name", "default", "unit", "meaning", box=None)
-    parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
-    for row in ROWS:
-        table.add_row(row.name, f"{parameters.value(row):g}", row.unit, row.text)
-    Console().print(table)
-
-
-@app.command()
-def version() -> None:
-    """Print the version."""
-    typer.echo(__version__)
+    return run_program
 
 
 def main() -> None:
-    """Entry point. What a person can mend is one line and an exit code."""
-    is_debug = "--debug" in sys.argv
-    try:
-        app()
-    except BoatError as error:
-        if is_debug:
-            raise
-        sys.stderr.write(f"boat-companion: {error}\n")
-        sys.exit(error.exit_code)
-    except Exception as error:
-        if is_debug:
-            raise
-        sys.stderr.write(f"boat-companion: unexpected {error!r}: please report it, with what --debug says\n")
-        sys.exit(1)
+    """Entry point."""
+    sys.exit(run_interruptibly("boat-companion", load))
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401 (a module's own)
+    if name == "app":
+        from companion.cli import app  # noqa: PLC0415 (as above)
+
+        return app
+    raise AttributeError(name)
 
 
 if __name__ == "__main__":

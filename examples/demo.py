@@ -9,11 +9,14 @@ then compares what the boat really did with the plan: a table, and out/demo.png.
 Without START and GOAL a map's two ends are found that lie far apart, but not too far for a demonstration.
 """
 
+import signal
+
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # the imports take a second: until then Ctrl-C ends at once
+
 import argparse
 import contextlib
 import csv
 import json
-import signal
 import subprocess
 import sys
 import threading
@@ -260,4 +263,11 @@ def _draw(chart: Chart, route: list[Point], voyage: Voyage, figures: dict[str, A
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        code = main()
+    except KeyboardInterrupt:
+        sys.stderr.write("demo: interrupted\n")
+        code = 130
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(code)

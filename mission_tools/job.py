@@ -1,12 +1,15 @@
 """The whole job of `mission-upload`: propose, connect, upload, read back and compare, start, follow."""
 
 import asyncio
+import contextlib
 import math
+import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar, cast
 
 from rich.console import Console
 
@@ -27,6 +30,8 @@ from mission_tools.voyage import Voyage
 from mission_tools.wording import distance, duration
 
 SHOWN_DIFFERENCES = 3
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +172,33 @@ async def _propose(
         if here is None:
             console.print("note: no position from the boat: the route starts at the scenario's start")
     # Off the event loop, so that the vehicle's messages are taken in meanwhile.
-    return await asyncio.to_thread(source.propose, here)
+    return await _in_thread(lambda: source.propose(here))
+
+
+async def _in_thread(work: Callable[[], T]) -> T:
+    """As asyncio.to_thread, but an interrupted program does not wait for the thread's end."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[T] = loop.create_future()
+
+    def settle(result: T | None, error: Exception | None) -> None:
+        if future.cancelled():
+            return
+        if error is not None:
+            future.set_exception(error)
+        else:
+            future.set_result(cast(T, result))
+
+    def run() -> None:
+        result, error = None, None
+        try:
+            result = work()
+        except Exception as raised:
+            error = raised
+        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+            loop.call_soon_threadsafe(settle, result, error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return await future
 
 
 def _say_proposal(proposal: Proposal, console: Console) -> None:

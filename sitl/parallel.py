@@ -4,18 +4,58 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from typing import TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
+from typing import Any, TypeVar
 
 from companion import garbage
 
 Outcome = TypeVar("Outcome")
 
 
-def worker_pool(size: int) -> ProcessPoolExecutor:
+class WorkerPool(ProcessPoolExecutor):
+    """Workers that never see Ctrl-C: it is for the process that started them."""
+
+    def submit(self, fn: Callable[..., Outcome], /, *args: Any, **kwargs: Any) -> "Future[Outcome]":  # noqa: ANN401
+        """As the executor's; it is here that workers are started."""
+        with _interrupts_deferred():
+            return super().submit(fn, *args, **kwargs)
+
+    def terminate(self) -> None:
+        """End all workers at once: their runs are given up."""
+        for worker in multiprocessing.active_children():
+            worker.terminate()
+        self.shutdown(cancel_futures=True)
+
+
+def worker_pool(size: int) -> WorkerPool:
     """So many workers, each a fresh interpreter."""
-    return ProcessPoolExecutor(size, multiprocessing.get_context("spawn"), initializer=_sign_on)
+    return WorkerPool(size, multiprocessing.get_context("spawn"), initializer=_sign_on)
+
+
+@contextmanager
+def _interrupts_deferred() -> Iterator[None]:
+    """Processes that are started in here have SIGINT blocked; for this one it waits until the end.
+
+    A fresh interpreter imports for a second before it could ignore the signal by itself, and a worker whose
+    start is interrupted half-way prints a traceback. Only in the main thread, which is where signals arrive.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    resource_tracker.ensure_running()  # starting it later, it would unblock the signal again
+    held: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))
+        signal.signal(signal.SIGINT, before)
+        if held:
+            signal.raise_signal(signal.SIGINT)
 
 
 def in_parallel(
@@ -36,7 +76,7 @@ def in_parallel(
                 future.result()
                 tell()
         except BaseException:
-            executor.shutdown(cancel_futures=True)
+            executor.terminate()
             raise
     return [future.result() for future in under_way]
 

@@ -1,52 +1,13 @@
-"""How a program of this package ends: one line for what went wrong, and the exit code that goes with it.
+"""How a program of this package ends: `companion.command_line`, with the planner's own errors."""
 
-0 done, 1 the job failed, 2 wrong usage or input, 3 no vehicle or link, 130 interrupted.
-"""
-
-import json
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import typer
 
+from companion import command_line
 from mission_tools.errors import MissionToolsError
 
-INTERRUPTED = 130
 
-
-def run_app(
-    app: typer.Typer,
-    name: str,
-    arguments: Sequence[str],
-    expected: tuple[type[Exception], ...] = (MissionToolsError,),
-) -> int:
-    """Run a typer app; returns the exit code. With --debug every error keeps its traceback.
-
-    expected: roots of errors that a person can mend; each carries its own `exit_code`.
-    """
-    is_debug, is_json = "--debug" in arguments, "--json" in arguments
-    try:
-        code = app(args=list(arguments), prog_name=name, standalone_mode=False)
-    except (KeyboardInterrupt, typer.Abort):
-        return _end(name, "interrupted", INTERRUPTED, is_json)
-    except expected as error:
-        if is_debug:
-            raise
-        return _end(name, str(error), getattr(error, "exit_code", 1), is_json)
-    except Exception as error:
-        message: Callable[[], str] | None = getattr(error, "format_message", None)
-        if message is not None:  # typer's own: the arguments could not be understood
-            return _end(name, f"{' '.join(message().split())} (see {name} --help)", 2, is_json)
-        if is_debug:
-            raise
-        return _end(name, f"unexpected {error!r}: please report it, with what --debug says", 1, is_json)
-    if code == INTERRUPTED:  # some versions of typer turn the interrupt into this
-        return _end(name, "interrupted", INTERRUPTED, is_json)
-    return code if isinstance(code, int) else 0
-
-
-def _end(name: str, message: str, code: int, is_json: bool) -> int:
-    sys.stderr.write(f"{name}: {message}\n")
-    if is_json:
-        sys.stdout.write(json.dumps({"ok": False, "exit_code": code, "error": message}) + "\n")
-    return code
+def run_app(app: typer.Typer, name: str, arguments: Sequence[str]) -> int:
+    """Run a typer app; returns the exit code. With --debug every error keeps its traceback."""
+    return command_line.run_app(app, name, arguments, expected=(MissionToolsError,))

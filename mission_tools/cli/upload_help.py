@@ -9,9 +9,9 @@ SOURCE is a scenario (`lake`, or a .toml file), a map (.geojson) with --goal, or
 keeps its mission.
 
 A fence file is a .plan, or .geojson with polygons, and circles as points with radius_m; the property kind is
-inclusion (which they are without it) or exclusion. A map is a fence too: the outline of its water, without what
-is solid or to keep out of. Rally points are points. A route is planned inside the fence and keeps the clearance
-from its lines too.
+inclusion (which they are without it) or exclusion. A map is a fence too: the outline of its water, without
+what is solid or to keep out of. Rally points are points. A route is planned inside the fence and keeps the
+clearance from its lines too.
 
 A route starts at --start-at, else at the boat, else at the scenario's start.
 

@@ -50,12 +50,14 @@ def cores() -> int:
 
 @contextmanager
 def local_crew(size: int) -> Iterator[Crew]:
-    """So many processes of this machine. Leaving early gives up what is not begun."""
+    """So many processes of this machine. Leaving early gives up what has not ended."""
     executor = worker_pool(size)
     try:
         yield Crew(executor, size)
-    finally:
-        executor.shutdown(cancel_futures=True)
+    except BaseException:
+        executor.terminate()
+        raise
+    executor.shutdown()
 
 
 @contextmanager

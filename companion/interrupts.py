@@ -1,0 +1,40 @@
+"""Ctrl-C from a program's first lines to its last: one line and exit code 130, never a traceback.
+
+The programs take a second or more to import. Until that is done, and again while the interpreter shuts down,
+nothing needs cleaning up, and an interrupt ends the process at once. In between it is a KeyboardInterrupt.
+"""
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from types import FrameType
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
+Run = Callable[[list[str]], int]
+
+
+def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
+    """Load a program, run it with the command line's arguments, and return its exit code.
+
+    load: does the slow imports and returns the program. To be called from the main thread, at the very start.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # started in the background by a script
+        return load()(sys.argv[1:])
+
+    def end_at_once(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+        os.write(2, f"{name}: interrupted\n".encode())
+        os._exit(INTERRUPTED)
+
+    signal.signal(signal.SIGINT, end_at_once)
+    run = load()
+    try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        code = run(sys.argv[1:])
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        sys.stderr.write(f"{name}: interrupted\n")
+        return INTERRUPTED
+    return code
