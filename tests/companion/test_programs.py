@@ -1,0 +1,57 @@
+"""Every program explains itself the same way: -h, --version, and its whole help without arguments."""
+
+import importlib
+import re
+
+import pytest
+
+from companion import __version__
+from companion.interrupts import Run
+
+PROGRAMS = {
+    "boat-companion": "companion.__main__",
+    "boat-sitl": "sitl.__main__",
+    "mission-upload": "mission_tools.cli.upload",
+    "mission-check": "mission_tools.cli.check",
+}
+programs = pytest.mark.parametrize("name", PROGRAMS)
+
+
+def program(name: str) -> Run:
+    run: Run = importlib.import_module(PROGRAMS[name]).load()
+    return run
+
+
+@programs
+@pytest.mark.parametrize("option", ["-h", "--help"])
+def test_help_is_asked_for_by_either_name(name: str, option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert program(name)([option]) == 0
+    assert capsys.readouterr().out.startswith(f"Usage: {name} ")
+
+
+@programs
+def test_the_version_is_one_line(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert program(name)(["--version"]) == 0
+    assert capsys.readouterr().out == f"{__version__}\n"
+
+
+@programs
+def test_without_arguments_the_help_is_printed_as_it_is_formatted(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """To stderr with exit code 2, as click has it: nothing was done."""
+    program(name)(["--help"])
+    asked_for = capsys.readouterr().out
+    assert program(name)([]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err == asked_for
+    assert printed.err.count("\n") > 10
+
+
+@pytest.mark.parametrize("command", ["serve", "sail", "campaign", "report"])
+def test_commands_of_the_emulator_know_the_short_option_too(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert program("boat-sitl")([command, "-h"]) == 0
+    assert re.match(rf"Usage: boat-sitl {command} ", capsys.readouterr().out)
