@@ -145,6 +145,7 @@ class Arming(Section, frozen=True):
     min_fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
     max_hdop: Positive = 2.5
     battery_min_v: NonNegative = 10.5
+    repeat_s: Positive = 30.0  # between two reports of what keeps the boat from arming
 
 
 class Battery(Section, frozen=True):

@@ -2,6 +2,8 @@
 
 from companion.sensors.readings import GnssFix
 
+_FIX_2D = 2  # below it there is no fix, and the receiver's clock may hold anything
+
 
 class WallTime:
     """offset_s: what to add to the boat's time for seconds since 1970; 0 while nobody has told the date."""
@@ -19,7 +21,7 @@ class WallTime:
         if fix is self._dated and self._is_by_satellites:
             return
         self._dated = fix
-        if fix is not None and fix.unix_time_s is not None:
+        if fix is not None and fix.fix_type >= _FIX_2D and fix.unix_time_s is not None:
             self.offset_s, self._is_by_satellites = fix.unix_time_s - fix.time_s, True
         elif told_offset_s is not None and not self._is_by_satellites:
             self.offset_s = told_offset_s

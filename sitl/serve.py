@@ -107,4 +107,13 @@ def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
     modes = replace(config.modes, set_point_timeout_s=config.modes.set_point_timeout_s * speedup)
     follow = replace(config.follow, timeout_s=config.follow.timeout_s * speedup)
     external = replace(config.external, timeout_s=config.external.timeout_s * speedup)
-    return replace(config, failsafe=failsafe, mavlink=mavlink, modes=modes, follow=follow, external=external)
+    arming = replace(config.arming, repeat_s=config.arming.repeat_s * speedup)
+    return replace(
+        config,
+        failsafe=failsafe,
+        mavlink=mavlink,
+        modes=modes,
+        follow=follow,
+        external=external,
+        arming=arming,
+    )

@@ -1,7 +1,7 @@
 """Telemetry logs: every frame of a link, both ways, in the `.tlog` form that ground stations replay.
 
 Each frame stands behind its time as 8 bytes, microseconds since 1970, big-endian (the form of QGroundControl
-and MAVProxy). Signatures are taken off, and a frame that carries a signing key is left out.
+and MAVProxy). The channel takes signatures off and leaves out a frame that carries a signing key.
 """
 
 from collections.abc import Callable
@@ -9,34 +9,10 @@ from struct import Struct
 from typing import Final
 
 from companion.log.sink import Sink
-from companion.mavlink.dialect import crc16, dialect
-from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, SIGNED
-from companion.mavlink.layout import LAYOUTS
 
 _STAMP = Struct(">Q")
 _BLOCK_BYTES: Final = 8192
 _FLUSH_S: Final = 1.0
-_SECRET: Final = dialect.MAVLINK_MSG_ID_SETUP_SIGNING
-
-
-def loggable(frame: bytes) -> bytes:
-    """A frame as it may be logged: without its signature; empty when it must not be logged at all.
-
-    A signed frame of a message that the dialect does not have keeps its shape, with zeros for a signature:
-    its checksum cannot be worked out anew.
-    """
-    if frame[0] != MAGIC_V2:
-        return frame
-    message_id = int.from_bytes(frame[7:10], "little")
-    if message_id == _SECRET:
-        return b""
-    if not frame[2] & SIGNED:
-        return frame
-    layout = LAYOUTS.get(message_id)
-    if layout is None:
-        return frame[:-SIGNATURE_LENGTH] + bytes(SIGNATURE_LENGTH)
-    body = frame[1:2] + bytes((frame[2] & ~SIGNED,)) + frame[3 : -SIGNATURE_LENGTH - 2]
-    return frame[:1] + body + crc16(body + layout.crc_extra).to_bytes(2, "little")
 
 
 class TelemetryLog:
@@ -54,11 +30,10 @@ class TelemetryLog:
         sink.begin()
 
     def add(self, frame: bytes) -> None:
-        """Log one frame, whichever way it goes."""
+        """Log one frame, whichever way it goes, as the channel lets it out: without signature or key."""
         if len(self._block) > _BLOCK_BYTES:
             self._hand_over()
-        if clean := loggable(frame):
-            self._block += _STAMP.pack(self._clock_us()) + clean
+        self._block += _STAMP.pack(self._clock_us()) + frame
 
     def tick(self, now_s: float) -> None:
         """Once in a while everything goes to the medium."""

@@ -164,8 +164,9 @@ class _Epoch:
         if self._is_valid and not {"GGA", "GNS"} & set(self.kinds):
             self._fix_type = _FIX_3D
         self._take_velocity(sentence.number("spd"), sentence.number("cog"))
+        # A receiver without a fix reports whatever its clock holds, after a cold start 1980
         date = sentence.fields.get("date")
-        if isinstance(date, datetime.date):
+        if self._is_valid and isinstance(date, datetime.date):
             self._date = date
 
     def _take_position(self, sentence: Sentence) -> None:

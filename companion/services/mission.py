@@ -72,6 +72,7 @@ class MissionService:
                 name = one.type.name.lower()
                 logger.warning("the stored %s is lost: %s", name, one.loss)
                 vehicle.losses.add(name, one.loss, f"Upload or clear the {_NAMES[one.type]}")
+        self._lists[MissionType.MISSION].home = lambda: vehicle.home
         vehicle.take_mission(self._lists[MissionType.MISSION].steps)
         vehicle.take_fence(fence_areas(self.items(MissionType.FENCE)))
         vehicle.take_rally(rally_points(self.items(MissionType.RALLY)))
@@ -257,12 +258,13 @@ class MissionService:
         one.parts[origin.channel] = Part(origin.address, first, last)
 
     def _send_parts(self, one: MissionList) -> None:
+        items = one.offered()
         for channel, part in list(one.parts.items()):
             seq = part.next_seq
             for _ in range(_PART_PER_TICK):
                 if seq > min(part.last_seq, len(one.entries) - 1) or not self._outbox.has_room(channel):
                     break
-                message = one.entries[seq].item.to_message(seq, part.partner, one.type)
+                message = items[seq].to_message(seq, part.partner, one.type)
                 self._outbox.send_bulk(channel, message, _ITEM_BYTES)
                 seq += 1
             if seq > min(part.last_seq, len(one.entries) - 1):

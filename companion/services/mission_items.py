@@ -26,6 +26,7 @@ from companion.vehicle.mission_steps import (
 )
 from companion.vehicle.places import Offset, Place
 
+_HIGHEST_M = 83_000.0  # ArduPilot's limit: the most that its 24 bits of centimetres hold
 _LOCAL_SCALE = 1e-4  # x and y of a local frame are whole tenths of a millimetre
 
 # Camera, mount and markers: a survey plan is sailed without them, and the operator is told
@@ -98,6 +99,8 @@ def global_position(item: MissionItem) -> LatLon | Fault:
         return Fault(MissionResult.INVALID_PARAM5_X, "position 0, 0 is nowhere")
     if not abs(item.x) <= 900_000_000:
         return Fault(MissionResult.INVALID_PARAM5_X, f"latitude {e7_to_deg(item.x)} is outside ±90")
+    if fault := _altitude_fault(item):
+        return fault
     if not abs(item.y) <= 1_800_000_000:
         return Fault(MissionResult.INVALID_PARAM6_Y, f"longitude {e7_to_deg(item.y)} is outside ±180")
     return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
@@ -107,6 +110,8 @@ def _place(item: MissionItem) -> Place | Fault:
     """MAV_FRAME_LOCAL_NED counts from the local frame's origin, as LOCAL_POSITION_NED does;
     MAV_FRAME_LOCAL_OFFSET_NED from where the leg begins.
     """
+    if fault := _altitude_fault(item):
+        return fault
     if item.frame == dialect.MAV_FRAME_LOCAL_NED:
         return Point(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
     if item.frame == dialect.MAV_FRAME_LOCAL_OFFSET_NED:
@@ -115,6 +120,13 @@ def _place(item: MissionItem) -> Place | Fault:
         text = f"frame {item.frame} is neither global nor LOCAL_NED (1) nor LOCAL_OFFSET_NED (7)"
         return Fault(MissionResult.UNSUPPORTED_FRAME, text)
     return global_position(item)
+
+
+def _altitude_fault(item: MissionItem) -> Fault | None:
+    """A boat has one altitude and looks at none; but a list with one that cannot be meant is damaged."""
+    if abs(item.z) <= _HIGHEST_M:
+        return None
+    return Fault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is no altitude")
 
 
 def _waypoint(item: MissionItem) -> Step | Fault:

@@ -1,10 +1,12 @@
 """One of the boat's lists (mission, fence, rally): what it holds, what is arriving, what is being written."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from companion.config import BoatConfig
+from companion.geo import LatLon
 from companion.mavlink.address import Address
+from companion.mavlink.dialect import dialect
 from companion.mavlink.items import Fault, MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
@@ -14,6 +16,7 @@ from companion.services.area_items import check_fence, check_fence_item, check_r
 from companion.services.mission_items import check_jumps, to_step
 from companion.services.mission_store import encode_item, load_items, save_lines
 from companion.storage import Saving, Storage
+from companion.units import deg_to_e7
 from companion.vehicle.mission_steps import Home, Step
 
 _ITEM_RETRIES = 2  # times mavlink.retries: items are asked for twice as often, for as long
@@ -47,6 +50,7 @@ class MissionList:
         self.parts: dict[int, Part] = {}
         self.saving: Saving | None = None
         self.loss = ""  # what of the stored list is lost, and what is held instead
+        self.home: Callable[[], LatLon | None] = lambda: None  # the vehicle's to say
         self._own = own
         self._timers = config.mavlink
         self._storage = storage
@@ -68,6 +72,12 @@ class MissionList:
         """What it holds."""
         return tuple([entry.item for entry in self.entries])
 
+    def offered(self) -> tuple[MissionItem, ...]:
+        """What stations are given: item 0 of a mission is the boat's home, as on ArduPilot, and not what a
+        station has put in its place."""
+        home = self.home() if self.type is MissionType.MISSION else None
+        return self.items if home is None else (_home_item(home), *self.items[1:])[: len(self.entries)]
+
     @property
     def is_idle(self) -> bool:
         """Whether nothing is under way that time could change."""
@@ -78,7 +88,7 @@ class MissionList:
         if channel not in self.senders:
             timers = self._timers
             self.senders[channel] = Sender(
-                self._own, self.type, timers.retry_s, timers.retries, source=lambda: self.items
+                self._own, self.type, timers.retry_s, timers.retries, source=self.offered
             )
         return self.senders[channel]
 
@@ -145,3 +155,12 @@ class MissionList:
         if self.type is MissionType.MISSION:
             return check_jumps([entry.step for entry in entries])
         return check_fence([entry.item for entry in entries]) if self.type is MissionType.FENCE else None
+
+
+def _home_item(home: LatLon) -> MissionItem:
+    return MissionItem(
+        frame=dialect.MAV_FRAME_GLOBAL,
+        command=dialect.MAV_CMD_NAV_WAYPOINT,
+        x=deg_to_e7(home.lat_deg),
+        y=deg_to_e7(home.lon_deg),
+    )

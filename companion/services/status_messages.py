@@ -166,6 +166,8 @@ def mission_current(vehicle: Vehicle) -> Message:
     progress = vehicle.progress
     if progress.is_empty:
         state = dialect.MISSION_STATE_NO_MISSION
+    elif vehicle.sails_mission_home:
+        state = dialect.MISSION_STATE_ACTIVE
     elif progress.finished:
         state = dialect.MISSION_STATE_COMPLETE
     elif vehicle.mode is Mode.AUTO and vehicle.armed:

@@ -54,19 +54,18 @@ def radio_fault(sticks: Sticks, config: BoatConfig, now_s: float) -> str:
 
 
 class PreArmReport:
-    """What keeps a disarmed boat from arming: told when it is found, and again every REPEAT_S."""
+    """What keeps a disarmed boat from arming: told when it is found, and again every repeat_s."""
 
     FIRST_S = 5.0  # since boot: receiver and compass need a moment
-    REPEAT_S = 30.0
     LOOK_S = 1.0
 
     def __init__(self) -> None:
         self._look_s = self.FIRST_S
 
-    def update(self, faults: Callable[[], list[str]], now_s: float) -> list[str]:
+    def update(self, faults: Callable[[], list[str]], now_s: float, repeat_s: float) -> list[str]:
         """What to say now. `faults` is asked no more often than once in LOOK_S."""
         if now_s < self._look_s:
             return []
         found = faults()
-        self._look_s = now_s + (self.REPEAT_S if found else self.LOOK_S)
+        self._look_s = now_s + (repeat_s if found else self.LOOK_S)
         return found

@@ -4,6 +4,7 @@ import math
 from itertools import pairwise
 
 from companion.config import BoatConfig
+from companion.estimation.estimator import MAX_OFFSET_M
 from companion.estimation.health import lacks_heading, lacks_position
 from companion.geo import LatLon, LocalFrame
 from companion.requests import SetPoint
@@ -63,8 +64,9 @@ class Conduct:
         """What a mode that steers by the position lacks; empty when it can be entered."""
         if mode is Mode.AUTO:
             return "no mission" if self.progress.is_empty else self.mission_check.fault
-        if mode is Mode.RTL and now.home is None and not self.way_home.rally:
-            return "no home"
+        if mode is Mode.RTL and not self.way_home.rally:
+            fault = "" if now.home is None else distance_fault(now.home, now.frame)
+            return "no home" if now.home is None else f"home is {fault}" if fault else ""
         if mode is Mode.SMART_RTL:
             if self.trail.is_lost:
                 return f"the track is longer than SRTL_POINTS {now.config.modes.trail_points}"
@@ -245,6 +247,13 @@ class Conduct:
             return self._sail(Mode.FOLLOW, now, now.speed_m_s)
         self._lost_lead = False
         return self.following.intent(now.nav, now.frame, now.config, now.speed_m_s, now.now_s)
+
+
+def distance_fault(home: LatLon, frame: LocalFrame | None) -> str:
+    """Why this is no home for the boat where it is; empty when it is one, or that is not known yet."""
+    if frame is None or math.hypot(*frame.to_local(home)) <= MAX_OFFSET_M:
+        return ""
+    return f"more than {MAX_OFFSET_M / 1e3:.0f} km away"
 
 
 def station_of(intent: Intent, now: Situation) -> LatLon:

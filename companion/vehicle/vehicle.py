@@ -9,7 +9,7 @@ from companion.requests import ACCEPTED, Outcome, Request
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
-from companion.vehicle.conduct import Conduct, station_of
+from companion.vehicle.conduct import Conduct, distance_fault, station_of
 from companion.vehicle.drills import Drills
 from companion.vehicle.failsafes.failsafes import Failsafes
 from companion.vehicle.fence import Fence, FenceArea
@@ -47,6 +47,7 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
+        self.sails_mission_home = False  # RTL is the mission's last item, and it is under way
         self.is_restarting = False  # the program is about to begin anew: it does not arm any more
         self.standing_order = False  # it is about to arm itself, or to go on; any mode or disarming ends that
         self.losses = Losses()
@@ -86,7 +87,7 @@ class Vehicle:
         for text in self.losses.update(self._now_s):
             self.tell(Severity.WARNING, text)
         if not self.armed:
-            for fault in self._pre_arm.update(self.arming_faults, self._now_s):
+            for fault in self._pre_arm.update(self.arming_faults, self._now_s, self.config.arming.repeat_s):
                 self.tell(Severity.CRITICAL, f"PreArm: {fault}")
             return _STOP
         now = self._situation()
@@ -103,6 +104,9 @@ class Vehicle:
             if self.probe.is_due(self._now_s, has_room=has_room):
                 self.probe.begin(self._now_s)
         intent = self.conduct.decide(self.mode, now)
+        if self.sails_mission_home and self.conduct.way_home.arrived:
+            self.sails_mission_home = False
+            self.tell(Severity.NOTICE, "Mission complete")
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
                 self.set_home(position)
@@ -139,10 +143,17 @@ class Vehicle:
         """Swap in a new fence; it counts at once."""
         self.fence.take(areas)
         self.fence.lay(self.frame, self.home, self.config.fence)
+        self._warn_of_rally_points()
 
     def take_rally(self, places: Sequence[LatLon]) -> None:
         """Swap in new rally points; the way home leads to the nearest of them and home."""
         self.conduct.way_home.rally = tuple(places)
+        self._warn_of_rally_points()
+
+    def _warn_of_rally_points(self) -> None:
+        for number, place in enumerate(self.conduct.way_home.rally):
+            if self.frame is not None and not self.fence.allows(self.frame.to_local(place)):
+                self.tell(Severity.WARNING, f"Rally point {number} is outside the fence")
 
     def home_distance_m(self, point: Point) -> float:
         """How far it is home by the water; infinite where there is no way."""
@@ -182,6 +193,7 @@ class Vehicle:
         """Change mode, whatever it lacks."""
         if mode is not self.mode:
             self.mode = mode
+            self.sails_mission_home = False
             self.speed_m_s = None
             self.tell(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
             self.conduct.begin(mode, self._situation())
@@ -231,10 +243,10 @@ class Vehicle:
         return "" if now is None or mode is self.mode else self.conduct.fault(mode, now)
 
     def _end_mission(self, intent: Intent, now: Situation) -> Intent:
-        self.tell(Severity.NOTICE, "Mission complete")
-        if self.progress.go_home:
-            self.enter(Mode.RTL, "mission item")
+        if self.progress.go_home and self.enter(Mode.RTL, "mission item").accepted:
+            self.sails_mission_home = True
             return self.conduct.decide(self.mode, now)
+        self.tell(Severity.NOTICE, "Mission complete")
         if self.config.mission.done_behave == 0:
             self.enter(Mode.HOLD, "mission complete")
             return _STOP
@@ -274,6 +286,8 @@ class Vehicle:
             if now is None:
                 return self.refuse("Home: no position yet")
             position = now.here
+        if fault := distance_fault(position, self.frame):
+            return self.refuse(f"Home: {fault}")
         self.home, self._home_is_chosen = position, True
         return ACCEPTED
 

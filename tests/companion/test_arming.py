@@ -1,3 +1,5 @@
+from functools import partial
+
 import msgspec
 import pytest
 from boat_rig import GOOD_FIX, nav_at
@@ -58,17 +60,25 @@ def test_checks_that_are_switched_off_find_nothing() -> None:
     assert faults(nav=None, fix=None, battery=BatteryReading(0.0, 1.0), setting=Arming(check=False)) == []
 
 
-def test_reasons_are_told_five_seconds_after_boot_and_then_every_thirty() -> None:
+def told_at(since_s: float, ticks: int, repeat_s: float = 30.0) -> list[float]:
+    """When the report says something, of a boat that does not arm from a moment on."""
     report = PreArmReport()
-    told = [tick * 0.02 for tick in range(5000) if report.update(lambda: ["GPS: no 3-D fix"], tick * 0.02)]
-    assert told == pytest.approx([5.0, 35.0, 65.0, 95.0], abs=0.03)
+    times = [tick * 0.02 for tick in range(ticks)]
+
+    def faults(now_s: float) -> list[str]:
+        return ["Compass: no heading"] if now_s >= since_s else []
+
+    return [now_s for now_s in times if report.update(partial(faults, now_s), now_s, repeat_s)]
+
+
+def test_reasons_are_told_five_seconds_after_boot_and_then_every_thirty() -> None:
+    assert told_at(0.0, 5000) == pytest.approx([5.0, 35.0, 65.0, 95.0], abs=0.03)
+
+
+def test_where_the_boats_time_is_stretched_so_is_the_pause_between_reports() -> None:
+    """At five times real time, 150 of the boat's seconds are 30 of its station's."""
+    assert told_at(0.0, 10_000, 150.0) == pytest.approx([5.0, 155.0], abs=0.03)
 
 
 def test_a_reason_that_comes_up_later_is_told_within_a_second() -> None:
-    report = PreArmReport()
-    told = [
-        tick * 0.02
-        for tick in range(1000)
-        if report.update(lambda tick=tick: ["Compass: no heading"] if tick * 0.02 > 12.3 else [], tick * 0.02)  # type: ignore[misc]
-    ]
-    assert told == pytest.approx([12.8], abs=0.6)
+    assert told_at(12.3, 1000) == pytest.approx([12.8], abs=0.6)

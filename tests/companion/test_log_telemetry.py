@@ -10,11 +10,12 @@ from log_rig import OpenRig
 from pymavlink import mavutil
 
 from companion.log.store import LogFile
-from companion.log.telemetry import loggable
+from companion.log.telemetry import TelemetryLog
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import SIGNATURE_LENGTH
+from companion.mavlink.signing import loggable
 
 pytest_plugins = ("log_fixtures",)
 
@@ -129,5 +130,34 @@ def test_an_unknown_signed_message_loses_its_signature_only() -> None:
     frame = bytearray(signed(dialect.MAVLink_statustext_message(6, b"who?")))
     frame[7:10] = (59_999).to_bytes(3, "little")
     clean = loggable(bytes(frame))
-    assert clean[:-SIGNATURE_LENGTH] == frame[:-SIGNATURE_LENGTH]
-    assert clean[-SIGNATURE_LENGTH:] == bytes(SIGNATURE_LENGTH)
+    assert len(clean) == len(frame) - SIGNATURE_LENGTH
+    assert clean[3:-2] == frame[3 : -SIGNATURE_LENGTH - 2]  # all but the flag and the checksum over it
+
+
+class Written:
+    """A log file in memory."""
+
+    def __init__(self) -> None:
+        self.data = b""
+        self.fault = ""
+
+    def begin(self) -> None:
+        """It is there."""
+
+    def write(self, data: bytes, unix_s: float) -> bool:
+        """Keep it."""
+        self.data += data
+        return True
+
+    def end(self) -> None:
+        """Nothing to let go."""
+
+
+def test_a_log_takes_each_frame_as_the_channel_has_cleaned_it() -> None:
+    """Cleaning costs a checksum: the channel does it once, and the log does not do it again."""
+    frame = signed(dialect.MAVLink_statustext_message(6, b"as it comes"))
+    written = Written()
+    log = TelemetryLog(written, lambda: 7)  # type: ignore[arg-type]
+    log.add(frame)
+    log.close()
+    assert written.data == (7).to_bytes(8, "big") + frame

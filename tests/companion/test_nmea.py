@@ -127,6 +127,32 @@ def test_the_best_constellation_of_a_gns_decides_the_fix_type(modes: str, fix_ty
     assert (fix.fix_type, fix.satellites, fix.hdop) == (fix_type, 12, 1.0)
 
 
+# What a GlobalTop receiver (MediaTek MT3339) sends after a cold start, before it has seen a satellite
+COLD = """\
+$GPRMC,003300.799,V,,,,,0.00,0.00,060180,,,N*45
+$GPVTG,0.00,T,,M,0.00,N,0.00,K,N*32
+$GPGGA,003301.799,,,,,0,0,,,M,,M,,*4E
+$GPGSA,A,1,,,,,,,,,,,,,,,*1E
+$GPRMC,003301.799,V,,,,,0.00,0.00,060180,,,N*44
+$GPVTG,0.00,T,,M,0.00,N,0.00,K,N*32
+$GPGGA,003302.799,,,,,0,0,,,M,,M,,*4D
+$GPGSA,A,1,,,,,,,,,,,,,,,*1E
+"""
+
+
+def test_the_date_of_a_receiver_without_a_fix_is_never_given_out() -> None:
+    for line in COLD.split():
+        assert sentence(line[1:-3]) == f"{line}\r\n".encode()  # else it would be dropped
+    fixes = fixes_from(COLD.replace("\n", "\r\n").encode())
+    assert len(fixes) >= 2
+    assert {(fix.fix_type, fix.unix_time_s) for fix in fixes} == {(1, None)}
+
+
+def test_the_date_is_given_out_with_the_first_fix() -> None:
+    body = "GNRMC,092750.00,A,5030.0000,N,00112.0000,W,2.000,90.0,280524,,,A"
+    assert [fix.unix_time_s is not None for fix in fixes_from(stream(body, gga("092751.00")))] == [True]
+
+
 def test_a_flat_solution_is_two_dimensional_and_a_warning_is_no_fix() -> None:
     gsa = "GNGSA,A,2,1,2,3,,,,,,,,,,1.8,0.9,1.5"
     (fix,) = fixes_from(stream(gga(), gsa, gga("092751.00")))

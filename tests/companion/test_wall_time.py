@@ -30,6 +30,18 @@ def test_a_station_goes_before_the_computer_and_satellites_before_both() -> None
     assert wall.unix_s(7.0) == pytest.approx(SATELLITES_S + 1.0)
 
 
+@pytest.mark.parametrize("fix_type", [0, 1])
+def test_the_date_of_a_receiver_without_a_fix_does_not_count(fix_type: int) -> None:
+    wall = WallTime(COMPUTER_S)
+    cold = GnssFix(5.0, LatLon(0.0, 0.0), fix_type, 0, 99.99, unix_time_s=315_964_800.0)
+    wall.keep(cold, None)
+    assert wall.unix_s(5.0) == COMPUTER_S + 5.0
+    wall.keep(cold, STATION_S)
+    assert wall.unix_s(5.0) == STATION_S + 5.0
+    wall.keep(fix(6.0, SATELLITES_S), STATION_S)
+    assert wall.unix_s(6.0) == SATELLITES_S
+
+
 def test_every_dated_fix_sets_the_date_anew() -> None:
     wall = WallTime()
     wall.keep(fix(1.0, SATELLITES_S), None)

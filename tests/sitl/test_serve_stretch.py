@@ -22,6 +22,7 @@ def test_the_timers_that_wait_for_stations_are_stretched_and_nothing_else_is(spe
     after = stretched(before, speedup)
     assert after.failsafe.gcs_timeout_s == before.failsafe.gcs_timeout_s * speedup
     assert after.failsafe.manual_timeout_s == before.failsafe.manual_timeout_s * speedup
+    assert after.arming.repeat_s == before.arming.repeat_s * speedup  # stations list each report
     assert after.mavlink.retry_s == before.mavlink.retry_s * speedup
     assert after.failsafe.battery_low_s == before.failsafe.battery_low_s
     assert after.motors == before.motors

@@ -128,7 +128,8 @@ class StationClient:
             return None
         if brings is not None and ack.result == dialect.MAV_RESULT_ACCEPTED and brings not in came:
             message = self.hear(lambda m: m.get_msgId() == brings, 1.0)
-            self.unanswered[what] += message is None
+            if message is None:
+                self.unanswered[what] += 1
             return Answered(ack.result, message)
         return Answered(ack.result, came.get(brings) if brings is not None else None)
 

@@ -115,7 +115,11 @@ def test_a_parameter_is_set_and_told_also_on_a_bad_line(client: OpenClient, habi
     assert after is not None
     assert told == [1.5, 1.75]
     assert after[name] == told[-1]
-    assert {key: value for key, value in after.items() if before[key] != value}.keys() <= {name, "WP_SPEED"}
+    assert {key: value for key, value in after.items() if before[key] != value}.keys() <= {
+        name,
+        "WP_SPEED",
+        "WPNAV_SPEED",
+    }
     client(PATIENT).set_parameter(name, before[name])
 
 
