@@ -12,6 +12,10 @@ from setuptools import Distribution
 
 from compiled.modules import ROOT, remember, remove, sources
 
+# The library with the code of all compiled modules lies inside a package: an installed program finds its
+# packages wherever it is started, but nothing beside them.
+_GROUP = "companion._compiled"
+_HEADERS = "build/companion"  # where mypyc writes a group's headers, which the modules' files ask for by name
 _FLAGS = "-ffp-contract=off"  # a fused multiply-add rounds once where Python rounds twice
 
 
@@ -36,7 +40,11 @@ def main(arguments: list[str]) -> int:
 
 def _build() -> None:
     os.environ["CFLAGS"] = f"{os.environ.get('CFLAGS', '')} {_FLAGS}"
-    modules = mypycify(["--config-file=pyproject.toml", *sources()], opt_level="1", multi_file=True)
+    modules = mypycify(
+        ["--config-file=pyproject.toml", *sources()], opt_level="1", multi_file=True, group_name=_GROUP
+    )
+    for module in modules:
+        module.include_dirs.append(_HEADERS)
     command = Distribution({"name": "mavboat", "ext_modules": modules}).get_command_obj("build_ext")
     command.inplace = True
     command.ensure_finalized()

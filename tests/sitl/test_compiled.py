@@ -29,6 +29,25 @@ for settings in SETTINGS:
 """
 
 
+_BUILD = """
+import sys
+from compiled import __main__, modules
+
+modules.PATTERNS = ("companion/units.py", "companion/geo.py")
+sys.exit(__main__.main(["build"]))
+"""
+# As `pip install --editable` has it: the packages are mapped, and nothing beside them
+_IMPORT = """
+import sys
+
+finder = next(module for name, module in sys.modules.items() if name.startswith("__editable___mavboat"))
+finder.MAPPING["companion"] = sys.argv[1]
+from companion import geo, units
+
+print(geo.__file__, units.wrap_two_pi(-1.0))
+"""
+
+
 def house(tmp_path: Path) -> Path:
     """A few sources, and something compiled beside one."""
     for name in ("companion/geo.py", "companion/units.py", "sitl/world.py"):
@@ -79,6 +98,34 @@ def test_removing_leaves_the_sources_and_nothing_to_be_stale(tmp_path: Path) -> 
     assert libraries(root) == []
     assert stale(root) == []
     assert len(sources(root)) == 3
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+@pytest.mark.skipif(
+    not any(name.startswith("__editable___mavboat") for name in sys.modules),
+    reason="the packages are not installed in place",
+)
+@pytest.mark.timeout(1200)
+def test_compiled_modules_are_found_by_programs_that_start_in_another_folder(tmp_path: Path) -> None:
+    root, elsewhere = tmp_path / "house", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    for package in ("companion", "compiled"):
+        shutil.copytree(ROOT / package, root / package, ignore=shutil.ignore_patterns("*.so"))
+    shutil.copy(ROOT / "pyproject.toml", root)
+    subprocess.run([sys.executable, "-c", _BUILD], cwd=root, check=True, capture_output=True)
+    done = subprocess.run(
+        [sys.executable, "-c", _IMPORT, str(root / "companion")],
+        cwd=elsewhere,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    file, value = done.stdout.split()
+    assert file.endswith(".so")
+    assert float(value) == pytest.approx(5.283185307)
+    assert not list(root.glob("*.so")), "a library lies outside the packages"
+    remove(root)
+    assert not list(root.glob("companion/**/*.so"))
 
 
 @pytest.mark.skipif(not libraries(), reason="nothing is compiled: make fast")
