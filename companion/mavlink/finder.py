@@ -4,6 +4,10 @@ A frame of the dialect is believed by its CRC. A message that the dialect does n
 could be checked; it is believed where the structure holds: its end is the next frame's magic byte or the end
 of what has come, no frame of the dialect begins inside it, and it does not lie in what was refused before.
 After a flaw the search goes on from the byte behind the bad magic byte.
+
+The cost is linear in the bytes, whatever they are. Bytes without a magic byte are skipped by memchr, and so
+are runs of one magic byte, which are no header. Each place that might be a frame counts as one look. A caller
+that must not be held up limits the looks (`find`); the search goes on where it stopped.
 """
 
 import re
@@ -22,7 +26,18 @@ from companion.mavlink.framing import (
 )
 
 _MAGIC = (MAGIC_V2, MAGIC_V1)
+_V1, _V2 = bytes((MAGIC_V1,)), bytes((MAGIC_V2,))
 _next_magic = re.compile(rb"[\xfd\xfe]").search
+
+# Inside a run of one magic byte there is no header: FD FD FD has incompatibility flags that do not exist, and
+# six times FE is a DEBUG message of 254 bytes, which has 9. Only the last bytes of a run may begin one.
+_RUN_V1, _RUN_V2 = 6 * _V1, 3 * _V2
+_run_of = re.compile(rb"\xfd+|\xfe+").match
+
+NO_LIMIT = 1 << 62
+_LOOKS_OF_A_FRAME = (
+    4  # to be read, checked for repeats and sent on: what is found costs more than what is not
+)
 _LATE = 128  # a sequence number that jumps this far ahead is one that comes late, or twice
 _MAX_SENDERS = 256  # of whose sequence numbers are kept: a flood of addresses must not fill the memory
 
@@ -30,15 +45,26 @@ _MAX_SENDERS = 256  # of whose sequence numbers are kept: a flood of addresses m
 class FrameFinder:
     """Frames of one link, oldest first.
 
-    datagram: each chunk stands for itself, and nothing is kept of it. Otherwise the chunks are pieces of one
-    stream, of which at most one unfinished frame is kept.
+    datagram: each chunk stands for itself, and nothing is kept of it once it was searched. Otherwise the
+    chunks are pieces of one stream, of which at most one unfinished frame is kept.
     """
 
-    __slots__ = ("_blamed_to", "_last_sequence", "_position", "_rest", "counters", "datagram")
+    __slots__ = (
+        "_blamed_to",
+        "_last_sequence",
+        "_position",
+        "_rest",
+        "counters",
+        "datagram",
+        "is_behind",
+        "looks",
+    )
 
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self.datagram = datagram
         self.counters = Counters() if counters is None else counters
+        self.looks = 0  # places that were examined since the link began, and what was found: the cost
+        self.is_behind = False  # the last `find` stopped at its limit
         self._rest = b""
         self._position = 0  # of the rest's first byte since the link began
         self._blamed_to = -1  # bytes before this position have been counted as one flaw or another
@@ -46,15 +72,48 @@ class FrameFinder:
 
     def feed(self, data: bytes) -> list[Frame]:
         """The frames that these bytes complete. Never raises."""
+        self.put(data)
+        return self.find()
+
+    def put(self, data: bytes) -> None:
+        """Bytes have arrived. What is left of an earlier datagram is given up."""
         self.counters.bytes_in += len(data)
-        if self._rest:
-            data = self._rest + data
+        if not self._rest:
+            self._rest = data
+        elif self.datagram:
+            self._position += len(self._rest)
+            self._end_datagram()
+            self._rest = data
+        else:
+            self._rest += data
+
+    def find(self, most_looks: int = NO_LIMIT) -> list[Frame]:
+        """The frames in what was put in, as far as `most_looks` go. Never raises.
+
+        The search of one unknown message may exceed the limit by as many looks as that message claims bytes.
+        """
         found: list[Frame] = []
-        at, end = 0, len(data)
+        data = self._rest
+        at, end, last_look = 0, len(data), self.looks + most_looks
+        next_v1 = next_v2 = -1
+        self.is_behind = False
         while at < end:
-            if data[at] not in _MAGIC:
-                magic = _next_magic(data, at)
-                begin, at = at, magic.start() if magic else end
+            if next_v1 < at and (next_v1 := data.find(_V1, at)) < 0:
+                next_v1 = end
+            if next_v2 < at and (next_v2 := data.find(_V2, at)) < 0:
+                next_v2 = end
+            magic = min(next_v1, next_v2)
+            if magic > at:
+                self._blame(at, magic)
+                at = magic
+                continue
+            if self.looks >= last_look:
+                self.is_behind = True
+                break
+            self.looks += 1
+            run = _RUN_V2 if at == next_v2 else _RUN_V1
+            if data.startswith(run, at) and (match := _run_of(data, at)) is not None:
+                begin, at = at, match.end() - len(run) + 1
                 self._blame(begin, at)
                 continue
             frame = read_frame(data, at)
@@ -62,6 +121,7 @@ class FrameFinder:
                 frame = self._believe(data, at)
             if isinstance(frame, Frame):
                 self._count(frame)
+                self.looks += _LOOKS_OF_A_FRAME - 1
                 found.append(frame)
                 at += len(frame.data)
             elif frame is Flaw.INCOMPLETE and not self.datagram:
@@ -69,9 +129,15 @@ class FrameFinder:
             else:
                 self._refuse(frame, at, at + claimed_length(data, at))
                 at += 1
-        self._rest = b"" if self.datagram else data[at:]
+        self._rest = data[at:]
         self._position += at
+        if self.datagram and not self._rest:
+            self._end_datagram()
         return found
+
+    def _end_datagram(self) -> None:
+        """What a cut frame claimed beyond its datagram says nothing of the next one."""
+        self._blamed_to = min(self._blamed_to, self._position)
 
     def _believe(self, data: bytes, at: int) -> Frame | Flaw:
         """A frame of an unknown message where the structure holds."""
@@ -83,6 +149,7 @@ class FrameFinder:
             return Flaw.UNKNOWN
         magic = _next_magic(data, at + 1, end)
         while magic is not None:
+            self.looks += 1
             inner = read_frame(data, magic.start())
             if isinstance(inner, Frame):
                 return Flaw.UNKNOWN
