@@ -23,6 +23,7 @@ from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.ultrasonic import open_ultrasonic
 from companion.hal.watched_motors import WatchedMotors
 from companion.log.logbook import Logbook, open_logbook
+from companion.mavlink.framing import begins_with_frame
 from companion.mavlink.signing_key import read_key_file
 from companion.parts import CompassPart
 from companion.router.configured_port import ConfiguredPort
@@ -91,7 +92,8 @@ def policy_of(link: LinkConfig, key: str) -> Policy:
     """
     url = parse_port_url(link.url)
     is_loopback = url.place in ("localhost", "::1") or url.place.startswith("127.")
-    return Policy(link, key, url.number if url.kind == "serial" else 0, is_loopback)
+    baud = url.number if url.kind == "serial" else 0
+    return Policy(link, key, baud, is_loopback, hears_anybody=url.kind == "udpin")
 
 
 def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
@@ -106,7 +108,7 @@ def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
             setting = LinkConfig(url=link) if isinstance(link, str) else link
             policy = policy_of(setting, f"links[{number}]")
             queue_bytes = _SHORT_QUEUE_BYTES if policy.stale_s else None
-            ports.append(ConfiguredPort(open_port(setting.url, now, queue_bytes), policy))
+            ports.append(ConfiguredPort(open_port(setting.url, now, queue_bytes, begins_with_frame), policy))
             undo.callback(ports[-1].close)
         undo.pop_all()
     return ports

@@ -39,6 +39,7 @@ class LinkConfig(Section, frozen=True):
     signing: Literal["off", "accept", "required"] = "off"
     key_file: str = ""  # of mode 0600; the key that SETUP_SIGNING has brought where it is empty
     trusted: bool | None = None  # whether SETUP_SIGNING may come over it; unless said, loopback may
+    local_networks: tuple[str, ...] = ()  # of udpin: nobody forges addresses there, such as 192.168.1.0/24
     radio: bool | None = None  # a slow line that reports on itself; unless said, a serial line is one
     max_bytes_s: NonNegative = 0.0  # 0: a radio's is worked out from its baud rate, others have no limit
     max_hz: dict[str, Positive] = msgspec.field(default_factory=dict)

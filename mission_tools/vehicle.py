@@ -22,7 +22,6 @@ SILENCE_S = 5.0  # without a heartbeat the link counts as lost
 TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
 RETRY_S = 1.0
 CLEAR_TRIES = 5
-NOT_SIGNED = "messages refused, not signed"  # a boat of ours, on a link that asks for signatures
 ASKED_RATES_HZ = {33: 4.0, 42: 2.0}  # GLOBAL_POSITION_INT, MISSION_CURRENT
 NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
 
@@ -129,9 +128,11 @@ class Vehicle:
 
     def _advice(self, began_s: float) -> str:
         """What to do about silence, from what the vehicle has said before it."""
-        unsigned = [text for _, _, text in self.state.texts if NOT_SIGNED in text]
-        if unsigned:
-            return f" ({unsigned[-1]}): give the boat's key, --sign-key FILE"
+        if not self.state.says_more:  # a boat of ours, on a link that asks for signatures
+            return (
+                ": it sends heartbeats only, as on a link where messages that are not signed are refused; "
+                "give the boat's key, --sign-key FILE"
+            )
         text = self.state.last_complaint(began_s)
         return f"; try again ({text})" if text else "; try again"
 

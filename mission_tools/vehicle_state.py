@@ -76,6 +76,7 @@ class VehicleState:
     current_item: int = 0
     mission_state: int = 0
     reached_item: int = -1  # the highest since the mission was started
+    says_more: bool = False  # than heartbeats
     refused: int = 0  # MAV_MISSION_RESULT of the last MISSION_ACK
     answers: dict[int, int] = field(default_factory=dict)  # and of the last for each MAV_MISSION_TYPE
     requested_item: int = -1  # what it asked for last in an upload
@@ -108,6 +109,7 @@ class VehicleState:
         """Take in one message of the vehicle's; those of other components of its system are left out."""
         if component != AUTOPILOT_COMPONENT:
             return
+        self.says_more |= name != "HEARTBEAT"
         match name:
             case "HEARTBEAT":
                 self.autopilot, self.type = fields["autopilot"], fields["type"]

@@ -70,6 +70,11 @@ class AirLink:
         return self._link.name
 
     @property
+    def host(self) -> str:
+        """The driver's."""
+        return self._link.host
+
+    @property
     def is_datagram(self) -> bool:
         """The driver's."""
         return self._link.is_datagram

@@ -129,6 +129,10 @@ class Link(Protocol):
         """For people and logs, such as `tcp:127.0.0.1:52114`."""
 
     @property
+    def host(self) -> str:
+        """The far side's numeric address, empty where there is none (a serial line, memory)."""
+
+    @property
     def is_datagram(self) -> bool:
         """Whether one received chunk is one datagram."""
 

@@ -14,10 +14,22 @@ class MemoryLink:
     handed over what was under way.
     """
 
-    __slots__ = ("_arrived", "_has_ended", "_is_closed", "_is_datagram", "_name", "_peer", "_queue_frames")
+    __slots__ = (
+        "_arrived",
+        "_has_ended",
+        "_host",
+        "_is_closed",
+        "_is_datagram",
+        "_name",
+        "_peer",
+        "_queue_frames",
+    )
 
-    def __init__(self, name: str, is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES) -> None:
+    def __init__(
+        self, name: str, is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES, host: str = ""
+    ) -> None:
         self._name = name
+        self._host = host
         self._is_datagram = is_datagram
         self._queue_frames = queue_frames
         self._arrived: deque[bytes] = deque()
@@ -29,6 +41,11 @@ class MemoryLink:
     def name(self) -> str:
         """As given."""
         return self._name
+
+    @property
+    def host(self) -> str:
+        """As given."""
+        return self._host
 
     @property
     def is_datagram(self) -> bool:
@@ -69,10 +86,10 @@ class MemoryLink:
 
 
 def memory_pair(
-    name: str = "memory", is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES
+    name: str = "memory", is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES, host: str = ""
 ) -> tuple[MemoryLink, MemoryLink]:
-    """Two ends joined together."""
-    near = MemoryLink(f"{name}:a", is_datagram, queue_frames)
+    """Two ends joined together. host: what the near end gives as the far one's address."""
+    near = MemoryLink(f"{name}:a", is_datagram, queue_frames, host)
     far = MemoryLink(f"{name}:b", is_datagram, queue_frames)
     near._peer, far._peer = far, near
     return near, far

@@ -61,10 +61,17 @@ def parse_port_url(url: str) -> PortUrl:
     return _internet(url, _KINDS[kind], rest)
 
 
-def open_port(url: str, now: Callable[[], float], queue_bytes: int | None = None) -> Port:
+def open_port(
+    url: str,
+    now: Callable[[], float],
+    queue_bytes: int | None = None,
+    is_call: Callable[[bytes], bool] = bool,
+) -> Port:
     """Open the port that a url stands for. `now` is the boat's clock, in seconds.
 
     queue_bytes: how much may wait in a stream for a far side that is slow; None: as its driver sees fit.
+    is_call: whether a datagram of an address not heard before makes a link; any that is not empty, unless
+    given.
 
     Raises:
         ConfigError: the url cannot be read.
@@ -77,7 +84,7 @@ def open_port(url: str, now: Callable[[], float], queue_bytes: int | None = None
             return SerialPort(parsed.place, parsed.number, now)
         return SerialPort(parsed.place, parsed.number, now, queue_bytes)
     if parsed.kind == "udpin":
-        return UdpInPort(parsed.place, parsed.number, now)
+        return UdpInPort(parsed.place, parsed.number, now, is_call=is_call)
     if parsed.kind == "udpout":
         return UdpOutPort(parsed.place, parsed.number)
     if parsed.kind == "tcpin":

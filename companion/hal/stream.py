@@ -18,6 +18,7 @@ class StreamLink:
 
     __slots__ = (
         "_descriptor",
+        "_host",
         "_is_broken",
         "_name",
         "_pending",
@@ -26,8 +27,16 @@ class StreamLink:
         "dropped_frames",
     )
 
-    def __init__(self, name: str, descriptor: int, release: Callable[[], object], queue_bytes: int) -> None:
+    def __init__(
+        self,
+        name: str,
+        descriptor: int,
+        release: Callable[[], object],
+        queue_bytes: int,
+        host: str = "",
+    ) -> None:
         self._name = name
+        self._host = host
         self._descriptor = descriptor
         self._release = release
         self._queue_bytes = queue_bytes
@@ -39,6 +48,11 @@ class StreamLink:
     def name(self) -> str:
         """Who is at the far end."""
         return self._name
+
+    @property
+    def host(self) -> str:
+        """The far side's numeric address, empty on a serial line."""
+        return self._host
 
     @property
     def is_datagram(self) -> bool:

@@ -10,10 +10,11 @@ from companion.hal.interfaces import Link
 from companion.hal.internet import resolve, show
 from companion.hal.stream import StreamLink
 
-MAX_CLIENTS = 32
+MAX_CLIENTS = 128  # a bound on descriptors; which links stay is decided by `router/admission.py`
 _QUEUE_BYTES = 256 * 1024
 _CONNECT_TIMEOUT_S = 5.0
 _ACCEPTS_PER_CALL = 16
+_BACKLOG = 128  # a station is not turned away by the system because strangers called in the same moment
 
 
 class TcpInPort:
@@ -36,7 +37,7 @@ class TcpInPort:
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             self._socket.bind(address.sockaddr)
-            self._socket.listen(_ACCEPTS_PER_CALL)
+            self._socket.listen(_BACKLOG)
         except OSError as error:
             self._socket.close()
             where = show(host, port)
@@ -181,4 +182,5 @@ def _link_over(connection: socket.socket, queue_bytes: int) -> StreamLink | None
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, 30_000)
     except OSError:
         return None
-    return StreamLink(f"tcp:{show(peer[0], peer[1])}", connection.fileno(), connection.close, queue_bytes)
+    name = f"tcp:{show(peer[0], peer[1])}"
+    return StreamLink(name, connection.fileno(), connection.close, queue_bytes, peer[0])

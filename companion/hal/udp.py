@@ -10,10 +10,12 @@ from companion.hal.interfaces import Link
 from companion.hal.internet import Address, resolve, show
 
 PEER_IDLE_S = 60.0
-MAX_PEERS = 32
+MAX_PEERS = 256  # a bound on memory; which links stay is decided by `router/admission.py`
 _DATAGRAM_BYTES = 65535
+_DATAGRAM_OVERHEAD_BYTES = 64  # of memory: a queue of empty datagrams would be as long as one likes
 _DATAGRAMS_PER_CALL = 32  # so that a flooding station cannot hold the boat's tick
-_QUEUE_DATAGRAMS = 512
+_DATAGRAMS_PER_ROUND = 256  # of one socket, while each of its links is asked once
+_QUEUE_BYTES = 128 * 1024  # of one peer; when it is full the oldest datagrams go
 _SYSTEM_QUEUE_BYTES = 4 << 20  # asked for; a bridge between fast links must get over a pause of its computer
 
 
@@ -63,6 +65,7 @@ class _UdpOutLink:
 
     def __init__(self, name: str, address: Address) -> None:
         self.name = name
+        self.host = address.sockaddr[0]
         self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SYSTEM_QUEUE_BYTES)
@@ -114,8 +117,9 @@ class _UdpOutLink:
 
 
 class UdpInPort:
-    """`udpin:HOST:PORT`: every address that sends here becomes a link.
+    """`udpin:HOST:PORT`: every address that calls here becomes a link.
 
+    is_call: whether the first datagram of an address calls for a link; others are dropped and leave no trace.
     A peer that is silent for idle_s is forgotten; beyond max_peers at a time, newcomers are not heard.
     Port 0 lets the system choose; `name` shows the choice.
 
@@ -130,6 +134,7 @@ class UdpInPort:
         now: Callable[[], float],
         idle_s: float = PEER_IDLE_S,
         max_peers: int = MAX_PEERS,
+        is_call: Callable[[bytes], bool] = bool,
     ) -> None:
         address = resolve("udpin", host, port)
         self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
@@ -145,6 +150,7 @@ class UdpInPort:
         self._now = now
         self._idle_s = idle_s
         self._max_peers = max_peers
+        self._is_call = is_call
         self._peers: dict[object, _UdpPeer] = {}
         self._fresh: list[Link] = []
         self.refused_datagrams = 0
@@ -174,8 +180,8 @@ class UdpInPort:
         self._socket.close()
 
     def _pump(self) -> None:
-        """Sort what has arrived by sender."""
-        for _ in range(_DATAGRAMS_PER_CALL):
+        """Sort what has arrived by sender. The links take turns at it, so that a round has a bound."""
+        for _ in range(max(_DATAGRAMS_PER_ROUND // (len(self._peers) + 1), 1)):
             try:
                 data, source = self._socket.recvfrom(_DATAGRAM_BYTES)
             except (BlockingIOError, InterruptedError):
@@ -186,7 +192,7 @@ class UdpInPort:
                 continue
             peer = self._peers.get(source)
             if peer is None:
-                if not data or len(self._peers) >= self._max_peers:
+                if not self._is_call(data) or len(self._peers) >= self._max_peers:
                     self.refused_datagrams += 1
                     continue
                 peer = _UdpPeer(self, source)
@@ -194,7 +200,7 @@ class UdpInPort:
                 self._fresh.append(peer)
             peer.heard_s = self._now()
             if data:
-                peer.arrived.append(data)
+                peer.keep(data)
 
     def _send(self, data: bytes, destination: tuple[str, int]) -> bool:
         try:
@@ -212,17 +218,26 @@ class _UdpPeer:
 
     def __init__(self, port: UdpInPort, source: tuple[str, int]) -> None:
         self.name = f"udp:{show(source[0], source[1])}"
+        self.host = source[0]
         self._port = port
         self._source = source
-        self.arrived: deque[bytes] = deque(maxlen=_QUEUE_DATAGRAMS)
+        self._arrived: deque[bytes] = deque()
+        self._arrived_bytes = 0
         self.heard_s = 0.0
         self.is_closed = False
+
+    def keep(self, data: bytes) -> None:
+        self._arrived.append(data)
+        self._arrived_bytes += len(data) + _DATAGRAM_OVERHEAD_BYTES
+        while self._arrived_bytes > _QUEUE_BYTES:
+            self._arrived_bytes -= len(self._arrived.popleft()) + _DATAGRAM_OVERHEAD_BYTES
 
     def receive(self) -> list[bytes]:
         if not self.is_closed:
             self._port._pump()
-        chunks = list(self.arrived)
-        self.arrived.clear()
+        chunks = list(self._arrived)
+        self._arrived.clear()
+        self._arrived_bytes = 0
         return chunks
 
     def send(self, data: bytes) -> bool:

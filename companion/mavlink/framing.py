@@ -18,6 +18,7 @@ from companion.mavlink.layout import LAYOUTS, Layout
 
 MAGIC_V1 = 0xFE
 MAGIC_V2 = 0xFD
+_MAGICS = (bytes((MAGIC_V1,)), bytes((MAGIC_V2,)))
 SIGNED = 0x01
 SIGNATURE_LENGTH = 13
 LONGEST_FRAME = 10 + 255 + 2 + SIGNATURE_LENGTH
@@ -63,6 +64,16 @@ def claimed_length(data: bytes, at: int) -> int:
 def read_frame(data: bytes, at: int) -> Frame | Flaw:
     """The frame whose magic byte is at `at`, or what is wrong with it. Never raises."""
     return _read_v2(data, at) if data[at] == MAGIC_V2 else _read_v1(data, at)
+
+
+def begins_with_frame(data: bytes) -> bool:
+    """Whether some bytes begin with a frame of the dialect, as a station's datagram does."""
+    return data[:1] in _MAGICS and isinstance(read_frame(data, 0), Frame)
+
+
+def message_id_of(frame: bytes) -> int:
+    """The number of the message in a whole, unflawed frame."""
+    return int.from_bytes(frame[7:10], "little") if frame[0] == MAGIC_V2 else frame[5]
 
 
 def _read_v2(data: bytes, at: int) -> Frame | Flaw:

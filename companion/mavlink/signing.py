@@ -236,6 +236,11 @@ class Guard:
         """Whether there is a key to sign with."""
         return self._signatory.key is not None
 
+    @property
+    def has_verified(self) -> bool:
+        """Whether somebody on the link has shown that they hold the key."""
+        return self.counters.verified > 0
+
     def admits(self, frame: bytes) -> bool:
         """Whether a whole, unflawed frame of either version may come in."""
         if self.policy == "off" or (self.policy == "accept" and not self.has_key):

@@ -11,14 +11,18 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import FrameFinder
-from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame
+from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame, message_id_of
 from companion.mavlink.signing import Guard, loggable
+from companion.router.admission import Standing
+from companion.router.amplification import AmplificationLimit, Question
 from companion.router.budget import Budget
 from companion.router.policy import PLAIN, Filter, Policy
 from companion.router.waiting import WaitingRoom
 
 logger = logging.getLogger(__name__)
 
+_HEARTBEAT: int = dialect.MAVLINK_MSG_ID_HEARTBEAT
+_ESSENTIAL_IDS = (_HEARTBEAT, dialect.MAVLINK_MSG_ID_PING)  # by which a forgeable address proves itself
 _RADIO_STATUS_IDS = (dialect.MAVLINK_MSG_ID_RADIO_STATUS, dialect.MAVLINK_MSG_ID_RADIO)
 _UNLIMITED_BYTES = 1 << 30
 _TICK_S = 0.02
@@ -34,7 +38,9 @@ class Channel:
         "_dropped",
         "_filter",
         "_finder",
-        "_frames",
+        "_has_announced_itself",
+        "_is_confidential",
+        "_limit",
         "_own",
         "_room",
         "counters",
@@ -42,6 +48,7 @@ class Channel:
         "faults",
         "forwarded",
         "guard",
+        "heard_s",
         "kept_back",
         "link",
         "number",
@@ -59,14 +66,17 @@ class Channel:
         self.guard: Guard | None = None
         self.tap: Callable[[bytes], object] | None = None
         self.forwarded = 0  # of other channels' frames, sent by this one
-        self.kept_back = 0  # by allow, deny and rate caps
+        self.kept_back = 0  # by allow, deny and rate caps, and what strangers may not have
         self.refused = 0  # by the guard, on their way in or out
         self.faults = 0  # messages that could not be packed: a defect of ours, see the log
+        self.heard_s = float("-inf")  # when the last frame was let in
+        self._has_announced_itself = False  # by a heartbeat
+        self._is_confidential = False  # asks for signatures and has heard none yet: it tells heartbeats only
+        self._limit = AmplificationLimit() if policy.is_forgeable(link.host) else None
         self._dropped = 0
         self._own = bytes(own)
         self._finder = FrameFinder(link.is_datagram, self.counters)
         self._chunks: deque[bytes] = deque()
-        self._frames: deque[Frame] = deque()
         self._filter = Filter(policy) if policy.has_rules else None
         self._budget = Budget(policy.bytes_s) if policy.bytes_s else None
         self._room = (
@@ -76,6 +86,7 @@ class Channel:
     def protect(self, guard: Guard) -> None:
         """From now on frames are signed and checked as the guard says."""
         self.guard = guard
+        self._is_confidential = guard.policy == "required" and not guard.has_verified
         if self._room is not None:
             self._room.overhead_bytes = SIGNATURE_LENGTH
 
@@ -90,32 +101,73 @@ class Channel:
         return self._room.waiting_bytes if self._room is not None else 0
 
     @property
+    def host(self) -> str:
+        """The far side's address, empty where there is none."""
+        return self.link.host
+
+    @property
+    def standing(self) -> Standing:
+        """What the far side has shown: a good signature, or on an open link a heartbeat."""
+        if self.guard is not None and self.guard.has_verified:
+            return Standing.PROVEN
+        if self._is_confidential or not self._has_announced_itself:
+            return Standing.STRANGER
+        return Standing.PROVEN if self._limit is None else Standing.ANNOUNCED
+
+    @property
+    def needs_an_answer(self) -> bool:
+        """Whether little goes out until a question is answered: the far side's address may be forged."""
+        return self._limit is not None and not self._is_confidential
+
+    def question(self, time_usec: int) -> Question | None:
+        """What the far side has to return in order to be believed; None where it is believed."""
+        return self._limit.question(time_usec) if self._limit is not None else None
+
+    def answered(self, answer: Question) -> None:
+        """The far side has returned something; if it is what it was asked, its address is its own."""
+        if self._limit is not None and self._limit.is_answer(answer):
+            self._limit = None
+
+    @property
     def has_more(self) -> bool:
         """Whether something has arrived that `take` has not handed over."""
-        return bool(self._frames or self._chunks)
+        return bool(self._chunks) or self._finder.is_behind
 
-    def take(self, most: int) -> Sequence[Frame]:
-        """The next frames that have arrived, no more than `most`. What is left is kept; no more is read."""
-        frames, chunks = self._frames, self._chunks
-        if not (frames or chunks):
+    @property
+    def looks(self) -> int:
+        """What finding frames has cost since the link began, see `FrameFinder`."""
+        return self._finder.looks
+
+    def take(self, most_looks: int) -> Sequence[Frame]:
+        """The next frames that have arrived, as far as `most_looks` go. What is left is kept; no more is
+        read.
+        """
+        chunks, finder = self._chunks, self._finder
+        if not (chunks or finder.is_behind):
             arrived = self.link.receive()
             if not arrived:
                 return ()  # as at most ticks
             chunks.extend(arrived)
-        while chunks and len(frames) < most:
-            frames.extend(self._finder.feed(chunks.popleft()))
-        if len(frames) <= most:
-            taken = list(frames)
-            frames.clear()
-        else:
-            taken = [frames.popleft() for _ in range(most)]
+        last_look = finder.looks + most_looks
+        taken: list[Frame] = []
+        while (finder.is_behind or chunks) and finder.looks < last_look:
+            if not finder.is_behind:
+                finder.put(chunks.popleft())
+            taken += finder.find(last_look - finder.looks)
         return taken
 
-    def admits(self, frame: Frame) -> bool:
+    def admits(self, frame: Frame, now_s: float = 0.0) -> bool:
         """Whether a frame may come in; whoever logs is shown it, and a radio's report is read."""
-        if self.guard is not None and not self.guard.admits(frame.data):
-            self.refused += 1
-            return False
+        guard = self.guard
+        if guard is not None:
+            if not guard.admits(frame.data):
+                self.refused += 1
+                return False
+            if guard.has_verified:  # only who holds the key can have sent it, and only now
+                self._is_confidential, self._limit = False, None
+        self.heard_s = now_s
+        if frame.message_id == _HEARTBEAT:
+            self._has_announced_itself = True
         if self.tap is not None and (logged := loggable(frame.data)):
             self.tap(logged)
         if self._budget is not None and frame.message_id in _RADIO_STATUS_IDS:
@@ -125,6 +177,8 @@ class Channel:
 
     def may_send(self, now_s: float) -> bool:
         """Whether telemetry would go out at once; on a link without a limit, always."""
+        if self._is_confidential or self._limit is not None:
+            return False
         return self._room is None or self._room.may_send(now_s)
 
     def room_bytes(self, now_s: float) -> int:
@@ -158,6 +212,9 @@ class Channel:
             self._room.drain(now_s)
 
     def _emit(self, data: bytes, message_id: int, system: int, is_urgent: bool, now_s: float) -> None:
+        if self._is_confidential and message_id != _HEARTBEAT:
+            self.kept_back += 1
+            return
         if self._filter is not None and not self._filter.passes(message_id, system, now_s):
             self.kept_back += 1
             return
@@ -179,8 +236,16 @@ class Channel:
                 self.refused += 1
                 return True
             frame = sealed
+        if self._limit is not None and not self._may_spend(self._limit, frame):
+            self.kept_back += 1
+            return True
         if not self.link.send(frame):
             return False
         if self.tap is not None and (logged := loggable(data)):
             self.tap(logged)
         return True
+
+    def _may_spend(self, limit: AmplificationLimit, frame: bytes) -> bool:
+        counters = self.counters
+        heard_bytes = counters.bytes_in if counters.frames_in else 0
+        return limit.spend(len(frame), heard_bytes, is_essential=message_id_of(frame) in _ESSENTIAL_IDS)

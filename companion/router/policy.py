@@ -1,6 +1,7 @@
 """What may leave by a link, and how fast: the link's part of the configuration, ready for use."""
 
 from collections.abc import Iterable, Mapping
+from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
 
 from companion.config import LinkConfig
 from companion.errors import ConfigError
@@ -26,11 +27,17 @@ class Policy:
     """
 
     def __init__(
-        self, setting: LinkConfig, key: str = "links", baud: int = 0, is_loopback: bool = False
+        self,
+        setting: LinkConfig,
+        key: str = "links",
+        baud: int = 0,
+        is_loopback: bool = False,
+        hears_anybody: bool = False,
     ) -> None:
         """baud: of a serial line, which counts as a radio unless the setting says that it is none.
 
-        is_loopback: nobody outside this machine can reach it, so a key may come over it.
+        is_loopback: nobody outside this machine can reach it, so a key may come over it. hears_anybody: it
+        takes datagrams from everywhere, whose senders' addresses may be forged.
         """
         self.setting = setting
         self.name = setting.name
@@ -38,6 +45,8 @@ class Policy:
         self.stream_hz = setting.stream_hz
         self.is_radio = setting.radio if setting.radio is not None else baud > 0
         self.is_trusted = setting.trusted if setting.trusted is not None else is_loopback
+        self._hears_anybody = hears_anybody
+        self._local_networks = [_network(text, f"{key}.local_networks") for text in setting.local_networks]
         self.denied = _ids(setting.deny, f"{key}.deny")
         self.allowed = _ids(setting.allow, f"{key}.allow")
         self.min_interval_s = {
@@ -47,6 +56,18 @@ class Policy:
         line_bytes_s = _LINE_SHARE * baud / _BITS_A_BYTE if self.is_radio else 0.0
         self.bytes_s = setting.max_bytes_s or line_bytes_s
         self.stale_s = setting.stale_s or (_STALE_S if self.bytes_s else 0.0)
+
+    def is_forgeable(self, host: str) -> bool:
+        """Whether somebody else may have written this address on what came from it.
+
+        The system drops what comes from outside with an address of loopback.
+        """
+        if not self._hears_anybody:
+            return False
+        address: IPv4Address | IPv6Address = ip_address(host)
+        if isinstance(address, IPv6Address) and address.ipv4_mapped is not None:
+            address = address.ipv4_mapped
+        return not (address.is_loopback or any(address in network for network in self._local_networks))
 
     @property
     def has_rules(self) -> bool:
@@ -79,6 +100,13 @@ class Filter:
         # a beat is kept where the sender is nearly on time, so that 10 Hz capped at 5 gives 5
         self._due_s[key] = max(due_s, now_s - interval_s) + interval_s
         return True
+
+
+def _network(text: str, key: str) -> IPv4Network | IPv6Network:
+    try:
+        return ip_network(text, strict=False)
+    except ValueError:
+        raise ConfigError(f"{key}: {text!r} is not a network; expected one such as 192.168.1.0/24") from None
 
 
 def _ids(names: Iterable[str], key: str) -> frozenset[int]:

@@ -10,8 +10,8 @@ class LinkStatus(Struct, frozen=True):
     """One link since it began. Rates are over the time since the report before this one.
 
     bad counts places in a stream that were no frame, lost what the senders' sequence numbers say is missing,
-    dropped what the link would not take in time, kept_back what allow, deny and rate caps held, refused what
-    signing did not let pass.
+    dropped what the link would not take in time, kept_back what allow, deny and rate caps held and what
+    strangers may not have, refused what signing did not let pass.
     """
 
     number: int

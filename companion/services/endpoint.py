@@ -17,6 +17,7 @@ from companion.params import Parameters
 from companion.router.channel import Channel
 from companion.sensors.external import ExternalSensors
 from companion.sensors.readings import HeadingReading
+from companion.services.address_check import AddressCheck
 from companion.services.commands import CommandService
 from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp import FtpService
@@ -117,6 +118,7 @@ class Endpoint:
         self._heartbeat = HeartbeatService(vehicle, self.outbox, motor_test)
         self._telemetry = TelemetryService(self.outbox, look, may_send)
         self._time = TimeService(self.outbox)
+        self._addresses = AddressCheck(channels, self.outbox, self._texts)
         tell = self._texts.tell
         self._pose = ExternalPoseService(
             external, vehicle, parameters, self.outbox, tell, self._time.to_own_clock
@@ -156,7 +158,7 @@ class Endpoint:
                 o, t
             ),
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._time.on_timesync,
-            dialect.MAVLINK_MSG_ID_PING: lambda m, o, t: self._time.on_ping(m, o),
+            dialect.MAVLINK_MSG_ID_PING: lambda m, o, t: self._on_ping(m, o),
             dialect.MAVLINK_MSG_ID_SYSTEM_TIME: self._on_system_time,
             **self._pose.table,
             dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
@@ -200,6 +202,7 @@ class Endpoint:
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has gone."""
         self._signing.forget(channel)
+        self._addresses.forget(channel)
         self._telemetry.forget(channel)
         self._listings.forget(channel)
         self._files.forget(channel)
@@ -308,6 +311,11 @@ class Endpoint:
             self._vehicle.operator.heard(now_s)
         elif role is Role.PLANNER:
             self._vehicle.planner.heard(now_s)
+        self._addresses.on_heartbeat(origin, self._heartbeat, now_s)
+
+    def _on_ping(self, message: Message, origin: Origin) -> None:
+        self._time.on_ping(message, origin)
+        self._addresses.on_ping(message, origin)
 
     def _on_system_time(self, message: Message, origin: Origin, now_s: float) -> None:
         # Another vehicle tells its date to everybody, true or not

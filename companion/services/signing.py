@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 _LOOK_S = 1.0
 _KEY_PAUSE_S = 10.0  # between two lines about keys refused, however many come
-_PAUSE_S = 3.0  # between two about links: a planner that does not sign should hear why before it gives up
+_PAUSE_S = 3.0  # between two about links
 _MAX_WARNINGS = 64
 
 

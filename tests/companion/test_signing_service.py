@@ -8,7 +8,7 @@ from boat_rig import BOAT, HOME_ITEM, OK, QGC, Peer, Rig, waypoint
 from companion.boat import Boat
 from companion.config import LinkConfig
 from companion.hal.interfaces import Link
-from companion.hal.memory import memory_pair
+from companion.hal.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
@@ -65,7 +65,8 @@ class GuardedRig(Rig):
 
     def _build(self) -> Boat:
         port = ConfiguredPort(self.port, Policy(self.setting))
-        boat = Boat(self.config, self.hardware, [port], self.storage)
+        self.open_port = MemoryPort()
+        boat = Boat(self.config, self.hardware, [port, self.open_port], self.storage)
         self.handled: list[Message] = []
         handle = boat.endpoint.handle
 
@@ -82,6 +83,13 @@ class GuardedRig(Rig):
         self.port.offer(near)
         self.receive()
         return Peer(SealedLink(far, key), address)  # type: ignore[arg-type]
+
+    def onlooker(self) -> Peer:
+        """A station on a link that asks for nothing, which hears what is told to everybody."""
+        near, far = memory_pair("onlooker")
+        self.open_port.offer(near)
+        self.receive()
+        return Peer(far, Address(200, 190))
 
     def state(self) -> tuple[object, ...]:
         """All that no stranger may change."""
@@ -389,33 +397,37 @@ def test_a_link_that_is_not_safe_is_told_of_once(
     signing: SigningPolicy, radio: bool, key: SigningKey | None, told: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     rig = GuardedRig(signing, key, radio=radio)
+    onlooker = rig.onlooker()
     for _ in range(3):
         again = rig.connect()
         rig.run(1.1)
-    texts = [text for text in [*rig.peer.texts, *again.texts] if "steer" in text or "deaf" in text]
-    assert len(texts) == (1 if told else 0)
+    heard = [*rig.peer.texts, *again.texts, *onlooker.texts]
+    texts = [text for text in heard if "steer" in text or "deaf" in text]
+    assert len(texts) == (1 if told and signing != "required" else 0), "a stranger is told nothing"
     assert all(told in text for text in texts)
     assert caplog.text.count(told) == 1 if told else "steer" not in caplog.text
 
 
-def test_two_strangers_both_hear_why_before_they_give_up() -> None:
+def test_two_strangers_are_told_of_one_by_one() -> None:
     rig = GuardedRig("required")
+    onlooker = rig.onlooker()
     strangers = [rig.station(None), rig.station(None)]
     rig.step()
     for stranger in strangers:
         stranger.heartbeat()
     rig.run(5.0)
-    assert sum("messages refused" in text for text in strangers[1].texts) == 2
+    assert sum("messages refused" in text for text in onlooker.texts) == 2
+    assert {one.get_type() for one in strangers[1].heard + strangers[1].listen()} == {"HEARTBEAT"}
 
 
 @pytest.mark.parametrize(("key", "why"), [(None, "not signed"), (OTHER, "not signed with our key")])
 def test_refused_messages_are_told_of_once(key: SigningKey | None, why: str) -> None:
     rig = GuardedRig("required")
-    stranger = rig.station(key)
+    stranger, onlooker = rig.station(key), rig.onlooker()
     rig.step()
     for _ in range(20):
         stranger.heartbeat()
         rig.run(1.0)
-    (text,) = [text for text in stranger.texts if "messages refused" in text]
+    (text,) = [text for text in onlooker.texts if "messages refused" in text]
     assert why in text
     assert rig.boat.channels.open[2].refused == 20

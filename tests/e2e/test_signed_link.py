@@ -57,7 +57,7 @@ def test_pymavlink_signs_and_is_obeyed_and_without_the_key_is_not(
     assert len(friend.download()) == 101
     assert answer(stranger, HOLD) is None
     assert answer(forger, HOLD) is None
-    assert "not signed" in stranger.wait_for("STATUSTEXT", lambda text: "refused" in text.text).text
+    assert "not signed" in friend.wait_for("STATUSTEXT", lambda text: "refused" in text.text).text
     assert friend.wait_for("HEARTBEAT").custom_mode == MANUAL
     assert friend.mav.signing.goodsig_count > 200
     assert friend.mav.signing.badsig_count == friend.mav.signing.reject_count == 0

@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 
 from companion.errors import LinkError
 from companion.hal.interfaces import Link
-from companion.hal.udp import MAX_PEERS, PEER_IDLE_S, UdpInPort, UdpOutPort
+from companion.hal.port_url import open_port
+from companion.hal.udp import PEER_IDLE_S, UdpInPort, UdpOutPort
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import dialect
+from companion.mavlink.framing import begins_with_frame
 
 HERE = "127.0.0.1"
 
@@ -116,7 +121,79 @@ def test_beyond_the_limit_newcomers_are_not_heard(clock: HandClock) -> None:
         link.close()
         call_in(port, third)
     port.close()
-    assert MAX_PEERS == 32
+
+
+def test_who_does_not_begin_with_a_frame_becomes_no_link_and_leaves_no_trace(clock: HandClock) -> None:
+    port = open_port(f"udpin:{HERE}:0", clock, is_call=begins_with_frame)
+    assert isinstance(port, UdpInPort)
+    frame = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+    with Station() as station, Station() as stranger:
+        for garbage in (b"\0", b"hello", b"\xfd" * 1400, frame[:-1], b"x" + frame, bytes(2000), b""):
+            stranger.say(garbage, number_of(port))
+        station.say(frame, number_of(port))
+        (link,) = port.accept()
+        assert link.name == f"udp:127.0.0.1:{station.number}"
+        assert link.host == HERE
+        assert link.receive() == [frame]
+        assert port.refused_datagrams == 7
+        stranger.say(frame, number_of(port))
+        assert len(port.accept()) == 1
+    port.close()
+
+
+def test_parts_that_talk_otherwise_are_heard_over_udp_too(clock: HandClock) -> None:
+    port = open_port(f"udpin:{HERE}:0", clock)
+    with Station() as receiver:
+        receiver.say(b"$GNRMC,", int(port.name.rpartition(":")[2]))
+        (link,) = port.accept()
+        assert link.receive() == [b"$GNRMC,"]
+    port.close()
+
+
+def test_a_thousand_sources_of_garbage_keep_nobody_out(clock: HandClock) -> None:
+    port = open_port(f"udpin:{HERE}:0", clock, is_call=begins_with_frame)
+    assert isinstance(port, UdpInPort)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        for number in range(1000):
+            stranger.sendto(b"%d" % number, (HERE, number_of(port)))
+            if number % 100 == 99:
+                assert port.accept() == []
+    with Station() as station:
+        frame = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+        assert not call_in(port, station, frame).is_closed
+    port.close()
+
+
+def test_what_a_flooding_peer_has_waiting_is_bounded_and_the_newest_is_kept(server: UdpInPort) -> None:
+    with Station() as station:
+        link = call_in(server, station, b"first")
+        for number in range(40):
+            station.say(bytes(8000) + bytes((number,)), number_of(server))
+            server.accept()
+        chunks = link.receive()
+        assert sum(map(len, chunks)) <= 128 * 1024
+        assert [chunk[-1] for chunk in chunks] == list(range(40 - len(chunks), 40))
+        for _ in range(5000):
+            station.say(b"", number_of(server))
+            station.say(b"x", number_of(server))
+            server.accept()
+        assert len(link.receive()) <= 128 * 1024 // 64
+
+
+def test_one_round_over_all_links_takes_a_bounded_number_of_datagrams(server: UdpInPort) -> None:
+    with Station() as flood:
+        links = []
+        for _ in range(20):
+            with Station() as station:
+                links.append(call_in(server, station))
+        flooded = call_in(server, flood)
+        for link in [*links, flooded]:
+            link.receive()
+        for _ in range(2000):
+            flood.say(b"x", number_of(server))
+        for link in links:
+            assert link.receive() == []
+        assert 0 < len(flooded.receive()) <= 256
 
 
 def test_an_address_in_use_is_named(server: UdpInPort, clock: HandClock) -> None:

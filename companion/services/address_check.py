@@ -1,0 +1,71 @@
+"""Asks stations on forgeable addresses for a sign that they receive what is sent to them.
+
+The question is a PING with a random number, which QGroundControl and MAVSDK return; it follows a heartbeat,
+because QGroundControl answers only vehicles that it knows. Who does not answer is served within
+`AmplificationLimit`, and the operator is told once how to change that.
+"""
+
+import logging
+from collections.abc import Mapping
+
+from companion.mavlink.dialect import Message, dialect
+from companion.router.amplification import Question
+from companion.router.channel import Channel
+from companion.services.heartbeat import HeartbeatService
+from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
+from companion.vehicle.notice import Notice, Severity
+
+logger = logging.getLogger(__name__)
+
+_ASK_S = 1.0  # between two questions: a heartbeat's period
+_PATIENCE = 5  # questions without an answer before it is told
+_MAX_WARNINGS = 16  # of different hosts: whoever forges addresses must not flood the operator
+
+
+class AddressCheck:
+    """Questions and answers of all channels that have an amplification limit."""
+
+    def __init__(self, channels: Mapping[int, Channel], outbox: Outbox, texts: StatusTextService) -> None:
+        self._channels = channels
+        self._outbox = outbox
+        self._texts = texts
+        self._asked_s: dict[int, float] = {}
+        self._asked: dict[int, int] = {}  # how often, by channel
+        self._warned: set[str] = set()
+
+    def on_heartbeat(self, origin: Origin, heartbeat: HeartbeatService, now_s: float) -> None:
+        """A station announces itself: announce the boat, and ask. Elsewhere the regular heartbeat will do."""
+        channel = self._channels.get(origin.channel)
+        if channel is None or not channel.needs_an_answer:
+            return
+        number = origin.channel
+        if now_s - self._asked_s.get(number, -_ASK_S) < _ASK_S:
+            return
+        self._asked_s[number] = now_s
+        self._asked[number] = self._asked.get(number, 0) + 1
+        self._outbox.send(number, heartbeat.message())
+        if (question := channel.question(int(now_s * 1e6))) is not None:
+            self._outbox.send(number, dialect.MAVLink_ping_message(*question, 0, 0))
+        if self._asked[number] > _PATIENCE:
+            self._warn(channel)
+
+    def on_ping(self, message: Message, origin: Origin) -> None:
+        """Perhaps an answer."""
+        channel = self._channels.get(origin.channel)
+        if channel is not None:
+            channel.answered(Question(message.time_usec, message.seq))
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone."""
+        self._asked_s.pop(channel, None)
+        self._asked.pop(channel, None)
+
+    def _warn(self, channel: Channel) -> None:
+        host = channel.host
+        if host in self._warned or len(self._warned) >= _MAX_WARNINGS:
+            return
+        self._warned.add(host)
+        text = f"{host} answers no PING: it gets no telemetry unless local_networks names its network"
+        logger.warning(text)
+        self._texts.tell([Notice(Severity.WARNING, text)])

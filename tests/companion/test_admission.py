@@ -1,0 +1,140 @@
+"""Which links stay when a thousand come: nobody who proves himself is locked out."""
+
+import contextlib
+from dataclasses import dataclass
+
+import pytest
+from boat_rig import QGC, Rig
+from test_signing_service import KEY, GuardedRig
+
+from companion.hal.memory import MemoryPort, memory_pair
+from companion.mavlink.address import Address
+from companion.router.admission import PLACES, SILENT_S, Standing, surplus
+from companion.router.channels import Channels
+
+
+@dataclass
+class Caller:
+    """A link by what counts."""
+
+    host: str = "203.0.113.1"
+    standing: Standing = Standing.STRANGER
+    heard_s: float = 0.0
+
+
+def strangers(count: int, host: str = "203.0.113.1") -> list[Caller]:
+    return [Caller(host) for _ in range(count)]
+
+
+def proven(count: int, heard_s: float = 0.0, host: str = "203.0.113.1") -> list[Caller]:
+    return [Caller(host, Standing.PROVEN, heard_s) for _ in range(count)]
+
+
+def test_as_many_as_there_are_places_stay() -> None:
+    assert PLACES == 32
+    assert surplus([*strangers(32), *proven(32)], 0.0) == []
+
+
+def test_the_newest_stranger_is_let_in_and_the_oldest_goes() -> None:
+    links = strangers(33)
+    (gone,) = surplus(links, 0.0)
+    assert gone is links[0]
+
+
+def test_whoever_has_proved_himself_stays_before_a_thousand_who_have_not() -> None:
+    friend = Caller("198.51.100.1", Standing.PROVEN)
+    links = [friend, *strangers(1000)]
+    gone = surplus(links, 1000.0)
+    assert len(gone) == 1000 - PLACES
+    assert friend not in gone
+    assert all(a is b for a, b in zip(gone, links[1:], strict=False))
+
+
+def test_an_announcement_counts_more_than_silence_even_from_an_address_that_may_be_forged() -> None:
+    announced = Caller("198.51.100.1", Standing.ANNOUNCED)
+    assert announced not in surplus([announced, *strangers(1000)], 0.0)
+
+
+def test_a_newcomer_is_let_in_although_all_others_have_announced_themselves() -> None:
+    links = [Caller(f"203.0.113.{n}", Standing.ANNOUNCED) for n in range(PLACES)]
+    newcomer = Caller("198.51.100.1")
+    assert surplus([*links, newcomer], 0.0) == [links[0]]
+
+
+def test_a_host_with_many_links_loses_one_of_its_own() -> None:
+    quiet = Caller("198.51.100.1")
+    links = [quiet, *strangers(PLACES)]
+    assert surplus(links, 0.0) == [links[1]]
+
+
+def test_one_who_fell_silent_makes_way_for_one_more_who_has_proved_himself() -> None:
+    links = [*proven(PLACES, heard_s=100.0), Caller("198.51.100.1", Standing.PROVEN, 100.0)]
+    links[7].heard_s = 100.0 - SILENT_S
+    now_s = 100.0 + 0.1
+    assert surplus(links, now_s) == [links[7]]
+
+
+def test_those_who_talk_stay_and_the_newest_of_the_host_that_has_most_goes() -> None:
+    newcomer = Caller("198.51.100.1", Standing.PROVEN, 100.0)
+    links = [*proven(PLACES, heard_s=100.0), newcomer]
+    assert surplus(links, 100.0 + SILENT_S) == [links[PLACES - 1]]
+
+
+@pytest.mark.parametrize("is_datagram", [True, False], ids=["sources", "connections"])
+def test_a_thousand_silent_links_lock_nobody_out_of_the_boat(is_datagram: bool) -> None:
+    rig = Rig()
+    rig.peer.heartbeat()
+    rig.step()
+    for number in range(1000):
+        rig.port.offer(memory_pair(f"silent {number}", is_datagram, host="203.0.113.1")[0])
+        if number % 16 == 15:
+            rig.step(5)
+    late = rig.connect(Address(254, 190), is_datagram)
+    late.heartbeat()
+    for number in range(200):
+        rig.port.offer(memory_pair(f"later {number}", is_datagram, host="203.0.113.1")[0])
+    rig.run(3.0)
+    for station in (rig.peer, late):
+        station.forget()
+        rig.run(1.5)
+        assert station.said("ATTITUDE")
+        assert station.said("HEARTBEAT")
+    assert len(rig.boat.channels.open) == 2 + PLACES
+
+
+def test_on_a_signed_link_only_a_signature_takes_a_place_from_others() -> None:
+    rig = GuardedRig("required")
+    friend = rig.station(KEY)
+    friend.heartbeat()
+    rig.run(0.5)
+    for number in range(100):
+        stranger = rig.station(None, Address(number + 1, 190))
+        stranger.heartbeat()
+        rig.run(0.12)
+    late = rig.station(KEY, Address(254, 190))
+    late.heartbeat()
+    rig.run(1.0)
+    for number in range(40):
+        rig.station(None, Address(number + 1, 190)).heartbeat()
+        rig.run(0.12)
+    for station in (friend, late):
+        station.forget()
+        rig.run(1.5)
+        assert station.said("ATTITUDE")
+
+
+def test_ports_do_not_take_each_others_places() -> None:
+    ports = [MemoryPort(), MemoryPort()]
+    channels = Channels(ports, QGC)
+    quiet, far = memory_pair("quiet")
+    ports[0].offer(quiet)
+    for number in range(200):
+        ports[1].offer(memory_pair(f"loud {number}")[0])
+    for _ in range(3):
+        channels.accept()
+        with contextlib.suppress(StopIteration):
+            next(iter(channels.receive(0.0)))
+        channels.drop_closed()
+    assert not quiet.is_closed
+    assert not far.is_closed
+    assert len(channels.open) == 1 + PLACES

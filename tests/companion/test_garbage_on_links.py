@@ -1,0 +1,177 @@
+"""What garbage on some links costs the boat and other links, counted in looks and ticks, not in seconds."""
+
+import random
+
+import pytest
+from boat_rig import BOAT, QGC
+
+from companion.config import LinkConfig
+from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import dialect
+from companion.router.channels import Channels
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
+
+TICK_BYTES = 200_000  # of a link that brings 10 MB/s, in 20 ms
+LINK_LOOKS = 256
+CALL_LOOKS = 1024
+TICK_LOOKS = 4096
+OVERSHOOT = 200  # a search that has begun may end
+PATTERNS = {
+    "FD": b"\xfd",
+    "FE": b"\xfe",
+    "zeros": b"\0",
+    "headers": b"\xfd\x00\x00",
+    "short headers": b"\xfe\x09",
+    "unknown messages": b"\xfd\xff\x00\x00\x00\x01\x01\x01\xff\x7f",
+    "bad checksums": b"\xfd\x09\x00\x00\x00\x01\x01\x00\x00\x00" + bytes(11),
+    "mixed": random.Random(5).randbytes(5000),
+}
+
+
+class NumberedLink(MemoryLink):
+    """A link with a descriptor to wait on."""
+
+    descriptor = -1
+
+    def fileno(self) -> int:
+        return self.descriptor
+
+
+class Flooded:
+    """Channels with some links that bring garbage and one on which a station announces itself."""
+
+    def __init__(self, pattern: bytes, floods: int = 1, is_datagram: bool = False) -> None:
+        port = MemoryPort()
+        self.far: list[MemoryLink] = []
+        for number in range(floods + 1):
+            near = NumberedLink(f"link {number}", is_datagram, 60)
+            near.descriptor = 100 + number
+            far = MemoryLink(f"far end {number}", is_datagram, 60)
+            near._peer, far._peer = far, near
+            port.offer(near)
+            self.far.append(far)
+        self.good = self.far.pop()
+        self.channels = Channels([port], BOAT)
+        self.channels.accept()
+        self.descriptors = self.channels.filenos()
+        self.garbage = pattern * (4096 // len(pattern) + 1)
+        self.encoder = Encoder(QGC)
+
+    @property
+    def looks(self) -> int:
+        return sum(channel.looks for channel in self.channels.open.values())
+
+    def flood(self) -> None:
+        """As much as a tick brings; what does not fit is lost or, on a stream, waits at the sender's."""
+        for far in self.far:
+            for _ in range(TICK_BYTES // 4096):
+                far.send(self.garbage)
+
+    def announce(self) -> None:
+        assert self.good.send(self.encoder.encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)))
+
+    def tick(self, calls: int = 20) -> tuple[int, int, int]:
+        """One tick and the calls until the next: heartbeats heard, looks of the worst call and of all."""
+        heard, worst, began = 0, 0, self.looks
+        for call in range(calls):
+            before = self.looks
+            heard += len(list(self.channels.receive(0.0, None if call == 0 else self.descriptors)))
+            worst = max(worst, self.looks - before)
+        return heard, worst, self.looks - began
+
+
+@pytest.mark.parametrize("is_datagram", [True, False], ids=["datagrams", "stream"])
+@pytest.mark.parametrize("pattern", PATTERNS.values(), ids=PATTERNS)
+def test_garbage_at_10_mb_a_second_costs_a_bounded_number_of_looks_and_holds_nobody_up(
+    pattern: bytes, is_datagram: bool
+) -> None:
+    rig = Flooded(pattern, is_datagram=is_datagram)
+    for _ in range(5):
+        rig.flood()
+        rig.announce()
+        heard, worst, total = rig.tick()
+        assert heard == 1
+        assert worst <= LINK_LOOKS + OVERSHOOT
+        assert total <= TICK_LOOKS + OVERSHOOT
+
+
+@pytest.mark.parametrize("floods", [10, 60])
+def test_many_floods_at_once_share_what_one_would_have_and_a_station_waits_no_more_than_a_few_ticks(
+    floods: int,
+) -> None:
+    rig = Flooded(b"\xfd\x00\x00", floods)
+    waits: list[int] = []
+    for _ in range(4):
+        rig.announce()
+        for tick in range(1, 20):
+            rig.flood()
+            heard, worst, total = rig.tick()
+            assert worst <= CALL_LOOKS + OVERSHOOT
+            assert total <= TICK_LOOKS + OVERSHOOT
+            if heard:
+                waits.append(tick)
+                break
+    assert len(waits) == 4
+    assert max(waits) <= 1 + (floods + 1) * 256 // TICK_LOOKS + 1
+
+
+def test_a_flood_is_read_no_further_until_the_next_tick_and_then_again() -> None:
+    rig = Flooded(b"\xfd\x00\x00")
+    rig.flood()
+    rig.tick()
+    assert not rig.channels.has_more, "the loop would spin"
+    before = rig.looks
+    assert list(rig.channels.receive(0.0, ())) == []
+    assert rig.looks == before
+    list(rig.channels.receive(0.0, None))
+    assert rig.looks > before
+
+
+def test_links_are_not_waited_on_while_their_tick_is_used_up() -> None:
+    link = NumberedLink("flood", is_datagram=False)
+    link.descriptor = 77
+    port = MemoryPort(link)
+    channels = Channels([port], BOAT)
+    channels.accept()
+    assert channels.filenos() == [77]
+    link._arrived.extend([b"\xfd\x00\x00" * 1365] * 16)
+    for call in range(20):
+        list(channels.receive(0.0, None if call == 0 else (77,)))
+    assert channels.filenos() == []
+    link._arrived.clear()
+    list(channels.receive(0.0, None))
+    assert channels.filenos() == [77]
+
+
+def test_frames_cost_more_than_garbage_so_that_a_call_hands_over_no_more_than_256() -> None:
+    rig = Flooded(b"\0", floods=4)
+    encoder = Encoder(Address(9, 1))
+    frames = b"".join(
+        encoder.encode(dialect.MAVLink_heartbeat_message(11, 3, 0, n, 4, 3)) for n in range(2000)
+    )
+    for far in rig.far:
+        far.send(frames)
+    assert len(list(rig.channels.receive(0.0))) <= 256
+
+
+def test_what_waits_for_a_slow_line_leaves_it_during_a_flood_on_other_links() -> None:
+    floods, ports = [], []
+    for _ in range(10):
+        near, far = memory_pair(is_datagram=False)
+        ports.append(MemoryPort(near))
+        floods.append(far)
+    near, slow = memory_pair(queue_frames=1)
+    policy = Policy(LinkConfig(url="", stale_s=5.0))
+    channels = Channels([*ports, ConfiguredPort(MemoryPort(near), policy)], BOAT)
+    channels.accept()
+    for number in range(10):
+        channels.send(dialect.MAVLink_heartbeat_message(11, 3, 0, number, 4, 3), 11)
+    for _ in range(10):
+        for far in floods:
+            far.send(b"\xfd\x00\x00" * 1365)
+        assert len(slow.receive()) == 1
+        list(channels.receive(0.0, None))
+    assert channels.open[11].waiting_bytes == 0
