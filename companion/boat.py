@@ -80,6 +80,7 @@ class Boat:
             motor_test=self.motor_test,
             trials=self.trials,
             external=self.senses.external,
+            gauge=self.senses.gauge,
             faults=hardware.faults,
             look=self.look,
         )
@@ -240,7 +241,7 @@ class Boat:
 
     def _sense(self, now_s: float) -> None:
         senses, estimator = self.senses, self.estimator
-        senses.read(self.parameters.config, now_s)
+        senses.read(self.parameters.config, now_s, self.command)
         if estimator.frame is None:
             estimator.frame_to_lay = senses.external.frame
         elif senses.external.frame is None:
@@ -295,6 +296,7 @@ class Boat:
             heading_pid=self.steering.helm.heading_pid,
             command=self.command,
             consumed_mah=senses.consumed_mah,
+            battery_percent=senses.gauge.percent,
             load=self.load,
             speed_pid=self.steering.helm.speed_pid,
             heading=senses.compass,

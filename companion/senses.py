@@ -2,8 +2,8 @@
 
 from companion.config import BoatConfig
 from companion.hal.interfaces import Hardware
-from companion.sensors.charge import ChargeCounter
 from companion.sensors.external import ExternalSensors
+from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.gaze import ALL_ROUND, Sector
 from companion.sensors.readings import (
     BatteryReading,
@@ -15,19 +15,20 @@ from companion.sensors.readings import (
 )
 from companion.sensors.sweep import Sweep
 from companion.sensors.trim import trimmed
+from companion.state import STOPPED, MotorCommand
 
 
 class Senses:
     """The readings of now. compass is as the part gave it; heading is what to steer by."""
 
     __slots__ = (
-        "_charge",
         "_hardware",
         "_sector",
         "battery",
         "compass",
         "external",
         "fix",
+        "gauge",
         "heading",
         "hull",
         "pings",
@@ -39,6 +40,7 @@ class Senses:
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
         self.external = external
         self.sweep = Sweep()
+        self.gauge = FuelGauge()
         self.fix: GnssFix | None = None
         self.compass: HeadingReading | None = None
         self.heading: HeadingReading | None = None
@@ -48,13 +50,12 @@ class Senses:
         self.rc: RcReading | None = None  # the latest frame of the transmitter
         self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
         self._hardware = hardware
-        self._charge = ChargeCounter()
         self._sector: Sector = ALL_ROUND
 
     @property
     def consumed_mah(self) -> float:
-        """Charge taken from the pack since boot."""
-        return self._charge.consumed_mah
+        """Charge taken from the pack since boot, or since it was changed."""
+        return self.gauge.consumed_mah
 
     def look(self, sector: Sector) -> None:
         """Have the boat's own ranger sweep between these bearings."""
@@ -62,17 +63,17 @@ class Senses:
             self._sector = sector
             self._hardware.sonar.look(sector.port_rad, sector.starboard_rad)
 
-    def read(self, config: BoatConfig, now_s: float) -> None:
-        """Take what there is."""
+    def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
+        """Take what there is. command: what the motors are given."""
         hardware, external = self._hardware, self.external
         self.fix = external.choose_fix(hardware.gnss.read(), config.external, now_s)
         self.compass = hardware.compass.read()
         self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
         if hardware.battery is not None:
             battery = hardware.battery.read()
-            if battery is not self.battery:
+            if battery is not None and battery is not self.battery:
                 self.battery = battery
-                self._charge.add(battery)
+                self.gauge.update(battery, config.battery, command)
         if hardware.hull is not None:
             self.hull = hardware.hull.read()
         if hardware.rc is not None:

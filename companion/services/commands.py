@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
+from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.command import (
     ACCEPTED,
@@ -21,6 +22,7 @@ from companion.services.command import (
     from_int,
     from_long,
 )
+from companion.services.commands_battery import BatteryCommands
 from companion.services.commands_faults import FaultCommands
 from companion.services.commands_messages import MessageCommands
 from companion.services.commands_trials import TrialCommands
@@ -61,6 +63,7 @@ class CommandService:
         tell: Tell,
         pose: ExternalPoseService,
         trials: Trials,
+        gauge: FuelGauge,
         faults: FaultInjector | None = None,
     ) -> None:
         self._vehicle = vehicle
@@ -73,6 +76,7 @@ class CommandService:
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
+            **BatteryCommands(vehicle, gauge, tell).table,
             **self._trials.table,
             **VehicleCommands(vehicle, parameters, tell).table,
             **FaultCommands(faults, tell).table,

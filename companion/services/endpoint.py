@@ -16,6 +16,7 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.params import Parameters
 from companion.router.channel import Channel
 from companion.sensors.external import ExternalSensors
+from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.address_check import AddressCheck
 from companion.services.commands import CommandService
@@ -98,6 +99,7 @@ class Endpoint:
         motor_test: MotorTest,
         trials: Trials,
         external: ExternalSensors,
+        gauge: FuelGauge,
         look: Look,
         faults: FaultInjector | None = None,
     ) -> None:
@@ -133,6 +135,7 @@ class Endpoint:
             tell,
             self._pose,
             trials,
+            gauge,
             faults,
         )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)

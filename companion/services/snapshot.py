@@ -28,6 +28,7 @@ class Snapshot(Struct, frozen=True):
     heading_pid: PidOutput | None
     command: MotorCommand
     consumed_mah: float
+    battery_percent: int  # charge left, −1 without a monitor
     load: float
     speed_pid: PidOutput | None = None
     heading: HeadingReading | None = None  # as the part gave it

@@ -5,7 +5,6 @@ import re
 
 from companion import __version__
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.charge import resting_share
 from companion.services.snapshot import Snapshot
 from companion.units import clamp, deg_to_e7, wrap_two_pi
 from companion.vehicle.modes import Mode
@@ -59,7 +58,7 @@ def sys_status(now: Snapshot) -> Message:
         load=round(clamp(now.load * 1000.0, 0.0, 1000.0)),
         voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),
         current_battery=-1 if current_a is None else round(current_a * 100.0),
-        battery_remaining=_battery_percent(now),
+        battery_remaining=now.battery_percent,
         drop_rate_comm=0,
         errors_comm=0,
         errors_count1=0,
@@ -109,16 +108,9 @@ def battery_status(now: Snapshot) -> Message | None:
         current_battery=-1 if battery.current_a is None else round(battery.current_a * 100.0),
         current_consumed=-1 if battery.current_a is None else round(now.consumed_mah),
         energy_consumed=-1,
-        battery_remaining=_battery_percent(now),
+        battery_remaining=now.battery_percent,
         charge_state=dialect.MAV_BATTERY_CHARGE_STATE_LOW if is_low else dialect.MAV_BATTERY_CHARGE_STATE_OK,
     )
-
-
-def _battery_percent(now: Snapshot) -> int:
-    """Charge left by the voltage of a cell, −1 without a monitor. Under load it reads a little low."""
-    if now.battery is None:
-        return -1
-    return round(100.0 * resting_share(now.battery.voltage_v / now.config.battery.cells))
 
 
 def fence_status(now: Snapshot) -> Message | None:

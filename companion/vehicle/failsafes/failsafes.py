@@ -52,6 +52,16 @@ class Failsafes:
         """Whether the pack calls the boat home, for whatever reason."""
         return bool(self.active & _POWER)
 
+    def renew_pack(self, share: float) -> None:
+        """The pack has been changed or charged and has this share of its charge: what was told of it is over.
+        It is told anew if the voltage is still too low."""
+        for ladder in self._ladders:
+            if int(ladder.row.condition) & _POWER:
+                ladder.reset()
+        self.active &= ~_POWER
+        self.signs.endurance.renew(share)
+        self.signs.shortfall = ""
+
     def overrule(self) -> None:
         """The operator has chosen a mode: what is active keeps to the steps that it has taken."""
         for ladder in self._ladders:

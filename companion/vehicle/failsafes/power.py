@@ -34,6 +34,10 @@ class Endurance:
         self._sailed_s = 0.0
         self._begun_share = math.nan
 
+    def renew(self, share: float) -> None:
+        """The pack has been changed or charged: it begins with this share of its charge."""
+        self._begun_share = share
+
     def learn(
         self, battery: BatteryReading | None, nav: NavState | None, config: BoatConfig, dt_s: float
     ) -> None:

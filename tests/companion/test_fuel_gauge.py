@@ -1,0 +1,158 @@
+"""What stations see of the pack: the charge left must not follow the voltage of the moment."""
+
+import itertools
+import random
+
+import pytest
+from boat_rig import DENIED, FAILED, OK, FakeBattery, Rig, waypoint
+
+from companion.config import Battery
+from companion.mavlink.dialect import dialect
+from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.readings import BatteryReading
+from companion.state import STOPPED, MotorCommand
+from sitl.battery import BatteryParameters
+from sitl.pack import Pack
+
+RESET = dialect.MAV_CMD_BATTERY_RESET
+REJECTED_FOR_NOW = 1
+REST, FULL, TURN, CRUISE = (0.0, 0.0), (0.8, 0.8), (0.2, 0.9), (0.5, 0.45)
+
+
+def stop_and_go(time_s: float) -> MotorCommand:
+    """A minute of rest, full speed, a hard turn and cruising, again and again."""
+    phase_s = time_s % 60.0
+    left, right = REST if phase_s < 10 else FULL if phase_s < 30 else TURN if phase_s < 40 else CRUISE
+    return MotorCommand(left, right)
+
+
+class Voyage:
+    """What the gauge says over 25 minutes of it, ten times a second, and what the pack truly has."""
+
+    def __init__(self, *, ohm: float, exponent: float, has_current: bool, seed: int = 20261122) -> None:
+        print(f"seed {seed}")  # noqa: T201
+        noise, pack = random.Random(seed), Pack(BatteryParameters(resistance_ohm=ohm))
+        gauge, battery = FuelGauge(), Battery()
+        self.shown: list[int] = []
+        self.true: list[float] = []
+        for number in range(15_000):
+            time_s = 0.1 * number
+            command = stop_and_go(time_s)
+            pack.step(5.0 * (abs(command.left) ** exponent + abs(command.right) ** exponent), 0.1)
+            voltage_v = pack.voltage_v + noise.gauss(0.0, 0.02)
+            current_a = pack.current_a + noise.gauss(0.0, 0.05) if has_current else None
+            gauge.update(BatteryReading(time_s, voltage_v, current_a), battery, command)
+            self.shown.append(gauge.percent)
+            self.true.append(100.0 * pack.charge)
+
+    @property
+    def steps(self) -> list[int]:
+        """Every change of what is shown."""
+        return [b - a for a, b in itertools.pairwise(self.shown) if a != b]
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 3.0])  # of the current over the command: stalled to free
+@pytest.mark.parametrize("ohm", [0.03, 0.05, 0.1])
+@pytest.mark.parametrize("has_current", [True, False])
+def test_the_charge_shown_only_falls_and_by_single_percents(
+    ohm: float, exponent: float, has_current: bool
+) -> None:
+    voyage = Voyage(ohm=ohm, exponent=exponent, has_current=has_current)
+    assert set(voyage.steps) == {-1}
+    assert len(voyage.steps) <= 101
+
+
+@pytest.mark.parametrize(("ohm", "off"), [(0.03, 2.0), (0.1, 4.0)])
+def test_with_current_the_charge_is_what_is_left(ohm: float, off: float) -> None:
+    voyage = Voyage(ohm=ohm, exponent=2.0, has_current=True)
+    assert all(abs(a - b) <= off for a, b in zip(voyage.shown, voyage.true, strict=True))
+
+
+@pytest.mark.parametrize("ohm", [0.03, 0.1])
+def test_without_current_it_is_never_much_too_high(ohm: float) -> None:
+    voyage = Voyage(ohm=ohm, exponent=2.0, has_current=False)
+    assert all(-17.0 <= a - b <= 2.0 for a, b in zip(voyage.shown, voyage.true, strict=True))
+
+
+def test_before_the_first_reading_nothing_is_known() -> None:
+    assert FuelGauge().percent == -1
+
+
+def test_relaxation_after_a_load_does_not_show_but_another_pack_does() -> None:
+    gauge, battery = FuelGauge(), Battery()
+    for number in range(200):
+        gauge.update(BatteryReading(0.1 * number, 11.4), battery, STOPPED)
+    before = gauge.percent
+    for number in range(200, 3000):
+        gauge.update(BatteryReading(0.1 * number, 11.45), battery, STOPPED)
+    assert gauge.percent == before
+    for number in range(3000, 9000):
+        gauge.update(BatteryReading(0.1 * number, 12.6), battery, STOPPED)
+    assert gauge.percent == pytest.approx(95, abs=1)
+
+
+def test_what_stations_see_does_not_dip_as_the_boat_starts() -> None:
+    rig = Rig().ready()
+    rig.peer.forget()
+    at_rest = rig.boat.look().battery_percent
+    rig = Rig().sail(waypoint(60.0, 0.0))
+    rig.run(30.0)
+    shown = [one.battery_remaining for one in rig.peer.said("BATTERY_STATUS")]
+    assert len(shown) > 10
+    assert min(shown) >= at_rest - 2
+    assert rig.peer.said("SYS_STATUS")[-1].battery_remaining == shown[-1]
+
+
+# A pack that is changed without a restart
+
+
+def low_pack() -> tuple[Rig, FakeBattery]:
+    battery = FakeBattery(10.0)
+    rig = Rig(battery=battery)
+    rig.run(15.0)
+    assert "Failsafe: Battery low: 10.0 V" in rig.peer.texts
+    return rig, battery
+
+
+def is_low(rig: Rig) -> bool:
+    return rig.boat.vehicle.failsafes.pack_is_low
+
+
+def test_a_changed_pack_is_full_and_its_failsafe_is_over() -> None:
+    rig, battery = low_pack()
+    battery.voltage_v = 12.4
+    rig.run(2.0)
+    assert is_low(rig)
+    assert rig.ask(RESET, 1.0, 100.0) == OK
+    assert "Battery set to 100 %" in rig.peer.texts
+    assert not is_low(rig)
+    rig.run(15.0)
+    assert rig.boat.look().battery_percent in (99, 100)
+    assert rig.boat.look().consumed_mah < 10.0
+    assert not is_low(rig)
+    assert rig.peer.said("BATTERY_STATUS")[-1].charge_state == dialect.MAV_BATTERY_CHARGE_STATE_OK
+
+
+def test_a_pack_that_is_not_changed_is_told_again() -> None:
+    rig, _ = low_pack()
+    rig.peer.forget()
+    assert rig.ask(RESET, 1.0, 100.0) == OK
+    rig.run(15.0)
+    assert "Failsafe: Battery low: 10.0 V" in rig.peer.texts
+
+
+@pytest.mark.parametrize(
+    ("params", "result"),
+    [((1.0, 101.0), DENIED), ((1.0, -1.0), DENIED), ((1.0, float("nan")), DENIED), ((-1.0, 50.0), DENIED),
+     ((2.0, 100.0), FAILED), ((0.0, 100.0), FAILED), ((255.0, 50.0), OK)],
+)  # fmt: skip
+def test_a_reset_says_which_pack_and_how_much(params: tuple[float, ...], result: int) -> None:
+    rig = Rig().ready()
+    assert rig.ask(RESET, *params) == result
+
+
+def test_a_pack_is_not_reset_under_way() -> None:
+    rig = Rig().ready()
+    rig.arm()
+    assert rig.ask(RESET, 1.0, 100.0) == REJECTED_FOR_NOW
+    assert "Battery: disarm first" in rig.peer.texts
