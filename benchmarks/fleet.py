@@ -155,6 +155,7 @@ class _Station:
 @contextmanager
 def _fleet(port: int, status: Path, times: Path) -> Iterator[Process]:
     command = [sys.executable, "-m", "benchmarks.timed_fleet", str(times), "serve", "open", "--no-tcp"]
+    command += ["--state", "none"]
     command += ["--count", str(_BOATS), "--udp", f"127.0.0.1:{port}", "--status", str(status)]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:

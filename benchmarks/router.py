@@ -201,7 +201,7 @@ def _beside_python(name: str) -> str | None:
 def _ours(near: int, far: int) -> list[str]:
     program = str(Path(sys.executable).with_name("boat-sitl"))
     links = ["--link", f"udpin:127.0.0.1:{near}", "--link", f"udpout:127.0.0.1:{far}"]
-    return [program, "serve", "open", "--no-tcp", "--no-udp", *links]
+    return [program, "serve", "open", "--no-tcp", "--no-udp", "--state", "none", *links]
 
 
 def _mavproxy(near: int, far: int) -> list[str]:

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from companion import __version__
 from companion.app import check_config, run_boat
-from companion.command_line import HELP_NAMES, Version, run_app
+from companion.command_line import HELP_NAMES, Version, busy_port_explained, run_app
 from companion.config import BoatConfig, load_config
 from companion.errors import BoatError
 from companion.links_view import watch
@@ -60,7 +60,8 @@ def run(
     )
     shutdown = Shutdown()
     shutdown.install()
-    boat = run_boat(load_config(config), shutdown)
+    with busy_port_explained(f"change links in {config}"):
+        boat = run_boat(load_config(config), shutdown)
     if boat.wants_restart and not shutdown():
         restart_program()
 

@@ -3,14 +3,18 @@
 0 done, 1 the job failed, 2 wrong usage or input, 3 no vehicle or link, 130 interrupted.
 """
 
+import errno
 import json
+import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
 
 from companion import __version__
+from companion.errors import BoatError, LinkError
 from companion.interrupts import INTERRUPTED
 
 HELP_NAMES = {"help_option_names": ["-h", "--help"]}
@@ -25,6 +29,30 @@ def _print_version(is_asked: bool) -> None:
 Version = Annotated[
     bool, typer.Option("--version", callback=_print_version, is_eager=True, help="print the version and exit")
 ]
+
+
+class PortInUseError(BoatError):
+    """Another program has the port: the command line asks for what cannot be had."""
+
+    exit_code = 2
+
+
+@contextmanager
+def busy_port_explained(advice: str) -> Iterator[None]:
+    """Say what to do about a port that another program has. advice: how to choose another one here.
+
+    Raises:
+        PortInUseError: instead of the LinkError that named the port.
+    """
+    try:
+        yield
+    except LinkError as error:
+        if os.strerror(errno.EADDRINUSE) not in str(error):
+            raise
+        raise PortInUseError(
+            f"{error}: another program has this port, perhaps an earlier start of this one (ss -tulpn lists "
+            f"them): end it, or {advice}"
+        ) from None
 
 
 def run_app(

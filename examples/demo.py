@@ -135,7 +135,17 @@ def _far_apart(chart: Chart, clearance_m: float, fixed: Point | None) -> tuple[P
 def _emulator(source: str, start: LatLon, speedup: float, track: Path, console: Console) -> Iterator[str]:
     """A boat-sitl process on a port of the system's choice; its url."""
     command = [_program("boat-sitl"), "serve", source, f"--start={start.lat_deg:.7f},{start.lon_deg:.7f}"]
-    command += ["--speedup", f"{speedup:.1f}", "--tcp", "0", "--no-udp", "--csv", str(track)]
+    command += [
+        "--speedup",
+        f"{speedup:.1f}",
+        "--tcp",
+        "0",
+        "--no-udp",
+        "--state",
+        "none",
+        "--csv",
+        str(track),
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)  # noqa: S603
     try:
         assert process.stdout is not None  # noqa: S101  asked for above

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 
+from companion import resume
 from companion.app import open_log, open_ports
 from companion.boat import TICK_S, Boat
 from companion.clock import Clock
@@ -112,7 +113,12 @@ class Craft:
         return self.boat.receive(self.world.clock_s, ready) if self._program.is_running else 0
 
     def close(self) -> None:
-        """Let everything go."""
+        """Let everything go.
+
+        This is no power cut: at the next start the boat lies at the scenario's start again, and has no
+        voyage to take up.
+        """
+        self._storage.save(resume.FILE, b"")
         self.boat.close()
         if self._status is not None:
             self._status.close()

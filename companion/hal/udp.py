@@ -1,5 +1,6 @@
 """MAVLink over UDP: to one fixed station, or to whichever stations call."""
 
+import contextlib
 import errno
 import socket
 from collections import deque
@@ -16,6 +17,9 @@ _DATAGRAM_OVERHEAD_BYTES = 64  # of memory: a queue of empty datagrams would be 
 _DATAGRAMS_PER_CALL = 32  # so that a flooding station cannot hold the boat's tick
 _DATAGRAMS_PER_ROUND = 256  # of one socket, while each of its links is asked once
 _QUEUE_BYTES = 128 * 1024  # of one peer; when it is full the oldest datagrams go
+_SOURCE_OFFSET = 10_000  # from destination port to source port: beyond what stations listen on, 14550 …
+_SOURCE_PORTS = 256  # tried from there on: as many as there are MAVLink systems
+_PORTS = 65_536
 _SYSTEM_QUEUE_BYTES = 4 << 20  # asked for; a bridge between fast links must get over a pause of its computer
 
 
@@ -69,7 +73,7 @@ class _UdpOutLink:
         self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SYSTEM_QUEUE_BYTES)
-        self._socket.bind(("", 0))
+        _bind_source(self._socket, address.sockaddr[1])
         self._destination = address.sockaddr
         self._takes_any_source = False
         self.is_closed = False
@@ -114,6 +118,21 @@ class _UdpOutLink:
     def close(self) -> None:
         self.is_closed = True
         self._socket.close()
+
+
+def _bind_source(udp: socket.socket, destination_port: int) -> None:
+    """Take the same source port at every start, where it is free.
+
+    A station remembers where frames came from and goes on answering there: after a restart from another port
+    it would send everything twice. Boats of one computer that call the same station get successive ports.
+    """
+    first = destination_port + _SOURCE_OFFSET
+    first -= 0 if first + _SOURCE_PORTS <= _PORTS else 2 * _SOURCE_OFFSET
+    for port in range(first, first + _SOURCE_PORTS):
+        with contextlib.suppress(OSError):
+            udp.bind(("", port))
+            return
+    udp.bind(("", 0))
 
 
 class UdpInPort:

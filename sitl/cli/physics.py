@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from companion.command_line import busy_port_explained
 from companion.errors import BoatError
 from companion.shutdown import Shutdown
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
@@ -43,7 +44,8 @@ def physics(
     scenario = scenario_from(source, settings, case, seed, start)
     recorder = Recorder() if csv is not None else None
     backend = Backend(scenario, left, right, recorder.record if recorder is not None else None)
-    server = PhysicsServer(backend, host, port)
+    with busy_port_explained("choose another port with --port, and give it to ArduPilot's program as well"):
+        server = PhysicsServer(backend, host, port)
     shutdown = Shutdown()
     shutdown.install()
     origin = scenario.frame.origin

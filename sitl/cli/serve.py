@@ -9,7 +9,9 @@ import typer
 
 from companion import garbage
 from companion.clock import SystemClock
+from companion.command_line import busy_port_explained
 from companion.config import LinkConfig
+from companion.errors import BoatError
 from companion.mavlink.signing import SigningPolicy
 from companion.restart import restart_program
 from companion.shutdown import Shutdown
@@ -17,6 +19,7 @@ from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scena
 from sitl.craft import Berth
 from sitl.fleet import PORT_STEP, fleet, moor
 from sitl.serve import RECORD_EVERY, Server
+from sitl.state_folder import NONE, hold, usual_folder
 
 
 def serve(
@@ -37,7 +40,12 @@ def serve(
         list[str] | None, typer.Option(metavar="URL", help="a further link, as udpin:127.0.0.1:14560")
     ] = None,
     state: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="keep missions and parameters here over restarts")
+        str | None,
+        typer.Option(
+            metavar="DIR",
+            help="keep missions, parameters and logs here over restarts; none: forget them "
+            "[a folder for scenario and TCP port under ~/.local/state/mavboat]",
+        ),
     ] = None,
     sign_key: Annotated[
         Path | None, typer.Option(metavar="FILE", help="sign what leaves by any link with this key")
@@ -63,6 +71,9 @@ def serve(
     TCP on 5760 and UDP to 127.0.0.1:14550 by default. Nothing outside this machine can reach it unless
     --host, --udp or --link say so. Timers that wait for stations are stretched along with --speedup.
 
+    Missions, parameters and logs outlive a restart; where, is said at the start. With --tcp 0 or --state none
+    nothing is kept.
+
     With --count each boat has a TCP port of its own, 10 apart, and all of them talk to the one UDP station.
     Boats of a fleet neither see nor touch each other.
 
@@ -85,22 +96,27 @@ def serve(
     clock = SystemClock()
     shutdown = Shutdown()
     shutdown.install()
+    folder, remark = _held_folder(state, usual_folder(source, scenario.seed, None if no_tcp else tcp))
     berths = [
         Berth(
-            state_folder="" if state is None else str(state if count == 1 else state / f"boat{number + 1}"),
+            state_folder=""
+            if folder is None
+            else str(folder if count == 1 else folder / f"boat{number + 1}"),
             record=csv is not None,
             status_path=status if number == 0 else None,
             unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
         )
         for number in range(count)
     ]
-    crafts = moor(scenarios, links, clock, berths, speedup)
+    with busy_port_explained("choose another port with --tcp (5770, or 0 for any free one)"):
+        crafts = moor(scenarios, links, clock, berths, speedup)
     server = Server(crafts, clock, speedup, _report)
     names = ", ".join(crafts[0].port_names) or "no link"
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
     for craft, sailed in zip(crafts[1:], scenarios[1:], strict=True):
         names = ", ".join(craft.port_names) or "the first boat's links"
         typer.echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
+    typer.echo(f"boat-sitl: {remark}")
     typer.echo("boat-sitl: ready; Ctrl-C ends")
     sys.stdout.flush()
     garbage.settle()
@@ -112,6 +128,26 @@ def serve(
             craft.recorder.write_csv(path, every=RECORD_EVERY)
     if server.wants_restart and not shutdown():
         restart_program()
+
+
+def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, str]:
+    """Where to store, if anywhere, and a line that says so.
+
+    Raises:
+        StorageError, StateInUseError: a folder that was asked for cannot be used.
+    """
+    nothing = "missions, parameters and logs are forgotten at the end"
+    if asked == NONE or (asked is None and usual is None):
+        return None, f"{nothing} (--state DIR keeps them)"
+    folder = Path(asked).expanduser() if asked is not None else usual
+    assert folder is not None  # noqa: S101
+    try:
+        hold(folder)
+    except BoatError as error:
+        if asked is not None:
+            raise
+        return None, f"{nothing}: {error}"
+    return folder, f"missions, parameters and logs are kept in {folder} (--state none forgets them)"
 
 
 def _report(line: str) -> None:

@@ -43,7 +43,12 @@ class Program:
         command = [str(script) if script.exists() else arguments[0], *arguments[1:]]
         if script.suffix == ".py":
             command.insert(0, sys.executable)
-        own = {"HOME": str(room), "TMPDIR": str(self.temporary), "PYTHONUNBUFFERED": "1"}
+        own = {
+            "HOME": str(room),
+            "XDG_STATE_HOME": str(room / "state"),
+            "TMPDIR": str(self.temporary),
+            "PYTHONUNBUFFERED": "1",
+        }
         with self._out.open("wb") as out, self._err.open("wb") as err:
             self._process = subprocess.Popen(
                 command,
