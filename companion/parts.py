@@ -25,11 +25,12 @@ class L298N(Section, frozen=True):
 
 
 class GnssPart(Section, frozen=True):
-    """An NMEA 0183 receiver."""
+    """An NMEA 0183 receiver. latency_s: the shortest time from a measurement to its first sentence."""
 
     driver: Literal["nmea", "none"] = "none"
     port: str = "/dev/serial0"
     baud: Positive = 9600
+    latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1  # ArduPilot assumes 0.12 to 0.22 for u-blox
 
 
 class CompassPart(Section, frozen=True):

@@ -62,8 +62,9 @@ class Electronics:
         """left and right: what the motors turn. knobs: parameters of the world around."""
         sensors, seed = scenario.sensors, scenario.seed
         self.motors = SimMotors()
-        self._gnss = SimGnss(sensors.gnss, scenario.frame, seed, shore)
-        self._compass = SimCompass(sensors.compass, seed)
+        fitted = scenario.vehicle.parts
+        self._gnss = SimGnss(sensors.gnss, scenario.frame, seed, shore, fitted.gnss.latency_s)
+        self._compass = SimCompass(sensors.compass, seed, fitted.compass.correction_rad)
         self._sonar: SimSonar | None = None
         if sensors.sonar.fitted:
             self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
@@ -122,7 +123,9 @@ class Electronics:
         if now_s >= self.faults.due_s:
             self.faults.step()
         if now_s >= self._compass.due_s:
-            self._compass.sense(now_s, truth.heading_rad, truth.yaw_rate_rad_s, truth.current_a)
+            self._compass.sense(
+                now_s, truth.heading_rad, truth.yaw_rate_rad_s, truth.current_a, truth.surge_m_s
+            )
         if now_s >= self._gnss.due_s:
             self._gnss.sense(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
         if self._sonar is not None and now_s >= self._sonar.due_s:

@@ -49,7 +49,7 @@ class Orders:
             raise SailError(f"the boat refused {what}: {said}")
 
     def until_armable(self) -> None:
-        """Wait for the boat to say that it may be armed.
+        """Wait for the boat to say that it may be armed and has a position, which arming does not need.
 
         Raises:
             SailError: it never does.
@@ -95,5 +95,7 @@ class Orders:
 
     def _is_armable(self) -> bool:
         status = self._lockstep.station.latest.get("SYS_STATUS")
-        bit = dialect.MAV_SYS_STATUS_PREARM_CHECK
-        return status is not None and bool(status.onboard_control_sensors_health & bit)
+        if status is None:
+            return False
+        bits = dialect.MAV_SYS_STATUS_PREARM_CHECK | dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+        return bool(status.onboard_control_sensors_health & bits == bits)

@@ -8,13 +8,19 @@ from companion.hal.nmea_part import NmeaPart, open_nmea_port
 from companion.sensors.nmea import Sentence
 from companion.sensors.nmea_fix import GNSS_SENTENCES, FixAssembler
 from companion.sensors.readings import GnssFix
+from companion.sensors.receiver_clock import ReceiverClock
 
 
 class NmeaGnss:
-    """Satisfies `companion.hal.interfaces.Gnss`. Fixes bear the time at which their first sentence came."""
+    """Satisfies `companion.hal.interfaces.Gnss`.
 
-    def __init__(self, port: Port, now: Callable[[], float]) -> None:
+    Fixes bear the time of their measurement: the receiver's time of day by a tracked clock. latency_s: the
+    shortest time from a measurement to the arrival of its first sentence.
+    """
+
+    def __init__(self, port: Port, now: Callable[[], float], latency_s: float = 0.0) -> None:
         self._assembler = FixAssembler()
+        self._clock = ReceiverClock(latency_s)
         self._latest: GnssFix | None = None
         self.part = NmeaPart(port, now, GNSS_SENTENCES, self._take)
 
@@ -28,7 +34,7 @@ class NmeaGnss:
 
     def _take(self, sentence: Sentence, time_s: float) -> None:
         for fix in self._assembler.feed(sentence, time_s):
-            self._latest = fix
+            self._latest = self._clock.date(fix)
 
 
 def open_nmea_gnss(part: parts.GnssPart, now: Callable[[], float]) -> NmeaGnss:
@@ -38,6 +44,6 @@ def open_nmea_gnss(part: parts.GnssPart, now: Callable[[], float]) -> NmeaGnss:
         ConfigError: the port cannot be read.
         LinkError: the system refuses it.
     """
-    gnss = NmeaGnss(open_nmea_port(part.port, part.baud, now), now)
+    gnss = NmeaGnss(open_nmea_port(part.port, part.baud, now), now, part.latency_s)
     gnss.part.start()
     return gnss

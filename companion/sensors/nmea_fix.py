@@ -141,6 +141,7 @@ class _Epoch:
             altitude_m=self._altitude_m,
             horizontal_accuracy_m=self._accuracy_m,
             unix_time_s=unix_time_s,
+            time_of_day_s=None if self._utc is None else _seconds(self._utc),
         )
 
     def _take_solution(self, sentence: Sentence) -> None:
@@ -179,3 +180,8 @@ class _Epoch:
         if speed_kn is not None and course_deg is not None:
             speed_m_s, course_rad = speed_kn * _KNOT_M_S, math.radians(course_deg)
             self._velocity = (speed_m_s * math.cos(course_rad), speed_m_s * math.sin(course_rad))
+
+
+def _seconds(utc: datetime.time) -> float:
+    """Since midnight."""
+    return 3600.0 * utc.hour + 60.0 * utc.minute + utc.second + 1e-6 * utc.microsecond

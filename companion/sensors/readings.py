@@ -10,7 +10,8 @@ class GnssFix(Struct, frozen=True, gc=False):
 
     fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float,
     6 = RTK fixed. Velocity components are over ground; None where the receiver does not say. reset_counter
-    changes when the source begins anew and its positions may leap.
+    changes when the source begins anew and its positions may leap. time_of_day_s: of the measurement, by the
+    receiver's own clock (UTC once it has heard satellites), None where it does not say.
     """
 
     time_s: float
@@ -24,6 +25,7 @@ class GnssFix(Struct, frozen=True, gc=False):
     horizontal_accuracy_m: float | None = None
     unix_time_s: float | None = None
     reset_counter: int = 0
+    time_of_day_s: float | None = None
 
 
 class HeadingReading(Struct, frozen=True, gc=False):

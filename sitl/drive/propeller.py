@@ -34,7 +34,7 @@ class PropellerParameters(Section, frozen=True):
     torque_coefficient: Positive
     zero_thrust_advance: Positive
     zero_torque_advance: Positive
-    astern_share: Share = 0.65
+    astern_share: Share = 0.55
     depth_m: Positive = 0.06
 
     def __post_init__(self) -> None:

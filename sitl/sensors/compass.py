@@ -10,6 +10,7 @@ from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
 from sitl.sensors.settings import CompassSettings
 
+_GRAVITY_M_S2 = 9.81
 _SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not from sample to sample
 
 
@@ -22,6 +23,7 @@ class SimCompass:
         "_deviation_rad",
         "_gyro_bias",
         "_gyro_noise",
+        "_gyro_scale",
         "_gyro_walk",
         "_hard_at_rad",
         "_hard_rad",
@@ -36,21 +38,23 @@ class SimCompass:
         "_slow_due_s",
         "_soft_at_rad",
         "_soft_rad",
+        "_tilt_rad_s2_m",
         "clock_offset_s",
         "due_s",
         "fault",
         "gyro_fault",
     )
 
-    def __init__(self, settings: CompassSettings, seed: int) -> None:
-        """Start without a reading."""
+    def __init__(self, settings: CompassSettings, seed: int, correction_rad: float = 0.0) -> None:
+        """Start without a reading. correction_rad: what the boat's configuration adds to every heading."""
         self.fault: SensorFault[HeadingReading] | None = None
         self.gyro_fault: SensorFault[HeadingReading] | None = None
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         radians = math.radians
         self._random = generator(seed, "compass")
         self._rate_hz = settings.rate_hz
-        self._noise_rad, self._bias_rad = radians(settings.noise_deg), radians(settings.bias_deg)
+        self._noise_rad = radians(settings.noise_deg)
+        self._bias_rad = radians(settings.bias_deg - settings.declination_deg) + correction_rad
         self._hard_rad, self._hard_at_rad = (
             radians(settings.hard_iron_deg),
             radians(settings.hard_iron_at_deg),
@@ -62,6 +66,9 @@ class SimCompass:
         self._motor_rad_per_a = radians(settings.motor_deg_per_a)
         self._motor_at_rad = radians(settings.motor_at_deg)
         self._is_magnetic = bool(self._hard_rad or self._soft_rad or self._motor_rad_per_a)
+        # Heading error on a northerly course, per m/s² to starboard
+        self._tilt_rad_s2_m = settings.turn_tilt_share * math.tan(radians(settings.dip_deg)) / _GRAVITY_M_S2
+        self._gyro_scale = settings.gyro_scale
         self._gyro_noise = radians(settings.gyro_noise_deg_s)
         self._gyro_bias = radians(settings.gyro_bias_deg_s)
         self._gyro_walk = radians(settings.gyro_walk_deg_s) * math.sqrt(
@@ -74,7 +81,12 @@ class SimCompass:
         self._count, self.due_s = 0, 0.0
 
     def sense(
-        self, now_s: float, heading_rad: float, yaw_rate_rad_s: float, motor_current_a: float = 0.0
+        self,
+        now_s: float,
+        heading_rad: float,
+        yaw_rate_rad_s: float,
+        motor_current_a: float = 0.0,
+        surge_m_s: float = 0.0,
     ) -> None:
         """Sample when due."""
         if now_s < self.due_s:
@@ -88,10 +100,16 @@ class SimCompass:
             if self._gyro_walk:
                 self._gyro_bias += self._gyro_walk * NORMAL[int(NORMALS * random())]
         heard_rad = heading_rad + self._bias_rad + self._deviation_rad
+        if self._tilt_rad_s2_m:
+            # In a turn to starboard the accelerometer reports a heel to port. Compensating for a heel that is
+            # not there mixes the field's vertical part into the starboard axis.
+            heard_rad -= self._tilt_rad_s2_m * surge_m_s * yaw_rate_rad_s * math.cos(heading_rad)
         reading = HeadingReading(
             now_s + self.clock_offset_s,
             wrap_pi(heard_rad + self._noise_rad * NORMAL[int(NORMALS * random())]),
-            yaw_rate_rad_s + self._gyro_bias + self._gyro_noise * NORMAL[int(NORMALS * random())],
+            self._gyro_scale * yaw_rate_rad_s
+            + self._gyro_bias
+            + self._gyro_noise * NORMAL[int(NORMALS * random())],
         )
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading

@@ -1,4 +1,10 @@
-"""The satellite receiver, or what stands in for one."""
+"""The satellite receiver, or what stands in for one, with the driver's clock that dates its fixes.
+
+What a receiver states as its accuracy is a model of its own, by class of fix and geometry, whatever its
+errors are just then: HDOP times the user-equivalent range error of the class (E. D. Kaplan, C. J. Hegarty,
+*Understanding GPS/GNSS*, 3rd ed. 2017, section 11.2), in steps of GST's usual decimal. With 1.2 m a
+single-band receiver at HDOP 0.9 states 1.1 m, as a u-blox M8 does under open sky.
+"""
 
 import math
 import random
@@ -8,6 +14,7 @@ import msgspec
 
 from companion.geo import LocalFrame, Point
 from companion.sensors.readings import GnssFix
+from companion.sensors.receiver_clock import DAY_S, ReceiverClock
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
 from sitl.sensors.settings import GnssSettings
@@ -16,6 +23,9 @@ from sitl.shore import Shore
 _MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
 _JAMMED_NOISE_M = 8.0  # when the jammer is about to win
 _NO_FIX = 1  # GPS_FIX_TYPE_NO_FIX
+# Range error in m and decimal step in m, by GPS_FIX_TYPE: DGNSS, RTK float, RTK fixed; the rest by itself.
+_STATED = {4: (0.7, 0.1), 5: (0.3, 0.1), 6: (0.015, 0.005)}
+_STATED_ALONE = (1.2, 0.1)
 
 
 class SimGnss:
@@ -23,7 +33,10 @@ class SimGnss:
 
     __slots__ = (
         "_accuracy_m",
+        "_assumed_latency_s",
+        "_clock",
         "_count",
+        "_delays",
         "_drive_m",
         "_frame",
         "_keep",
@@ -42,9 +55,20 @@ class SimGnss:
     )
 
     def __init__(
-        self, settings: GnssSettings, frame: LocalFrame, seed: int, shore: Shore | None = None
+        self,
+        settings: GnssSettings,
+        frame: LocalFrame,
+        seed: int,
+        shore: Shore | None = None,
+        assumed_latency_s: float = 0.0,
     ) -> None:
-        """Start without a fix, the wander in its steady state."""
+        """Start without a fix, the wander in its steady state.
+
+        assumed_latency_s: what the boat's configuration takes for the receiver's shortest delay.
+        """
+        self._clock = ReceiverClock(assumed_latency_s)
+        self._assumed_latency_s = assumed_latency_s
+        self._delays = generator(seed, "gnss.delay")
         self.fault: SensorFault[GnssFix] | None = None
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         self._settings = settings
@@ -53,7 +77,7 @@ class SimGnss:
         # The wander's share that lasts to the next fix, and the noise that keeps its deviation what it is.
         self._keep = math.exp(-1.0 / (settings.rate_hz * settings.wander_s))
         self._drive_m = settings.wander_m * math.sqrt(1.0 - self._keep * self._keep)
-        self._accuracy_m = math.hypot(settings.noise_m, settings.wander_m) * math.sqrt(2.0)
+        self._accuracy_m = stated_accuracy_m(settings.fix_type, settings.hdop)
         self._under_way: deque[tuple[float, GnssFix]] = deque(maxlen=1024)
         self._latest: GnssFix | None = None
         self._sampled: GnssFix | None = None
@@ -75,7 +99,8 @@ class SimGnss:
             self._sample(now_s, north_m, east_m, north_m_s, east_m_s)
         under_way = self._under_way
         while under_way and now_s >= under_way[0][0]:
-            self._latest = under_way.popleft()[1]
+            arrived = msgspec.structs.replace(under_way.popleft()[1], time_s=now_s + self.clock_offset_s)
+            self._latest = self._clock.date(arrived)
         self.due_s = min(self._next_s, under_way[0][0]) if under_way else self._next_s
 
     def _sample(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
@@ -85,7 +110,11 @@ class SimGnss:
         elif fix is not None:
             fix = self._spoilt(fix, self.fault, now_s)
         if fix is not None:
-            self._under_way.append((now_s + self._settings.latency_s - TIME_SLACK_S, fix))
+            settings, under_way = self._settings, self._under_way
+            arrives_s = now_s + settings.latency_s + settings.jitter_s * self._delays.random() - TIME_SLACK_S
+            if under_way:  # a serial line keeps the order
+                arrives_s = max(arrives_s, under_way[-1][0])
+            under_way.append((arrives_s, fix))
 
     def _fix(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> GnssFix:
         settings, numbers = self._settings, self._random
@@ -97,7 +126,7 @@ class SimGnss:
             off_n, off_e = self._multipath.error_m(north_m, east_m)
             heard_n, heard_e = heard_n + off_n, heard_e + off_e
         return GnssFix(
-            time_s=now_s + self.clock_offset_s,
+            time_s=math.nan,  # the driver dates it on arrival
             position=self._frame.to_global(Point(heard_n, heard_e)),
             fix_type=settings.fix_type,
             satellites=settings.satellites,
@@ -106,6 +135,7 @@ class SimGnss:
             east_m_s=east_m_s + settings.velocity_noise_m_s * normal(numbers),
             horizontal_accuracy_m=self._accuracy_m,
             unix_time_s=EPOCH_UNIX_S + now_s,
+            time_of_day_s=(EPOCH_UNIX_S % DAY_S + now_s) % DAY_S,
         )
 
     def _spoilt(self, fix: GnssFix, fault: SensorFault[GnssFix], now_s: float) -> GnssFix | None:
@@ -114,7 +144,7 @@ class SimGnss:
         match fault.kind:
             case "stuck":
                 held = fault.hold(self._sampled, fix)
-                return replace(held, time_s=fix.time_s, unix_time_s=fix.unix_time_s)
+                return replace(held, unix_time_s=fix.unix_time_s, time_of_day_s=fix.time_of_day_s)
             case "no_fix":
                 return replace(fix, fix_type=_NO_FIX, satellites=2, hdop=99.0, north_m_s=None, east_m_s=None)
             case "garbage":
@@ -138,10 +168,16 @@ class SimGnss:
             case "jammed":
                 held = replace(fault.held or fix, fix_type=_NO_FIX, satellites=2, hdop=99.0)
                 return replace(
-                    held, time_s=fix.time_s, unix_time_s=fix.unix_time_s, north_m_s=None, east_m_s=None
+                    held,
+                    unix_time_s=fix.unix_time_s,
+                    time_of_day_s=fix.time_of_day_s,
+                    north_m_s=None,
+                    east_m_s=None,
                 )
             case _:
-                return fault.in_time(fix, now_s)
+                late = fault.in_time(fix, now_s)
+                # What the receiver itself holds back bears the time of day at which it comes out.
+                return None if late is None else replace(late, time_of_day_s=fix.time_of_day_s)
 
     def _pulled(self, fix: GnssFix, fault: SensorFault[GnssFix], by_m: float) -> GnssFix:
         return self._moved(fix, by_m * math.cos(fault.bearing_rad), by_m * math.sin(fault.bearing_rad))
@@ -159,9 +195,16 @@ class SimGnss:
         """Forget what was read: the boat's computer begins anew."""
         self._latest = None
         self._under_way.clear()
+        self._clock = ReceiverClock(self._assumed_latency_s)
 
     def close(self) -> None:
         """Nothing to let go."""
+
+
+def stated_accuracy_m(fix_type: int, hdop: float) -> float:
+    """What a receiver says of its horizontal accuracy, with this GPS_FIX_TYPE and HDOP."""
+    range_error_m, step_m = _STATED.get(fix_type, _STATED_ALONE)
+    return step_m * max(1, round(hdop * range_error_m / step_m))
 
 
 class _Multipath:

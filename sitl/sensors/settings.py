@@ -12,18 +12,22 @@ class GnssSettings(Section, frozen=True):
 
     Position error is white noise plus a first-order Gauss-Markov wander of the given deviation and
     correlation time, per axis. Near the shore, trees and walls add reflections: a further, faster wander of
-    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away. A fix carries the
-    time it was valid for and arrives latency_s later.
+    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away.
+
+    A fix carries the receiver's time of day and arrives latency_s to latency_s + jitter_s later, evenly
+    distributed; the boat's own driver code dates it. The accuracy that it states follows from its class and
+    HDOP (`sitl.sensors.gnss`), not from its errors.
     """
 
     rate_hz: Positive = 5.0
     noise_m: NonNegative = 0.10
     wander_m: NonNegative = 0.15
-    wander_s: Positive = 60.0
-    velocity_noise_m_s: NonNegative = 0.05
+    wander_s: Positive = 30.0
+    velocity_noise_m_s: NonNegative = 0.08
     multipath_m: NonNegative = 0.0
     multipath_reach_m: Positive = 4.0
-    latency_s: NonNegative = 0.1
+    latency_s: NonNegative = 0.15
+    jitter_s: NonNegative = 0.15
     fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
     satellites: Annotated[int, Meta(ge=0, le=60)] = 12
     hdop: Positive = 0.9
@@ -35,8 +39,15 @@ class CompassSettings(Section, frozen=True):
     The compass is off by white noise and by the deviation that calibration has left over, after Archibald
     Smith's coefficients: a constant A (bias_deg), a semicircular part by hard iron, which turns once with the
     heading, and a quadrantal part by soft iron, which turns twice. The motors' leads act as hard iron that
-    grows with their current. The *_at_deg are the headings where a part is zero and rising.
-    The gyro is off by white noise, a fixed bias and its random walk (the deviation after a minute).
+    grows with their current. The *_at_deg are the headings where a part is zero and rising. declination_deg
+    is the angle from true to magnetic north, east positive: the boat's configuration corrects for it as well
+    as its owner knew (`vehicle.parts.compass.correction_rad`).
+
+    Tilt compensation takes a share of the sideways acceleration in a turn, turn_tilt_share, for a heel of the
+    hull, and turns the heading by that angle times the tangent of the field's dip_deg.
+
+    The gyro is off by a scale error, white noise, a fixed bias and its random walk (the deviation after a
+    minute).
     """
 
     rate_hz: Positive = 50.0
@@ -48,6 +59,10 @@ class CompassSettings(Section, frozen=True):
     soft_iron_at_deg: float = 20.0
     motor_deg_per_a: NonNegative = 0.0
     motor_at_deg: float = -30.0
+    declination_deg: Annotated[float, Meta(ge=-180.0, le=180.0)] = 0.0
+    dip_deg: Annotated[float, Meta(ge=-85.0, le=85.0)] = 66.0
+    turn_tilt_share: Share = 0.0
+    gyro_scale: Positive = 1.0
     gyro_noise_deg_s: NonNegative = 0.3
     gyro_bias_deg_s: float = 0.1
     gyro_walk_deg_s: NonNegative = 0.0
@@ -60,6 +75,9 @@ class SonarSettings(Section, frozen=True):
     walls from about 30°, stones and reeds hardly ever (90 loses nothing). spray_per_m is the share of pings
     that meet spray instead, per metre of wave height. ghost_share of the pings hear an echo by a detour, or
     of an earlier ping: a range where nothing is.
+
+    The servo is told a bearing with each ping and starts for it servo_dead_s later, at servo_deg_s; the ping
+    goes where the servo is, and its reading says where it was told to be.
     """
 
     fitted: bool = True
@@ -73,6 +91,8 @@ class SonarSettings(Section, frozen=True):
     noise_m: NonNegative = 0.01
     spray_per_m: NonNegative = 0.0
     ghost_share: Share = 0.0
+    servo_dead_s: NonNegative = 0.03
+    servo_deg_s: Positive = 300.0
 
 
 class BatteryMonitorSettings(Section, frozen=True):

@@ -37,6 +37,7 @@ class SimSonar:
         "_movers",
         "_pings",
         "_random",
+        "_servo",
         "_settings",
         "_shore",
         "_swing",
@@ -58,6 +59,7 @@ class SimSonar:
         self._fan_rad = tuple(0.5 * math.radians(settings.cone_deg) * side for side in CONE_RAYS)
         self._grazing = math.cos(math.radians(settings.specular_deg)) if settings.specular_deg < 90.0 else 0.0
         self._swing = Swing(sweep_bearings_rad(settings))
+        self._servo = _Servo(settings, self._swing.bearing_rad)
         self._pings: deque[SonarReading] = deque(maxlen=64)  # nobody reading must not cost memory
         self._last_range_m: float | None = None
         self._count, self.due_s = 0, 0.0
@@ -69,11 +71,11 @@ class SimSonar:
         if now_s < self.due_s:
             return
         settings = self._settings
-        bearing = self._swing.bearing_rad
-        self._swing.turn()
+        bearing, points_rad = self._swing.bearing_rad, self._servo.at(now_s)
+        self._servo.turn(now_s, self._swing.turn())
         self._count += 1
         self.due_s = self._count * settings.ping_s - TIME_SLACK_S
-        ahead = heading_rad + bearing
+        ahead = heading_rad + points_rad
         echo_m = self._echo_m([ahead + side for side in self._fan_rad], north_m, east_m, now_s)
         heard_m = None if echo_m is None else echo_m + settings.noise_m * normal(self._random)
         if settings.ghost_share or settings.spray_per_m:
@@ -147,6 +149,33 @@ class SimSonar:
 
     def close(self) -> None:
         """Nothing to let go."""
+
+
+class _Servo:
+    """It starts for a new bearing after a dead time and turns at an even rate."""
+
+    __slots__ = ("_aim_rad", "_before_rad", "_dead_s", "_here_rad", "_rate_rad_s", "_told_s")
+
+    def __init__(self, settings: SonarSettings, bearing_rad: float) -> None:
+        """Stand at a bearing."""
+        self._dead_s, self._rate_rad_s = settings.servo_dead_s, math.radians(settings.servo_deg_s)
+        self._here_rad = self._before_rad = self._aim_rad = bearing_rad
+        self._told_s = 0.0
+
+    def at(self, now_s: float) -> float:
+        """Where it points now."""
+        since_s = now_s - self._told_s
+        here_rad = self._towards(self._here_rad, self._before_rad, min(since_s, self._dead_s))
+        return self._towards(here_rad, self._aim_rad, max(since_s - self._dead_s, 0.0))
+
+    def turn(self, now_s: float, bearing_rad: float) -> None:
+        """Tell it another bearing."""
+        self._here_rad = self.at(now_s)
+        self._before_rad, self._aim_rad, self._told_s = self._aim_rad, bearing_rad, now_s
+
+    def _towards(self, here_rad: float, aim_rad: float, for_s: float) -> float:
+        reach_rad = self._rate_rad_s * for_s
+        return here_rad + min(max(aim_rad - here_rad, -reach_rad), reach_rad)
 
 
 def sweep_bearings_rad(settings: SonarSettings) -> tuple[float, ...]:

@@ -50,6 +50,21 @@ def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_tim
     assert gnss.read() is first
 
 
+def test_fixes_bear_the_time_of_their_measurement_however_late_the_line_brings_them() -> None:
+    port, receiver = port_and_far_end()
+    clock = HandClock()
+    gnss = NmeaGnss(port, clock, latency_s=0.1)
+    began_s, dates_s = clock(), []
+    for second, late_s in enumerate([0.3, 0.15, 0.4, 0.12, 0.25, 0.9, 0.12]):
+        clock.advance(began_s + second + late_s - clock())
+        receiver.send(epoch(second))
+        gnss.part.step()
+        if (fix := gnss.read()) is not None:  # the first epoch ends when the second begins
+            dates_s.append(fix.time_s - began_s - second)
+    # From the fastest one on, all are off only by what that took longer than assumed.
+    assert dates_s == pytest.approx([0.05, 0.05, 0.02, 0.02, 0.02, 0.02], abs=1e-6)
+
+
 def test_noise_on_the_line_is_counted_and_does_not_stop_the_compass() -> None:
     port, part = port_and_far_end()
     compass = NmeaCompass(port, HandClock(), correction_rad=math.radians(2.0))

@@ -72,7 +72,7 @@ def test_the_simulated_parts_satisfy_the_boats_interfaces() -> None:
 
 
 def test_fixes_come_at_their_rate_and_arrive_late_by_the_latency() -> None:
-    gnss = SimGnss(GnssSettings(rate_hz=5.0, latency_s=0.1), FRAME, 1)
+    gnss = SimGnss(GnssSettings(rate_hz=5.0, latency_s=0.1, jitter_s=0.0), FRAME, 1, assumed_latency_s=0.1)
     arrivals: dict[float, float] = {}
     for tick in range(101):
         gnss.sense(tick * DT_S, 0.0, 0.0, 0.0, 0.0)
@@ -84,7 +84,9 @@ def test_fixes_come_at_their_rate_and_arrive_late_by_the_latency() -> None:
 
 
 def test_white_noise_and_wander_have_the_deviations_asked_for() -> None:
-    settings = GnssSettings(rate_hz=50.0, noise_m=0.1, wander_m=0.3, wander_s=2.0, velocity_noise_m_s=0.05)
+    settings = GnssSettings(
+        rate_hz=50.0, noise_m=0.1, wander_m=0.3, wander_s=2.0, velocity_noise_m_s=0.05, jitter_s=0.0
+    )
     heard = fixes(settings, 600.0)
     north = [FRAME.to_local(fix.position).north_m - 100.0 for fix in heard]
     assert statistics.pstdev(north) == pytest.approx(math.hypot(0.1, 0.3), rel=0.1)
@@ -102,7 +104,9 @@ def test_white_noise_and_wander_have_the_deviations_asked_for() -> None:
 
 
 def test_a_perfect_receiver_says_the_truth() -> None:
-    fix = fixes(GnssSettings(noise_m=0.0, wander_m=0.0, velocity_noise_m_s=0.0, latency_s=0.0), 0.1)[0]
+    fix = fixes(
+        GnssSettings(noise_m=0.0, wander_m=0.0, velocity_noise_m_s=0.0, latency_s=0.0, jitter_s=0.0), 0.1
+    )[0]
     where = FRAME.to_local(fix.position)
     assert list(where) == pytest.approx([100.0, -50.0], abs=1e-6)
     assert (fix.north_m_s, fix.east_m_s, fix.fix_type) == (1.5, -0.5, 3)
@@ -133,7 +137,7 @@ def test_the_sweep_goes_to_and_fro_from_port_to_starboard() -> None:
 
 
 def test_pings_come_every_sixty_milliseconds_and_measure_the_walls() -> None:
-    settings = SonarSettings(noise_m=0.0, cone_deg=0.0)
+    settings = SonarSettings(noise_m=0.0, cone_deg=0.0, servo_dead_s=0.0, servo_deg_s=1000.0)
     heard = pings(settings, 0.78)
     assert [ping.time_s for ping in heard] == pytest.approx([0.06 * n for n in range(13)])
     by_bearing = {round(math.degrees(ping.bearing_rad)): ping.range_m for ping in heard}

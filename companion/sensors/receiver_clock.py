@@ -1,0 +1,69 @@
+"""When a fix was measured: the receiver's time of day against the boat's clock.
+
+A driver knows when a sentence arrived. The receiver says at which time of day it measured, by a clock that
+has nothing to do with the boat's. Arrival less time of day is the difference of the two clocks plus the delay
+of that fix; the least of the last minutes is the difference plus the shortest delay, because delays only ever
+add up (D. L. Mills et al., RFC 5905, section 10: the clock filter, which trusts the sample of least delay).
+What a fix exceeds it by is how much longer it took. The shortest delay itself cannot be observed and is a
+setting.
+"""
+
+import math
+from typing import Final
+
+import msgspec
+
+from companion.sensors.readings import GnssFix
+
+DAY_S: Final = 86_400.0
+# A crystal is good to 50 ppm (0.003 %): two of these apart, the clocks have moved by 6 ms at most.
+WINDOW_S: Final = 60.0
+# Later than this is no delay but a clock that was set, as by the 18 leap seconds that a cold receiver learns.
+LATEST_S: Final = 3.0
+EARLIEST_S: Final = 1.0  # before any other fix, likewise
+AGREE: Final = 10  # so many fixes in a row by another clock: 2 s at 5 Hz, 10 s at 1 Hz
+
+
+class ReceiverClock:
+    """latency_s: the shortest time from a measurement to its arrival."""
+
+    __slots__ = ("_before_s", "_latency_s", "_least_s", "_offset_s", "_since_s", "_strange", "_told_s")
+
+    def __init__(self, latency_s: float) -> None:
+        self._latency_s = latency_s
+        self._told_s = math.nan
+        self._strange = 0
+        self._offset_s, self._since_s = math.nan, -math.inf
+        self._least_s = self._before_s = math.inf
+
+    def date(self, fix: GnssFix) -> GnssFix:
+        """The fix with the time of its measurement in place of that of its arrival."""
+        return msgspec.structs.replace(fix, time_s=self.measured_s(fix.time_of_day_s, fix.time_s))
+
+    def measured_s(self, time_of_day_s: float | None, arrival_s: float) -> float:
+        """The boat's time of a measurement; without a usable time of day it took the shortest delay."""
+        if time_of_day_s is None or time_of_day_s == self._told_s:  # a broken receiver repeats its time
+            return arrival_s - self._latency_s
+        self._told_s = time_of_day_s
+        offset_s = arrival_s - time_of_day_s
+        # How much later than by _offset_s, around midnight too
+        late_s = (offset_s - self._offset_s + 0.5 * DAY_S) % DAY_S - 0.5 * DAY_S
+        least_s = min(self._least_s, self._before_s)
+        if least_s - EARLIEST_S <= late_s <= least_s + LATEST_S:
+            self._strange = 0
+        else:
+            self._strange += 1
+            if self._strange < AGREE and not math.isnan(self._offset_s):
+                return arrival_s - self._latency_s
+            self._begin(offset_s, arrival_s)
+            late_s = 0.0
+        if arrival_s - self._since_s >= WINDOW_S:
+            self._before_s, self._least_s, self._since_s = self._least_s, late_s, arrival_s
+        self._least_s = min(self._least_s, late_s)
+        return arrival_s - self._latency_s - (late_s - min(self._least_s, self._before_s))
+
+    def _begin(self, offset_s: float, arrival_s: float) -> None:
+        """Start to track anew."""
+        self._offset_s, self._since_s = offset_s, arrival_s
+        self._least_s = self._before_s = math.inf
+        self._strange = 0

@@ -1,0 +1,86 @@
+"""The time of a fix's measurement, from the receiver's time of day and the moments of arrival."""
+
+import math
+import random
+
+import pytest
+
+from companion.sensors.receiver_clock import AGREE, DAY_S, WINDOW_S, ReceiverClock
+
+ASSUMED_S = 0.1
+
+
+def dated(
+    delays_s: list[float], apart_s: float = 0.2, began_s: float = 40_000.0, drift: float = 0.0
+) -> list[float]:
+    """By how much each measurement is dated later than it was made.
+
+    delays_s: of each fix; began_s: the receiver's time of day when the boat's clock shows 0; drift: by how
+    much the receiver's clock runs fast.
+    """
+    clock = ReceiverClock(ASSUMED_S)
+    errors_s = []
+    for number, delay_s in enumerate(delays_s):
+        made_s = number * apart_s
+        told_s = (began_s + made_s * (1.0 + drift)) % DAY_S
+        errors_s.append(clock.measured_s(round(told_s, 3), made_s + delay_s) - made_s)
+    return errors_s
+
+
+def test_varying_delays_disappear_and_the_shortest_one_beyond_the_assumed_remains() -> None:
+    draw = random.Random(1)
+    errors_s = dated([draw.uniform(0.15, 0.30) for _ in range(500)])
+    assert all(error_s == pytest.approx(0.05, abs=0.003) for error_s in errors_s[100:])
+
+
+def test_without_the_receivers_time_a_fix_took_the_assumed_delay() -> None:
+    clock = ReceiverClock(ASSUMED_S)
+    assert [clock.measured_s(None, arrival_s) for arrival_s in (1.0, 1.3)] == pytest.approx([0.9, 1.2])
+
+
+def test_midnight_is_no_leap() -> None:
+    errors_s = dated([0.1, 0.2] * 20, began_s=DAY_S - 2.0)
+    assert errors_s == pytest.approx([0.0] * 40, abs=1e-3)
+
+
+@pytest.mark.parametrize("drift", [50e-6, -50e-6])
+def test_clocks_that_part_are_followed(drift: float) -> None:
+    errors_s = dated([0.1, 0.3] * 1500, drift=drift)
+    assert max(abs(error_s) for error_s in errors_s) < 2.0 * WINDOW_S * 50e-6 + 0.002
+
+
+@pytest.mark.parametrize("leap_s", [18.0, -18.0, 3600.0])
+def test_a_receiver_that_sets_its_clock_is_followed_and_meanwhile_arrival_counts(leap_s: float) -> None:
+    clock = ReceiverClock(ASSUMED_S)
+    errors_s = []
+    for number in range(100):
+        made_s, delay_s = 0.2 * number, 0.1 if number % 2 else 0.2
+        told_s = 40_000.0 + made_s + (leap_s if number >= 50 else 0.0)
+        errors_s.append(clock.measured_s(told_s, made_s + delay_s) - made_s)
+    assert max(abs(error_s) for error_s in errors_s) <= 0.1 + 1e-6
+    assert errors_s[50 + 2 * AGREE :] == pytest.approx([0.0] * (50 - 2 * AGREE), abs=1e-6)
+
+
+def test_one_false_time_changes_nothing() -> None:
+    clock = ReceiverClock(ASSUMED_S)
+    for number in range(50):
+        clock.measured_s(40_000.0 + 0.2 * number, 0.2 * number + 0.1)
+    assert clock.measured_s(12_345.6, 10.1) == pytest.approx(10.0)
+    assert clock.measured_s(40_010.2, 10.5) == pytest.approx(10.2)
+
+
+def test_a_receiver_that_repeats_its_time_is_dated_by_arrival() -> None:
+    clock = ReceiverClock(ASSUMED_S)
+    assert [clock.measured_s(0.0, arrival_s) for arrival_s in (1.0, 2.0, 3.0)] == pytest.approx(
+        [0.9, 1.9, 2.9]
+    )
+
+
+def test_nothing_is_measured_after_its_arrival() -> None:
+    draw = random.Random(2)
+    clock, arrival_s = ReceiverClock(0.0), 0.0
+    for _ in range(2000):
+        arrival_s += draw.uniform(0.0, 0.5)
+        measured_s = clock.measured_s(draw.uniform(0.0, DAY_S), arrival_s)
+        assert math.isfinite(measured_s)
+        assert measured_s <= arrival_s
