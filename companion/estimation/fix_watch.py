@@ -1,5 +1,6 @@
 """A receiver's own story: does it say the same for ever, do its velocities lead to its positions?"""
 
+import math
 from collections import deque
 from typing import Final
 
@@ -12,23 +13,35 @@ _OFF_SIGMAS: Final = 4.0
 _CREEP_S: Final = 30  # the same once more over this, for what creeps,
 _CREEP_SIGMAS: Final = 6.0
 _CREEP_M_S: Final = 0.03  # beyond what a receiver's velocity is off by
+# A stated accuracy is that of a class for hours: u-blox receivers under open sky state 1 to 1.5 m and wander
+# by 0.2 to 0.4 m in half a minute. Their error changes by this share of it, or by what the positions scatter.
+_SHARE: Final = 0.3
+_SCATTERS: Final = 3.0
+_SCATTER_S: Final = 10.0  # in which the scatter is learned
+_ODD_STEP: Final = 9.0  # of its variance: a leap teaches nothing
 
 
 class FixWatch:
     """Looks at each fix before anything is made of it."""
 
-    __slots__ = ("_at", "_long_story", "_repetition", "_story", "_velocity", "_way_m")
+    __slots__ = (
+        "_at", "_long_story", "_repetition", "_sigma_m", "_story", "_variance_m2", "_velocity", "_way_m",
+    )  # fmt: skip
 
     def __init__(self) -> None:
         self._repetition = Repetition()
         self._at = 0j
         self._velocity: complex | None = None
         self._way_m = 0j
+        self._sigma_m = self._variance_m2 = 0.0
         self._story: deque[tuple[float, complex]] = deque(maxlen=_MOST)
         self._long_story: deque[tuple[float, complex]] = deque(maxlen=_CREEP_S + 1)
 
-    def update(self, time_s: float, at: complex, velocity: complex | None) -> None:
-        """A fix later than the last one: position in m and velocity in m/s, north + i east."""
+    def update(self, time_s: float, at: complex, velocity: complex | None, sigma_m: float) -> None:
+        """A fix later than the last one: position in m and velocity in m/s, north + i east.
+
+        sigma_m: of a position, per axis, as the receiver states it.
+        """
         is_same = bool(self._story) and at == self._at and velocity == self._velocity
         if self._story:
             dt = time_s - self._story[-1][0]
@@ -39,6 +52,7 @@ class FixWatch:
                 now, before = velocity or 0j, self._velocity or 0j
                 self._way_m += 0.5 * dt * (now + before)
         self._at, self._velocity = at, velocity
+        self._learn(time_s, at - self._way_m, sigma_m)
         self._story.append((time_s, at - self._way_m))
         if velocity is None:
             self._long_story.clear()
@@ -50,6 +64,22 @@ class FixWatch:
             self._repetition.repeat(time_s)
         else:
             self._repetition.change(time_s)
+
+    def _learn(self, time_s: float, told: complex, sigma_m: float) -> None:
+        """How much positions scatter about the way that their velocities lead."""
+        self._sigma_m = sigma_m
+        if self._variance_m2 == 0.0:
+            self._variance_m2 = (sigma_m / _SCATTERS) ** 2
+        if self._story and self._velocity is not None:
+            (before_s, before), variance = self._story[-1], self._variance_m2
+            step = 0.25 * abs(told - before) ** 2  # two axes, two positions
+            if step < _ODD_STEP * max(variance, (sigma_m / _SCATTERS) ** 2):
+                self._variance_m2 += min((time_s - before_s) / _SCATTER_S, 0.2) * (step - variance)
+
+    @property
+    def scatter_m(self) -> float:
+        """One standard deviation, per axis, of a position's error within half a minute."""
+        return max(_SHARE * self._sigma_m, _SCATTERS * math.sqrt(self._variance_m2))
 
     def is_frozen(self, speed_m_s: float, least_m_s: float) -> bool:
         """Whether the same fix comes again and again although the boat must have moved.
@@ -64,18 +94,19 @@ class FixWatch:
             repetition.is_condemned = True
         return repetition.is_condemned
 
-    def is_consistent(self, sigma_m: float) -> bool:
-        """Whether the positions of the last second went where the velocities led; sigma_m is a position's."""
+    def is_consistent(self) -> bool:
+        """Whether the positions of the last second went where the velocities led."""
         first, last = self._story[0][1], self._story[-1][1]
-        return len(self._story) > 1 and abs(last - first) < _OFF_SIGMAS * sigma_m
+        return len(self._story) > 1 and abs(last - first) < _OFF_SIGMAS * self.scatter_m
 
-    def creep_m(self, sigma_m: float) -> float:
+    def creep_m(self) -> float:
         """How far the positions have crept away from their velocities in half a minute, 0 if not at all."""
         if len(self._long_story) < 2:
             return 0.0
         (began_s, first), (time_s, last) = self._long_story[0], self._story[-1]
         crept_m = abs(last - first)
-        return crept_m if crept_m > _CREEP_SIGMAS * sigma_m + _CREEP_M_S * (time_s - began_s) else 0.0
+        most_m = _CREEP_SIGMAS * self.scatter_m + _CREEP_M_S * (time_s - began_s)
+        return crept_m if crept_m > most_m else 0.0
 
     def forget_creep(self) -> None:
         """Begin that half minute anew."""

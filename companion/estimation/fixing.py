@@ -110,7 +110,7 @@ class Fixing:
         """
         position, model, watch = self.position, self._model, self._watch
         pause_s, self._fix_s = time_s - self._fix_s, time_s
-        watch.update(time_s, at, velocity)
+        watch.update(time_s, at, velocity, sigma_m)
         if PAUSE_S < pause_s < math.inf:
             self.late.pause(time_s, pause_s)
         is_otherwise_late = velocity is not None and self.late.compare(time_s, velocity)
@@ -139,7 +139,7 @@ class Fixing:
         pushed = model.pushed_m2_s3(through)
         position.predict(time_s, carried, sigma_m, pushed)
         noise = position.noise_m2_s3 + pushed
-        is_consistent = watch.is_consistent(sigma_m)
+        is_consistent = watch.is_consistent()
         # Late positions do not fit, and their velocities are late, too.
         is_doubtful = self.late.is_doubtful(told_s) and not position.fits(
             at, sigma_m, self._strayed_m * self._strayed_m
@@ -172,7 +172,7 @@ class Fixing:
         fits = position.fits(at, sigma_m, self._strayed_m * self._strayed_m)
         if not is_consistent:
             watch.forget_creep()
-        crept_m = watch.creep_m(sigma_m)
+        crept_m = watch.creep_m()
         is_good = fits and crept_m == 0.0 and (is_consistent or self._rejected < _SUSPECT)
         self._rejected += min(dt, 1.0) * ((0.0 if is_good else 1.0) - self._rejected)
         if is_good:

@@ -21,19 +21,22 @@ WINDOW_S: Final = 60.0
 # Later than this is no delay but a clock that was set, as by the 18 leap seconds that a cold receiver learns.
 LATEST_S: Final = 3.0
 EARLIEST_S: Final = 1.0  # before any other fix, likewise
-AGREE: Final = 10  # so many fixes in a row by another clock: 2 s at 5 Hz, 10 s at 1 Hz
+# A delay beyond a serial line's own varies. Fixes that all are late by the same tell of a clock that was set:
+LATE_S: Final = 0.5
+SAME_S: Final = 0.2
+AGREE: Final = 10  # in a row: 2 s at 5 Hz, 10 s at 1 Hz
 
 
 class ReceiverClock:
     """latency_s: the shortest time from a measurement to its arrival."""
 
-    __slots__ = ("_before_s", "_latency_s", "_least_s", "_offset_s", "_since_s", "_strange", "_told_s")
+    __slots__ = ("_before_s", "_latency_s", "_least_s", "_odd", "_odd_s", "_offset_s", "_since_s", "_told_s")
 
     def __init__(self, latency_s: float) -> None:
         self._latency_s = latency_s
         self._told_s = math.nan
-        self._strange = 0
-        self._offset_s, self._since_s = math.nan, -math.inf
+        self._odd, self._odd_s = 0, 0.0  # how many fixes in a row were odd, and how late the latest of them
+        self._offset_s = self._since_s = math.nan
         self._least_s = self._before_s = math.inf
 
     def date(self, fix: GnssFix) -> GnssFix:
@@ -48,22 +51,26 @@ class ReceiverClock:
         offset_s = arrival_s - time_of_day_s
         # How much later than by _offset_s, around midnight too
         late_s = (offset_s - self._offset_s + 0.5 * DAY_S) % DAY_S - 0.5 * DAY_S
-        least_s = min(self._least_s, self._before_s)
-        if least_s - EARLIEST_S <= late_s <= least_s + LATEST_S:
-            self._strange = 0
-        else:
-            self._strange += 1
-            if self._strange < AGREE and not math.isnan(self._offset_s):
-                return arrival_s - self._latency_s
-            self._begin(offset_s, arrival_s)
+        if self._is_other_clock(late_s):
+            self._offset_s, self._since_s, self._odd = offset_s, arrival_s, 0
+            self._least_s = self._before_s = math.inf
             late_s = 0.0
+        least_s = min(self._least_s, self._before_s)
+        if not least_s - EARLIEST_S <= late_s <= least_s + LATEST_S and least_s < math.inf:
+            return arrival_s - self._latency_s
         if arrival_s - self._since_s >= WINDOW_S:
             self._before_s, self._least_s, self._since_s = self._least_s, late_s, arrival_s
         self._least_s = min(self._least_s, late_s)
         return arrival_s - self._latency_s - (late_s - min(self._least_s, self._before_s))
 
-    def _begin(self, offset_s: float, arrival_s: float) -> None:
-        """Start to track anew."""
-        self._offset_s, self._since_s = offset_s, arrival_s
-        self._least_s = self._before_s = math.inf
-        self._strange = 0
+    def _is_other_clock(self, late_s: float) -> bool:
+        """Whether one of the two clocks is another one than that which was tracked."""
+        if math.isnan(late_s):
+            return True
+        least_s = min(self._least_s, self._before_s)
+        if least_s - EARLIEST_S <= late_s <= least_s + LATE_S:
+            self._odd = 0
+            return False
+        self._odd = self._odd + 1 if self._odd and abs(late_s - self._odd_s) < SAME_S else 1
+        self._odd_s = late_s
+        return self._odd >= AGREE

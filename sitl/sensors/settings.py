@@ -92,7 +92,7 @@ class SonarSettings(Section, frozen=True):
     spray_per_m: NonNegative = 0.0
     ghost_share: Share = 0.0
     servo_dead_s: NonNegative = 0.03
-    servo_deg_s: Positive = 300.0
+    servo_deg_s: Positive = 450.0
 
 
 class BatteryMonitorSettings(Section, frozen=True):

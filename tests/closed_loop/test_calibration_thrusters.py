@@ -31,7 +31,13 @@ EXACT = (
     "sensors.gnss.noise_m=0.0",
     "sensors.gnss.wander_m=0.0",
     "sensors.gnss.velocity_noise_m_s=0.0",
+    "sensors.gnss.latency_s=0.1",
+    "sensors.gnss.jitter_s=0.0",
     "sensors.compass.bias_deg=0.0",
+    "sensors.compass.declination_deg=0.0",
+    "vehicle.parts.compass.correction_rad=0.0",
+    "sensors.compass.turn_tilt_share=0.0",
+    "sensors.compass.gyro_scale=1.0",
 )
 
 
@@ -84,14 +90,14 @@ def test_dead_bands_and_gains_are_those_of_the_motors(calibrated: Rig) -> None:
     assert found.right_astern == pytest.approx(DEAD / WEAK, abs=0.03)
     assert found.right_gain == 1.0
     assert found.left_gain == pytest.approx((WEAK - DEAD) / (1.0 - DEAD), abs=0.045)
-    assert found.asymmetry == pytest.approx(1.0 / math.sqrt(0.65), rel=0.08)
+    assert found.asymmetry == pytest.approx(1.0 / math.sqrt(0.55), rel=0.08)
 
 
 def test_speeds_are_those_through_the_water_whatever_the_current(calibrated: Rig) -> None:
     config = calibrated.boat.parameters.config
     assert config.handling.top_speed_m_s == pytest.approx(speed_through_water(1.0), rel=0.04)
     assert speed_through_water(config.speed.cruise_throttle) == pytest.approx(2.0, rel=0.06)
-    assert config.estimation.surge_time_s == pytest.approx(2.8, rel=0.15)
+    assert config.estimation.surge_time_s == pytest.approx(2.8, rel=0.25)  # Doppler noise of 0.08 m/s
 
 
 def speed_through_water(share: float) -> float:

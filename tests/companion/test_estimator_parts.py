@@ -152,19 +152,19 @@ def test_dead_and_wild_sensors_are_told_from_noisy_ones() -> None:
 def test_a_story_of_fixes_is_consistent_frozen_or_creeping() -> None:
     watch = FixWatch()
     for fix in range(40):
-        watch.update(DT * fix, complex(2.0 * DT * fix, 0.0), 2.0 + 0j)
-    assert watch.is_consistent(0.05)
-    assert watch.creep_m(0.1) == 0.0
+        watch.update(DT * fix, complex(2.0 * DT * fix, 0.0), 2.0 + 0j, 0.1)
+    assert watch.is_consistent()
+    assert watch.creep_m() == 0.0
     assert not watch.is_frozen(2.0, 0.2)
     for fix in range(40, 47):
-        watch.update(DT * fix, complex(15.6, 0.0), 2.0 + 0j)
+        watch.update(DT * fix, complex(15.6, 0.0), 2.0 + 0j, 0.1)
     assert watch.is_frozen(0.0, 0.2)
-    assert not watch.is_consistent(0.05)
+    assert not watch.is_consistent()
     creeping = FixWatch()
     for fix in range(200):
-        creeping.update(DT * fix, complex(2.1 * DT * fix, 0.0), 2.0 + 0j)
-    assert creeping.is_consistent(0.05)
-    assert creeping.creep_m(0.1) == pytest.approx(3.0, abs=0.2)
+        creeping.update(DT * fix, complex(2.1 * DT * fix, 0.0), 2.0 + 0j, 0.1)
+    assert creeping.is_consistent()
+    assert creeping.creep_m() == pytest.approx(3.0, abs=0.2)
 
 
 def fixed() -> Fixing:

@@ -23,7 +23,7 @@ def settled(
     drive: ThrusterParameters, command: float, supply_v: float = PACK_V, advance_m_s: float = 0.0
 ) -> Thruster:
     thruster = Thruster(drive)
-    for _ in range(150):
+    for _ in range(300):
         thruster.step(command, supply_v, advance_m_s, DT_S)
     return thruster
 
@@ -56,7 +56,7 @@ def test_thrust_follows_the_open_water_characteristic() -> None:
 
 def test_the_lake_boats_thrusters_pull_four_newtons_at_the_bollard_and_less_astern() -> None:
     assert settled(LAKE, 1.0, 12.24).thrust_n == pytest.approx(4.0, rel=0.02)
-    assert settled(LAKE, -1.0, 12.24).thrust_n == pytest.approx(-2.6, rel=0.02)
+    assert settled(LAKE, -1.0, 12.24).thrust_n == pytest.approx(-2.2, rel=0.02)
 
 
 @pytest.mark.parametrize(("drive", "dead"), [(LAKE, 0.045), (POOL, 0.12)])
@@ -96,7 +96,7 @@ def test_the_shaft_lags_by_some_tenths_of_a_second(command: float) -> None:
     while shaft.speed_rad_s < (1.0 - math.exp(-1.0)) * end:
         shaft.step(command, PACK_V, 0.0, 0.001)
         seconds += 0.001
-    assert 0.10 < seconds < 0.20
+    assert 0.15 < seconds < 0.30
 
 
 def test_the_step_hardly_matters() -> None:
@@ -184,7 +184,7 @@ def test_a_propeller_that_gives_more_than_it_takes_is_refused() -> None:
 def test_a_dead_motor_does_nothing_and_a_reversed_one_the_opposite() -> None:
     dead, reversed_ = Thruster(LAKE), Thruster(LAKE)
     dead.gain, reversed_.gain = 0.0, -1.0
-    for _ in range(100):
+    for _ in range(300):
         dead.step(0.8, PACK_V, 0.0, DT_S)
         reversed_.step(0.8, PACK_V, 0.0, DT_S)
     assert (dead.thrust_n, dead.current_a) == (0.0, 0.0)

@@ -67,7 +67,7 @@ def test_a_frozen_receiver_repeats_itself_with_fresh_stamps() -> None:
     _, during, after = parted(fixes('kind="stuck"'))
     assert len({fix.position for _, fix, _ in during}) == 1
     assert len({(fix.north_m_s, fix.east_m_s) for _, fix, _ in during}) == 1
-    assert all(now_s - fix.time_s < 0.15 for now_s, fix, _ in during)
+    assert all(now_s - fix.time_s < 0.3 for now_s, fix, _ in during)
     assert len({fix.position for _, fix, _ in after}) == len(after)
 
 
@@ -113,7 +113,7 @@ def test_a_delayed_receiver_is_late_and_does_not_know_it() -> None:
     _, during, _ = parted(fixes('kind="delayed", size=2'))
     late = [row for row in during if row[0] > AT_S + 2.5]
     assert late
-    assert all(now_s - fix.time_s < 0.15 for now_s, fix, _ in late)
+    assert all(now_s - fix.time_s < 0.3 for now_s, fix, _ in late)
     # The boat makes 2 m/s or less: what it hears is where it was two seconds ago.
     behind = late[-1]
     assert error_m(behind) > 1.0

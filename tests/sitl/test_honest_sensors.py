@@ -179,8 +179,7 @@ def test_the_ranger_looks_where_its_servo_is_and_says_where_it_should_be() -> No
 
     ideal = by_bearing(0.0, 10_000.0)
     assert ideal[60, True] == pytest.approx(ideal[60, False])
-    default = SonarSettings()
-    real = by_bearing(default.servo_dead_s, default.servo_deg_s)
+    real = by_bearing(0.03, 300.0)
     out_m, back_m, ideal_m = real[60, True], real[60, False], ideal[60, True]
     assert out_m is not None
     assert back_m is not None
