@@ -49,10 +49,15 @@ class LinkConfig(Section, frozen=True):
 
 
 class Identity(Section, frozen=True):
-    """Who the boat is on the MAVLink network, and who its operator may be (0: any ground station)."""
+    """Who the boat is on the MAVLink network, and who its operator may be (0: any ground station).
+
+    only_operator: nobody else may change anything, other than programs with the boat's own system id. Without
+    it the operator's id decides whose silence sets off a failsafe and who may hold the sticks, no more.
+    """
 
     system_id: SystemId = 1
     operator_system_id: Annotated[int, Meta(ge=0, le=255)] = 0
+    only_operator: bool = False
 
 
 class Heading(Section, frozen=True):

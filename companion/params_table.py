@@ -14,7 +14,8 @@ def _tuning() -> list[Row]:
     """Parameters that change how the boat sails."""
     return [
         Row("SYSID_THISMAV", _I16, "MAVLink system id of the boat", "identity.system_id", low=1, high=255, needs_restart=True),
-        Row("SYSID_MYGCS", _I16, "System id of the operator, 0 takes any ground station", "identity.operator_system_id", low=0, high=255),
+        Row("SYSID_MYGCS", _I16, "System id of the operator, 0 takes any ground station; says whose silence counts and who may hold the sticks", "identity.operator_system_id", low=0, high=255),
+        Row("SYSID_ENFORCE", _I8, "Only the operator SYSID_MYGCS may arm, command, upload and set parameters", "identity.only_operator", low=0, high=1, values=names.DISABLED_ENABLED),
         Row("LOG_BACKEND_TYPE", _I8, "Onboard log", "log.onboard", low=0, high=1, values=names.LOG_BACKENDS),
         Row("LOG_DISARMED", _I8, "When the onboard log records", "log.disarmed", low=0, high=1, values=names.LOG_TIMES),
         Row("LOG_FILE_RATEMAX", _REAL, "How often motion is logged", "log.motion_hz", unit="Hz", low=0.1, high=50),

@@ -3,8 +3,8 @@
 With a monitor that measures current, charge is counted down from what the voltage said at the first reading,
 before the motors turn. Without current, the open-circuit voltage is estimated: terminal voltage is that less
 sag, and sag is what the motors are given times learned factors. A Kalman filter learns both from how the
-voltage answers the motors; Plett, "Battery Management Systems, Volume II", 2015, chapter 3, has the same one
-with a measured current.
+voltage answers the motors; Plett, "Battery Management Systems, Volume II", 2015, chapter 3, has such a
+model with a measured current.
 """
 
 from companion.config import Battery

@@ -49,6 +49,8 @@ _NOT_TWICE = frozenset(
     )
 )
 
+_HARMLESS = (dialect.MAV_CMD_DO_SEND_BANNER, dialect.MAV_CMD_RUN_PREARM_CHECKS)
+
 
 class CommandService:
     """Carries out commands and acknowledges each to its sender alone."""
@@ -82,6 +84,8 @@ class CommandService:
             **FaultCommands(faults, tell).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
+        self.questions = frozenset((*self._questions, *_HARMLESS))
+        """Commands that change nothing."""
         self._done: Command | None = None  # the latest of those not to be done twice
         self._left_behind: tuple[object, ...] = ()  # what it made of the vehicle
         self._slow: Command | None = None  # whose calibration or trial is under way

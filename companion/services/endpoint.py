@@ -18,6 +18,7 @@ from companion.router.channel import Channel
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
+from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
 from companion.services.commands import CommandService
 from companion.services.external_pose import ExternalPoseService
@@ -138,6 +139,9 @@ class Endpoint:
             gauge,
             faults,
         )
+        self._access = AccessService(
+            parameters, self._listings, self._commands.questions, self.outbox, self._texts
+        )
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle, self._texts)
         self._guided = GuidedService(vehicle, self._texts)
@@ -246,6 +250,8 @@ class Endpoint:
         origin = Origin(channel, sender)
         try:
             self._commands.hear(origin, now_s)
+            if self._access.refuses(message, origin, now_s):
+                return
             handler(message, origin, now_s)
             if message.get_msgId() in _STEERING:
                 self._note_planner(message, sender, now_s)

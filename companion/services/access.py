@@ -1,0 +1,153 @@
+"""Who may change something: with `identity.only_operator` the operator alone, and programs on the boat.
+
+As ArduPilot's SYSID_ENFORCE, but other stations still see everything, and what they try to change is refused
+in the protocol's own words instead of in silence. Ids can be chosen by anybody: this keeps out mistakes, and
+only signing keeps out malice.
+"""
+
+import math
+from collections.abc import Container
+
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionResult
+from companion.params import Parameters
+from companion.services.command import DENIED
+from companion.services.ftp_frames import Code, Opcode, Refusal, nak, parse_request
+from companion.services.outbox import Origin, Outbox
+from companion.services.parameters import ParameterService
+from companion.services.statustext import StatusTextService
+from companion.vehicle.notice import Notice, Severity
+
+_REPEAT_S = 30.0
+
+_UPLOADS = frozenset(
+    (
+        dialect.MAVLINK_MSG_ID_MISSION_COUNT,
+        dialect.MAVLINK_MSG_ID_MISSION_ITEM,
+        dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
+        dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
+        dialect.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST,
+    )
+)
+_COMMANDS = frozenset((dialect.MAVLINK_MSG_ID_COMMAND_LONG, dialect.MAVLINK_MSG_ID_COMMAND_INT))
+# What has no answer in the protocol
+_UNANSWERED = frozenset(
+    (
+        dialect.MAVLINK_MSG_ID_LOG_ERASE,
+        dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
+        dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET,
+        dialect.MAVLINK_MSG_ID_SET_GPS_GLOBAL_ORIGIN,
+        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT,
+        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
+        dialect.MAVLINK_MSG_ID_SETUP_SIGNING,
+    )
+)
+_READING = frozenset(
+    (
+        Opcode.NONE,
+        Opcode.TERMINATE_SESSION,
+        Opcode.RESET_SESSIONS,
+        Opcode.LIST_DIRECTORY,
+        Opcode.OPEN_FILE_RO,
+        Opcode.READ_FILE,
+        Opcode.CALC_FILE_CRC32,
+        Opcode.BURST_READ_FILE,
+    )
+)
+
+
+class AccessService:
+    """Looks at each message before its service does."""
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        listings: ParameterService,
+        questions: Container[int],
+        outbox: Outbox,
+        texts: StatusTextService,
+    ) -> None:
+        """questions: commands that change nothing."""
+        self._parameters = parameters
+        self._listings = listings
+        self._questions = questions
+        self._outbox = outbox
+        self._texts = texts
+        self._told_s: dict[int, float] = {}  # by system id, when it was last told
+
+    def refuses(self, message: Message, origin: Origin, now_s: float) -> bool:
+        """Whether the sender may not do this; it has been answered then."""
+        identity = self._parameters.config.identity
+        allowed = (0, origin.address.system)
+        if not identity.only_operator or identity.operator_system_id in allowed:
+            return False
+        if origin.address.system == identity.system_id or not self._is_change(message):
+            return False
+        self._answer(message, origin)
+        if now_s - self._told_s.get(origin.address.system, -math.inf) >= _REPEAT_S:
+            self._told_s[origin.address.system] = now_s
+            text = f"Station {origin.address.system} refused: SYSID_ENFORCE, it is not the operator"
+            self._texts.tell([Notice(Severity.WARNING, text)])
+        return True
+
+    def _is_change(self, message: Message) -> bool:
+        number = message.get_msgId()
+        if number in _COMMANDS:
+            return message.command not in self._questions
+        if number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
+            request = parse_request(bytes(message.payload))
+            return request is not None and request.opcode not in _READING
+        return (
+            number in _UPLOADS
+            or number in _UNANSWERED
+            or number in (dialect.MAVLINK_MSG_ID_SET_MODE, dialect.MAVLINK_MSG_ID_PARAM_SET)
+        )
+
+    def _answer(self, message: Message, origin: Origin) -> None:
+        number, asker = message.get_msgId(), origin.address
+        if number == dialect.MAVLINK_MSG_ID_PARAM_SET:
+            self._listings.on_request_read(_read_of(message), origin)
+        elif number in _UPLOADS:
+            self._send(
+                origin,
+                dialect.MAVLink_mission_ack_message(
+                    asker.system, asker.component, MissionResult.DENIED, message.mission_type
+                ),
+            )
+        elif number in _COMMANDS or number == dialect.MAVLINK_MSG_ID_SET_MODE:
+            command = message.command if number in _COMMANDS else dialect.MAV_CMD_DO_SET_MODE
+            self._send(
+                origin,
+                dialect.MAVLink_command_ack_message(
+                    command,
+                    DENIED,
+                    progress=0,
+                    result_param2=0,
+                    target_system=asker.system,
+                    target_component=asker.component,
+                ),
+            )
+        elif number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
+            request = parse_request(bytes(message.payload))
+            if request is not None:
+                payload = nak(request, Refusal(Code.FILE_PROTECTED))
+                self._send(
+                    origin,
+                    dialect.MAVLink_file_transfer_protocol_message(0, asker.system, asker.component, payload),
+                )
+
+    def _send(self, origin: Origin, message: Message) -> None:
+        self._outbox.send(origin.channel, message)
+
+
+def _read_of(message: Message) -> Message:
+    """A request for the value of the parameter that a PARAM_SET names."""
+    name = (
+        message.param_id
+        if isinstance(message.param_id, bytes)
+        else message.param_id.encode("ascii", "replace")
+    )
+    request: Message = dialect.MAVLink_param_request_read_message(
+        message.target_system, message.target_component, name, -1
+    )
+    return request
