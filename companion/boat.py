@@ -176,7 +176,7 @@ class Boat:
         self._hardware.motors.write(-left if probe.left < 0 else left, -right if probe.right < 0 else right)
         if self._logbook is not None:
             self._logbook.tick(now_s, self.look, self.channels)
-        self.endpoint.tick(now_s, self._wall_time.unix_s(now_s), self.senses.compass, self.load)
+        self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.senses.compass, self.load)
         self.resume.tick(now_s)
         self._flush()
 

@@ -139,11 +139,15 @@ class Verdict(Enum):
 class Signatory:
     """One key, and all that has been heard under it, on whatever link."""
 
-    __slots__ = ("_floor", "_key", "_streams", "stamps")
+    __slots__ = ("_floor", "_key", "_streams", "proved", "stamps")
 
-    def __init__(self, key: SigningKey | None, stamps: Stamps) -> None:
+    def __init__(self, key: SigningKey | None, stamps: Stamps, floor: int | None = None) -> None:
+        """floor: the highest timestamp that was proved under the key before; as `stamps` has it unless
+        given.
+        """
         self._key = key
-        self._floor = stamps.seen  # what was proved before a restart is not proved once more
+        self._floor = stamps.seen if floor is None else floor  # what was proved once is not proved again
+        self.proved = self._floor  # the highest timestamp that was proved under the key
         self._streams: dict[bytes, int] = {}
         self.stamps = stamps
 
@@ -152,12 +156,14 @@ class Signatory:
         """The key of now."""
         return self._key
 
-    def change_key(self, key: SigningKey | None) -> None:
-        """Another key, or none. What was heard under the old one proves nothing any more."""
+    def change_key(self, key: SigningKey | None, floor: int = 0) -> None:
+        """Another key, or none. What was heard under the old one proves nothing any more, nor does what was
+        signed with the new one up to `floor`.
+        """
         if key != self._key:
             self._key = key
             self._streams.clear()
-            self._floor = 0
+            self._floor = self.proved = floor
 
     def sign(self, frame: bytes, link_id: int) -> bytes | None:
         """The frame, signed; as it is without a key; None while there is no timestamp to be had."""
@@ -183,6 +189,7 @@ class Signatory:
         elif timestamp <= before:
             return Verdict.OLD
         self._streams[stream] = timestamp
+        self.proved = max(self.proved, timestamp)
         self.stamps.follow(timestamp)
         return Verdict.GOOD
 

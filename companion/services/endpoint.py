@@ -261,7 +261,8 @@ class Endpoint:
     def tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
         """Everything that happens by the clock. Never raises.
 
-        unix_s: the date, 0 while it is not known. heading: as the part gave it. load: share of the tick used.
+        unix_s: the date as the boat itself knows it, 0 while it does not. heading: as the part gave it. load:
+        share of the tick used.
         """
         try:
             self._tick(now_s, unix_s, heading, load)

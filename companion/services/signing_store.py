@@ -11,6 +11,7 @@ from pathlib import Path
 
 from companion.mavlink.signing import NEVER, TICKS_PER_S, Signatory, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey, parse_key, read_key_file
+from companion.services.signing_floors import KeyFloors
 from companion.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
@@ -30,10 +31,11 @@ class SigningStore:
     def __init__(self, storage: Storage, unix_s: float = 0.0) -> None:
         self._storage = storage
         self.losses: dict[str, str] = {}  # by file: what of it is lost, and what is in use instead
-        first, seen = self._load_stamps()
+        first, seen, self._floors = self._load_stamps()
         self.stamps = Stamps(first, seen, limit=first)
         self.stamps.clock = timestamp_at(unix_s)
-        self.boat = Signatory(self._load_key(), self.stamps)
+        key = self._load_key()
+        self.boat = Signatory(key, self.stamps, self._floors.of(key))
         self._of_files: dict[str, Signatory] = {}
         self._saving: Saving | None = None
         self._reserved = first
@@ -52,19 +54,25 @@ class SigningStore:
             return self.boat
         if key_file not in self._of_files:
             key = read_key_file(Path(key_file).expanduser())
-            self._of_files[key_file] = Signatory(key, self.stamps)
+            self._of_files[key_file] = Signatory(key, self.stamps, self._floors.of(key))
             self.is_active = True
             self._keep_ahead()
         return self._of_files[key_file]
 
     def change_key(self, key: SigningKey | None, first: int) -> None:
-        """Another key for the boat, or none, and the timestamp that its holders have come to."""
+        """Another key for the boat, or none, and the timestamp that its holders have come to.
+
+        The count starts afresh, because somebody's clock may have run ahead; but never below what was proved
+        under the same key, or under those of other links.
+        """
         if key != self.boat.key:
-            self.boat.change_key(key)
-            self.stamps.seen = 0
+            self._floors.keep(self.boat.key, self.boat.proved)
+            self.boat.change_key(key, self._floors.of(key))
+            self.stamps.seen = max(one.proved for one in (self.boat, *self._of_files.values()))
         self.stamps.follow(first)
         self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
         self.is_active = key is not None or bool(self._of_files)
+        self._saving = self._save()  # what was proved under the old key, at once
         self._keep_ahead()
 
     def key_saved(self) -> str | None:
@@ -98,7 +106,9 @@ class SigningStore:
             self._finish()
 
     def _save(self) -> Saving:
-        tree = {"first": self._reserved, "seen": self.stamps.seen}
+        for one in (self.boat, *self._of_files.values()):
+            self._floors.keep(one.key, one.proved)
+        tree = {"first": self._reserved, "seen": self.stamps.seen, "proved": self._floors.to_tree()}
         return self._storage.save(STAMPS_FILE, json.dumps(tree).encode())
 
     def _finish(self) -> None:
@@ -110,13 +120,13 @@ class SigningStore:
         self._saving = None
         self.stamps.limit = self._reserved
 
-    def _load_stamps(self) -> tuple[int, int]:
+    def _load_stamps(self) -> tuple[int, int, KeyFloors]:
         content = self._storage.load(STAMPS_FILE)
         loss = self._storage.damage(STAMPS_FILE)
-        first, seen = 1, 0
+        first, seen, floors = 1, 0, KeyFloors()
         if content:
             try:
-                first, seen = _parse_stamps(content)
+                first, seen, floors = _parse_stamps(content)
             except (ValueError, KeyError, TypeError, RecursionError) as error:
                 logger.warning("%s ignored: %s", STAMPS_FILE, error)
                 loss = f"{STAMPS_FILE} cannot be read, none is in use"
@@ -125,7 +135,7 @@ class SigningStore:
                 first = min(max(first, 1) + (AHEAD if loss else 0), NEVER - 1)
         if loss:
             self.losses["signing timestamps"] = loss
-        return first, seen
+        return first, seen, floors
 
     def _load_key(self) -> SigningKey | None:
         content = self._storage.load(KEY_FILE)
@@ -142,12 +152,12 @@ class SigningStore:
         return key
 
 
-def _parse_stamps(content: bytes) -> tuple[int, int]:
+def _parse_stamps(content: bytes) -> tuple[int, int, KeyFloors]:
     tree = json.loads(content)
     first, seen = tree["first"], tree["seen"]
     if not (_is_stamp(first) and _is_stamp(seen)):
         raise ValueError("no timestamps in it")
-    return first, seen
+    return first, seen, KeyFloors.from_tree(tree.get("proved"), seen)
 
 
 def _is_stamp(value: object) -> bool:

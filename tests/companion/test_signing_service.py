@@ -3,7 +3,7 @@
 import logging
 
 import pytest
-from boat_rig import BOAT, HOME_ITEM, OK, QGC, Peer, Rig, waypoint
+from boat_rig import BOAT, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
 
 from companion.boat import Boat
 from companion.config import LinkConfig
@@ -13,7 +13,15 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.layout import LAYOUTS
-from companion.mavlink.signing import Guard, Signatory, SigningPolicy, Stamps, is_signed, timestamp_at
+from companion.mavlink.signing import (
+    TICKS_PER_S,
+    Guard,
+    Signatory,
+    SigningPolicy,
+    Stamps,
+    is_signed,
+    timestamp_at,
+)
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
 from companion.router.configured_port import ConfiguredPort
@@ -56,12 +64,13 @@ class GuardedRig(Rig):
         radio: bool = False,
         trusted: bool = False,
         storage: MemoryStorage | None = None,
+        **parts: object,
     ) -> None:
         self.setting = LinkConfig(url="", signing=signing, radio=radio, trusted=trusted)
         storage = storage or MemoryStorage()
         if key is not None:
             storage.content[KEY_FILE] = key.reveal().hex().encode()
-        super().__init__(storage=storage)
+        super().__init__(storage=storage, **parts)  # type: ignore[arg-type]
 
     def _build(self) -> Boat:
         port = ConfiguredPort(self.port, Policy(self.setting))
@@ -378,6 +387,31 @@ def test_neither_keys_nor_signatures_are_logged(caplog: pytest.LogCaptureFixture
     assert seen
     assert not any(secret in frame or is_signed(frame) for frame in seen)
     assert any(frame[5] == 255 for frame in seen)
+
+
+# What a station may say of the date
+
+
+def test_a_date_that_nobody_signed_does_not_move_the_clock_of_signatures() -> None:
+    rig = GuardedRig("accept", gnss=Silent())
+    liar, friend = rig.station(None), rig.station(KEY, Address(254, 190))
+    rig.step()
+    liar.heartbeat()
+    far_s = timestamp_at(3.95e9)  # 2095
+    for _ in range(5):
+        liar.send(dialect.MAVLink_system_time_message(int(3.95e9 * 1e6), 0))
+        rig.run(1.0)
+    assert rig.boat._wall_time.unix_s(rig.now_s) > 3.9e9, (
+        "it is the date for logs, as long as there is no better"
+    )
+    friend.heartbeat()
+    rig.run(1.0)
+    counters = rig.boat.channels.open[3].guard
+    assert counters is not None
+    assert (counters.counters.verified, counters.counters.old) == (1, 0)
+    stamps = rig.boat.signing.stamps
+    assert stamps.now < NOW + 60 * TICKS_PER_S < far_s
+    assert stamps.last < NOW + 60 * TICKS_PER_S
 
 
 # What the operator is told

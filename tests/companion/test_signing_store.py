@@ -17,6 +17,7 @@ from companion.mavlink.signing import (
     timestamp_at,
 )
 from companion.mavlink.signing_key import SigningKey, read_key_file
+from companion.services.signing_floors import MAX_KEYS, KeyFloors
 from companion.services.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
 from companion.storage import FolderStorage, MemoryStorage, Saving
 
@@ -209,6 +210,91 @@ def test_a_new_key_counts_from_where_its_holders_are() -> None:
     assert store.boat.check(sign(HEARTBEAT, other, 0, NOW)) is Verdict.GOOD
 
 
+OTHER = SigningKey.from_passphrase("battery staple")
+
+
+def heartbeat_at(stamp: int, key: SigningKey = KEY) -> bytes:
+    return sign(HEARTBEAT, key, 0, stamp)
+
+
+@pytest.mark.parametrize("between", [OTHER, None], ids=["another key", "no key"])
+@pytest.mark.parametrize("restarts", ["never", "under the other key", "after both"])
+def test_a_key_that_comes_back_does_not_make_recorded_frames_valid_again(
+    between: SigningKey | None, restarts: str
+) -> None:
+    storage = keyed(MemoryStorage())
+    store = SigningStore(storage)
+    recorded = [heartbeat_at(NOW + second * TICKS_PER_S) for second in range(5)]
+    for frame in recorded:
+        assert store.boat.check(frame) is Verdict.GOOD
+    store.change_key(between, 0)
+    if restarts == "under the other key":
+        store = SigningStore(storage)
+    store.change_key(KEY, 0)
+    if restarts == "after both":
+        store = SigningStore(storage)
+    assert {store.boat.check(frame) for frame in recorded} == {Verdict.OLD}
+    assert store.boat.check(heartbeat_at(NOW + 6 * TICKS_PER_S)) is Verdict.GOOD
+
+
+def test_a_key_comes_back_after_more_keys_than_are_remembered() -> None:
+    store = SigningStore(keyed(MemoryStorage()))
+    recorded = heartbeat_at(NOW)
+    assert store.boat.check(recorded) is Verdict.GOOD
+    for number in range(MAX_KEYS + 3):
+        store.change_key(SigningKey.from_passphrase(f"key {number}"), 0)
+    store.change_key(KEY, 0)
+    assert store.boat.check(recorded) is Verdict.OLD
+    assert store.boat.check(heartbeat_at(NOW + 1)) is Verdict.GOOD
+
+
+def test_as_many_keys_as_are_remembered_do_not_bind_each_other() -> None:
+    keys = [SigningKey.from_passphrase(f"key {number}") for number in range(MAX_KEYS)]
+    floors = KeyFloors()
+    for number, key in enumerate(keys):
+        floors.keep(key, 1000 + number)
+    assert [floors.of(key) for key in keys] == [1000 + number for number in range(MAX_KEYS)]
+    assert floors.of(KEY) == 0
+    floors.keep(KEY, 5)
+    assert floors.of(KEY) == 5
+    assert floors.of(keys[0]) == floors.of(OTHER) == 1000, "who was displaced binds whoever is not known"
+    floors.keep(KEY, 3)
+    assert floors.of(KEY) == 5
+
+
+def test_a_change_of_the_boats_key_does_not_reopen_the_links_with_a_key_of_their_own(tmp_path: Path) -> None:
+    path = tmp_path / "radio.key"
+    path.write_bytes(b"battery staple\n")
+    path.chmod(0o600)
+    storage = keyed(MemoryStorage())
+    store = SigningStore(storage)
+    recorded = heartbeat_at(NOW, OTHER)
+    assert store.signatory(str(path)).check(recorded) is Verdict.GOOD
+    store.change_key(SigningKey.from_passphrase("a third"), 0)
+    assert store.signatory(str(path)).check(recorded) is Verdict.OLD
+    again = SigningStore(storage)
+    assert again.signatory(str(path)).check(recorded) is Verdict.OLD
+
+
+def test_a_file_of_an_earlier_version_binds_every_key() -> None:
+    storage = keyed(MemoryStorage())
+    storage.content[STAMPS_FILE] = b'{"first": 1, "seen": %d}' % NOW
+    store = SigningStore(storage)
+    assert store.boat.check(heartbeat_at(NOW)) is Verdict.OLD
+    assert store.boat.check(heartbeat_at(NOW + 1)) is Verdict.GOOD
+
+
+def test_the_tag_of_a_key_is_not_the_key() -> None:
+    storage = keyed(MemoryStorage())
+    store = SigningStore(storage, UNIX_S)
+    store.boat.check(heartbeat_at(NOW))
+    store.close()
+    content = storage.content[STAMPS_FILE].decode()
+    assert KEY.tag in content
+    assert KEY.tag != OTHER.tag
+    assert KEY.reveal().hex()[:16] not in content
+
+
 def test_links_with_the_same_key_file_share_what_they_have_heard(tmp_path: Path) -> None:
     path = tmp_path / "radio.key"
     path.write_bytes(b"correct horse\n")
@@ -232,7 +318,17 @@ def test_files_that_are_none_of_ours_are_told_of_and_ignored(content: bytes) -> 
 
 
 @pytest.mark.parametrize(
-    "content", [b"[]", b"{}", b'{"first": -1, "seen": 0}', b'{"first": 1e400, "seen": 0}']
+    "content",
+    [
+        b"[]",
+        b"{}",
+        b'{"first": -1, "seen": 0}',
+        b'{"first": 1e400, "seen": 0}',
+        b'{"first": 1, "seen": 0, "proved": 7}',
+        b'{"first": 1, "seen": 0, "proved": {"keys": 7, "others": 0}}',
+        b'{"first": 1, "seen": 0, "proved": {"keys": {"a": -1}, "others": 0}}',
+        b'{"first": 1, "seen": 0, "proved": {"keys": {}, "others": "x"}}',
+    ],
 )
 def test_a_damaged_file_of_timestamps_is_named(content: bytes, caplog: pytest.LogCaptureFixture) -> None:
     storage = keyed(MemoryStorage())
