@@ -161,7 +161,7 @@ class Port(Protocol):
         """As in the configuration, such as `tcpin:0.0.0.0:5760`."""
 
     def accept(self) -> list[Link]:
-        """Links that came into being since the last call. Never blocks."""
+        """Links that came into being since the last call. Never blocks, never raises."""
 
     def fileno(self) -> int:
         """A descriptor to wait on for new links, −1 when there is none."""

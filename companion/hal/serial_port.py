@@ -1,5 +1,6 @@
 """MAVLink, or any other bytes, over a serial line: a radio, a USB adapter, the Pi's own UART."""
 
+import contextlib
 import os
 import stat
 import termios
@@ -15,6 +16,10 @@ from companion.hal.stream import StreamLink
 
 _QUEUE_BYTES = 8192
 _VMIN, _VTIME = 1, 0
+
+# What a device that is pulled out while it is set up may raise; termios.error is no OSError, and pyserial
+# lets it through.
+_REFUSALS = (serial.SerialException, termios.error, ValueError, OSError)
 
 
 class Line(NamedTuple):
@@ -86,6 +91,7 @@ class SerialPort:
         self._link.close()
 
     def _open(self) -> StreamLink:
+        line: serial.Serial | None = None
         try:
             line = serial.Serial(
                 self._device,
@@ -96,9 +102,16 @@ class SerialPort:
                 write_timeout=0,
                 exclusive=True,
             )
-        except (serial.SerialException, ValueError, OSError) as error:
+            descriptor = self._set_up(line)
+        except _REFUSALS as error:
+            if line is not None:
+                with contextlib.suppress(OSError):
+                    line.close()
             raise LinkError(f"{self._name}: {self._reason(error)}") from None
         self._backoff.succeeded()
+        return StreamLink(self._name, descriptor, line.close, self._queue_bytes)
+
+    def _set_up(self, line: serial.Serial) -> int:
         descriptor: int = line.fileno()
         os.set_blocking(descriptor, False)
         # With VMIN 1 an idle line says "try again" and only an unplugged one reads as ended.
@@ -107,15 +120,17 @@ class SerialPort:
         if self._line.parity != serial.PARITY_NONE:
             attributes[0] |= termios.INPCK | termios.IGNPAR
         termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
-        return StreamLink(self._name, descriptor, line.close, self._queue_bytes)
+        return descriptor
 
     def _reason(self, error: Exception) -> str:
-        if not os.path.exists(self._device):
+        try:
+            mode = os.stat(self._device).st_mode
+        except OSError:  # it may vanish at any moment
             return f"there is no device {self._device}; is it plugged in?"
-        if not stat.S_ISCHR(os.stat(self._device).st_mode):
+        if not stat.S_ISCHR(mode):
             return f"{self._device} is not a serial device"
         if not os.access(self._device, os.R_OK | os.W_OK):
             return f"no permission for {self._device}; add the user to the group 'dialout'"
         if "exclusively lock" in str(error):
             return f"{self._device} is in use by another program"
-        return f"cannot be opened: {error}"
+        return f"cannot be opened: {error.args[-1] if error.args else error}"

@@ -1,5 +1,6 @@
 """A link over a descriptor that carries a stream of bytes: a TCP connection or a serial line."""
 
+import contextlib
 import os
 from collections.abc import Callable
 
@@ -110,7 +111,8 @@ class StreamLink:
         if self._descriptor >= 0:
             self._descriptor = -1
             self._pending.clear()
-            self._release()
+            with contextlib.suppress(OSError):  # a device that was pulled out may refuse even that
+                self._release()
 
     def _drain(self) -> None:
         if self._descriptor < 0 or self._is_broken:

@@ -1,9 +1,12 @@
 """TCP ports over loopback, and serial ports over pseudo-terminals."""
 
 import contextlib
+import errno
 import os
 import socket
 import struct
+import termios
+import types
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -287,6 +290,72 @@ def test_a_serial_line_that_is_unplugged_comes_back_as_a_new_link(line: PtyLine,
     line.say(b"back")
     assert receive_all(again, 4) == b"back"
     port.close()
+
+
+@pytest.mark.parametrize("function", ["tcgetattr", "tcsetattr"])
+@pytest.mark.parametrize("where", ["pyserial", "ours"])
+def test_a_device_that_is_pulled_out_while_it_is_set_up_is_looked_for_again(
+    line: PtyLine, clock: HandClock, monkeypatch: pytest.MonkeyPatch, function: str, where: str
+) -> None:
+    port = SerialPort(line.device, 57600, clock)
+    (link,) = port.accept()
+    line.unplug()
+    link.receive()
+    line.plug_in()
+    before = len(os.listdir("/proc/self/fd"))
+
+    def pulled_out(*_: object) -> None:
+        raise termios.error(
+            errno.EIO, "Input/output error"
+        )  # what the kernel makes of a tty that has hung up
+
+    with monkeypatch.context() as patch:
+        module = "serial.serialposix" if where == "pyserial" else "companion.hal.serial_port"
+        double = types.SimpleNamespace(**{name: getattr(termios, name) for name in dir(termios)})
+        setattr(double, function, pulled_out)
+        patch.setattr(f"{module}.termios", double)
+        for _ in range(3):
+            clock.advance(5.0)
+            assert port.accept() == []
+        assert len(os.listdir("/proc/self/fd")) == before, "a descriptor was left open"
+    clock.advance(5.0)
+    (again,) = port.accept()
+    line.say(b"back")
+    assert receive_all(again, 4) == b"back"
+    port.close()
+
+
+def test_a_device_that_vanishes_while_its_fault_is_looked_into_is_told_as_missing(
+    line: PtyLine, clock: HandClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    port = SerialPort(line.device, 57600, clock)
+    (link,) = port.accept()
+    exists = os.path.exists
+
+    def vanishes(path: str) -> bool:
+        was_there = exists(path)
+        line.unplug()
+        return was_there
+
+    monkeypatch.setattr("os.path.exists", vanishes)
+    with pytest.raises(LinkError):
+        SerialPort(line.device, 57600, clock)  # in use: the reason is looked for, and the device goes
+    line.unplug()
+    link.receive()
+    clock.advance(5.0)
+    assert port.accept() == []
+    port.close()
+
+
+def test_a_descriptor_that_refuses_to_be_closed_is_let_go() -> None:
+    def refuses() -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    link = StreamLink("gone", os.open("/dev/null", os.O_RDONLY), refuses, 100)
+    descriptor = link.fileno()
+    link.close()
+    assert link.is_closed
+    os.close(descriptor)
 
 
 def test_a_slow_serial_line_drops_whole_frames(line: PtyLine, clock: HandClock) -> None:
