@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.services.ftp_bursts import Bursts
-from companion.services.ftp_frames import SESSION_AT, Opcode, Refusal, Request, nak, parse_request
+from companion.services.ftp_frames import SESSION_AT, Code, Opcode, Refusal, Request, nak, parse_request
 from companion.services.ftp_operations import Operations, Reply
 from companion.services.ftp_sessions import Session, Station, Stations
 from companion.services.ftp_tree import FileTree, refusal_of
@@ -77,12 +77,15 @@ class FtpService:
         request = parse_request(bytes(message.payload))
         if request is None or not is_named(self._own, message.target_system, message.target_component):
             return
-        is_full = self._requests_left <= 0 or len(self._jobs) >= _MAX_JOBS
-        station = None if is_full else self._stations.get(origin)
-        if station is None:
+        if self._requests_left <= 0 or len(self._jobs) >= _MAX_JOBS:
             self.dropped += 1
             return
         self._requests_left -= 1
+        station = self._stations.get(origin)
+        self._let_go(self._stations.take_displaced())
+        if station is None:
+            self._post(Station(origin), nak(request, Refusal(Code.NO_SESSIONS_AVAILABLE)))
+            return
         if station.is_busy(request.session):
             self._queue(station, request)
         else:

@@ -2,7 +2,7 @@
 
 import errno
 import math
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass, field
@@ -175,6 +175,7 @@ class Stations:
 
     def __init__(self) -> None:
         self._stations: dict[Origin, Station] = {}
+        self._displaced: list[Session] = []
 
     def __bool__(self) -> bool:
         return bool(self._stations)
@@ -183,18 +184,38 @@ class Stations:
         return iter(self._stations.values())
 
     def get(self, origin: Origin) -> Station | None:
-        """The client at an origin; None where there are too many others. The longest silent one without an
-        open file makes way."""
+        """The client at an origin; None where there are too many others.
+
+        The longest silent one without an open file makes way. Where all have files open, one makes way of the
+        channel that has most, for one of a channel that has fewer: addresses are easily made up, and must not
+        take the places of other links.
+        """
         station = self._stations.pop(origin, None)
         if station is None:
-            if len(self._stations) >= MAX_STATIONS:
-                idle = (o for o, one in self._stations.items() if not one.sessions and not one.waiting)
-                if (oldest := next(idle, None)) is None:
-                    return None
-                del self._stations[oldest]
+            if len(self._stations) >= MAX_STATIONS and not self._make_way(origin.channel):
+                return None
             station = Station(origin)
         self._stations[origin] = station  # the dict's order is that of last use
         return station
+
+    def _make_way(self, channel: int) -> bool:
+        idle = (one for one in self if not one.sessions and not one.waiting)
+        victim = next(idle, None)
+        if victim is None:
+            counts = Counter(one.origin.channel for one in self)
+            fullest, count = counts.most_common(1)[0]
+            if count <= counts[channel] + 1:
+                return False
+            victim = next(one for one in self if one.origin.channel == fullest)
+        del self._stations[victim.origin]
+        victim.is_gone = True
+        self._displaced += victim.sessions.values()
+        return True
+
+    def take_displaced(self) -> list[Session]:
+        """The sessions of those who had to make way since the last call."""
+        displaced, self._displaced = self._displaced, []
+        return displaced
 
     def uploads_bytes(self) -> int:
         """What all uploads hold in memory."""

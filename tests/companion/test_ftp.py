@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ftp_client import ACK, BOAT, STATION, Served, reply_of, request_of
+from ftp_client import ACK, BOAT, STATION, Reply, Served, reply_of, request_of
 from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.mavftp import MAVFTP
@@ -19,7 +19,7 @@ from companion.params_table import ROWS
 from companion.services.ftp import REQUESTS_PER_TICK
 from companion.services.ftp_bursts import BLOCKS_PER_TICK
 from companion.services.ftp_frames import Code, Opcode
-from companion.services.ftp_sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES
+from companion.services.ftp_sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES, Session
 from companion.services.outbox import Origin
 
 TEXT = bytes(range(256)) * 5  # five blocks and a bit, zeros among them
@@ -304,6 +304,52 @@ def test_a_flood_of_stations_is_bounded_and_shuts_nobody_out_for_long(served: Se
     assert len(list(served.service._stations)) <= MAX_STATIONS
     served.tick(IDLE_S + 1.0)
     assert served.ask(Opcode.NONE).opcode == ACK
+
+
+def opened(served: Served, origin: Origin) -> Reply:
+    served.now_s += 0.02
+    served.service.tick(served.now_s)
+    return served.ask(Opcode.OPEN_FILE_RO, b"@PARAM/param.pck", origin=origin)
+
+
+def invented(channel: int, count: int = 250) -> list[Origin]:
+    return [Origin(channel, Address(number + 1, 190)) for number in range(count)]
+
+
+def test_invented_addresses_with_open_files_are_refused_in_words_and_lock_out_nobody_on_another_link(
+    served: Served,
+) -> None:
+    replies = [opened(served, origin) for origin in invented(7)]
+    assert [reply.opcode for reply in replies[:MAX_STATIONS]] == [ACK] * MAX_STATIONS
+    assert {reply.code for reply in replies[MAX_STATIONS:]} == {Code.NO_SESSIONS_AVAILABLE}
+    others = [Origin(channel, Address(255, 190)) for channel in range(20, 35)]
+    assert {opened(served, origin).opcode for origin in others} == {ACK}
+    assert len(list(served.service._stations)) == MAX_STATIONS
+    assert served.service.dropped == 0
+
+
+def test_whoever_makes_way_is_the_longest_silent_of_the_fullest_link_and_its_file_is_closed(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for origin in invented(7, MAX_STATIONS):
+        opened(served, origin)
+    first = invented(7, 1)[0]
+    opened(served, first)  # which is now the latest to be heard
+    closed: list[Session] = []
+    monkeypatch.setattr(served.service, "_let_go", closed.extend)
+    opened(served, STATION)
+    assert len(closed) == 1
+    kept = {station.origin for station in served.service._stations}
+    assert first in kept
+    assert invented(7, 2)[1] not in kept
+
+
+def test_links_with_as_many_stations_as_others_displace_none(served: Served) -> None:
+    for channel in (7, 8):
+        for origin in invented(channel, MAX_STATIONS // 2):
+            opened(served, origin)
+    late = Origin(8, Address(200, 190))
+    assert opened(served, late).code is Code.NO_SESSIONS_AVAILABLE
 
 
 def test_a_repeated_request_gets_the_same_answer_and_is_not_carried_out_twice(
