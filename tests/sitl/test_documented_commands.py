@@ -1,0 +1,115 @@
+"""The commands of README and docs, word for word: each is understood and finds what it names.
+
+They run in the order of their page, from a folder like a fresh clone, up to where the boat would sail or a
+link would be opened.
+"""
+
+import re
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from companion.geo import LatLon
+from mission_tools.areas import load_fence
+from mission_tools.check import check_mission
+from mission_tools.cli import check as check_cli
+from mission_tools.cli import upload as upload_cli
+from mission_tools.maps import load_source
+from mission_tools.maps.fenced import fenced
+from mission_tools.mission import Mission, MissionItem
+from sitl.__main__ import run_program as run_sitl
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+PROGRAMS: dict[str, Callable[[list[str]], int]] = {
+    "boat-sitl": run_sitl,
+    "mission-upload": upload_cli.run_program,
+    "mission-check": check_cli.run_program,
+}
+COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-upload|mission-check|make demo)\b.*)$")
+# Where each command of the emulator goes to work: everything before that is done here
+AT_WORK = {
+    "serve": "sitl.cli.serve.moor",
+    "sail": "sitl.cli.sail._run",
+    "campaign": "sitl.cli.campaign.Ledger",
+    "encounters": "sitl.cli.encounters.sail_all",
+    "report": "sitl.cli.report.load_record",
+    "tune": "sitl.cli.tune.local_crew",
+    "paper": "sitl.cli.paper.sail_all",
+    "physics": "sitl.cli.physics.PhysicsServer",
+}
+
+
+class AtWorkError(Exception):
+    """The command has come to where it begins its work."""
+
+
+def commands(page: Path) -> list[str]:
+    """The commands in a page's blocks, without what follows a #."""
+    lines = page.read_text(encoding="utf-8").splitlines()
+    return [match[1].split(" #")[0].strip() for line in lines if (match := COMMAND.match(line))]
+
+
+@pytest.fixture
+def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder: with the examples and without anything that a command would have made."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+    def stop(*_: object, **__: object) -> None:
+        raise AtWorkError
+
+    for place in AT_WORK.values():
+        monkeypatch.setattr(place, stop)
+    return tmp_path
+
+
+def follow(command: str) -> None:
+    """Carry out one command as far as it needs neither a boat nor minutes."""
+    name, *arguments = shlex.split(command)
+    if name == "make":
+        given = dict(argument.split("=", 1) for argument in arguments if "=" in argument)
+        if "MAP" in given:
+            route = ["--start-at", given["START"], "--goal", given["GOAL"], "--dry-run"]
+            assert upload_cli.run_program([given["MAP"], *route]) == 0
+        return
+    if name != "boat-sitl":
+        extra = ["--dry-run"] if name == "mission-upload" and "--dry-run" not in arguments else []
+        assert PROGRAMS[name]([*arguments, *extra]) == 0
+        return
+    with pytest.raises(AtWorkError):
+        run_sitl(["--debug", *arguments])
+
+
+def test_there_are_commands_in_the_pages() -> None:
+    assert len(commands(ROOT / "README.md")) > 12
+    assert sum(len(commands(page)) for page in PAGES) > 25
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
+def test_what_a_page_tells_to_type_works(page: Path, clone: Path) -> None:
+    for command in commands(page):
+        try:
+            follow(command)
+        except BaseException as error:
+            raise AssertionError(f"{page.name}: {command}") from error
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/ground-stations.md"])
+def test_the_places_to_click_are_on_open_water_inside_the_fence(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    places = [
+        LatLon(float(lat), -float(lon)) for lat, lon in re.findall(r"(\d\d\.\d{4})° N\s+(\d\.\d{4})° W", text)
+    ]
+    assert len(places) == 3
+    lake = load_source("lake")
+    fence = load_fence(ROOT / "examples" / "maps" / "mill_pond_fence.geojson")
+    chart = fenced(lake.chart, fence, "fence")
+    assert lake.route.start is not None
+    home = chart.frame.to_global(lake.route.start)
+    mission = Mission(tuple(MissionItem.at(place) for place in places), home)
+    assert check_mission(mission, chart, 8.0) == []
