@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import MOMENT_S
 
 from companion.errors import StorageError
 from companion.log.reader import BLOCK_BYTES, LogReader
@@ -58,7 +59,7 @@ def test_no_more_bytes_wait_than_allowed_and_room_comes_back() -> None:
     after = threading.Event()
     assert worker.submit(after.set)  # what holds no bytes still goes
     gate.set()
-    assert after.wait(10.0)
+    assert after.wait(MOMENT_S)
     assert worker.submit(lambda: None, 100)
     worker.close()
     assert worker.room_bytes == 100
@@ -69,7 +70,7 @@ def test_no_more_jobs_wait_than_allowed() -> None:
     begun = threading.Event()
     worker.submit(begun.set)
     worker.submit(gate.wait)  # type: ignore[arg-type]
-    assert begun.wait(10.0)
+    assert begun.wait(MOMENT_S)
     taken = [worker.submit(lambda: None) for _ in range(5)]
     assert taken.count(True) in (2, 3)
     assert not taken[-1]

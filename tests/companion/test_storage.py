@@ -3,6 +3,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from patience import MOMENT_S
 
 from companion.errors import StorageError
 from companion.generations import unseal, write_atomically
@@ -149,13 +150,13 @@ def test_saves_that_wait_for_the_medium_become_one_for_each_name(tmp_path: Path)
 
     def write(path: Path, content: bytes, keep: Path | None) -> None:
         begun.set()
-        assert go.wait(60.0)
+        assert go.wait(MOMENT_S)
         written.append((path.name, unseal(content).content))
         write_atomically(path, content, keep)
 
     storage = FolderStorage(tmp_path, write)
     savings = [storage.save("params.parm", b"0")]
-    assert begun.wait(60.0)
+    assert begun.wait(MOMENT_S)
     savings += [storage.save("params.parm", str(n).encode()) for n in range(1, 200)]
     savings += [storage.save("mission.json", NEW)]
     savings += [storage.save("params.parm", b"200")]

@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
+from patience import MOMENT_S
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import all as dialect
 
 BOAT = (1, 1)
-PATIENCE_S = 10.0
 
 Message = Any
 
@@ -59,7 +59,7 @@ class MavutilStation:
         self,
         kinds: str | Sequence[str],
         condition: Callable[[Message], object] = bool,
-        timeout_s: float = PATIENCE_S,
+        timeout_s: float = MOMENT_S,
     ) -> Message:
         """The next message of a kind that meets a condition."""
         give_up_s = time.monotonic() + timeout_s

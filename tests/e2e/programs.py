@@ -14,9 +14,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from patience import JOB_S, MOMENT_S
+
 SCRIPTS = Path(sys.executable).parent
-END_S = 10.0  # a program that was told to end has this long
-START_S = 30.0  # and this long to start, on a machine that is busy with other tests
+END_S = MOMENT_S  # a program that was told to end has this long
+START_S = JOB_S  # and this long to say what it is waited for
 
 
 class Ended(NamedTuple):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from mavutil_station import OpenStation, zigzag
+from patience import MOMENT_S
 from programs import RunBoat, RunProgram
 
 pytestmark = pytest.mark.realtime
@@ -26,7 +27,7 @@ def test_a_signal_ends_it_with_0_while_a_station_is_on_the_line(
     ended = boat.program.wait()
     assert (ended.code, ended.err) == (0, "")
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection(("127.0.0.1", boat.port), timeout=1.0)
+        socket.create_connection(("127.0.0.1", boat.port), timeout=MOMENT_S)
 
 
 def test_a_port_that_is_taken_is_wrong_usage_and_explained(
@@ -75,13 +76,12 @@ def test_it_listens_on_this_machine_only(running_boat: RunBoat) -> None:
     boat = running_boat("open")
     # Anything of 127/8 reaches a server that listens on every address
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection(("127.0.0.2", boat.port), timeout=1.0)
+        socket.create_connection(("127.0.0.2", boat.port), timeout=MOMENT_S)
 
 
 def test_time_runs_as_fast_as_it_was_told(running_boat: RunBoat, open_station: OpenStation) -> None:
     station = open_station(running_boat("open", "--speedup", "10").port)
     first_ms = station.wait_for("SYSTEM_TIME").time_boot_ms
     began_s = time.monotonic()
-    station.wait_for("SYSTEM_TIME", lambda now: now.time_boot_ms > first_ms + 20_000, timeout_s=20.0)
-    # Two seconds, were nothing else going on; a busy machine may take longer, but none less
-    assert 1.5 < time.monotonic() - began_s < 10.0
+    station.wait_for("SYSTEM_TIME", lambda now: now.time_boot_ms > first_ms + 20_000)
+    assert time.monotonic() - began_s > 1.5  # two seconds, or more where the machine is busy

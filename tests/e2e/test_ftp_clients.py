@@ -14,6 +14,7 @@ from mavsdk.asyncio.plugins.param import ParamAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.component_metadata import MetadataType
 from mavutil_station import OpenStation
+from patience import JOB_S, MOMENT_S
 from programs import RunBoat, RunProgram, until
 from pymavlink.mavftp import MAVFTP, FtpError
 
@@ -25,9 +26,7 @@ pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
 
 CONTENT = bytes(range(256)) * 100 + b"the end"
-LIST_S = 0.2  # the aim for all parameters over loopback
 SERVED = len(ROWS) + len(World(load_scenario("open")).hardware.knobs)  # the emulator brings some along
-ROOM_S = 2.0  # what a busy machine may take for it
 
 
 def tell(client: str, what: str, seconds: float) -> None:
@@ -87,7 +86,7 @@ async def move_files_with_mavsdk(port: int, here: Path, state: Path) -> None:
     configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
     async with Mavsdk(configuration) as mavsdk:
         await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{port}")
-        system = await mavsdk.first_autopilot(10.0)
+        system = await mavsdk.first_autopilot(MOMENT_S)
         assert system is not None
         ftp, param, metadata = FtpAsync(system), ParamAsync(system), ComponentMetadataAsync(system)
         root = await ftp.list_directory("/")
@@ -120,7 +119,6 @@ async def move_files_with_mavsdk(port: int, here: Path, state: Path) -> None:
         seconds = time.perf_counter() - began_s
         tell("MAVSDK", f"all {SERVED} parameters", seconds)
         assert len(parameters.int_params) + len(parameters.float_params) == SERVED
-        assert seconds < ROOM_S
 
         updates = metadata.subscribe_metadata_available()
         first = asyncio.ensure_future(anext(updates))  # it listens before it asks: the answer comes at once
@@ -143,7 +141,7 @@ def test_mavsdk_moves_files_and_fetches_what_the_boat_says_of_its_parameters(
     here, state = tmp_path / "here", tmp_path / "state"
     here.mkdir()
     boat = running_boat("open", "--state", str(state))
-    asyncio.run(asyncio.wait_for(move_files_with_mavsdk(boat.port, here, state), 60.0))
+    asyncio.run(asyncio.wait_for(move_files_with_mavsdk(boat.port, here, state), JOB_S))
 
 
 def test_pymavlink_fetches_parameters_and_moves_files(
@@ -156,14 +154,13 @@ def test_pymavlink_fetches_parameters_and_moves_files(
     began_s = time.perf_counter()
     assert len(station.parameters()) == SERVED
     seconds = time.perf_counter() - began_s
-    tell("pymavlink", f"list of {SERVED} parameters, aim {LIST_S * 1e3:.0f} ms,", seconds)
-    assert seconds < ROOM_S
+    tell("pymavlink", f"list of {SERVED} parameters", seconds)
 
     client = MAVFTP(station.link, target_system=1, target_component=1)
     values, defaults = tmp_path / "values.parm", tmp_path / "defaults.parm"
     began_s = time.perf_counter()
     client.cmd_getparams([str(values), str(defaults)])
-    assert client.process_ftp_reply("getparams", timeout=10).error_code == FtpError.Success
+    assert client.process_ftp_reply("getparams", timeout=MOMENT_S).error_code == FtpError.Success
     tell("pymavlink", "param.pck with defaults", time.perf_counter() - began_s)
     assert len(values.read_text(encoding="ascii").splitlines()) == SERVED
     assert len(defaults.read_text(encoding="ascii").splitlines()) == SERVED
@@ -171,10 +168,10 @@ def test_pymavlink_fetches_parameters_and_moves_files(
     there, back = tmp_path / "there.bin", tmp_path / "back.bin"
     there.write_bytes(CONTENT)
     client.cmd_put([str(there), "/files/there.bin"])
-    assert client.process_ftp_reply("CreateFile", timeout=10).error_code == FtpError.Success
+    assert client.process_ftp_reply("CreateFile", timeout=MOMENT_S).error_code == FtpError.Success
     assert (state / "files" / "there.bin").read_bytes() == CONTENT
     client.cmd_get(["/files/there.bin", str(back)])
-    assert client.process_ftp_reply("OpenFileRO", timeout=10).error_code == FtpError.Success
+    assert client.process_ftp_reply("OpenFileRO", timeout=MOMENT_S).error_code == FtpError.Success
     assert back.read_bytes() == CONTENT
     listed = client.cmd_list(["/files"])
     assert listed.error_code == FtpError.Success

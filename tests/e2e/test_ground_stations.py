@@ -13,6 +13,7 @@ from mavsdk.asyncio.plugins.telemetry import TelemetryAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavutil_station import HOME, OpenStation, Place, zigzag
+from patience import JOB_S, MOMENT_S
 from programs import RunBoat, RunningBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 
@@ -20,7 +21,6 @@ pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
 
 ITEMS = zigzag(100, north_e7=500)
-ROOM_S = 2.0  # for 100 items, where half a second is the aim: the machine may be busy
 AUTO = 10
 CRUISE_M_S = 2.0
 
@@ -44,21 +44,19 @@ def test_pymavlink_reads_parameters_brings_a_mission_and_sees_the_boat_sail(
     tell("pymavlink", "upload", uploaded_s - began_s)
     tell("pymavlink", "download", read_s - uploaded_s)
     assert held[1:] == ITEMS[1:]
-    assert uploaded_s - began_s < ROOM_S
-    assert read_s - uploaded_s < ROOM_S
 
     assert station.arm() == dialect.MAV_RESULT_ACCEPTED
     assert station.command(dialect.MAV_CMD_MISSION_START) == dialect.MAV_RESULT_ACCEPTED
     heartbeat = station.wait_for("HEARTBEAT", lambda heartbeat: heartbeat.custom_mode == AUTO)
     assert heartbeat.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED
     station.wait_for("VFR_HUD", lambda hud: hud.groundspeed > 0.5)
-    station.wait_for("MISSION_ITEM_REACHED", lambda reached: reached.seq == 1, timeout_s=20.0)
+    station.wait_for("MISSION_ITEM_REACHED", lambda reached: reached.seq == 1)
     assert station.metres_from(HOME) > 3.0
 
 
 async def connected(mavsdk: Mavsdk, boat: RunningBoat) -> System:
     await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{boat.port}")
-    system = await mavsdk.first_autopilot(10.0)
+    system = await mavsdk.first_autopilot(MOMENT_S)
     assert system is not None
     return system
 
@@ -88,8 +86,6 @@ async def sail_with_mavsdk(boat: RunningBoat) -> None:
         tell("MAVSDK", "download", read_s - uploaded_s)
         assert [Place(item.command, item.frame, item.x, item.y) for item in held[1:]] == ITEMS[1:]
         assert len(held) == len(ITEMS)
-        assert uploaded_s - began_s < ROOM_S
-        assert read_s - uploaded_s < ROOM_S
 
         await action.arm()
         await missions.start_mission()
@@ -108,7 +104,7 @@ async def sail_with_mavsdk(boat: RunningBoat) -> None:
 
 def test_mavsdk_reads_parameters_brings_a_mission_and_sees_the_boat_sail(running_boat: RunBoat) -> None:
     log_subscribe(lambda *_: True)
-    asyncio.run(asyncio.wait_for(sail_with_mavsdk(running_boat("open")), 60.0))
+    asyncio.run(asyncio.wait_for(sail_with_mavsdk(running_boat("open")), JOB_S))
 
 
 def as_wpl(places: list[Place]) -> str:
@@ -142,7 +138,6 @@ def test_mavproxy_reads_parameters_brings_a_mission_and_sees_the_boat_sail(
     proxy.say("wp load brought.txt")
     loaded_s = float(proxy.wait_for(r"Loaded 101 waypoints in ([0-9.]+)s")[1])
     tell("MAVProxy", "upload", loaded_s)
-    assert loaded_s < ROOM_S
     proxy.wait_for("Got MISSION_ACK: TYPE_MISSION: ACCEPTED")
     began_s = time.perf_counter()
     proxy.say("wp save held.txt")
@@ -156,7 +151,7 @@ def test_mavproxy_reads_parameters_brings_a_mission_and_sees_the_boat_sail(
     proxy.say("mode auto")
     proxy.wait_for("Got COMMAND_ACK: DO_SET_MODE: ACCEPTED")
     proxy.wait_for("Mode AUTO")
-    proxy.wait_for("^waypoint 2", timeout_s=20.0)
+    proxy.wait_for("^waypoint 2")
     proxy.say("status VFR_HUD")
     speed_m_s = float(proxy.wait_for(r"VFR_HUD \{.*groundspeed : ([0-9.]+)")[1])
     assert speed_m_s > 0.5

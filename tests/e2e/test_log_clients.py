@@ -10,6 +10,7 @@ from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavsdk.asyncio.plugins.log_files import LogFilesAsync
 from mavsdk.logging import log_subscribe
 from mavutil_station import MavutilStation, OpenStation
+from patience import JOB_S, MOMENT_S
 from programs import RunBoat, RunningBoat, RunProgram, until
 from pymavlink.dialects.v20 import all as dialect
 
@@ -72,7 +73,7 @@ async def fetch_with_mavsdk(boat: RunningBoat, folder: Path) -> list[bytes]:
     configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
     async with Mavsdk(configuration) as mavsdk:
         await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{boat.port}")
-        system = await mavsdk.first_autopilot(10.0)
+        system = await mavsdk.first_autopilot(MOMENT_S)
         assert system is not None
         log_files = LogFilesAsync(system)
         fetched = []
@@ -93,5 +94,5 @@ def test_mavsdk_finds_every_log_and_downloads_it_whole(running_boat: RunBoat, tm
     contents = [past_log(state, 3, PAST_LOG_BYTES), past_log(state, 4, 90 * 512), past_log(state, 9, 500)]
     boat = running_boat("open", "--state", str(state))
     log_subscribe(lambda *_: True)
-    fetched = asyncio.run(asyncio.wait_for(fetch_with_mavsdk(boat, tmp_path), 60.0))
+    fetched = asyncio.run(asyncio.wait_for(fetch_with_mavsdk(boat, tmp_path), JOB_S))
     assert fetched == [contents[-1], *contents[:-1]]  # the newest is number 0

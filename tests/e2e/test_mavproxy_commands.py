@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import MOMENT_S
 from programs import Program, start_boat
 
 pytestmark = pytest.mark.realtime
@@ -25,14 +26,14 @@ def proxy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Program]:
         boat.program.close()
 
 
-def typed(proxy: Program, line: str, answer: str, timeout_s: float = 15.0) -> re.Match[str]:
+def typed(proxy: Program, line: str, answer: str, timeout_s: float = MOMENT_S) -> re.Match[str]:
     """Type a command and wait for what it must bring."""
     said = len(proxy.out)
     proxy.say(line)
     return proxy.wait_for(answer, timeout_s, after=said)
 
 
-def typed_until(proxy: Program, line: str, answer: str, timeout_s: float = 15.0) -> None:
+def typed_until(proxy: Program, line: str, answer: str, timeout_s: float = MOMENT_S) -> None:
     """Type a command again and again until it brings what it must: MAVProxy carries some out later."""
     give_up_s = time.monotonic() + timeout_s
     while True:

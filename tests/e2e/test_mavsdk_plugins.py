@@ -26,12 +26,12 @@ from mavsdk.plugins.log_files import LogFilesError
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.param import ParamError
 from mavutil_station import HOME, MavutilStation, Place, zigzag
+from patience import JOB_S, MOMENT_S
 from programs import RunningBoat, start_boat
 from pymavlink.dialects.v20 import all as dialect
 
 pytestmark = pytest.mark.realtime
 
-LIMIT_S = 30.0
 MANUAL = 0
 Job = Callable[[System], Coroutine[Any, Any, None]]
 
@@ -49,7 +49,7 @@ def boat(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoat]:
 async def station(boat: RunningBoat) -> AsyncIterator[System]:
     async with Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION)) as mavsdk:
         await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{boat.port}")
-        system = await mavsdk.first_autopilot(10.0)
+        system = await mavsdk.first_autopilot(MOMENT_S)
         assert system is not None
         yield system
 
@@ -61,7 +61,7 @@ def run(boat: RunningBoat, job: Job) -> None:
         async with station(boat) as system:
             await job(system)
 
-    asyncio.run(asyncio.wait_for(connected(), LIMIT_S))
+    asyncio.run(asyncio.wait_for(connected(), JOB_S))
 
 
 def raw(places: list[Place], mission_type: int = 0, param1: float = 0.0) -> list[RawItem]:

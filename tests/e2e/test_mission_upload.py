@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from fake_vehicle import Behaviour, FakeVehicle, fake_vehicle
+from patience import JOB_S
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.geo import LatLon, LocalFrame, Point
@@ -186,7 +187,11 @@ def test_the_installed_program_leaves_stdout_to_the_json(plan: str) -> None:
     program = str(Path(sys.executable).with_name("mission-upload"))
     with fake_vehicle() as vehicle:
         done = subprocess.run(
-            [program, plan, *link(vehicle), "--json"], capture_output=True, text=True, timeout=60, check=False
+            [program, plan, *link(vehicle), "--json"],
+            capture_output=True,
+            text=True,
+            timeout=JOB_S,
+            check=False,
         )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["upload"]["items"] == 7
@@ -208,7 +213,7 @@ def test_ctrl_c_ends_a_followed_voyage_with_130(plan: str) -> None:
                 if line.startswith("waypoint 2 of 6"):
                     running.send_signal(2)
                     break
-            _, told = running.communicate(timeout=20)
+            _, told = running.communicate(timeout=JOB_S)
         finally:
             running.kill()
     assert running.returncode == 130

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from mavutil_station import OpenStation, Place
+from patience import JOB_S
 from programs import Ended, RunBoat, RunningBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 from wiretap import Wiretap
@@ -23,7 +24,6 @@ pytest_plugins = ("program_fixtures",)
 AUTO, LOITER = 10, 5
 GOAL = Place(16, 3, 500020857, -11969034)  # of the scenario `lake`
 ISLAND = "50.0,-1.2"  # Alder Island, on the same pond
-JOB_S = 40.0
 FENCE = str(Path(__file__).parents[2] / "examples/maps/mill_pond_fence.geojson")
 
 

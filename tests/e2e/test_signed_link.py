@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from mavutil_station import MavutilStation, OpenStation, zigzag
+from patience import JOB_S
 from programs import RunBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 
@@ -20,7 +21,6 @@ KEY = SigningKey.from_passphrase(PHRASE).reveal()
 OTHER = SigningKey.from_passphrase("battery staple").reveal()
 OK = dialect.MAV_RESULT_ACCEPTED
 HOLD, MANUAL = 4.0, 0.0
-JOB_S = 40.0
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import JOB_S
 from programs import SCRIPTS, RunProgram
 
 from companion.config import load_config
@@ -24,7 +25,6 @@ UNIT = (ROOT / "examples" / "mavboat.service").read_text(encoding="utf-8")
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
 BOAT = ROOT / "examples" / "configs" / "boat.toml"
 NOBODY = 65534
-LIMIT_S = 100.0
 MOCK_PINS = {"GPIOZERO_PIN_FACTORY": "mock", "GPIOZERO_MOCK_PIN_CLASS": "mockpwmpin"}
 LISTENING = """
 links = ["tcpin:127.0.0.1:0"]
@@ -55,7 +55,7 @@ def test_systemd_has_nothing_to_say_against_it(tmp_path: Path) -> None:
         ["systemd-analyze", "verify", "--man=no", str(unit)],
         capture_output=True,
         text=True,
-        timeout=LIMIT_S,
+        timeout=JOB_S,
         check=False,
     )
     said = [line for line in (done.stdout + done.stderr).splitlines() if "mavboat" in line]
@@ -91,7 +91,7 @@ def test_after_the_program_its_enable_pins_are_driven_low(pinctrl: Path, tmp_pat
     command = service()["ExecStopPost"].removeprefix("+").split()
     assert command[0] == "/opt/mavboat/.venv/bin/python"
     assert command[-1] == "/etc/mavboat/boat.toml"
-    subprocess.run([sys.executable, *command[1:-1], str(boat)], cwd=tmp_path, check=True, timeout=LIMIT_S)
+    subprocess.run([sys.executable, *command[1:-1], str(boat)], cwd=tmp_path, check=True, timeout=JOB_S)
     assert pinctrl.read_text(encoding="utf-8") == "set 19,26 op dl\n"
 
 
@@ -99,7 +99,7 @@ def test_what_is_run_after_the_program_loads_no_more_than_the_configuration() ->
     """It is waited for with the motors running."""
     code = "import sys, companion.motors_off; print(*sys.modules)"
     done = subprocess.run(
-        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=LIMIT_S
+        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=JOB_S
     )
     loaded = {name.partition(".")[0] for name in done.stdout.split()}
     assert not loaded & {"pymavlink", "typer", "rich", "numpy", "gpiozero", "serial", "lgpio", "smbus2"}
@@ -169,7 +169,7 @@ def environment(folder: Path) -> dict[str, str]:
 def test_lgpio_loads_for_the_units_user(folder: Path, where: str) -> None:
     loads = [*AS_ITS_USER, sys.executable, "-c", "import lgpio"]
     cwd = folder if where == "its folder" else Path("/")
-    subprocess.run(loads, cwd=cwd, env=environment(folder), check=True, timeout=LIMIT_S)
+    subprocess.run(loads, cwd=cwd, env=environment(folder), check=True, timeout=JOB_S)
 
 
 @needs_root
@@ -179,7 +179,7 @@ def test_a_folder_that_is_not_the_users_is_named_in_one_line(folder: Path) -> No
     bare = {name: value for name, value in os.environ.items() if name != "LG_WD"}
     program = [*AS_ITS_USER, str(SCRIPTS / "boat-companion"), "run", "--config", str(boat)]
     done = subprocess.run(
-        program, cwd="/", env=bare, capture_output=True, text=True, timeout=LIMIT_S, check=False
+        program, cwd="/", env=bare, capture_output=True, text=True, timeout=JOB_S, check=False
     )
     (line,) = [line for line in done.stderr.splitlines() if line.startswith("boat-companion:")]
     assert line.startswith("boat-companion: L298N: the pins cannot be opened: lgpio cannot write to /; ")
@@ -195,6 +195,6 @@ def test_the_program_runs_as_its_own_user_in_an_empty_folder(run_program: RunPro
     program = run_program(*command, "--config", str(boat), environment={**environment(folder), **MOCK_PINS})
     program.wait_for("listening on tcpin:", stream="err")
     program.send(signal.SIGTERM)
-    ended = program.wait(LIMIT_S)
+    ended = program.wait(JOB_S)
     assert ended.code == 0, ended
     assert (folder / "state").stat().st_uid == NOBODY

@@ -13,6 +13,7 @@ import pytest
 from mavutil_station import MavutilStation
 from mock_pi import PINS, MockPi
 from msgspec import structs
+from patience import MOMENT_S
 from programs import until
 from pymavlink.dialects.v20 import all as dialect
 
@@ -90,8 +91,11 @@ def run_until_it_happens(
         try:
             assert station.enter(MANUAL) == dialect.MAV_RESULT_ACCEPTED
             until(lambda: station.arm() == dialect.MAV_RESULT_ACCEPTED)  # no heading in the first ticks
-            station.mav.rc_channels_override_send(1, 1, 1500, 0, 1900, 0, 0, 0, 0, 0)
-            until(lambda: pi.is_driving)
+
+            def push() -> None:  # as a hand does: again and again
+                station.mav.rc_channels_override_send(1, 1, 1500, 0, 1900, 0, 0, 0, 0, 0)
+
+            until(lambda: push() or pi.is_driving)  # type: ignore[func-returns-value]
             event.is_due.set()
             until(over.is_set)
         finally:
@@ -102,7 +106,7 @@ def run_until_it_happens(
 
     with ThreadPoolExecutor(1) as pool, ExitStack() as ending:
         helm = pool.submit(take_the_helm)
-        ending.callback(lambda: helm.result(10.0))
+        ending.callback(lambda: helm.result(MOMENT_S))
         ending.callback(over.set)
         run_boat(CONFIG, lambda: should_stop() or helm.done(), open_parts=open_parts)
 

@@ -8,6 +8,8 @@ import tty
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from patience import MOMENT_S
+
 
 class HandClock:
     """The boat's clock, moved by the test."""
@@ -67,7 +69,7 @@ def gather(receive: Callable[[], Iterable[bytes]], into: list[bytes]) -> list[by
 
 def eventually(condition: Callable[[], object]) -> None:
     """Try a condition until it holds: the kernel's own hand-over between two ends takes a moment."""
-    deadline_s = time.monotonic() + 5.0
+    deadline_s = time.monotonic() + MOMENT_S
     while not condition():
         assert time.monotonic() < deadline_s, "it never came about"
         time.sleep(0.0005)

@@ -6,6 +6,7 @@ import threading
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from patience import MOMENT_S
 
 from companion.hal.background import Background
 from companion.hal.backoff import Backoff
@@ -25,7 +26,7 @@ def test_a_step_that_raises_is_logged_once_and_tried_again(caplog: pytest.LogCap
     background = Background(step, "compass")
     with caplog.at_level(logging.INFO):
         background.start()
-        assert is_done.wait(5.0)
+        assert is_done.wait(MOMENT_S)
         background.close()
         background.close()
     assert [record.getMessage() for record in caplog.records] == [

@@ -7,6 +7,7 @@ import pytest
 from hardware_twins import HandClock, eventually, gather
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import MOMENT_S
 
 from companion.errors import LinkError
 from companion.hal.interfaces import Link
@@ -38,7 +39,7 @@ class Station:
     def __init__(self, number: int = 0) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind((HERE, number))
-        self._socket.settimeout(5.0)
+        self._socket.settimeout(MOMENT_S)
         self.number: int = self._socket.getsockname()[1]
 
     def __enter__(self) -> "Station":

@@ -14,6 +14,7 @@ import pytest
 from hardware_twins import HandClock, PtyLine, eventually, gather
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import MOMENT_S
 
 from companion.errors import LinkError
 from companion.hal.interfaces import Link, Port
@@ -60,7 +61,7 @@ def next_link(port: Port) -> Link:
 
 
 def connect(port: TcpInPort) -> tuple[Link, socket.socket]:
-    client = socket.create_connection((HERE, number_of(port)), timeout=5.0)
+    client = socket.create_connection((HERE, number_of(port)), timeout=MOMENT_S)
     return next_link(port), client
 
 
@@ -187,7 +188,7 @@ def test_one_call_takes_a_bounded_bite_of_a_flood(server: TcpInPort) -> None:
 def test_clients_beyond_the_limit_are_turned_away() -> None:
     port = TcpInPort(HERE, 0, max_clients=1)
     link, client = connect(port)
-    with socket.create_connection((HERE, number_of(port)), timeout=5.0) as refused:
+    with socket.create_connection((HERE, number_of(port)), timeout=MOMENT_S) as refused:
         assert port.accept() == []
         assert refused.recv(1) == b""
     link.close()

@@ -3,6 +3,7 @@
 import threading
 
 import pytest
+from patience import MOMENT_S
 
 from companion.hal.watched_motors import WatchedMotors
 
@@ -151,13 +152,13 @@ def test_motors_that_could_not_be_stopped_stay_watched(clock: Clock, way: str) -
 
 @pytest.mark.realtime
 def test_the_thread_asks_a_driver_that_raises_again_and_again(clock: Clock) -> None:
-    motors = StickingMotors(failures=20)
+    motors = StickingMotors(failures=200)
     watched = WatchedMotors(motors, clock, timeout_s=0.02)
     watched.write(0.4, 0.4)
     clock.now_s += 1.0
     watched.start()
-    # 20 retries at the watch's own pace take 0.1 s; waits that doubled up to 2 s would take 32 s
-    assert motors.stopped.wait(15.0)
+    # 200 retries at the watch's own pace take a second; waits that doubled up to 2 s would take 6 minutes
+    assert motors.stopped.wait(MOMENT_S)
     watched.close()
     assert not motors.is_on()
 
@@ -168,7 +169,7 @@ def test_the_thread_looks_without_being_asked(motors: RecordingMotors) -> None:
     watched = WatchedMotors(motors, lambda: float(next(ticks)), timeout_s=0.02)
     watched.start()
     watched.write(0.3, 0.3)
-    assert motors.stopped.wait(5.0)
+    assert motors.stopped.wait(MOMENT_S)
     watched.close()
     watched.close()
     assert motors.calls.count(("stop", 0.0, 0.0)) == 1

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from patience import MOMENT_S
 
 from companion.errors import ConfigError, LinkError
 from companion.units import wrap_pi
@@ -170,7 +171,7 @@ def test_an_autopilot_of_ours_holds_a_heading_over_a_real_socket(scenario: Scena
     thread.start()
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
-            link.settimeout(5.0)
+            link.settimeout(MOMENT_S)
             link.connect(("127.0.0.1", port))
             link.send(b"not a packet")
             turn = 0.0

@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import pytest
+from patience import JOB_S
 
 OTHERS = [name for name in os.environ.get("MAVBOAT_PYTHONS", "").split(":") if name]
 ROUGH = ("environment.current_m_s=0.4", "environment.gust_m_s=8", "environment.wave_height_m=0.1")
@@ -18,7 +19,7 @@ def state_hash(python: str, hash_seed: str, *arguments: str) -> str:
     """Sail in a process of its own."""
     command = [python, "-m", "sitl", "sail", *arguments, "--json"]
     environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=100)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=JOB_S)
     told: str = json.loads(done.stdout)["state_hash"]
     return told
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 from boat_rig import scenario
 from fake_clock import FakeClock
+from patience import MOMENT_S
 
 from companion.config import BoatConfig
 from companion.errors import LinkError
@@ -116,7 +117,7 @@ def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterward
     number = int(craft.port_names[0].rsplit(":", 1)[1])
     assert number > 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
-        station.settimeout(10.0)
+        station.settimeout(MOMENT_S)
         encoder = Encoder(Address(255, 190))
         station.sendto(
             encoder.encode(dialect.MAVLink_param_request_read_message(1, 1, b"HDG_KP", -1)),

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from boat_rig import Rig
 from client_habits import Habits
+from patience import MOMENT_S
 from station_client import OpenClient, StationClient
 from vehicle_line import PERFECT, Line, LiveLine, SimulatedLine
 
@@ -36,7 +37,7 @@ def live_url(request: pytest.FixtureRequest) -> Iterator[str]:
         yield "tcp:" + line.rsplit("tcpin:", 1)[1].strip()
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(timeout=10)
+        process.wait(timeout=MOMENT_S)
         assert process.stdout is not None
         process.stdout.close()
 
