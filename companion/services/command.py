@@ -7,6 +7,7 @@ from msgspec import Struct
 
 from companion.geo import LatLon
 from companion.mavlink.dialect import Message, dialect
+from companion.services.mission_items import HIGHEST_M
 from companion.services.outbox import Origin
 from companion.units import e7_to_deg
 
@@ -45,6 +46,7 @@ class Command(Struct, frozen=True):
     now_s: float
     fifth: float = 0.0
     sixth: float = 0.0
+    altitude_m: float = math.nan  # which is: not given, and of no use to a boat
 
     def whole(self, index: int) -> int | None:
         """A parameter as a whole number, None where it is not one."""
@@ -54,6 +56,8 @@ class Command(Struct, frozen=True):
     def position(self) -> LatLon | None:
         """Where the command points, None when that is not a place on a global frame."""
         if self.frame not in _GLOBAL_FRAMES or (self.x == 0.0 and self.y == 0.0):
+            return None
+        if abs(self.altitude_m) > HIGHEST_M:
             return None
         try:
             return LatLon(self.x, self.y)
@@ -86,6 +90,7 @@ def from_long(message: Message, origin: Origin, now_s: float) -> Command:
         now_s,
         message.param5,
         message.param6,
+        message.param7,
     )
 
 
@@ -101,4 +106,5 @@ def from_int(message: Message, origin: Origin, now_s: float) -> Command:
         now_s,
         float(message.x),
         float(message.y),
+        message.z,
     )

@@ -26,7 +26,7 @@ from companion.vehicle.mission_steps import (
 )
 from companion.vehicle.places import Offset, Place
 
-_HIGHEST_M = 83_000.0  # ArduPilot's limit: the most that its 24 bits of centimetres hold
+HIGHEST_M = 83_000.0  # ArduPilot's limit: the most that its 24 bits of centimetres hold
 _LOCAL_SCALE = 1e-4  # x and y of a local frame are whole tenths of a millimetre
 
 # Camera, mount and markers: a survey plan is sailed without them, and the operator is told
@@ -124,7 +124,7 @@ def _place(item: MissionItem) -> Place | Fault:
 
 def _altitude_fault(item: MissionItem) -> Fault | None:
     """A boat has one altitude and looks at none; but a list with one that cannot be meant is damaged."""
-    if abs(item.z) <= _HIGHEST_M:
+    if abs(item.z) <= HIGHEST_M:
         return None
     return Fault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is no altitude")
 

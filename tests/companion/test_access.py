@@ -1,6 +1,7 @@
 """A boat that obeys its operator alone, as other stations meet it."""
 
 import struct
+from pathlib import Path
 
 import pytest
 from boat_rig import BOAT, DENIED, OK, QGC, Peer, Rig, waypoint
@@ -9,6 +10,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
+from companion.storage import FolderStorage
 
 CMD = dialect
 ENFORCED: dict[str, object] = {"identity.operator_system_id": 255, "identity.only_operator": True}
@@ -62,6 +64,15 @@ def test_a_stranger_may_ask_and_see(rig: Rig) -> None:
     assert bytes(stranger.said("FILE_TRANSFER_PROTOCOL")[0].payload)[3] == 128
 
 
+def test_a_stranger_writes_no_file(tmp_path: Path) -> None:
+    rig = Rig(config=ENFORCED, storage=FolderStorage(tmp_path)).ready()
+    stranger = rig.connect(STRANGER)
+    for opcode in range(6, 14):  # create, write, remove, folders, open to write, truncate, rename
+        reply = bytes(rig.answer_to(ftp(opcode), "FILE_TRANSFER_PROTOCOL", stranger).payload)
+        assert (reply[3], reply[12]) == (129, 9), opcode  # NAK, file protected
+    rig.boat.close()
+
+
 def test_nothing_that_a_stranger_sends_changes_the_boat(rig: Rig) -> None:
     stranger, before = rig.connect(STRANGER), rig.fingerprint()
     ack = rig.answer_to(dialect.MAVLink_set_mode_message(1, 1, 15), "COMMAND_ACK", stranger)
@@ -75,9 +86,6 @@ def test_nothing_that_a_stranger_sends_changes_the_boat(rig: Rig) -> None:
     outcome = rig.upload([waypoint(0.0, 0.0, command=5100)], stranger, MissionType.RALLY)
     assert isinstance(outcome, Failed)
     assert outcome.result is MissionResult.DENIED
-    for opcode in range(6, 14):
-        reply = rig.answer_to(ftp(opcode), "FILE_TRANSFER_PROTOCOL", stranger)
-        assert bytes(reply.payload)[3] == 129
     stranger.send(dialect.MAVLink_mission_set_current_message(*BOAT, 0))
     stranger.send(dialect.MAVLink_setup_signing_message(*BOAT, bytes(range(32)), 5))
     rig.run(0.2)

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from boat_rig import BOAT, FAILED, FRAME, HOME_ITEM, OK, Rig, nav_at, place, waypoint
+from boat_rig import BOAT, DENIED, FAILED, FRAME, HOME_ITEM, OK, Rig, nav_at, place, waypoint
 
 from companion.config import BoatConfig
 from companion.geo import LatLon
@@ -165,6 +165,19 @@ def test_an_altitude_that_is_none_is_refused_by_name(rig: Rig, kind: MissionType
 @pytest.mark.parametrize("altitude_m", [-83_000.0, 0.0, 50.0, 83_000.0])
 def test_an_altitude_that_may_be_meant_is_taken(rig: Rig, altitude_m: float) -> None:
     assert isinstance(rig.upload([HOME_ITEM, replace(waypoint(10.0, 0.0), z=altitude_m)]), Completed)
+
+
+@pytest.mark.parametrize(
+    ("altitude_m", "result"), [(math.inf, DENIED), (1e9, DENIED), (50.0, OK), (math.nan, OK)]
+)
+@pytest.mark.parametrize(
+    ("number", "params"),
+    [(CMD.MAV_CMD_DO_REPOSITION, (-1.0, 1.0, 0.0, math.nan)), (CMD.MAV_CMD_DO_SET_HOME, (0.0,) * 4)],
+)
+def test_a_command_to_a_place_without_an_altitude_that_may_be_meant_is_denied(
+    rig: Rig, number: int, params: tuple[float, ...], altitude_m: float, result: int
+) -> None:
+    assert rig.ask(number, *params, 50.001, -1.2, altitude_m) == result
 
 
 def test_a_go_to_of_the_old_kind_is_held_to_the_same(rig: Rig) -> None:
