@@ -76,11 +76,12 @@ def _round_values(low: float, high: float) -> tuple[list[float], int]:
 
 
 def draw_scale_bar(axes: Axes, view: View) -> None:
-    """A round length in the lower left corner, about a fifth of the picture's width."""
+    """A round length in the lower left corner, about a fifth of the picture's width; more if it is narrow."""
     west, south, east, north = view
     width, height = east - west, north - south
-    length_m = next((step for step in reversed(SCALE_STEPS_M) if step <= 0.2 * width), SCALE_STEPS_M[0])
-    left, bottom, thick = west + 0.025 * width, south + 0.035 * height, 0.007 * height
+    longest_m = max(0.2 * width, 0.45 * min(width, 0.6 * height))
+    length_m = next((step for step in reversed(SCALE_STEPS_M) if step <= longest_m), SCALE_STEPS_M[0])
+    left, bottom, thick = west + 0.025 * max(width, height), south + 0.035 * height, 0.007 * height
     for part, colour in enumerate((INK, "white", INK, "white")):
         corner = (left + part * length_m / 4.0, bottom)
         axes.add_patch(
@@ -113,8 +114,13 @@ def draw_north_arrow(axes: Axes) -> None:
     )  # fmt: skip
 
 
-def draw_legend(axes: Axes, chart: Chart, band_m: float, has_plan: bool, has_track: bool) -> None:
-    """Whatever is on this picture; band_m is the clearance that a band was drawn for."""
+def draw_legend(
+    axes: Axes, chart: Chart, band_m: float, has_plan: bool, has_track: bool, *, is_beside: bool = False
+) -> None:
+    """Whatever is on this picture; band_m is the clearance that a band was drawn for.
+
+    is_beside: to the right of the map instead of in its corner.
+    """
     entries: list[Line2D | Patch] = []
     if has_plan:
         entries.append(Line2D([], [], label="planned", **PLAN_STYLE))
@@ -129,6 +135,9 @@ def draw_legend(axes: Axes, chart: Chart, band_m: float, has_plan: bool, has_tra
         style: dict[str, Any] = {"facecolor": KEEP_OUT_TINT, "edgecolor": KEEP_OUT, "hatch": "///"}
         entries.append(Patch(label="keep out", linewidth=0, **style))
     if entries:
-        box = axes.legend(handles=entries, loc="lower right", fontsize=9.5, framealpha=0.93, borderpad=0.9)
+        place: dict[str, Any] = {"loc": "lower right"}
+        if is_beside:
+            place = {"loc": "lower left", "bbox_to_anchor": (1.03, 0.0), "borderaxespad": 0.0}
+        box = axes.legend(handles=entries, fontsize=9.5, framealpha=0.93, borderpad=0.9, **place)
         box.get_frame().set(edgecolor="#999999", facecolor=PAPER)
         box.set_zorder(20)

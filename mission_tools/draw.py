@@ -5,6 +5,7 @@ no state outside them is touched.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -43,6 +45,12 @@ from mission_tools.view import view_of
 
 LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
 WATER = "#b7daeb"
+WIDTH_IN, HEIGHT_IN = 12.8, 9.6  # of a picture; 125 pixels an inch
+LEFT_IN, BOTTOM_IN = 0.576, 0.432  # where its map begins
+MAP_WIDTH_IN, MAP_HEIGHT_IN = 11.84, 8.208
+LEGEND_IN = 3.1  # beside a narrow map
+NARROW_IN = WIDTH_IN - LEFT_IN - LEGEND_IN - 2.0  # a map narrower than this would have more land than water
+LEAST_MAP_IN = 3.4  # room for scale bar and north arrow
 NAMES = 6  # the layer of features' names
 TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
 
@@ -117,7 +125,7 @@ def save_picture(
     clearance_m: float = 0.0,
     speeds_m_s: Sequence[float] | None = None,
 ) -> None:
-    """Write one picture of 1600 × 1200 pixels; the suffix of path chooses the format.
+    """Write one picture, 1200 pixels high; the suffix of path chooses the format.
 
     Raises:
         OSError: the file cannot be written.
@@ -143,15 +151,16 @@ def draw_picture(
     clearance_m: float = 0.0,
     speeds_m_s: Sequence[float] | None = None,
 ) -> Figure:
-    """One picture of 1600 × 1200 pixels, with its cartouche.
+    """One picture of 1600 × 1200 pixels, with its cartouche; a narrow chart's is narrower.
 
     route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
     view is the whole chart, or the surroundings of route and track where those are far smaller.
     """
-    figure = Figure(figsize=(12.8, 9.6), dpi=125, facecolor=PAPER)
+    layout = _Layout.of(view_of(chart, route, track))
+    figure = Figure(figsize=(layout.width_in, HEIGHT_IN), dpi=125, facecolor=PAPER)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.045, 0.045, 0.925, 0.855))
-    view = view_of(chart, route, track, aspect=(12.8 * 0.925) / (9.6 * 0.855))
+    axes = figure.add_axes(layout.box(LEFT_IN, BOTTOM_IN, layout.map_in, MAP_HEIGHT_IN))
+    view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
     west, south, east, north = view
     axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
     _draw_tints(axes, chart, east - west)
@@ -168,14 +177,49 @@ def draw_picture(
     draw_frame(axes, chart, view)
     draw_scale_bar(axes, view)
     draw_north_arrow(axes)
-    draw_legend(axes, chart, clearance_m, route is not None, bool(track) and line is None)
+    is_beside = layout.is_narrow
+    draw_legend(
+        axes, chart, clearance_m, route is not None, bool(track) and line is None, is_beside=is_beside
+    )
     if line is not None:
-        bar = figure.colorbar(line, cax=axes.inset_axes((0.025, 0.945, 0.2, 0.018)), orientation="horizontal")
+        place = layout.box(LEFT_IN + layout.map_in + 0.3, BOTTOM_IN + 7.6, 2.3, 0.15) if is_beside else None
+        cax = axes.inset_axes((0.025, 0.945, 0.2, 0.018)) if place is None else figure.add_axes(place)
+        bar = figure.colorbar(line, cax=cax, orientation="horizontal")
         bar.set_label("speed over ground, m/s", fontsize=9)
         bar.ax.tick_params(labelsize=8)
-    figure.text(0.045, 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
-    figure.text(0.045, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
+    left = LEFT_IN / layout.width_in
+    figure.text(left, 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
+    figure.text(left, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
     return figure
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """Where a picture's parts lie, in inches: a narrow chart has its legend beside it."""
+
+    width_in: float
+    map_in: float
+    is_narrow: bool
+
+    @classmethod
+    def of(cls, view: View) -> "_Layout":
+        """The layout for what is shown."""
+        map_in = MAP_HEIGHT_IN * (view[2] - view[0]) / (view[3] - view[1])
+        if map_in >= NARROW_IN:
+            return cls(WIDTH_IN, MAP_WIDTH_IN, is_narrow=False)
+        map_in = max(map_in, LEAST_MAP_IN)
+        return cls(LEFT_IN + map_in + LEGEND_IN, map_in, is_narrow=True)
+
+    def box(
+        self, left_in: float, bottom_in: float, width_in: float, height_in: float
+    ) -> tuple[float, float, float, float]:
+        """A rectangle as shares of the figure."""
+        return (
+            left_in / self.width_in,
+            bottom_in / HEIGHT_IN,
+            width_in / self.width_in,
+            height_in / HEIGHT_IN,
+        )
 
 
 def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
@@ -250,12 +294,25 @@ def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
 def _hide_crowded_names(axes: Axes) -> None:
     """Of names that would lie over each other only the first stays; Start, Goal and numbers all do."""
     taken: list[Bbox] = []
+    frame = axes.get_window_extent()
+    for text in axes.texts:
+        if isinstance(text, Annotation) and text.zorder == NAMES:
+            _keep_inside(text, frame)
     for text in sorted(axes.texts, key=lambda text: text.zorder == NAMES):
         box = text.get_window_extent()
         if text.zorder == NAMES and box.count_overlaps(taken):
             text.set_visible(False)
         else:
             taken.append(box)
+
+
+def _keep_inside(name: Annotation, frame: Bbox) -> None:
+    """Put a name that the frame would cut on the other side of its thing."""
+    box = name.get_window_extent()
+    if box.x1 > frame.x1 or box.x0 < frame.x0:
+        offset, _ = name.get_position()
+        name.set_position((-offset, 0.0))
+        name.set_horizontalalignment("right" if name.get_horizontalalignment() == "left" else "left")
 
 
 def _dense(route: Sequence[Point]) -> list[Point]:

@@ -14,9 +14,9 @@ WHOLE_CHART_RATIO = 4.0
 
 
 def view_of(
-    chart: Chart, route: Sequence[Point] | None, track: Sequence[Point] | None, aspect: float
+    chart: Chart, route: Sequence[Point] | None, track: Sequence[Point] | None, aspect: float | None = None
 ) -> View:
-    """What of a chart a picture shows, for an aspect of width ÷ height.
+    """What of a chart a picture shows, for an aspect of width ÷ height; None: as it comes.
 
     The whole chart, or the surroundings of route and track where those are far smaller.
     """
@@ -31,7 +31,8 @@ def view_of(
     width, height = max(east - west, 1e-3), max(north - south, 1e-3)
     margin = (0.035 if is_whole else MARGIN_SHARE) * max(width, height)
     width, height = width + 2.0 * margin, height + 2.0 * margin
-    width, height = max(width, height * aspect), max(height, width / aspect)
+    if aspect is not None:
+        width, height = max(width, height * aspect), max(height, width / aspect)
     middle_east, middle_north = 0.5 * (west + east), 0.5 * (south + north)
     return (
         middle_east - 0.5 * width,

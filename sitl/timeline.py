@@ -9,6 +9,7 @@ from sitl.faults.catalogue import FaultSetting
 from sitl.lockstep import Lockstep
 
 MOST_EVENTS = 5000
+OVER = " is over"  # after a fault's name, when it ends
 
 
 class Event(NamedTuple):
@@ -78,7 +79,7 @@ class Timeline:
     def _note_faults(self, active: Mapping[str, FaultSetting], time_s: float) -> None:
         for what, fault in self._faults.items():
             if active.get(what) is not fault:
-                self._add(time_s, "fault", f"{what} {fault.kind} is over")
+                self._add(time_s, "fault", f"{what} {fault.kind}{OVER}")
         for what, fault in active.items():
             if self._faults.get(what) is not fault:
                 self._add(time_s, "fault", f"{what} {fault.kind}")

@@ -25,11 +25,17 @@ def report(
 
     Example:  boat-sitl sail lake --record out/lake.npz && boat-sitl report out/lake.npz -o out/lake.html
     """
+    remark = ""
     if source.is_dir():
-        text, beside = campaign_page(*Ledger.read(source)), source / "report.html"
+        plan, outcomes = Ledger.read(source)
+        text, beside = campaign_page(plan, outcomes), source / "report.html"
+        if len(outcomes) < len(plan.runs):
+            remark = (
+                f" (stopped early: {len(plan.runs) - len(outcomes)} of {len(plan.runs)} runs are missing)"
+            )
     else:
         text, beside = run_page(load_record(source)), source.with_suffix(".html")
     page = out or beside
     page.parent.mkdir(parents=True, exist_ok=True)
     page.write_text(text, encoding="utf-8")
-    typer.echo(f"written: {page}")
+    typer.echo(f"written: {page}{remark}")

@@ -12,6 +12,7 @@ from sitl.campaign.expect import judge
 from sitl.campaign.run import Outcome, Run
 from sitl.campaign.table import Table, tabulate
 from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
+from sitl.reports.labels import label, labelled
 from sitl.reports.page import Mark, Page
 
 _MOST_LISTED = 200
@@ -34,9 +35,15 @@ def campaign_page(plan: Campaign, outcomes: Sequence[Outcome]) -> str:
     ended = Counter(outcome.ended for outcome in outcomes)
     touching = sum(bool(outcome.touched) for outcome in outcomes)
     page = Page(plan.title, f"{len(outcomes)} of {len(plan.runs)} runs of {plan.source}")
-    page.tiles(
-        [(how, str(count)) for how, count in sorted(ended.items())] + [("touched something", str(touching))]
-    )
+    missing = len(plan.runs) - len(outcomes)
+    if missing:
+        page.warning(
+            f"Stopped early: {missing} of {len(plan.runs)} runs are missing, and all figures are of those "
+            f"that were sailed. The command that began the campaign goes on with it."
+        )
+    tiles = [(how, str(count)) for how, count in sorted(ended.items())]
+    tiles += [("missing", str(missing))] if missing else []
+    page.tiles([*tiles, ("touched something", str(touching))])
     _expectations(page, plan, table)
     _groups(page, plan, outcomes, table)
     clearances = draw_clearances(table)
@@ -53,16 +60,17 @@ def _expectations(page: Page, plan: Campaign, table: Table) -> None:
     verdicts = judge(plan.expect, table)
     if not verdicts:
         return
+    so_far = " so far" if len(table) < len(plan.runs) else ""
     page.heading("Expectations")
     marks: list[Mark] = ["good" if verdict.is_met else "bad" for verdict in verdicts]
     rows = [
         (
-            verdict.what,
-            verdict.group,
+            labelled(verdict.what),
+            labelled(verdict.group),
             verdict.runs,
             verdict.bound,
             f"{verdict.value:.4g}" if verdict.value is not None else f"missing in {verdict.missing}",
-            "met" if verdict.is_met else "not met",
+            f"met{so_far}" if verdict.is_met else f"not met{so_far}",
         )
         for verdict in verdicts
     ]
@@ -71,10 +79,9 @@ def _expectations(page: Page, plan: Campaign, table: Table) -> None:
         if expectation.figure != "completed":
             figure = draw_expectation(expectation, table)
             if figure is not None:
-                where = ", ".join(f"{column} {value}" for column, value in expectation.where.items())
-                page.picture(
-                    figure, f"{expectation.figure}{where and f', {where}'}: a dot a run, a bar the mean."
-                )
+                where = ", ".join(f"{label(column)} {value}" for column, value in expectation.where.items())
+                caption = f"{label(expectation.figure)}{where and f', {where}'}: a dot a run, a bar the mean."
+                page.picture(figure, caption)
 
 
 def _groups(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Table) -> None:
@@ -88,7 +95,7 @@ def _groups(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Tabl
         groups.setdefault(tuple(row.get(name) for name in columns), []).append(number)
     page.heading("Means")
     page.table(
-        [*columns, "runs", *figures],
+        [*map(label, columns), "runs", *map(label, figures)],
         [
             (*key, len(members), *(_mean([table[n].get(f) for n in members]) for f in figures))
             for key, members in groups.items()
@@ -115,7 +122,9 @@ def _runs_to_look_at(page: Page, plan: Campaign, outcomes: Sequence[Outcome], ta
     ]
     page.heading("Runs to look at")
     if not odd:
-        page.paragraph("None: every run was completed, and nothing was touched.")
+        missing = len(plan.runs) - len(outcomes)
+        which = f"every run that was sailed ({missing} are missing)" if missing else "every run"
+        page.paragraph(f"None: {which} was completed, and nothing was touched.")
         return
     by_fault = Counter(str(row.get("fault") or "none") for _, outcome, row in odd if outcome.touched)
     if by_fault:

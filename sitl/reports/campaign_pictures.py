@@ -1,6 +1,7 @@
 """The pictures of a campaign: every run's figure by group, and where the boats went."""
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -14,9 +15,11 @@ from mission_tools.cartouche import INK, PAPER, PLANNED, SAILED
 from sitl.campaign.expect import Expectation
 from sitl.campaign.run import Outcome
 from sitl.courses import COURSES
+from sitl.reports.labels import label, labelled
 
 _MOST_GROUPS = 24
 _MOST_TRACKS = 400
+_NAME_COLUMNS = 44  # letters that fit over a small chart
 _COLUMNS = 3
 _MET, _MISSED = "#2d7a3e", "#b3261e"
 
@@ -48,23 +51,31 @@ def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure |
             linewidth=2.6,
             solid_capstyle="round",
         )
-    for bound, side in ((expectation.at_most, 1.0), (expectation.at_least, -1.0)):
+    bounds = [(expectation.at_most, "at most"), (expectation.at_least, "at least")]
+    for bound, _ in bounds:
         if bound is not None:
             axes.axvline(bound, color=PLANNED, linewidth=1.4, linestyle="--")
-            word = f"  at most {bound:g}" if side > 0.0 else f"at least {bound:g}  "
+    low, high = axes.get_xlim()
+    for bound, word in bounds:
+        if bound is not None:  # written towards the middle, where there is room
             axes.annotate(
-                word, (bound, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3),
-                textcoords="offset points", color=PLANNED, fontsize=9, ha="left" if side > 0.0 else "right",
+                f"{word} {bound:g}", (bound, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3),
+                textcoords="offset points", color=PLANNED, fontsize=9,
+                ha="left" if bound < 0.5 * (low + high) else "right",
             )  # fmt: skip
-    axes.set_yticks(
-        range(len(groups)), [f"{name}  (n = {len(values)})" for name, values in groups], fontsize=9
-    )
+    names = [_wrapped(f"{labelled(name)}  (n = {len(values)})") for name, values in groups]
+    axes.set_yticks(range(len(groups)), names, fontsize=9)
     axes.set_ylim(len(groups) - 0.4, -0.6)
-    axes.set_xlabel(expectation.figure, fontsize=9.5)
+    axes.set_xlabel(label(expectation.figure), fontsize=9.5)
     axes.grid(axis="x", color="#d8d2c4", linewidth=0.6)
     for edge in ("top", "right", "left"):
         axes.spines[edge].set_visible(False)
     return figure
+
+
+def _wrapped(text: str) -> str:
+    """Over several lines, as a long name would be cut off."""
+    return "\n".join(textwrap.wrap(text, _NAME_COLUMNS))
 
 
 def groups_of(expectation: Expectation, table: Sequence[Row]) -> list[tuple[str, list[Row]]]:
@@ -110,7 +121,7 @@ def _draw_group(axes: Axes, name: str, outcomes: Sequence[Outcome]) -> None:
         )
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_title(f"{name}: {len(outcomes)} runs", fontsize=10, color=INK, loc="left")
+    axes.set_title(_wrapped(f"{labelled(name)}: {len(outcomes)} runs"), fontsize=10, color=INK, loc="left")
     axes.tick_params(labelsize=7.5)
     axes.grid(color="white", linewidth=0.7)
     axes.set_xlabel("east, m", fontsize=8)

@@ -30,6 +30,10 @@ class Page:
         """Plain text."""
         self._parts.append(f"<p>{_text(text)}</p>")
 
+    def warning(self, text: str) -> None:
+        """Text that nobody must overlook."""
+        self._parts.append(f'<p class="warning">{_text(text)}</p>')
+
     def tiles(self, figures: Iterable[tuple[str, str]]) -> None:
         """The figures that one looks for first: name and value."""
         tiles = [
@@ -47,7 +51,7 @@ class Page:
         cells = "".join(
             f"<th{_kind(is_number)}>{_text(word)}</th>" for word, is_number in zip(head, numeric, strict=True)
         )
-        lines = [f"<table><tr>{cells}</tr>"]
+        lines = [f'<div class="wide"><table><tr>{cells}</tr>']
         for number, row in enumerate(body):
             mark = marks[number] if marks is not None else ""
             kinds = [_kind(is_number) for is_number in numeric]
@@ -57,14 +61,15 @@ class Page:
                 f"<td{kind}>{_text(_cell(cell))}</td>" for kind, cell in zip(kinds, row, strict=True)
             )
             lines.append(f'<tr class="{mark}">{cells}</tr>' if mark else f"<tr>{cells}</tr>")
-        self._parts.append("\n".join([*lines, "</table>"]))
+        self._parts.append("\n".join([*lines, "</table></div>"]))
 
     def picture(self, figure: Figure, caption: str = "", *, is_vector: bool = True) -> None:
         """A figure, drawn into the page: lines as vectors, charts as pixels."""
         kind = "svg+xml" if is_vector else "png"
         data = base64.b64encode(rendered(figure, "svg" if is_vector else "png")).decode()
         image = f'<img alt="{_text(caption)}" src="data:image/{kind};base64,{data}">'
-        self._parts.append(f"<figure>{image}<figcaption>{_text(caption)}</figcaption></figure>")
+        words = f"<figcaption>{_text(caption)}</figcaption>"
+        self._parts.append(f'<figure><div class="wide">{image}</div>{words}</figure>')
 
     def details(self, summary: str, text: str) -> None:
         """Long text that is folded away."""
@@ -73,7 +78,8 @@ class Page:
     def render(self) -> str:
         """The whole page."""
         style = _STYLE.read_text(encoding="utf-8")
-        head = f'<meta charset="utf-8"><title>{_text(self._title)}</title>\n<style>\n{style}</style>'
+        head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        head += f"<title>{_text(self._title)}</title>\n<style>\n{style}</style>"
         return "\n".join(
             [f'<!doctype html><html lang="en"><head>{head}</head><body>', *self._parts, "</body></html>\n"]
         )

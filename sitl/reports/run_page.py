@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+from sitl.reports.labels import label
 from sitl.reports.page import Mark, Page
 from sitl.reports.run_pictures import draw_panels, draw_sonar_map, draw_track_chart
 from sitl.run_record import RunRecord
@@ -25,11 +26,17 @@ def run_page(record: RunRecord) -> str:
     page = Page(f"{result['scenario']}", f"seed {result['seed']}: mission {ended}")
     page.tiles([(name, _with_unit(result.get(key), unit)) for key, name, unit in _TILES])
     page.heading("Track")
-    page.picture(draw_track_chart(record), "The true track over chart and plan.", is_vector=False)
+    page.picture(
+        draw_track_chart(record),
+        "The true track over chart and plan. Red cross: a fault begins. Orange triangle: the boat brakes, "
+        "with both motors astern.",
+        is_vector=False,
+    )
     page.heading("Over time")
     page.picture(
         draw_panels(record),
-        "The truth, unless it says otherwise. Shaded: modes; grey: waypoints; dotted: faults.",
+        "The truth, unless it says otherwise. Shaded: modes; grey lines: waypoints; red: from the begin of a "
+        "fault to its end; orange triangles: the boat brakes, with both motors astern.",
     )
     sonar = draw_sonar_map(record)
     if sonar is not None:
@@ -38,9 +45,9 @@ def run_page(record: RunRecord) -> str:
     page.heading("What happened")
     marks: list[Mark] = ["bad" if event.kind in _BAD else "" for event in record.events]
     rows = [(f"{event.time_s:.1f}", event.kind, event.text) for event in record.events]
-    page.table(("time, s", "what", ""), rows, marks)
+    page.table(("time (s)", "what", ""), rows, marks)
     page.heading("Figures")
-    page.table(("figure", "value"), [(name, _plain(value)) for name, value in result.items()])
+    page.table(("figure", "value"), [(label(name), _plain(value)) for name, value in result.items()])
     page.heading("Settings")
     for name, tree in record.settings.items():
         page.details(name, json.dumps(tree, indent=2, ensure_ascii=False))
@@ -52,4 +59,6 @@ def _with_unit(value: Any, unit: str) -> str:  # noqa: ANN401 (any figure)
 
 
 def _plain(value: Any) -> str:  # noqa: ANN401 (any figure)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else "–" if value is None else str(value)

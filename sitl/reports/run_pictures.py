@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from companion.vehicle.modes import Mode
-from mission_tools.cartouche import INK, PAPER, PLANNED, SAILED
+from mission_tools.cartouche import HALO, INK, PAPER, PLANNED, SAILED
 from mission_tools.draw import draw_chart, draw_picture
 from sitl.run_record import RunRecord
+from sitl.timeline import OVER
 
 Numbers = NDArray[np.float64]
 
@@ -23,6 +24,10 @@ _MODE_TINTS = ("#eef3f7", "#f7f0e2", "#eaf3ea", "#f6e9ee", "#eeeaf6")
 _MOST_DRAWN = 4000
 _MAP_ASPECT = 1.3
 _FAULT = "#b3261e"
+_BRAKE = "#e07a1f"
+_ASTERN = 0.1  # of full command: less is the dead band of a boat that keeps its place
+_MOVING_M_S = 0.1
+_ONE_BRAKE_S = 1.0  # motors that go astern again within this go on with the same brake
 
 
 def draw_track_chart(record: RunRecord) -> Figure:
@@ -31,7 +36,7 @@ def draw_track_chart(record: RunRecord) -> Figure:
     every = max(1, len(track) // _MOST_DRAWN)
     speeds = np.hypot(record.truth["north_m_s"], record.truth["east_m_s"])[::every]
     result = record.result
-    return draw_picture(
+    figure = draw_picture(
         record.chart,
         record.planned or None,
         track[::every],
@@ -40,6 +45,8 @@ def draw_track_chart(record: RunRecord) -> Figure:
         clearance_m=record.clearance_m,
         speeds_m_s=speeds.tolist(),
     )
+    _mark_track(figure.axes[0], record)
+    return figure
 
 
 def draw_panels(record: RunRecord) -> Figure:
@@ -75,7 +82,10 @@ def draw_panels(record: RunRecord) -> Figure:
             )
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
+    _mark_brakes(columns[2], record)
+    _mark_brakes(columns[3], record)
     _name_modes(columns[0], record)
+    _name_faults(columns[0], record)
     columns[-1].set_xlabel("time since boot, s", fontsize=9.5)
     times = record.truth["time_s"]
     columns[-1].set_xlim(times[0], max(times[-1], times[0] + 1.0))
@@ -213,13 +223,14 @@ def _pack(axes: Axes, record: RunRecord) -> None:
 
 
 def _modes(axes: Axes, record: RunRecord) -> None:
-    """Bands of the modes, and a line where a fault begins."""
+    """Bands of the modes and of faults, and a line at each waypoint."""
     for number, (begin_s, end_s, _) in enumerate(_spans(record)):
         axes.axvspan(begin_s, end_s, color=_MODE_TINTS[number % len(_MODE_TINTS)], zorder=0, linewidth=0)
+    for begin_s, end_s, _ in fault_spans(record):
+        axes.axvspan(begin_s, end_s, color=_FAULT, alpha=0.09, zorder=0.5, linewidth=0)
+        axes.axvline(begin_s, color=_FAULT, linewidth=1.3)
     for event in record.events:
-        if event.kind == "fault":
-            axes.axvline(event.time_s, color=_FAULT, linewidth=1.0, linestyle=":")
-        elif event.kind == "waypoint":
+        if event.kind == "waypoint":
             axes.axvline(event.time_s, color="#9a9482", linewidth=0.7, linestyle="-", alpha=0.6)
 
 
@@ -229,6 +240,75 @@ def _name_modes(axes: Axes, record: RunRecord) -> None:
             name, (begin_s, 1.0), xycoords=("data", "axes fraction"), xytext=(3, 3),
             textcoords="offset points", fontsize=8.5, color=INK, annotation_clip=True,
         )  # fmt: skip
+
+
+def _name_faults(axes: Axes, record: RunRecord) -> None:
+    for begin_s, _, name in fault_spans(record):
+        axes.annotate(
+            name, (begin_s, 0.0), xycoords=("data", "axes fraction"), xytext=(3, 3),
+            textcoords="offset points", fontsize=8.5, color=_FAULT, annotation_clip=True,
+        )  # fmt: skip
+
+
+def _mark_brakes(axes: Axes, record: RunRecord) -> None:
+    for begin_s, _ in brakes(record):
+        axes.plot(
+            [begin_s], [0.97], "v", transform=axes.get_xaxis_transform(), ms=5.5, mfc=_BRAKE, mec="white",
+            mew=0.4, clip_on=False, zorder=8,
+        )  # fmt: skip
+
+
+def _mark_track(axes: Axes, record: RunRecord) -> None:
+    """A triangle where the boat began to brake, a cross with its name where a fault began."""
+    times = record.truth["time_s"]
+
+    def where(time_s: float) -> tuple[float, float]:
+        north_m, east_m = (float(np.interp(time_s, times, record.truth[n])) for n in ("north_m", "east_m"))
+        return east_m, north_m
+
+    for begin_s, _ in brakes(record):
+        axes.plot(*where(begin_s), "v", ms=8, mfc=_BRAKE, mec="white", mew=0.8, zorder=15)
+    for begin_s, _, name in fault_spans(record):
+        at = where(begin_s)
+        axes.plot(*at, "X", ms=10, mfc=_FAULT, mec="white", mew=0.9, zorder=16)
+        axes.annotate(
+            name, at, xytext=(9, 6), textcoords="offset points", fontsize=9, color=_FAULT, path_effects=HALO,
+            zorder=16, annotation_clip=True,
+        )  # fmt: skip
+
+
+def fault_spans(record: RunRecord) -> list[tuple[float, float, str]]:
+    """Begin, end and name of each fault; one that lasts ends with the run."""
+    open_since: dict[str, float] = {}
+    spans = []
+    for event in record.events:
+        if event.kind == "fault":
+            name = event.text.removesuffix(OVER)
+            if name == event.text:
+                open_since[name] = event.time_s
+            elif name in open_since:
+                spans.append((open_since.pop(name), event.time_s, name))
+    end_s = float(record.truth["time_s"][-1]) if len(record.truth["time_s"]) else 0.0
+    spans += [(begin_s, max(end_s, begin_s), name) for name, begin_s in open_since.items()]
+    return sorted(spans)
+
+
+def brakes(record: RunRecord) -> list[tuple[float, float]]:
+    """Begin and end of each time that both motors went astern while the boat moved ahead."""
+    times = record.beliefs["time_s"]
+    if not len(times):
+        return []
+    ahead_m_s = _at_beliefs(record, record.truth["surge_m_s"])
+    astern = np.maximum(record.beliefs["left"], record.beliefs["right"]) < -_ASTERN
+    flags = np.concatenate(([False], astern & (ahead_m_s > _MOVING_M_S), [False])).astype(np.int8)
+    begins, ends = np.flatnonzero(np.diff(flags) == 1), np.flatnonzero(np.diff(flags) == -1) - 1
+    found: list[tuple[float, float]] = []
+    for begin_s, end_s in zip(times[begins].tolist(), times[ends].tolist(), strict=True):
+        if found and begin_s - found[-1][1] < _ONE_BRAKE_S:
+            found[-1] = found[-1][0], end_s
+        else:
+            found.append((begin_s, end_s))
+    return found
 
 
 def _spans(record: RunRecord) -> list[tuple[float, float, str]]:

@@ -71,6 +71,29 @@ def test_the_view_closes_in_on_a_route_far_smaller_than_the_water(pond: Chart, t
     assert land_share("near.png") < 0.1
 
 
+def pool() -> Chart:
+    """Of the paper's size; a box by its right wall, so that its name would be cut there."""
+    box = Feature("Box by the wall", "obstacle", shapely.box(0.9, 0.88, 1.12, 1.0))
+    return build_chart("Pool", LocalFrame(ORIGIN), shapely.box(-0.05, -0.05, 1.175, 2.45), [box])
+
+
+def test_the_picture_of_a_narrow_pool_shows_pool_and_no_beach(tmp_path: Path) -> None:
+    save_picture(tmp_path / "pool.png", pool(), [Point(0.2, 0.2), Point(2.2, 1.0)])
+    image = pixels(tmp_path / "pool.png")[..., :3]
+    land = np.array([0xEF, 0xE6, 0xCF], dtype=np.float32) / 255.0
+    assert float((np.abs(image - land).max(axis=2) < 0.02).mean()) < 0.15
+    assert image.shape[0] == 1200
+    assert image.shape[1] < 1100
+
+
+def test_a_name_at_the_edge_of_the_picture_is_not_cut() -> None:
+    axes = draw_picture(pool()).axes[0]
+    (name,) = [text for text in axes.texts if text.get_text() == "Box by the wall"]
+    box, frame = name.get_window_extent(), axes.get_window_extent()
+    assert frame.x0 <= box.x0
+    assert box.x1 <= frame.x1
+
+
 def test_a_name_that_would_lie_over_another_is_left_out() -> None:
     posts = [
         Feature(f"Post {n}", "obstacle", shapely.box(east, 10.0, east + 1.0, 11.0))

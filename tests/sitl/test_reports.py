@@ -1,20 +1,26 @@
 """Pages of runs and campaigns: whole, self-contained, and true to what was sailed."""
 
+import dataclasses
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
+from msgspec import structs
 
 from companion.errors import ConfigError
 from sitl.__main__ import run_program
 from sitl.campaign.campaign import Campaign
 from sitl.campaign.expect import Expectation
+from sitl.campaign.ledger import Ledger
 from sitl.campaign.run import Outcome, Run, sail_run
 from sitl.reports.campaign_page import again, campaign_page
+from sitl.reports.campaign_pictures import draw_expectation
+from sitl.reports.labels import label, labelled
 from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
+from sitl.reports.run_pictures import brakes, draw_panels, draw_track_chart, fault_spans
 from sitl.run_record import RunRecord, load_record
 from sitl.sail import Sailing
 
@@ -130,3 +136,124 @@ def test_a_course_and_a_mission_exclude_each_other(capsys: pytest.CaptureFixture
     assert run_program(["sail", "open", "--course", "straight", "--mission", "a.plan"]) == 2
     assert run_program(["sail", "open", "--course", "circle"]) == 2
     assert "no course 'circle': expected straight," in capsys.readouterr().err
+
+
+# What people see of it
+
+
+def visible(page: str) -> str:
+    """The words of a page, without style, pictures and what is folded away."""
+    page = re.sub(r"<style>.*?</style>|<details>.*?</details>", "", page, flags=re.DOTALL)
+    return re.sub(r"<[^>]*>", " ", page)
+
+
+def two_runs(*outcomes: Outcome) -> str:
+    runs = tuple(Run(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
+    expect = (Expectation(figure="cross_track_rms_m", each="course", at_most=0.5),)
+    return campaign_page(Campaign("Three runs", "three.toml", runs, expect, ""), list(outcomes))
+
+
+@pytest.fixture(scope="module")
+def outcome() -> Outcome:
+    return sail_run(Run(number=1, scenario="open", seed=1, course="straight"))
+
+
+def test_a_campaign_that_was_stopped_says_so_and_how_many_runs_are_missing(outcome: Outcome) -> None:
+    page = two_runs(outcome)
+    words = visible(page)
+    assert "Stopped early: 2 of 3 runs are missing" in words
+    assert 'class="warning"' in page
+    assert "None: every run that was sailed (2 are missing) was completed" in words
+    assert "None: every run was completed" not in words
+    assert "met so far" in words
+
+
+def test_a_whole_campaign_says_nothing_of_the_kind(outcome: Outcome) -> None:
+    others = [structs.replace(outcome, number=number) for number in (2, 3)]
+    words = visible(two_runs(outcome, *others))
+    assert "issing" not in words
+    assert "so far" not in words
+    assert "None: every run was completed, and nothing was touched." in words
+
+
+def test_the_report_of_a_stopped_campaign_says_so_on_the_line_too(
+    outcome: Outcome, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    runs = tuple(Run(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
+    with Ledger(tmp_path, Campaign("Three runs", "three.toml", runs, (), "")) as ledger:
+        ledger.add(outcome)
+    assert run_program(["report", str(tmp_path)]) == 0
+    assert "(stopped early: 2 of 3 runs are missing)" in capsys.readouterr().out
+
+
+def test_pages_fit_a_phone(record: RunRecord, outcome: Outcome) -> None:
+    """A phone shows a page without this tag at a third of its size; what is wide scrolls in a box."""
+    for page in (run_page(record), two_runs(outcome)):
+        assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in page
+        assert "@media (max-width:" in page
+        assert page.count('<div class="wide">') == page.count("<table>") + page.count("<img")
+
+
+def test_pages_speak_of_figures_in_words(record: RunRecord, outcome: Outcome) -> None:
+    for page in (run_page(record), two_runs(outcome)):
+        words = visible(page)
+        keys = set(re.findall(r"\b[a-z]+(?:_[a-z0-9]+)+\b", words))
+        assert keys == set()
+        assert "cross-track error, RMS (m)" in words
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [
+        ("cross_track_rms_m", "cross-track error, RMS (m)"),
+        ("environment.current_m_s", "environment: current (m/s)"),
+        ("vehicle.motors.command_timeout_s", "vehicle motors: command timeout (s)"),
+        ("receiver", "receiver"),
+        ("heading_rad", "heading (rad)"),
+    ],
+)
+def test_a_key_becomes_words_with_its_unit(key: str, name: str) -> None:
+    assert label(key) == name
+    assert labelled(f"mean {key} 3 of pond.geojson") == f"mean {name} 3 of pond.geojson"
+
+
+def test_charts_show_from_when_to_when_a_fault_lasted(record: RunRecord) -> None:
+    ((begin_s, end_s, name),) = fault_spans(record)
+    assert (begin_s, end_s) == pytest.approx((6.0, 8.0), abs=0.1)
+    assert name == "compass wrong"
+    (first, *_) = draw_panels(record).axes
+    assert "compass wrong" in [text.get_text() for text in first.texts]
+    assert "compass wrong" in [text.get_text() for text in draw_track_chart(record).axes[0].texts]
+
+
+def braked(record: RunRecord, astern: list[tuple[int, int]], surge_m_s: float = 1.0) -> RunRecord:
+    """The record of a run in which both motors went astern in these rows, ten a second."""
+    rows = 100
+    times = np.arange(rows) / 10.0
+    command = np.full(rows, 0.5)
+    for begin, end in astern:
+        command[begin:end] = -1.0
+    beliefs = {**record.beliefs, "time_s": times, "left": command, "right": command}
+    truth = {**record.truth, "time_s": times, "surge_m_s": np.full(rows, surge_m_s)}
+    return dataclasses.replace(record, beliefs=beliefs, truth=truth)
+
+
+def test_charts_show_where_the_boat_braked(record: RunRecord) -> None:
+    assert brakes(braked(record, [(20, 30), (35, 38), (60, 61)])) == [(2.0, 3.7), (6.0, 6.0)]
+    assert brakes(braked(record, [])) == []
+    assert brakes(braked(record, [(20, 30)], surge_m_s=-0.2)) == []  # it goes astern: that is no brake
+    one_motor = braked(record, [(20, 30)])
+    one_motor.beliefs["right"] = np.full(100, 0.5)
+    assert brakes(one_motor) == []
+
+
+def test_a_bound_at_the_edge_of_a_picture_is_written_inside_it() -> None:
+    rows = [{"cross_track_rms_m": value} for value in (0.1, 0.2, 0.1)]
+    for bound in (0.05, 0.9):
+        figure = draw_expectation(Expectation(figure="cross_track_rms_m", at_most=bound), rows)
+        assert figure is not None
+        figure.draw_without_rendering()
+        (word,) = [text for text in figure.axes[0].texts if "at most" in text.get_text()]
+        box, whole = word.get_window_extent(), figure.bbox
+        assert whole.x0 <= box.x0
+        assert box.x1 <= whole.x1
