@@ -10,6 +10,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from patience import JOB_S
 from programs import Program, RunProgram, processes_of, until
 
 from mission_tools.job import _in_thread
@@ -66,7 +67,7 @@ def test_an_interrupt_during_the_imports_is_one_line(
     run_program: RunProgram, hook: Path, program: str, module: str
 ) -> None:
     environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": module, "INTERRUPT_IN": "program"}
-    ended = run_program(program, "--help", environment=environment).wait(60.0)
+    ended = run_program(program, "--help", environment=environment).wait(JOB_S)
     assert (ended.code, ended.out, ended.err) == (INTERRUPTED, "", f"{program}: interrupted\n")
 
 
@@ -82,10 +83,10 @@ def test_an_interrupt_while_campaign_workers_start_is_theirs_no_more_than_anybod
 ) -> None:
     environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": module, "INTERRUPT_IN": "worker"}
     program = campaign(run_program, tmp_path, **environment)
-    ended = program.wait(60.0)
+    ended = program.wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "boat-sitl: interrupted\n")
     assert "of 40 runs are kept: the same command goes on" in ended.out
-    until(lambda: not processes_of(program.pid), 60.0)  # multiprocessing's own helper ends on its own
+    until(lambda: not processes_of(program.pid), JOB_S)  # multiprocessing's own helper ends on its own
 
 
 def test_an_interrupted_campaign_ends_at_once_and_goes_on_where_it_stopped(
@@ -93,18 +94,18 @@ def test_an_interrupted_campaign_ends_at_once_and_goes_on_where_it_stopped(
 ) -> None:
     program = campaign(run_program, tmp_path)
     ledger = tmp_path / "out" / "runs.jsonl"
-    until(lambda: ledger.exists() and ledger.read_text(encoding="utf-8").count("\n") > 1, 60.0)
+    until(lambda: ledger.exists() and ledger.read_text(encoding="utf-8").count("\n") > 1, JOB_S)
     program.send(signal.SIGINT)
-    ended = program.wait(60.0)
+    ended = program.wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "boat-sitl: interrupted\n")
     assert "of 40 runs are kept: the same command goes on" in ended.out
-    until(lambda: not processes_of(program.pid), 60.0)
+    until(lambda: not processes_of(program.pid), JOB_S)
 
 
 def test_an_interrupt_in_the_middle_of_the_job_is_one_line(run_program: RunProgram, hook: Path) -> None:
     environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": "matplotlib", "INTERRUPT_IN": "program"}
     arguments = ("lake", "--dry-run", "--preview", "p.png")
-    ended = run_program("mission-upload", *arguments, environment=environment).wait(60.0)
+    ended = run_program("mission-upload", *arguments, environment=environment).wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "mission-upload: interrupted\n")
 
 
@@ -126,5 +127,5 @@ def test_nobody_waits_for_planning_that_was_called_off() -> None:
 def test_the_demonstration_ends_with_130(run_program: RunProgram, hook: Path) -> None:
     demo = str(Path(__file__).parents[2] / "examples" / "demo.py")
     environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": "shapely", "INTERRUPT_IN": "program"}
-    ended = run_program(demo, environment=environment).wait(60.0)
+    ended = run_program(demo, environment=environment).wait(JOB_S)
     assert (ended.code, ended.err) in ((-signal.SIGINT, ""), (INTERRUPTED, "demo: interrupted\n"))

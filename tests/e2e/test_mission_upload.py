@@ -46,7 +46,7 @@ def pond(tmp_path: Path) -> str:
 
 
 def link(vehicle: FakeVehicle) -> list[str]:
-    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "3"]
+    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "20"]
 
 
 def test_the_vehicle_holds_what_was_uploaded_and_the_planner_is_no_ground_station(
@@ -105,7 +105,7 @@ def test_the_end_is_seen_even_when_every_reached_message_is_lost(plan: str) -> N
             "the vehicle stopped answering while uploading the mission, after item 2",
         ),
         (Behaviour(alter_item=4), 1, "does not hold what was sent: item 4: x sent"),
-        (Behaviour(silent=True), 3, "no vehicle within 3 s"),
+        (Behaviour(silent=True), 3, "no vehicle within 20 s"),
         (Behaviour(refuse_arming="Arm: no GNSS fix"), 1, "refused to arm: Arm: no GNSS fix"),
         (
             Behaviour(leave_auto_after=2),
@@ -179,8 +179,8 @@ def test_a_boat_on_another_water_is_told_so(pond: str, capsys: pytest.CaptureFix
 def test_a_boat_without_a_fix_is_asked_for_a_start(pond: str, capsys: pytest.CaptureFixture[str]) -> None:
     with fake_vehicle(Behaviour(at_e7=(0, 0))) as vehicle:
         arguments = [pond, "--goal", "50.0015,-1.199"]
-        assert run_program([*arguments, *link(vehicle), "--patience", "1"]) == 3
-    assert "no position from the boat within 1 s" in capsys.readouterr().err
+        assert run_program([*arguments, *link(vehicle), "--patience", "10"]) == 3
+    assert "no position from the boat within 10 s" in capsys.readouterr().err
 
 
 def test_the_installed_program_leaves_stdout_to_the_json(plan: str) -> None:

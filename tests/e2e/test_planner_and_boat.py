@@ -89,7 +89,7 @@ def refused_by_a_boat(
     running_boat: RunBoat, run_program: RunProgram, setting: str
 ) -> tuple[RunningBoat, str]:
     boat = running_boat("lake", "--set", setting)
-    ended = run_program("mission-upload", "lake", "--connect", boat.url, "--start", "--patience", "2").wait(
+    ended = run_program("mission-upload", "lake", "--connect", boat.url, "--start", "--patience", "10").wait(
         JOB_S
     )
     assert ended.code == 1, ended

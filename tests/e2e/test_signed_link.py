@@ -122,7 +122,7 @@ def test_mission_upload_without_the_key_says_what_is_wrong(
     wrong.write_text("battery staple\n")
     wrong.chmod(0o600)
     forged = run_program(
-        "mission-upload", "lake", "--connect", boat.url, "--sign-key", str(wrong), "--patience", "2"
+        "mission-upload", "lake", "--connect", boat.url, "--sign-key", str(wrong), "--patience", "10"
     ).wait(JOB_S)
     assert forged.code == 3, forged
     assert "what it says is signed with another key" in forged.err

@@ -37,7 +37,7 @@ def test_a_signed_mission_is_uploaded_started_and_followed(
     plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with fake_vehicle(Behaviour(sign_key=KEY)) as vehicle:
-        link = ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "5"]
+        link = ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "60"]
         options = ["--sign-key", key_file(tmp_path), "--start", "--follow", "--json"]
         assert run_program([plan, *link, *options]) == 0
         parser = vehicle._parser
@@ -60,7 +60,7 @@ def test_keys_that_do_not_fit_are_told_with_3(
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     with fake_vehicle(Behaviour(sign_key=vehicle_key)) as vehicle:
-        link = ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "1.5"]
+        link = ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "10"]
         assert run_program([plan, *link, "--sign-key", key_file(tmp_path, passphrase)]) == 3
     assert told in capsys.readouterr().err
     assert vehicle.mission == []

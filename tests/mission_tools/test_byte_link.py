@@ -13,7 +13,7 @@ from mission_tools.byte_link import ByteLink, open_byte_link
 
 pytestmark = pytest.mark.realtime
 
-PATIENCE_S = 5.0
+PATIENCE_S = 120.0
 
 
 class Ear:
