@@ -27,6 +27,7 @@ from companion.state import STOPPED, MotorCommand, NavState
 from companion.steering import Steering
 from companion.storage import Storage
 from companion.vehicle.motor_test import MotorTest
+from companion.vehicle.notice import Severity
 from companion.vehicle.transmitter import Transmitter
 from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
@@ -103,7 +104,7 @@ class Boat:
         self._storage = storage
         self._logbook = logbook
         self._wall_time = WallTime(unix_offset_s)
-        self._now_s = 0.0
+        self._now_s = self._far_m = 0.0
         self._links_due_s = 0.0
 
     def receive(self, now_s: float, ready: Collection[int] | None = None) -> int:
@@ -247,6 +248,8 @@ class Boat:
         elif senses.external.frame is None:
             senses.external.frame = estimator.frame
         self.nav = estimator.update(senses.fix, senses.heading, now_s, self.command)
+        if estimator.far_m or self._far_m:
+            self._begin_elsewhere()
         if senses.pings:
             lookout = self.steering.lookout
             lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
@@ -255,6 +258,23 @@ class Boat:
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
         if senses.rc is not None and self.transmitter.update(senses.rc, now_s):
             self.steering.hurry()
+
+    def _begin_elsewhere(self) -> None:
+        """Every fix lies beyond the local frame: a disarmed boat lays another, an armed one says so."""
+        estimator, was_far, far_m = self.estimator, self._far_m > 0.0, self.estimator.far_m
+        self._far_m = far_m
+        if far_m == 0.0:
+            return
+        if not self.vehicle.armed:
+            if self.senses.external.frame is estimator.frame:
+                self.senses.external.frame = None
+            estimator.lay_anew()
+            self.steering.begin_anew()
+            self.vehicle.begin_elsewhere(far_m)
+            self._far_m = 0.0
+        elif not was_far:
+            text = f"GPS: {far_m / 1e3:.0f} km from where the boat was, not used until disarmed"
+            self.vehicle.tell(Severity.WARNING, text)
 
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav = self.steering, self.parameters.config, self.nav

@@ -31,19 +31,28 @@ MAX_SIGMA_M: Final = 1000.0  # what lies beyond is a fault of the part; comparis
 MAX_SPEED_M_S: Final = 100.0
 MAX_FIX_AGE_S: Final = 10.0  # as it comes: where the boat was then says nothing of where it is
 MAX_OFFSET_M: Final = 100_000.0  # from the frame's origin: its projection holds no farther
+FAR_S: Final = 3.0  # so long all fixes must lie beyond that before the boat is there: one may be wrong
+_FAR_GAP_S: Final = 10.0  # a pause after which that begins anew
 _HEALTH_S: Final = 0.0999  # how often the estimate is examined
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 
 
 class Estimator:
-    """`frame` is None before the first good fix."""
+    """`frame` is None before the first good fix.
+
+    Fixes too far from its origin are not used. far_m: how far the latest of them was, once they have been
+    there for FAR_S; 0 otherwise. `lay_anew` then moves the origin.
+    """
 
     __slots__ = (
+        "_far_heard_s",
+        "_far_since_s",
         "_faults",
         "_health_due_s",
         "_setting",
         "_sigma_m",
+        "far_m",
         "fixing",
         "frame",
         "frame_to_lay",
@@ -54,7 +63,8 @@ class Estimator:
         """speed: what the motors achieve; setting: how much is believed."""
         self._setting = setting = setting or Estimation()
         self._health_due_s = 0.0
-        self._sigma_m = 0.0
+        self._sigma_m = self.far_m = 0.0
+        self._far_since_s = self._far_heard_s = -math.inf
         self._faults = 0
         self.frame: LocalFrame | None = None
         self.frame_to_lay: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
@@ -140,8 +150,25 @@ class Estimator:
             self.frame = chosen
         at = self.frame.to_local(fix.position)
         if _is_near(at):
+            self.far_m = 0.0
+            self._far_heard_s = -math.inf
             sigma_m = max(sigma_m, MIN_SIGMA_M) / math.sqrt(2.0)
             self.fixing.take(fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter)
+        elif fix.time_s > self._far_heard_s:
+            self._hear_from_afar(fix.time_s, math.hypot(*at))
+
+    def _hear_from_afar(self, time_s: float, far_m: float) -> None:
+        if time_s - self._far_heard_s > _FAR_GAP_S:
+            self._far_since_s = time_s
+        self._far_heard_s = time_s
+        self.far_m = far_m if time_s - self._far_since_s >= FAR_S else 0.0
+
+    def lay_anew(self) -> None:
+        """Lay the frame at the next good fix, and begin the position there. Heading and current stay."""
+        resets = self.fixing.resets + 1
+        self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
+        self.fixing = Fixing(self.model, self._setting)
+        self.fixing.resets = resets
 
 
 def _is_near(at: Point) -> bool:

@@ -80,6 +80,13 @@ class Vehicle:
         if nav is not None and frame is not None:
             self.conduct.prepare(frame, self.home, self.config, nav)
 
+    def begin_elsewhere(self, far_m: float) -> None:
+        """The boat was carried so far that positions are measured from another origin. Disarmed only."""
+        self.tell(Severity.NOTICE, f"Position: {far_m / 1e3:.0f} km from where the boat was, begun anew here")
+        self.conduct.trail.begin(None)
+        if not self._home_is_chosen:
+            self.home = None
+
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""
         if self.failsafes.is_due(self._now_s):

@@ -262,3 +262,26 @@ def test_a_fix_on_another_continent_ages_the_estimate_and_moves_nothing() -> Non
     assert nav is not None
     assert nav.point == Point(0.0, 0.0)
     assert nav.position_age_s == 1.0
+
+
+def test_an_origin_that_fixes_have_left_for_seconds_may_be_laid_anew() -> None:
+    estimator, far = Estimator(), LatLon(51.2, -1.2)  # 133 km
+    for tick in range(20):
+        estimator.update(GnssFix(0.2 * tick, ORIGIN, 3, 12, 0.8), None, 0.2 * tick)
+    estimator.update(GnssFix(4.0, far, 3, 12, 0.8), None, 4.0)
+    assert estimator.far_m == 0.0, "one fix may be wrong"
+    estimator.update(GnssFix(4.2, ORIGIN, 3, 12, 0.8), None, 4.2)
+    times_s = [4.4 + 0.2 * tick for tick in range(20)]
+    heard = []
+    for time_s in times_s:
+        estimator.update(GnssFix(time_s, far, 3, 12, 0.8), None, time_s)
+        heard.append(estimator.far_m)
+    assert heard[:14] == [0.0] * 14
+    assert heard[-1] == pytest.approx(133_500.0, rel=0.01)
+    estimator.lay_anew()
+    nav = estimator.update(GnssFix(9.0, far, 3, 12, 0.8), None, 9.0)
+    assert nav is not None
+    assert nav.position_age_s == 0.0
+    assert estimator.frame is not None
+    assert estimator.frame.origin == far
+    assert estimator.far_m == 0.0
