@@ -15,7 +15,11 @@ from companion.sensors.readings import HeadingReading
 from companion.settings.estimation import Estimation
 from companion.state import EstimateFault, MotorCommand
 
-LOST_RAD: Final = 0.45  # a heading that is known no better is none
+# A boat that steers for a point comes nearer while its heading is off by less than a right angle. That is 2.2
+# standard deviations of this: a heading known no better is lost.
+LOST_RAD: Final = 0.7
+BLIND_RAD: Final = 0.45  # dead reckoning by a heading known no better is off by half of the way
+FOUND_RAD: Final = 0.4  # and known again at this: by its course at a walking pace, not while it creeps
 _UNDER_WAY: Final = 0.4  # share of cruise speed that tells a course,
 _CREEPING: Final = 0.15  # and that which has to do where nothing else tells where the bow points
 _SLIP: Final = 0.2  # of speed × yaw rate: what the model gets wrong in a turn,
@@ -44,8 +48,9 @@ class Model:
     """
 
     __slots__ = (
-        "_compass_timeout_s", "_cruise_throttle", "_is_turned_off", "_off_rad", "_starts", "_surge_time_s",
-        "_witness", "cruise_m_s", "current", "heading", "idle_since_s", "now_s", "reckoning", "wake", "water",
+        "_compass_timeout_s", "_cruise_throttle", "_is_lost", "_is_turned_off", "_off_rad", "_starts",
+        "_surge_time_s", "_witness", "cruise_m_s", "current", "heading", "idle_since_s", "now_s", "reckoning",
+        "wake", "water",
     )  # fmt: skip
 
     def __init__(self, speed: Speed, setting: Estimation) -> None:
@@ -63,6 +68,7 @@ class Model:
         self._starts = 0  # of the heading, as the witness has it
         self._off_rad = 0.0
         self._is_turned_off = False
+        self._is_lost = False  # the heading
 
     @property
     def has_heading(self) -> bool:
@@ -187,8 +193,8 @@ class Model:
         return math.sqrt(max(variance, 0.0))
 
     def is_blind(self) -> bool:
-        """Whether nobody knows where the bow points."""
-        return not self.has_heading or self.heading.sigma_rad > LOST_RAD
+        """Whether the heading is too uncertain to reckon a position by."""
+        return not self.has_heading or self._is_lost or self.heading.sigma_rad > BLIND_RAD
 
     def faults(self) -> int:
         """Bits of EstimateFault."""
@@ -201,7 +207,8 @@ class Model:
             faults = _LOST
         elif self.reckoning.is_late:
             faults = _LATE
-        return faults | _HEADING_LOST if heading.sigma_rad > LOST_RAD else faults
+        self._is_lost = heading.sigma_rad > (FOUND_RAD if self._is_lost else LOST_RAD)
+        return faults | _HEADING_LOST if self._is_lost else faults
 
     def _course_turn_rad(self, velocity: complex, through: complex) -> float:
         """How far the boat's course through the water is off its bow, NaN while there is no course."""

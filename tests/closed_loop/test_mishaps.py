@@ -50,11 +50,12 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
     assert float(late[-1, 2] - late[0, 2]) < 0.5 * adrift_m
 
 
-@pytest.mark.xfail(reason="HEADING_LOST comes and goes at creeping speed", strict=False)
-def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_station() -> None:
-    sailing, result = sail("what='compass', at_s=30.0", linger_s=60.0)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_station(seed: int) -> None:
+    sailing, result = sail("what='compass', at_s=30.0", f"seed={seed}", linger_s=60.0)
     assert result.completed, said(sailing)
     assert any("Compass lost" in text for text in said(sailing))
+    assert said(sailing).count("Failsafe: Heading lost") <= 2, "it does not come and go on station"
     rows = sailing.recorder.rows
     late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
     assert abs(late[:, 1] - late[0, 1]).max() < 3.0

@@ -17,6 +17,7 @@ from companion.estimation.model import Model
 from companion.estimation.repetition import Repetition
 from companion.estimation.wake import LENGTH, Wake
 from companion.estimation.water_speed import WaterSpeed
+from companion.sensors.readings import HeadingReading
 from companion.settings.estimation import Estimation
 from companion.state import EstimateFault
 
@@ -192,3 +193,14 @@ def test_a_boat_that_has_no_thrust_takes_a_leap_for_the_truth_in_the_end() -> No
             assert fixing.faults(DT * fix) & EstimateFault.GNSS_JUMPING
     assert fixing.resets == 1
     assert fixing.position.position_m == pytest.approx(40.0, abs=0.1)
+
+
+def test_a_heading_is_lost_when_it_is_known_badly_and_found_when_it_is_known_well() -> None:
+    model = Model(Speed(), Estimation())
+    model.advance(HeadingReading(0.02, 0.3, 0.0), 0.02, None)
+    lost = []
+    for sigma_rad in (0.1, 0.5, 0.69, 0.71, 0.5, 0.41, 0.39, 0.5, 0.69, 0.75):
+        model.heading.sigma_rad = sigma_rad
+        lost.append(bool(model.faults() & EstimateFault.HEADING_LOST))
+        assert model.is_blind() is (lost[-1] or sigma_rad > 0.45)
+    assert lost == [False, False, False, True, True, True, False, False, False, True]
