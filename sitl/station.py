@@ -1,7 +1,8 @@
 """A ground station in the emulator's own process: it speaks MAVLink with the boat over a memory link.
 
-It announces itself as an onboard controller, as the planner process does, so it never stands in for the
-operator. All that a lockstep run knows of the boat that is not ground truth, it knows from here.
+It announces itself as an onboard controller, as the planner process does. Beside it an operator's station
+sends heartbeats and nothing else, so that the boat notices when the link is cut. All that a lockstep run
+knows of the boat that is not ground truth, it knows from here.
 """
 
 import math
@@ -17,6 +18,7 @@ from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
 
 OWN = Address(245, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)
+OPERATOR = Address(255, dialect.MAV_COMP_ID_MISSIONPLANNER)  # as ground stations name themselves
 _HEARTBEAT_S = 1.0
 
 # What a station of this kind acts on; telemetry besides is counted and left packed
@@ -34,7 +36,10 @@ _HEARD = frozenset(
 
 
 class Station:
-    """Uploads, commands, and keeps the latest message of each type that it acts on."""
+    """Uploads, commands, and keeps the latest message of each type that it acts on.
+
+    has_operator: an operator's heartbeats go out beside the station's own; False: the operator is silent.
+    """
 
     def __init__(self, link: Link, boat: Address) -> None:
         self.boat = boat
@@ -46,6 +51,8 @@ class Station:
         self._link = link
         self._finder = FrameFinder(link.is_datagram)
         self._encoder = Encoder(OWN)
+        self._operators = Encoder(OPERATOR)
+        self.has_operator = True
         self._sender = Sender(OWN, MissionType.MISSION)
         self._acks: dict[int, int] = {}
         self._heartbeat_s = -math.inf
@@ -93,16 +100,9 @@ class Station:
             self._go_on(now_s)
         if now_s - self._heartbeat_s >= _HEARTBEAT_S:
             self._heartbeat_s = now_s
-            self.send(
-                dialect.MAVLink_heartbeat_message(
-                    dialect.MAV_TYPE_ONBOARD_CONTROLLER,
-                    dialect.MAV_AUTOPILOT_INVALID,
-                    0,
-                    0,
-                    dialect.MAV_STATE_ACTIVE,
-                    3,
-                )
-            )
+            self.send(_heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER))
+            if self.has_operator:
+                self._link.send(self._operators.encode(_heartbeat(dialect.MAV_TYPE_GCS)))
 
     def _go_on(self, now_s: float) -> None:
         sender = self._sender
@@ -131,3 +131,10 @@ class Station:
             self._acks[message.command] = message.result
         elif name == "STATUSTEXT":
             self.texts.append(str(message.text).rstrip("\x00"))
+
+
+def _heartbeat(mav_type: int) -> Message:
+    message: Message = dialect.MAVLink_heartbeat_message(
+        mav_type, dialect.MAV_AUTOPILOT_INVALID, 0, 0, dialect.MAV_STATE_ACTIVE, 3
+    )
+    return message

@@ -9,9 +9,10 @@ _RECOGNISED_S the fault; until then he sails as the boat did. Doubts go against 
 reached that is so nearly.
 
 What speed a fault leaves: none without power, which makes what happens then inevitable; with one motor dead
-LAME_SHARE of top speed, which the lame helm makes and no other way of sailing was found to beat by much; the
-whole in every other case. With a motor dead or reversed the boat steers otherwise than it means to until that
-is recognised; who touches before had no time.
+the best that was found for this hull; its top speed in every other case. Both come from the emulated hull
+and its thrusters (`hull_speed.py`), not from the boat's configuration or from its own steering with one
+motor. With a motor dead or reversed the boat steers otherwise than it means to until that is recognised;
+who touches before had no time.
 """
 
 import math
@@ -21,8 +22,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from companion.control.lame import LAME_SHARE
+from sitl.campaign.hull_speed import one_motor_speed_m_s, top_speed_m_s
 from sitl.faults.catalogue import FaultSetting
+from sitl.pack import Pack
 from sitl.sail import Sailing
 from sitl.scenario import Scenario
 from sitl.windage import AIR_KG_M3
@@ -57,7 +59,7 @@ def inevitable(sailing: Sailing) -> str:
     if fault.what in _MOTORS and fault.kind in _TREACHEROUS and after_s < _RECOGNISED_S:
         return f"no time: {after_s:.0f} s after the fault"
     speed_m_s = left_speed_m_s(fault, scenario)
-    if not speed_m_s < scenario.vehicle.handling.top_speed_m_s:
+    if not speed_m_s < _top_speed_m_s(scenario):
         return ""
     if survives(scenario, rows, fault, speed_m_s, touch_s):
         return ""
@@ -67,7 +69,6 @@ def inevitable(sailing: Sailing) -> str:
 
 def left_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
     """Speed through the water that a fault leaves."""
-    top_m_s = scenario.vehicle.handling.top_speed_m_s
     if fault.what == "computer":
         return 0.0
     is_dead = fault.what in _MOTORS and (
@@ -75,7 +76,13 @@ def left_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
         or (fault.kind == "slow" and fault.amount == 0.0)
         or (fault.kind in ("stuck", "weed") and fault.amount >= _STALLED)
     )
-    return LAME_SHARE * top_m_s if is_dead else top_m_s
+    if is_dead:
+        return one_motor_speed_m_s(scenario.hull, scenario.thrusters, Pack(scenario.battery).supply_v)
+    return _top_speed_m_s(scenario)
+
+
+def _top_speed_m_s(scenario: Scenario) -> float:
+    return top_speed_m_s(scenario.hull, scenario.thrusters, Pack(scenario.battery).supply_v)
 
 
 def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: float, until_s: float) -> bool:

@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from sitl.campaign.workers import cores
 from sitl.paper import figures, table
-from sitl.paper.conditions import CASES, RUNS, Method, seeds
+from sitl.paper.conditions import CASES, FIRST_SEED, RUNS, Method, seeds
 from sitl.paper.experiment import sail_all
 from sitl.paper.step_response import step_responses
 
@@ -21,6 +21,9 @@ def paper(
         Path, typer.Option("--out", "-o", metavar="DIR", help="where tables and figures go")
     ] = Path("out/paper"),
     runs: Annotated[int, typer.Option(min=2, help="seeds a case and method")] = RUNS,
+    first_seed: Annotated[
+        int, typer.Option("--first-seed", min=0, max=2**31 - 1, help="the first of them")
+    ] = FIRST_SEED,
     workers: Annotated[int | None, typer.Option(min=1, metavar="N", help="processes [all cores]")] = None,
     as_json_text: Annotated[bool, typer.Option("--json", help="the reductions as JSON on stdout")] = False,
 ) -> None:
@@ -32,11 +35,13 @@ def paper(
     case.
 
     Example:  boat-sitl paper -o out/paper
+    Fresh seeds:  boat-sitl paper --first-seed 7001 --runs 4 -o out/fresh
     """
     console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
     out.mkdir(parents=True, exist_ok=True)
-    reported = seeds(runs)
-    console.print(f"seeds {reported[0]} to {reported[-1]}, none of them ever tuned on")
+    reported = seeds(runs, first_seed)
+    untouched = ", none of them ever tuned on" if reported == seeds(runs) else ""
+    console.print(f"seeds {reported[0]} to {reported[-1]}{untouched}")
     for method in Method:
         console.print(f"  {method}: {method.meaning}")
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:

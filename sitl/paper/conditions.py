@@ -51,9 +51,9 @@ _MEANINGS = {
 }
 
 
-def seeds(runs: int = RUNS) -> tuple[int, ...]:
-    """The seeds that are reported."""
-    return tuple(range(FIRST_SEED, FIRST_SEED + runs))
+def seeds(runs: int = RUNS, first: int = FIRST_SEED) -> tuple[int, ...]:
+    """So many seeds from the first one on; those that are reported, unless another is given."""
+    return tuple(range(first, first + runs))
 
 
 @cache

@@ -58,3 +58,19 @@ def test_both_bounds_hold() -> None:
     assert met(0.2, 0.4)
     assert not met(0.35, 0.4)
     assert not met(0.2, 0.25)
+
+
+def test_a_figure_may_be_bounded_by_that_of_other_runs() -> None:
+    def verdicts(times: float) -> list[bool]:
+        expectation = Expectation(
+            figure="rms", each="course", against={"course": "straight"}, at_most_times=times
+        )
+        return [verdict.is_met for verdict in judge([expectation], TABLE)]
+
+    assert verdicts(2.0) == [True, False]  # 0.2 and 0.5 against 0.2
+    assert verdicts(2.6) == [True, True]
+    assert verdicts(0.9) == [False, False]
+    nobody = Expectation(figure="rms", against={"course": "circle"}, at_most_times=9.0)
+    assert not judge([nobody], TABLE)[0].is_met
+    with pytest.raises(ValueError, match="at_most_times and against together"):
+        Expectation(figure="rms", at_most_times=2.0)

@@ -116,7 +116,7 @@ def test_the_fingerprint_changes_with_the_runs_and_with_the_files_they_name(tmp_
         ("sample = {count = 0}", "c.toml: sample.count: .*>= 1"),
         ("run.seeds = 0", "c.toml: run.seeds: "),
         ("runs = 3", "c.toml: runs: no such setting"),
-        ("[[expect]]\nfigure = 'time_s'", "figure time_s: expected at_least or at_most"),
+        ("[[expect]]\nfigure = 'time_s'", "figure time_s: expected at_least, at_most or"),
         ("[[expect]]\nfigure = 'time_s'\nat_most = 1\nof = 'mode'", "of: .*'mode'"),
         ("run.seeds = 1000001", "1000001 runs are more than 1000000"),
     ],
@@ -132,3 +132,12 @@ def test_the_examples_can_be_used(path: Path) -> None:
     plan = load_campaign(path)
     assert len(plan.runs) >= 20
     assert plan.expect
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in EXAMPLES if "current" in path.stem], ids=lambda path: path.stem
+)
+def test_currents_come_with_the_gusts_that_the_page_promises(path: Path) -> None:
+    assert "With the current come gusts of 8 m/s" in Path("docs/campaigns.md").read_text(encoding="utf-8")
+    for run in load_campaign(path).runs:
+        assert run.settings["environment"]["gust_m_s"] == 8.0

@@ -92,7 +92,8 @@ def test_without_power_the_boat_goes_where_it_went_and_after_that_where_it_likes
 def test_only_a_motor_without_thrust_counts_as_none(kind: str, size: float | None, is_whole: bool) -> None:
     place = water(ROCK)
     speed_m_s = left_speed_m_s(FaultSetting(what="motor_right", kind=kind, size=size), place)
-    assert (speed_m_s == place.vehicle.handling.top_speed_m_s) is is_whole
+    whole_m_s = left_speed_m_s(FaultSetting(what="gyro"), place)
+    assert (speed_m_s == whole_m_s) is is_whole
 
 
 @pytest.mark.parametrize(("at_s", "is_inevitable"), [(52.0, True), (25.0, False)])
@@ -104,3 +105,15 @@ def test_who_touches_before_a_reversed_motor_can_be_recognised_had_no_time(
     aground = STILL._replace(time_s=60.0, grounded=True)
     sailing.recorder.record(aground)
     assert (inevitable(sailing) == f"no time: {60.0 - at_s:.0f} s after the fault") is is_inevitable
+
+
+def test_what_a_fault_leaves_is_the_hulls_and_not_what_the_boat_is_told() -> None:
+    lake, told = scenario("open"), scenario("open", "vehicle.handling.top_speed_m_s=1.0")
+    assert left_speed_m_s(DEAD, told) == left_speed_m_s(DEAD, lake)
+    heavy = scenario("open", "hull.surge_quadratic=1.2", "hull.surge_linear=0.8")
+    gyro = FaultSetting(what="gyro", at_s=10.0)
+    assert left_speed_m_s(gyro, heavy) < 0.8 * left_speed_m_s(gyro, lake)
+    assert left_speed_m_s(gyro, lake) == pytest.approx(3.05, abs=0.05)
+    assert 0.05 < left_speed_m_s(DEAD, lake) / left_speed_m_s(gyro, lake) < 0.2
+    slick = scenario("open", "thrusters.propeller.astern_share=0.9")
+    assert left_speed_m_s(DEAD, slick) != pytest.approx(left_speed_m_s(DEAD, lake), rel=0.01)

@@ -10,6 +10,7 @@ import pytest
 
 from companion.geo import distance_m
 from companion.mavlink.dialect import dialect
+from sitl.cli.paper import paper
 from sitl.paper import table
 from sitl.paper.conditions import CASES, MAX_CURRENT_M_S, Method, conditions, seeds
 from sitl.paper.helmsman import HeadingPid, OnOff
@@ -76,6 +77,20 @@ def test_every_method_of_a_seed_sails_in_one_current_and_seeds_differ() -> None:
     assert len({(one.current_m_s, one.current_to_deg) for one in drawn}) == len(drawn) == 12
     assert all(0.0 < one.current_m_s <= MAX_CURRENT_M_S for one in drawn)
     assert conditions("3", 1).environment == conditions("3", 1).environment
+
+
+def test_seeds_may_be_chosen_and_are_sailed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    asked: list[tuple[int, ...]] = []
+
+    def sail_all(seeds: tuple[int, ...], *_: object) -> None:
+        asked.append(seeds)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sitl.cli.paper.sail_all", sail_all)
+    with pytest.raises(KeyboardInterrupt):
+        paper(out=tmp_path, runs=3, first_seed=7001, workers=1, as_json_text=True)
+    assert asked == [(7001, 7002, 7003)]
+    assert seeds() == tuple(range(3001, 3013))
 
 
 @pytest.mark.parametrize("case", CASES)
