@@ -6,7 +6,6 @@ rows over the same fields.
 """
 
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -24,6 +23,7 @@ from companion.settings.fence import FenceSetting
 from companion.settings.handling import Handling
 from companion.settings.rc import Rc
 from companion.settings.thrusters import Thrusters
+from companion.toml_text import parse_toml
 
 
 class LinkConfig(Section, frozen=True):
@@ -285,10 +285,10 @@ def load_toml(path: Path) -> dict[str, Any]:
         ConfigError: no such file, not UTF-8, or not TOML (names the line).
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return parse_toml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise ConfigError(f"{path}: not a TOML file: {error}") from None
 
 

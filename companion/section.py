@@ -10,7 +10,6 @@ Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 Positive = Annotated[float, Meta(gt=0.0)]
 SystemId = Annotated[int, Meta(ge=1, le=255)]
-Count = Annotated[int, Meta(ge=0)]
 
 
 _FLOAT32_MAX = 3.4028234663852886e38  # all that a MAVLink parameter can carry

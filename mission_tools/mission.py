@@ -73,6 +73,10 @@ def command_name(command: int) -> str:
     return Command(command).name if command in set(Command) else f"MAV_CMD {command}"
 
 
+_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
+_WIDEST_M = 1e7  # a quarter of the way round the Earth
+
+
 def plain_frame(frame: int) -> int:
     """The frame without its _INT variant, which means the same in MISSION_ITEM_INT."""
     return _SAME_AS_INT.get(Frame(frame), frame) if frame in set(Frame) else frame
@@ -106,6 +110,9 @@ class MissionItem:
             raise ValueError(f"frame {self.frame} is outside 0..255")
         if not all(-(2**31) <= value < 2**31 for value in (self.x, self.y)):
             raise ValueError("x and y must fit 32 bits")
+        for value in (*self.params, self.z):
+            if math.isfinite(value) and abs(value) > _LARGEST:
+                raise ValueError(f"{value:g} does not fit the 32 bits that a parameter has")
         if self.is_global:
             LatLon(e7_to_deg(self.x), e7_to_deg(self.y))
 
@@ -183,8 +190,10 @@ class FenceCircle:
     inclusion: bool = True
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.radius_m) and self.radius_m > 0.0):
-            raise ValueError(f"radius {self.radius_m} must be a positive number of metres")
+        if not 0.0 < self.radius_m <= _WIDEST_M:
+            raise ValueError(
+                f"radius {self.radius_m} must be a positive number of metres, {_WIDEST_M:g} at most"
+            )
 
 
 @dataclass(frozen=True, slots=True)

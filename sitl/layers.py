@@ -11,9 +11,12 @@ from typing import Any, TypeVar
 import msgspec
 
 from companion.errors import ConfigError
+from companion.toml_text import parse_toml
 
 T = TypeVar("T")
 COMMAND_LINE = "--set"
+_MOST_PARTS = 16  # of a key
+_LONGEST_TOLD = 40  # characters of a value that cannot be used
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +40,7 @@ def parse_overrides(overrides: Sequence[str]) -> Layer:
     for override in overrides:
         key, equals, text = override.partition("=")
         parts = [part.strip() for part in key.split(".")]
-        if not equals or not all(parts):
+        if not equals or not all(parts) or len(parts) > _MOST_PARTS:
             raise ConfigError(
                 f"{COMMAND_LINE} {override}: expected KEY=VALUE, such as environment.current_m_s=0.5"
             )
@@ -52,9 +55,11 @@ def parse_overrides(overrides: Sequence[str]) -> Layer:
 
 def _parse_value(text: str) -> object:
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        return parse_toml(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
+    except ValueError as error:
+        raise ConfigError(f"{COMMAND_LINE}: {text[:_LONGEST_TOLD]}…: {error}") from None
 
 
 def merge(layers: Sequence[Layer]) -> dict[str, Any]:

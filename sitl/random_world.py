@@ -13,12 +13,13 @@ import shapely
 from msgspec import Meta
 from shapely.geometry import Polygon
 
-from companion.section import Count, NonNegative, Positive, Section
+from companion.section import NonNegative, Positive, Section
 from sitl.faults.catalogue import CATALOGUE
 from sitl.sensors import generator
 
 Tree = dict[str, Any]
 Place = tuple[float, float]  # east and north, metres
+Crowd = Annotated[int, Meta(ge=0, le=1000)]  # with 1000 of each a world is drawn in some seconds
 
 _BOOT_S = 8.0  # from the first drift to the first thrust
 _LEEWAY = 0.06  # of the wind, at most: what it makes of a boat without thrust
@@ -38,9 +39,9 @@ class RandomWater(Section, frozen=True):
     """
 
     across_m: Annotated[float, Meta(ge=30.0, le=5000.0)] = 200.0
-    islands: Count = 8
-    rafts: Count = 5
-    rocks: Count = 8
+    islands: Crowd = 8
+    rafts: Crowd = 5
+    rocks: Crowd = 8
     distance_m: tuple[float, float] = (90.0, 150.0)
     clearance_m: Positive = 4.0
     current_m_s: NonNegative = 1.0

@@ -35,6 +35,7 @@ from sitl.link import LinkSettings
 from sitl.movers import MoverSettings
 from sitl.random_world import RandomWater, random_world
 from sitl.sensors import Sensors
+from sitl.sensors.sampling import Seed
 
 HERE = Path(__file__).parent
 DEFAULT_BOAT = "lake"
@@ -63,7 +64,7 @@ class Tree(Section, frozen=True):
     hull: VesselParameters
     thrusters: ThrusterParameters
     title: str = ""
-    seed: int = 1
+    seed: Seed = 1
     origin: Table = field(default_factory=dict)
     map: Table = field(default_factory=dict)
     route: Table = field(default_factory=dict)
@@ -83,7 +84,7 @@ class Dice(msgspec.Struct, frozen=True):
     """What a random world is drawn from; everything else is looked at afterwards."""
 
     random: RandomWater | None = None
-    seed: int = 1
+    seed: Seed = 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,7 @@ def read_json(path: Path) -> object:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from None
     except json.JSONDecodeError as error:
         raise MapError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
-    except (UnicodeDecodeError, RecursionError):
+    except (ValueError, RecursionError):  # not UTF-8, a number of thousands of digits, or nested too deep
         raise MapError(f"{path}: not a JSON text file") from None
 
 

@@ -13,7 +13,6 @@ Other sections belong to the emulator and are not looked at.
 """
 
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -24,13 +23,15 @@ from msgspec import Meta
 from shapely.geometry import Polygon
 
 from companion.geo import LatLon, LocalFrame, Point
+from companion.toml_text import parse_toml
 from mission_tools.errors import MapError
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.source import RouteDefaults, Source
 
 Positive = Annotated[float, Meta(gt=0.0)]
-EastNorth = tuple[float, float]
+Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]  # from the origin; places on the globe follow from them
+EastNorth = tuple[Metres, Metres]
 Ring = Annotated[tuple[EastNorth, ...], Meta(min_length=3)]
 
 _CIRCLE_SEGMENTS_PER_QUARTER = 16
@@ -47,7 +48,7 @@ class _Global(_Table, frozen=True):
 
 class _Circle(_Table, frozen=True):
     centre: EastNorth
-    radius_m: Positive
+    radius_m: Annotated[float, Meta(gt=0.0, le=1e6)]
 
 
 class _Obstacle(_Table, frozen=True):
@@ -99,10 +100,10 @@ def load_scenario(path: Path) -> Source:
             names the file and the key.
     """
     try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+        tree = parse_toml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise MapError(f"{path}: not a TOML file: {error}") from None
     return decode_scenario(tree, path)
 

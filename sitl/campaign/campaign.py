@@ -27,6 +27,7 @@ Scenarios and missions are looked for beside the file. Each draw of a sample has
 """
 
 import hashlib
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -44,6 +45,7 @@ from sitl.campaign.expect import Expectation
 from sitl.campaign.run import Run
 from sitl.layers import Layer, decode, merge
 from sitl.missions import course_names
+from sitl.sensors.sampling import Seed
 
 MOST_RUNS = 1_000_000
 Several = str | tuple[str, ...]
@@ -56,8 +58,8 @@ class RunTable(Section, frozen=True):
     case: Several = ""
     course: Several = ""
     mission: Several = ""
-    seeds: Annotated[int, Meta(ge=1)] | Annotated[tuple[int, ...], Meta(min_length=1)] = 1
-    first_seed: int = 1
+    seeds: Annotated[int, Meta(ge=1, le=MOST_RUNS)] | Annotated[tuple[Seed, ...], Meta(min_length=1)] = 1
+    first_seed: Seed = 1
     timeout_s: Positive | None = None
     linger_s: NonNegative = 0.0  # how long a boat is watched that has ended or left its mission
     fence: bool = False  # upload the outline of the water as one
@@ -134,6 +136,10 @@ def _runs(file: File, path: Path) -> Iterator[Run]:
         else tuple(range(table.first_seed, table.first_seed + table.seeds))
     )
     stride = max(seeds) - min(seeds) + 1
+    voyages = list(product(*map(_each, (table.scenario, table.case, table.course, table.mission))))
+    lists = [*grid.values(), *file.variants.values(), draws, seeds, voyages]
+    if (count := math.prod(map(len, lists))) > MOST_RUNS:
+        raise ConfigError(f"{name}: {count} runs are more than {MOST_RUNS}")
     settings = [
         ({**chosen, **factors}, merge([Layer(name, tree) for tree in (table.settings, *bundles, *trees)]))
         for chosen in grid_rows({variant: tuple(choices) for variant, choices in file.variants.items()})
@@ -142,10 +148,6 @@ def _runs(file: File, path: Path) -> Iterator[Run]:
         for factors in ({**row, **draw} for draw in draws)
         for trees in [[_tree(*factor) for factor in factors.items()]]
     ]
-    voyages = list(product(*map(_each, (table.scenario, table.case, table.course, table.mission))))
-    count = len(voyages) * len(settings) * len(seeds)
-    if count > MOST_RUNS:
-        raise ConfigError(f"{name}: {count} runs are more than {MOST_RUNS}")
     for number, ((scenario, case, course, mission), (n, (factors, tree)), seed) in enumerate(
         product(voyages, enumerate(settings), seeds), 1
     ):

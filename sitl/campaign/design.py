@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, field
 
 from companion.section import Section
-from sitl.sensors import generator
+from sitl.sensors.sampling import Seed, generator
 
 Row = dict[str, Any]
 
@@ -30,7 +30,7 @@ class Sample(Section, frozen=True):
     """So many rows of settings, each drawn from its range [low, high] or from a list."""
 
     count: Annotated[int, Meta(ge=1, le=1_000_000)]
-    seed: int = 1
+    seed: Seed = 1
     method: Literal["latin_hypercube", "random"] = "latin_hypercube"
     settings: dict[str, Any] = field(default_factory=dict)
 

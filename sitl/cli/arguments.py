@@ -9,6 +9,7 @@ import typer
 from companion.geo import LatLon
 from mission_tools.cli.arguments import position
 from sitl.scenario import Scenario, load_scenario
+from sitl.sensors.sampling import MOST_SEED
 
 Source = Annotated[
     str, typer.Argument(metavar="SCENARIO", help="lake, pool, open, a .toml file or a .geojson map")
@@ -20,7 +21,11 @@ Settings = Annotated[
     ),
 ]
 Case = Annotated[str | None, typer.Option(metavar="N", help="one of the scenario's cases")]
-Seed = Annotated[int | None, typer.Option(help="of every random number in the run [the scenario's]")]
+Seed = Annotated[
+    int | None,
+    typer.Option(min=-MOST_SEED, max=MOST_SEED, help="of every random number in the run [the scenario's]"),
+]
+Workers = Annotated[int | None, typer.Option(min=1, max=1024, metavar="N", help="processes [all cores]")]
 StartAt = Annotated[
     str | None, typer.Option("--start", metavar="LAT,LON", help="where the boat lies at first")
 ]

@@ -20,6 +20,7 @@ from sitl.campaign.ledger import Ledger
 from sitl.campaign.run import Outcome
 from sitl.campaign.table import tabulate, write_csv, write_parquet
 from sitl.campaign.workers import Crew, cluster_crew, cores, local_crew
+from sitl.cli.arguments import Workers
 from sitl.reports.campaign_page import campaign_page
 
 _MOST_ERRORS = 5
@@ -34,7 +35,7 @@ def campaign(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="DIR", help="where results go [out/NAME]")
     ] = None,
-    workers: Annotated[int | None, typer.Option(min=1, metavar="N", help="processes [all cores]")] = None,
+    workers: Workers = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="a Dask scheduler, as tcp://10.0.0.5:8786")
     ] = None,

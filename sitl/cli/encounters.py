@@ -8,12 +8,14 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sitl.campaign.workers import cores
+from sitl.cli.arguments import Workers
 from sitl.encounters.bench import WATERS, markdown, sail_all
+from sitl.sensors.sampling import MOST_SEED
 
 
 def encounters(
-    seeds: Annotated[int, typer.Option(min=1, help="runs in each water")] = 20,
-    first_seed: Annotated[int, typer.Option(min=1, help="the first one's")] = 1,
+    seeds: Annotated[int, typer.Option(min=1, max=100_000, help="runs in each water")] = 20,
+    first_seed: Annotated[int, typer.Option(min=1, max=MOST_SEED, help="the first one's")] = 1,
     only: Annotated[
         list[str] | None, typer.Option(metavar="WORD", help="waters whose name has this word in it [all]")
     ] = None,
@@ -22,7 +24,7 @@ def encounters(
         typer.Option("--set", metavar="KEY=VALUE", help="a setting, such as vehicle.avoidance.by_sight=1"),
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="write the table here, too")] = None,
-    workers: Annotated[int | None, typer.Option(min=1, metavar="N", help="processes [all cores]")] = None,
+    workers: Workers = None,
 ) -> None:
     """Sail a leg with rocks, walls, shores and moving things in the way that the boat's plan does not know.
 

@@ -10,6 +10,7 @@ from rich.markdown import Markdown
 from rich.progress import Progress
 
 from sitl.campaign.workers import cores
+from sitl.cli.arguments import Workers
 from sitl.paper import figures, table
 from sitl.paper.conditions import CASES, FIRST_SEED, RUNS, Method, seeds
 from sitl.paper.experiment import sail_all
@@ -20,11 +21,11 @@ def paper(
     out: Annotated[
         Path, typer.Option("--out", "-o", metavar="DIR", help="where tables and figures go")
     ] = Path("out/paper"),
-    runs: Annotated[int, typer.Option(min=2, help="seeds a case and method")] = RUNS,
+    runs: Annotated[int, typer.Option(min=2, max=100_000, help="seeds a case and method")] = RUNS,
     first_seed: Annotated[
         int, typer.Option("--first-seed", min=0, max=2**31 - 1, help="the first of them")
     ] = FIRST_SEED,
-    workers: Annotated[int | None, typer.Option(min=1, metavar="N", help="processes [all cores]")] = None,
+    workers: Workers = None,
     as_json_text: Annotated[bool, typer.Option("--json", help="the reductions as JSON on stdout")] = False,
 ) -> None:
     """Sail the five cases of the paper with on/off steering, heading PID, and what came after them.

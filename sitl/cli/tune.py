@@ -16,7 +16,9 @@ from sitl.campaign.campaign import Campaign
 from sitl.campaign.ledger import Ledger
 from sitl.campaign.run import Outcome, Run
 from sitl.campaign.workers import Crew, cores, local_crew
+from sitl.cli.arguments import Workers
 from sitl.scenario import load_scenario
+from sitl.sensors.sampling import MOST_SEED
 from sitl.tuning.gains import Gains, gains_of, parameter_file
 from sitl.tuning.picture import draw_search
 from sitl.tuning.search import CANDIDATES, REACHES, Sail, Standing, search
@@ -39,9 +41,9 @@ def tune(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="DIR", help="where results go [out/tune-BOAT]")
     ] = None,
-    workers: Annotated[int | None, typer.Option(min=1, metavar="N", help="processes [all cores]")] = None,
-    seed: Annotated[int, typer.Option(help="of the search and of its runs")] = 9001,
-    candidates: Annotated[int, typer.Option(min=4, help="sets of gains a round")] = CANDIDATES,
+    workers: Workers = None,
+    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="of the search and of its runs")] = 9001,
+    candidates: Annotated[int, typer.Option(min=4, max=100_000, help="sets of gains a round")] = CANDIDATES,
     as_json_text: Annotated[
         bool, typer.Option("--json", help="gains, verdict and figures as JSON on stdout")
     ] = False,

@@ -1,0 +1,173 @@
+"""Numbers that nobody means, and files that nest without end: one line that names the file or key, at once.
+
+Each would otherwise be an "unexpected" error, a start that hangs, or gigabytes of memory.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.config import BoatConfig, load_config
+from companion.errors import BoatError, ConfigError
+from companion.toml_text import parse_toml
+from mission_tools.errors import MapError, MissionToolsError
+from mission_tools.maps.geojson import load_geojson
+from mission_tools.maps.scenario import load_scenario as load_map
+from mission_tools.plan_file import load_mission
+from sitl.campaign.campaign import MOST_RUNS, load_campaign
+from sitl.cli.program import run_program
+from sitl.scenario import Tree, load_scenario
+
+DIGITS = "9" * 5000
+DEEP = [
+    "a = " + "[" * 100_000,
+    "a" + ".a" * 20_000 + " = 1",
+    "a" + ".a" * 50 + " = 1",
+    "a = " + "[" * 40 + "]" * 40,
+]
+READERS: list[tuple[Callable[[Path], object], type[Exception]]] = [
+    (load_config, ConfigError),
+    (load_campaign, ConfigError),
+    (lambda path: load_scenario(str(path)), ConfigError),
+    (load_map, MapError),
+]
+
+
+@pytest.mark.parametrize(("reader", "error"), READERS)
+@pytest.mark.parametrize("text", [f"a = {DIGITS}", *DEEP], ids=["digits", *"1234"])
+def test_a_toml_file_that_cannot_be_meant_is_one_line_with_its_name(
+    reader: Callable[[Path], object], error: type[Exception], text: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "strange.toml"
+    path.write_text(text)
+    with pytest.raises(error, match=r"strange\.toml") as caught:
+        reader(path)
+    assert len(str(caught.value)) < 400
+    assert "set_int_max_str_digits" not in str(caught.value)
+
+
+def test_what_settings_need_is_not_too_deep() -> None:
+    assert parse_toml("a" + ".a" * 20 + " = [[[1]]]")
+    assert parse_toml("a = [" + "[0.5, 0.25], " * 1000 + "]\nb = '" + "a" * 100_000 + "'")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 100_000,
+        '{"type": "FeatureCollection", "features": %s}' % ("[" * 900 + "]" * 900),
+        '{"type": "FeatureCollection", "features": [' + DIGITS + "]}",
+        '{"fileType": "Plan", "version": 1, "mission": %s' % ("[" * 100_000),
+    ],
+    ids=["open", "deep", "digits", "plan"],
+)
+def test_json_that_cannot_be_meant_is_one_line_with_its_name(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "strange.json"
+    path.write_text(text)
+    for read in (load_geojson, load_mission):
+        with pytest.raises(MissionToolsError, match=r"strange\.json"):
+            read(path)
+
+
+@pytest.mark.parametrize("seeds", [2**31, 10**22, MOST_RUNS + 1])
+def test_a_campaign_of_too_many_seeds_is_refused_before_they_are_laid_out(tmp_path: Path, seeds: int) -> None:
+    path = tmp_path / "many.toml"
+    path.write_text(f"[run]\nseeds = {seeds}\n")
+    with pytest.raises(ConfigError, match=r"many\.toml: run\.seeds"):
+        load_campaign(path)
+
+
+def test_a_campaign_of_too_many_combinations_is_refused_before_they_are_laid_out(tmp_path: Path) -> None:
+    path = tmp_path / "many.toml"
+    values = list(range(100))
+    path.write_text(
+        "[grid]\n" + "".join(f"a{n} = {values}\n" for n in range(12)) + "[run]\nseeds = 1000000\n"
+    )
+    with pytest.raises(ConfigError, match=rf"{100**12 * 10**6} runs are more than {MOST_RUNS}"):
+        load_campaign(path)
+
+
+@pytest.mark.parametrize("seed", [10**22, -(2**63)])
+def test_a_seed_fits_what_is_counted_up_from_it(tmp_path: Path, seed: int) -> None:
+    path = tmp_path / "far.toml"
+    path.write_text(f"[run]\nfirst_seed = {seed}\n")
+    with pytest.raises(ConfigError, match=r"far\.toml: run\.first_seed"):
+        load_campaign(path)
+    with pytest.raises(ConfigError, match="seed"):
+        load_scenario("open", [f"seed={seed}"])
+
+
+@pytest.mark.parametrize("what", ["rafts", "islands", "rocks"])
+def test_a_random_water_has_no_more_in_it_than_can_be_drawn(what: str) -> None:
+    for many in (10**22, 2**31, 1001):
+        with pytest.raises(ConfigError, match=rf"random\.{what}"):
+            load_scenario("random", [f"random.{what}={many}"])
+
+
+@pytest.mark.parametrize("place", ["start", "goal"])
+def test_a_place_off_the_globe_is_named(place: str) -> None:
+    for far in ("1e30", "1e308", "-1000001.0"):
+        with pytest.raises((ConfigError, MapError), match=rf"route\.{place}"):
+            load_scenario("open", [f"route.{place}=[{far}, 0.0]"])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["encounters", "--seeds", "2147483648"],
+        ["encounters", "--first-seed", "1" + "0" * 22],
+        ["paper", "--runs", "2147483648"],
+        ["tune", "lake", "--candidates", "2147483648"],
+        ["campaign", "x.toml", "--workers", "2147483648"],
+        ["sail", "open", "--seed", "1" + "0" * 22],
+        ["sail", "open", "--set", f"seed={DIGITS}"],
+        ["sail", "open", "--set", "a" + ".a" * 5000 + "=1"],
+        ["serve", "open", "--count", "2147483648"],
+    ],
+    ids=lambda arguments: " ".join(arguments)[:30],
+)
+def test_an_argument_that_cannot_be_meant_is_wrong_usage(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program(arguments) == 2
+    said = capsys.readouterr().err
+    assert "unexpected" not in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize("number", ["1e308", "-1e39"])
+def test_a_plan_holds_no_number_that_the_wire_does_not(tmp_path: Path, number: str) -> None:
+    path = tmp_path / "far.waypoints"
+    path.write_text(f"QGC WPL 110\n0 1 0 16 0 0 0 0 50 -1.2 0 1\n1 0 3 16 {number} 0 0 0 50 -1.2 0 1\n")
+    with pytest.raises(MissionToolsError, match=r"far\.waypoints: line 3 .*32 bits"):
+        load_mission(path)
+
+
+def numbers_of(type_: Any, prefix: str = "") -> list[str]:  # noqa: ANN401
+    """The paths of all settings that are numbers."""
+    found = []
+    for field in msgspec.structs.fields(type_):
+        if isinstance(field.type, type) and issubclass(field.type, msgspec.Struct):
+            found += numbers_of(field.type, f"{prefix}{field.name}.")
+        elif "float" in str(field.type) or "int" in str(field.type):
+            found.append(prefix + field.name)
+    return found
+
+
+SETTINGS = [*numbers_of(Tree), *numbers_of(BoatConfig, "vehicle.")]
+EXTREMES = ["1e308", "-1e308", "1e38", "-1e38", "1e-308", str(10**22), str(2**63), str(2**31)]
+
+
+@given(st.sampled_from(SETTINGS), st.sampled_from([*EXTREMES, "0", "-1", "nan", "inf"]))
+def test_no_number_anywhere_is_more_than_a_line(key: str, number: str) -> None:
+    said = ""
+    try:
+        load_scenario("open", [f"{key}={number}"])
+    except (BoatError, MissionToolsError) as error:
+        said = str(error)
+    assert not said or any(part in said for part in key.split("."))
