@@ -80,6 +80,8 @@ def run_app(
             return _end(name, f"{' '.join(message().split())} (see {name} --help)", 2, is_json)
         if is_debug:
             raise
+        if isinstance(error, OSError) and isinstance(error.filename, str):
+            return _end(name, f"{error.filename}: {error.strerror}", 1, is_json)
         return _end(name, f"unexpected {error!r}: please report it, with what --debug says", 1, is_json)
     if code == INTERRUPTED:  # some versions of typer turn the interrupt into this
         return _end(name, "interrupted", INTERRUPTED, is_json)

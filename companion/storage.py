@@ -88,7 +88,7 @@ class _Write:
 
     def error(self) -> str:
         fault = self.future.exception(timeout=0)
-        return "" if fault is None else (getattr(fault, "strerror", "") or str(fault) or type(fault).__name__)
+        return "" if fault is None else str(fault) or type(fault).__name__
 
 
 class FolderStorage:
@@ -156,6 +156,9 @@ class FolderStorage:
             write = self._waiting.pop(name)
         try:
             save_next(self._folder / name, write.content, self._write)
+        except OSError as error:
+            why = error.strerror or str(error) or type(error).__name__
+            write.future.set_exception(StorageError(f"{name}: {why}"))
         except Exception as error:
             write.future.set_exception(error)
         else:

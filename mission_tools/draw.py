@@ -24,6 +24,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.geo import Point, distance_m
+from companion.output_file import output_file
 from mission_tools.cartouche import (
     BAND,
     HALO,
@@ -128,9 +129,9 @@ def save_picture(
     """Write one picture, 1200 pixels high; the suffix of path chooses the format.
 
     Raises:
-        OSError: the file cannot be written.
+        OutputError: the file cannot be written.
     """
-    draw_picture(
+    figure = draw_picture(
         chart,
         route,
         track,
@@ -138,7 +139,9 @@ def save_picture(
         subtitle=subtitle,
         clearance_m=clearance_m,
         speeds_m_s=speeds_m_s,
-    ).savefig(path)
+    )
+    with output_file(path) as aside:
+        figure.savefig(aside)
 
 
 def draw_picture(

@@ -5,6 +5,8 @@ What is written here reads back equal.
 
 from pathlib import Path
 
+from companion.errors import OutputError
+from companion.output_file import write_text
 from mission_tools import qgc_plan, wpl_text
 from mission_tools.errors import PlanFileError
 from mission_tools.mission import Fence, Mission
@@ -68,7 +70,6 @@ def save_mission(mission: Mission, path: Path) -> None:
     else:
         text = wpl_text.compose(mission)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise PlanFileError(f"{path}: cannot be written: {error.strerror}") from None
+        write_text(path, text)
+    except OutputError as error:
+        raise PlanFileError(str(error)) from None

@@ -29,7 +29,7 @@ def save_preview(path: Path, proposal: Proposal, voyage: Voyage | None) -> None:
     """Draw the proposal and the voyage, if there was one.
 
     Raises:
-        UsageError: the file cannot be written.
+        OutputError: the file cannot be written.
     """
     from mission_tools.draw import save_picture  # noqa: PLC0415 - matplotlib takes a second to import
 
@@ -41,16 +41,13 @@ def save_preview(path: Path, proposal: Proposal, voyage: Voyage | None) -> None:
         subtitle += f", clearance {clearance_m:g} m"
     if voyage is not None and track:
         subtitle += f"; {distance(voyage.track_length_m)} sailed in {duration(voyage.duration_s)}"
-    try:
-        save_picture(
-            path,
-            proposal.chart,
-            points,
-            track=[proposal.chart.frame.to_local(point.place) for point in track] or None,
-            speeds_m_s=[point.speed_m_s for point in track] or None,
-            title=proposal.name,
-            subtitle=subtitle,
-            clearance_m=clearance_m,
-        )
-    except OSError as error:
-        raise UsageError(f"--preview {path}: cannot be written: {error.strerror}") from None
+    save_picture(
+        path,
+        proposal.chart,
+        points,
+        track=[proposal.chart.frame.to_local(point.place) for point in track] or None,
+        speeds_m_s=[point.speed_m_s for point in track] or None,
+        title=proposal.name,
+        subtitle=subtitle,
+        clearance_m=clearance_m,
+    )

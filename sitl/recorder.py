@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from companion.geo import Point
+from companion.output_file import output_file
 from sitl.shore import Shore
 from sitl.world import Truth
 
@@ -128,9 +129,9 @@ class Recorder:
         """Write the trajectory, every n-th tick, one column per field of Truth and the leg.
 
         Raises:
-            OSError: the file cannot be written.
+            OutputError: the file cannot be written.
         """
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow((*Truth._fields, "leg"))
             for row, leg in zip(self.rows[::every].tolist(), self.legs[::every].tolist(), strict=True):

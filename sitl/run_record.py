@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from companion.errors import ConfigError
 from companion.geo import LatLon, LocalFrame, Point
+from companion.output_file import output_file
 from mission_tools.maps.chart import Area, Chart, Feature, build_chart
 from sitl.beliefs import Belief
 from sitl.sail import Result, Sailing
@@ -79,7 +80,7 @@ class RunRecord:
         """Write the file.
 
         Raises:
-            OSError: it cannot be written.
+            OutputError: it cannot be written.
         """
         rest = {
             "result": self.result,
@@ -91,7 +92,7 @@ class RunRecord:
             "truth": list(self.truth),
             "beliefs": list(self.beliefs),
         }
-        with path.open("wb") as file:  # a name of its own: numpy would add a suffix
+        with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
             np.savez_compressed(
                 file,
                 rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),

@@ -249,7 +249,8 @@ class OnboardLog:
             self._blocks += 1
             self._log_bytes += len(block)
         elif self._blocks == 0:
-            self._fail("too much waits to be written")  # without its definitions a log cannot be read
+            # without its definitions a log cannot be read
+            self._fail(self._sink.fault or "too much waits to be written")
         else:
             self.dropped += count
 

@@ -1,12 +1,14 @@
 """Where a log's blocks go: a numbered file, written by the worker."""
 
+import contextlib
 import logging
 import os
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
-from companion.errors import StorageError
+from companion.errors import OutputError, StorageError
 from companion.log.store import LogStore
 from companion.log.worker import Worker
 
@@ -111,12 +113,15 @@ class FileSink:
             self._sync(file)
         except OSError as error:
             logger.warning("log %s: %s", self._name, error)
-        file.close()
+        with contextlib.suppress(OSError):
+            file.close()
         self._store.finish(self._name)
 
     def _fail(self, error: OSError) -> None:
-        self.fault = error.strerror or str(error)
+        why = error.strerror or str(error)
+        self.fault = f"{self._name}: {why}" if self._file is not None else why
         self._close()
+        self._store.drop_empty(self._name)
 
 
 class SingleFile:
@@ -126,10 +131,11 @@ class SingleFile:
         StorageError: the file cannot be written.
     """
 
-    fault = ""
     room_bytes = 1 << 20
 
     def __init__(self, path: Path) -> None:
+        self.fault = ""
+        self._path = path
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("wb")
@@ -142,16 +148,24 @@ class SingleFile:
 
     def write(self, block: bytes, unix_s: float) -> bool:  # noqa: ARG002
         """Write."""
-        try:
-            self._file.write(block)
-        except OSError as error:
-            self.fault = error.strerror or str(error)
-        return not self.fault
+        return self._attempt(lambda: self._file.write(block))
 
     def end(self) -> None:
         """What has been written is complete."""
-        self._file.flush()
+        self._attempt(self._file.flush)
 
     def close(self) -> None:
         """No more comes. May be called twice."""
-        self._file.close()
+        self._attempt(self._file.close)
+
+    def _attempt(self, work: Callable[[], object]) -> bool:
+        """Do something with the file. After a fault it is let go, and nothing more is written."""
+        if self.fault:
+            return False
+        try:
+            work()
+        except OSError as error:
+            self.fault = str(OutputError.of(self._path, error))
+            with contextlib.suppress(OSError):
+                self._file.close()
+        return not self.fault

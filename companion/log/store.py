@@ -89,12 +89,14 @@ class LogStore:
             raise OSError(f"only {free_mb:.0f} MB free, {self._min_free_mb:g} must stay free")
         number = self._last_number + 1
         name = f"{number:05d}{suffix}"
+        last = self.folder / _LAST
+        aside = last.with_suffix(".new")
+        aside.write_bytes(b"%d\r\n" % number)  # DOS line ends, as ArduPilot writes it
+        aside.replace(last)
         file = (self.folder / name).open("xb", buffering=0)
         self._last_number = number
         self._open.add(name)
         self.files = (*self.files, LogFile(number, name, 0, 0.0))
-        # DOS line ends, as ArduPilot writes it
-        (self.folder / _LAST).write_bytes(b"%d\r\n" % number)
         return name, file
 
     def grew(self, name: str, size_bytes: int, unix_s: float) -> None:
@@ -116,6 +118,12 @@ class LogStore:
     def finish(self, name: str) -> None:
         """A file is written no more, and may be removed when room is needed."""
         self._open.discard(name)
+
+    def drop_empty(self, name: str) -> None:
+        """Remove a file into which nothing could be written."""
+        file = self.find(name)
+        if file is not None and not file.size_bytes:
+            self._remove(file)
 
     def make_room(self) -> None:
         """Remove the oldest files until the rest is within the quota; never one that is being written."""

@@ -4,6 +4,7 @@ The first line says which campaign, and which version of the program, so that ru
 for this one's. A last line that an interruption has cut short is dropped.
 """
 
+import contextlib
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
@@ -12,7 +13,8 @@ from typing import IO, Self
 import msgspec
 from msgspec import Struct
 
-from companion.errors import ConfigError
+from companion.errors import ConfigError, OutputError
+from companion.output_file import output_file, output_folder
 from sitl.campaign.campaign import Campaign
 from sitl.campaign.run import Outcome
 
@@ -35,8 +37,9 @@ class Ledger:
 
         Raises:
             ConfigError: the folder holds the runs of another campaign.
+            OutputError: the folder cannot be written to.
         """
-        folder.mkdir(parents=True, exist_ok=True)
+        output_folder(folder)
         self.path = folder / NAME
         self.outcomes: dict[int, Outcome] = {}
         head = Head(campaign.fingerprint, version("mavboat"))
@@ -51,8 +54,13 @@ class Ledger:
         self._file.truncate(sum(map(len, whole)))
         self._file.seek(0, 2)
         if not whole:
-            (folder / PLAN).write_bytes(msgspec.json.encode(campaign))
-            self._write(msgspec.json.encode(head))
+            try:
+                with output_file(folder / PLAN) as aside:
+                    aside.write_bytes(msgspec.json.encode(campaign))
+                self._write(msgspec.json.encode(head))
+            except BaseException:
+                self.close()
+                raise
 
     def add(self, outcome: Outcome) -> None:
         """Keep a finished run: it survives this program from now on."""
@@ -64,8 +72,9 @@ class Ledger:
         return [self.outcomes[number] for number in sorted(self.outcomes)]
 
     def close(self) -> None:
-        """Let the file go."""
-        self._file.close()
+        """Let the file go. What a full disk has not taken has been told before."""
+        with contextlib.suppress(OSError):
+            self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -103,5 +112,8 @@ class Ledger:
             )
 
     def _write(self, line: bytes) -> None:
-        self._file.write(line + b"\n")
-        self._file.flush()
+        try:
+            self._file.write(line + b"\n")
+            self._file.flush()
+        except OSError as error:
+            raise OutputError.of(self.path, error) from None

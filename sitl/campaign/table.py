@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from companion.output_file import output_file
 from sitl.campaign.campaign import Campaign
 from sitl.campaign.run import Outcome, Run
 
@@ -37,9 +38,9 @@ def write_csv(table: Table, path: Path) -> None:
     """Write the table; what is missing is empty.
 
     Raises:
-        OSError: it cannot be written.
+        OutputError: it cannot be written.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table[0] if table else ())
         writer.writerows([_cell(value) for value in row.values()] for row in table)
@@ -51,7 +52,8 @@ def write_parquet(table: Table, path: Path) -> bool:
         return False
     arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     rows = [{name: _plain(value) for name, value in row.items()} for row in table]
-    parquet.write_table(arrow.Table.from_pylist(rows), path)
+    with output_file(path) as aside:
+        parquet.write_table(arrow.Table.from_pylist(rows), aside)
     return True
 
 

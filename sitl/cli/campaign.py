@@ -14,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table as RichTable
 
 from companion.errors import BoatError
+from companion.output_file import write_text
 from sitl.campaign.campaign import Campaign, load_campaign
 from sitl.campaign.expect import Verdict, judge
 from sitl.campaign.ledger import Ledger
@@ -67,7 +68,7 @@ def campaign(
     table = tabulate(plan, outcomes)
     write_csv(table, folder / "runs.csv")
     write_parquet(table, folder / "runs.parquet")
-    (folder / "report.html").write_text(campaign_page(plan, outcomes), encoding="utf-8")
+    write_text(folder / "report.html", campaign_page(plan, outcomes))
     verdicts = judge(plan.expect, table)
     if as_json_text:
         typer.echo(_as_json(plan, outcomes, verdicts))

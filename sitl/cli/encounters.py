@@ -7,6 +7,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
+from companion.output_file import write_text
 from sitl.campaign.workers import cores
 from sitl.cli.arguments import Workers
 from sitl.encounters.bench import WATERS, markdown, sail_all
@@ -50,4 +51,4 @@ def encounters(
     table = markdown(trials)
     typer.echo(table)
     if out is not None:
-        out.write_text(table, encoding="utf-8")
+        write_text(out, table)

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import Progress
 
+from companion.output_file import output_folder, write_text
 from sitl.campaign.workers import cores
 from sitl.cli.arguments import Workers
 from sitl.paper import figures, table
@@ -39,7 +40,7 @@ def paper(
     Fresh seeds:  boat-sitl paper --first-seed 7001 --runs 4 -o out/fresh
     """
     console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
-    out.mkdir(parents=True, exist_ok=True)
+    output_folder(out)
     reported = seeds(runs, first_seed)
     untouched = ", none of them ever tuned on" if reported == seeds(runs) else ""
     console.print(f"seeds {reported[0]} to {reported[-1]}{untouched}")
@@ -53,7 +54,7 @@ def paper(
     text = table.markdown(rows)
     table.write_trials(out / "runs.csv", trials)
     table.write_rows(out / "table3.csv", rows)
-    (out / "tables.md").write_text(text, encoding="utf-8")
+    write_text(out / "tables.md", text)
     figures.draw_step_responses(step_responses(reported[0]), out / "figure5.png")
     figures.draw_pool(out / "figure16.png")
     figures.draw_deviations(rows, out / "figure17.png")

@@ -60,7 +60,6 @@ def physics(
     if recorder is not None and csv is not None:
         if not len(recorder):
             raise PhysicsError(f"nobody steered: {csv} was not written")
-        csv.parent.mkdir(parents=True, exist_ok=True)
         rate_hz = len(recorder) / max(backend.world.time_s, 1e-9)
         recorder.write_csv(csv, every=min(max(1, round(0.1 * rate_hz)), _MOST_STEPS_A_ROW))
     typer.echo(f"boat-sitl: {backend.steps} steps, {backend.world.time_s:.1f} s of water")

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from companion.output_file import write_text
 from sitl.campaign.ledger import Ledger
 from sitl.reports.campaign_page import campaign_page
 from sitl.reports.run_page import run_page
@@ -36,6 +37,5 @@ def report(
     else:
         text, beside = run_page(load_record(source)), source.with_suffix(".html")
     page = out or beside
-    page.parent.mkdir(parents=True, exist_ok=True)
-    page.write_text(text, encoding="utf-8")
+    write_text(page, text)
     typer.echo(f"written: {page}{remark}")

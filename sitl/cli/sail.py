@@ -8,9 +8,11 @@ from rich.console import Console
 from rich.progress import Progress
 
 from companion import garbage
+from companion.errors import OutputError
 from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
+from companion.output_file import write_text
 from mission_tools.errors import UsageError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
@@ -81,19 +83,21 @@ def sail(
     finally:
         sailing.lockstep.close()  # a run that went wrong has its log, too
     if csv is not None:
-        sailing.recorder.write_csv(_made_room_for(csv), every=5)
+        sailing.recorder.write_csv(csv, every=5)
     if json_file is not None:
-        _made_room_for(json_file).write_text(as_json(result) + "\n", encoding="utf-8")
+        write_text(json_file, as_json(result) + "\n")
     if png is not None:
-        draw(sailing, result, _made_room_for(png), plan.settings.clearance_m if plan else 0.0)
+        draw(sailing, result, png, plan.settings.clearance_m if plan else 0.0)
     if record is not None:
-        RunRecord.of(sailing, result).save(_made_room_for(record))
+        RunRecord.of(sailing, result).save(record)
     if as_json_text:
         typer.echo(as_json(result))
     else:
         print_table(result, console)
     if not result.completed:
         raise SailError(f"the mission was not completed: {sailing.ending()}")
+    if logbook is not None and logbook.sink.fault:
+        raise OutputError(logbook.sink.fault)
 
 
 def _run(sailing: Sailing, timeout: float | None, linger_s: float, console: Console) -> Result:
@@ -106,8 +110,3 @@ def _run(sailing: Sailing, timeout: float | None, linger_s: float, console: Cons
 
         garbage.settle()
         return sailing.run(timeout, tell, linger_s)
-
-
-def _made_room_for(path: Path) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path

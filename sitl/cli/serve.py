@@ -122,7 +122,6 @@ def serve(
     garbage.settle()
     server.run(shutdown)
     if csv is not None:
-        csv.parent.mkdir(parents=True, exist_ok=True)
         for craft, sailed in zip(crafts, scenarios, strict=True):
             path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{sailed.vehicle.identity.system_id}")
             craft.recorder.write_csv(path, every=RECORD_EVERY)

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from companion.errors import BoatError
+from companion.output_file import output_folder, write_text
 from sitl.campaign.campaign import Campaign
 from sitl.campaign.ledger import Ledger
 from sitl.campaign.run import Outcome, Run
@@ -64,7 +65,7 @@ def tune(
     model = boat if not boat.endswith(".toml") else str(Path(boat).resolve())
     scenario = load_scenario("open", [f"boat.model={model}"])
     folder = out or Path("out") / f"tune-{Path(boat).stem}"
-    folder.mkdir(parents=True, exist_ok=True)
+    output_folder(folder)
     trials = Trials(model, scenario.vehicle, scenario.frame, folder)
     before = gains_of(scenario.vehicle)
     plan = Campaign(
@@ -84,7 +85,7 @@ def tune(
     taken = best if verdict.is_better else before
     path = folder / "tuned.parm"
     word = "found" if verdict.is_better else "its own: no better ones were found"
-    path.write_text(parameter_file(taken, [f"gains of {boat}, {word} with seed {seed}"]), encoding="utf-8")
+    write_text(path, parameter_file(taken, [f"gains of {boat}, {word} with seed {seed}"]))
     draw_search(standings, verdict, f"gains of {boat}", folder / "tuning.png")
     if as_json_text:
         typer.echo(_as_json(boat, seed, before, best, verdict, checked, path))

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from companion.output_file import output_file
 from mission_tools.cartouche import INK, PAPER
 from mission_tools.draw import draw_chart
 from sitl.paper.conditions import CASES, Method, conditions
@@ -149,4 +150,5 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 def _save(figure: Figure, path: Path, title: str) -> None:
     figure.suptitle(title, fontsize=14, fontweight="bold", color=INK)
-    figure.savefig(path)
+    with output_file(path) as aside:
+        figure.savefig(aside)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from companion.output_file import output_file
 from sitl.paper.conditions import CASES, RUNS, Method
 from sitl.paper.trial import Trial
 
@@ -178,7 +179,7 @@ def write_trials(path: Path, trials: Sequence[Trial]) -> None:
     """One row a run.
 
     Raises:
-        OSError: the file cannot be written.
+        OutputError: the file cannot be written.
     """
     _write(path, [dataclasses.asdict(trial) for trial in trials])
 
@@ -187,13 +188,13 @@ def write_rows(path: Path, table: Sequence[Row]) -> None:
     """One row a case and method.
 
     Raises:
-        OSError: the file cannot be written.
+        OutputError: the file cannot be written.
     """
     _write(path, [dataclasses.asdict(row) for row in table])
 
 
 def _write(path: Path, records: Sequence[dict[str, object]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(records[0]))
         writer.writeheader()
         writer.writerows({key: _plain(value) for key, value in record.items()} for record in records)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from companion.output_file import output_file
 from sitl.tuning.search import Standing
 from sitl.tuning.verdict import Verdict
 
@@ -39,4 +40,5 @@ def draw_search(standings: Sequence[Standing], verdict: Verdict, title: str, pat
     axes.set_ylabel("cost over that of before")
     axes.set_title(title)
     axes.legend(loc="upper right")
-    figure.savefig(path, dpi=110)
+    with output_file(path) as aside:
+        figure.savefig(aside, dpi=110)

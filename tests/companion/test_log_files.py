@@ -141,7 +141,7 @@ def test_a_full_medium_is_a_fault_and_the_file_is_let_go(
     assert sink.write(b"12345678", 0.0)
     assert sink.fault == ""
     sink.write(b"12345678", 0.0)
-    assert sink.fault == "No space left on device"
+    assert sink.fault == "00001.bin: No space left on device"
     assert (file.content, file.is_closed) == (b"1234567812", True)
     sink.write(b"more", 0.0)
     assert file.content == b"1234567812"

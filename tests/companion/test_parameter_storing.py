@@ -185,7 +185,7 @@ def test_a_full_disk_is_told_once_and_the_change_is_answered_all_the_same(tmp_pa
         rig.set("WP_RADIUS", 3.25)
     rig.until(lambda: len(rig.answers()) == 5, QGC_WAITS_S)
     told = [text for text in rig.peer.texts if "not stored" in text]
-    assert told == ["Parameters not stored: No space left on device"]
+    assert told == ["Parameters not stored: params.parm: No space left on device"]
 
 
 def test_a_file_of_many_and_a_reset_are_answered_when_stored_too(tmp_path: Path) -> None:

@@ -200,7 +200,7 @@ def test_a_change_that_cannot_be_kept_is_told_once(tmp_path: Path) -> None:
     assert parameters.take_stored() == []
     parameters.set("HDG_KP", 3.0)
     storage.close()
-    assert [stored.error for stored in parameters.take_stored()] == ["No space left on device"]
+    assert [stored.error for stored in parameters.take_stored()] == ["params.parm: No space left on device"]
     assert parameters.take_stored() == []
     assert parameters.config.heading.kp == 3.0
 
