@@ -162,7 +162,7 @@ def _emulator(source: str, start: LatLon, speedup: float, track: Path, console: 
 def _forward(lines: Iterable[str], console: Console) -> None:
     """Show what the emulator says later on, such as that this computer is too slow for the speed."""
     for line in lines:
-        if "ready; Ctrl-C" not in line:
+        if "ready; Ctrl-C" not in line and "are forgotten" not in line:
             console.print(line.rstrip(), soft_wrap=True)
 
 

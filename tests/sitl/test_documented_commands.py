@@ -19,9 +19,11 @@ from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
 from mission_tools.mission import Mission, MissionItem
+from mission_tools.plan_file import load_mission
 from sitl.__main__ import run_program as run_sitl
 
 ROOT = Path(__file__).parents[2]
+FENCE = ROOT / "examples" / "maps" / "mill_pond_fence.geojson"
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 PROGRAMS: dict[str, Callable[[list[str]], int]] = {
     "boat-sitl": run_sitl,
@@ -107,9 +109,18 @@ def test_the_places_to_click_are_on_open_water_inside_the_fence(page: str) -> No
     ]
     assert len(places) == 3
     lake = load_source("lake")
-    fence = load_fence(ROOT / "examples" / "maps" / "mill_pond_fence.geojson")
-    chart = fenced(lake.chart, fence, "fence")
+    chart = fenced(lake.chart, load_fence(FENCE), "fence")
     assert lake.route.start is not None
     home = chart.frame.to_global(lake.route.start)
     mission = Mission(tuple(MissionItem.at(place) for place in places), home)
     assert check_mission(mission, chart, 8.0) == []
+
+
+def test_the_planner_of_the_first_steps_stays_inside_the_fence_that_they_upload(clone: Path) -> None:
+    section = (ROOT / "README.md").read_text(encoding="utf-8").split("## Five minutes")[1].split("\n## ")[0]
+    page = clone / "section.md"
+    page.write_text(section, encoding="utf-8")
+    (planning,) = [command for command in commands(page) if command.startswith("mission-upload lake")]
+    assert upload_cli.run_program([*shlex.split(planning)[1:], "--dry-run", "--save", "five.plan"]) == 0
+    chart = fenced(load_source("lake").chart, load_fence(FENCE), "fence")
+    assert check_mission(load_mission(clone / "five.plan"), chart, 0.0) == []
