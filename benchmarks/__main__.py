@@ -10,7 +10,19 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import campaign, codec, emulator, fleet, loop, memory, planner, radio, router, transfer
+from benchmarks import (
+    campaign,
+    codec,
+    emulator,
+    fleet,
+    garbage,
+    loop,
+    memory,
+    planner,
+    radio,
+    router,
+    transfer,
+)
 from benchmarks.measure import Row
 
 PAGE = Path("docs/benchmarks.md")
@@ -26,13 +38,14 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "router": router.rows,
     "memory": memory.rows,
     "loop": loop.rows,
+    "garbage": garbage.rows,
 }
 
 _INTRODUCTION = """# Benchmarks
 
 Made by `make bench`; one file a question in `benchmarks/`. Ours and the peer run in turn in one process;
 figures are medians ± half the distance between the quartiles, the ratio is the median of the pairs. CPU time,
-but for transfers, which are wall clock. Shared machines are noisy: trust the ratios.
+but for transfers and garbage, which are wall clock. Shared machines are noisy: trust the ratios.
 
 Machine: {machine}.
 """

@@ -6,8 +6,9 @@ of what has come, no frame of the dialect begins inside it, and it does not lie 
 After a flaw the search goes on from the byte behind the bad magic byte.
 
 The cost is linear in the bytes, whatever they are. Bytes without a magic byte are skipped by memchr, and so
-are runs of one magic byte, which are no header. Each place that might be a frame counts as one look. A caller
-that must not be held up limits the looks (`find`); the search goes on where it stopped.
+are runs of one magic byte, which are no header. Each other place that is examined and turns out to be no
+frame counts as a wasted look. A caller that must not be held up limits frames and wasted looks (`find`); the
+search goes on where it stopped.
 """
 
 import re
@@ -35,9 +36,6 @@ _RUN_V1, _RUN_V2 = 6 * _V1, 3 * _V2
 _run_of = re.compile(rb"\xfd+|\xfe+").match
 
 NO_LIMIT = 1 << 62
-_LOOKS_OF_A_FRAME = (
-    4  # to be read, checked for repeats and sent on: what is found costs more than what is not
-)
 _LATE = 128  # a sequence number that jumps this far ahead is one that comes late, or twice
 _MAX_SENDERS = 256  # of whose sequence numbers are kept: a flood of addresses must not fill the memory
 
@@ -57,13 +55,13 @@ class FrameFinder:
         "counters",
         "datagram",
         "is_behind",
-        "looks",
+        "wasted_looks",
     )
 
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self.datagram = datagram
         self.counters = Counters() if counters is None else counters
-        self.looks = 0  # places that were examined since the link began, and what was found: the cost
+        self.wasted_looks = 0  # places that were examined since the link began, and were no frame
         self.is_behind = False  # the last `find` stopped at its limit
         self._rest = b""
         self._position = 0  # of the rest's first byte since the link began
@@ -87,14 +85,15 @@ class FrameFinder:
         else:
             self._rest += data
 
-    def find(self, most_looks: int = NO_LIMIT) -> list[Frame]:
-        """The frames in what was put in, as far as `most_looks` go. Never raises.
+    def find(self, most_frames: int = NO_LIMIT, most_wasted_looks: int = NO_LIMIT) -> list[Frame]:
+        """The frames in what was put in, as far as the limits go. Never raises.
 
-        The search of one unknown message may exceed the limit by as many looks as that message claims bytes.
+        An unknown message is searched to its end, which may exceed the limit by as many looks as it claims
+        bytes.
         """
         found: list[Frame] = []
         data = self._rest
-        at, end, last_look = 0, len(data), self.looks + most_looks
+        at, end, last_look = 0, len(data), self.wasted_looks + most_wasted_looks
         next_v1 = next_v2 = -1
         self.is_behind = False
         while at < end:
@@ -107,10 +106,10 @@ class FrameFinder:
                 self._blame(at, magic)
                 at = magic
                 continue
-            if self.looks >= last_look:
+            if self.wasted_looks >= last_look or len(found) >= most_frames:
                 self.is_behind = True
                 break
-            self.looks += 1
+            self.wasted_looks += 1  # taken back if it was not
             run = _RUN_V2 if at == next_v2 else _RUN_V1
             if data.startswith(run, at) and (match := _run_of(data, at)) is not None:
                 begin, at = at, match.end() - len(run) + 1
@@ -121,7 +120,7 @@ class FrameFinder:
                 frame = self._believe(data, at)
             if isinstance(frame, Frame):
                 self._count(frame)
-                self.looks += _LOOKS_OF_A_FRAME - 1
+                self.wasted_looks -= 1
                 found.append(frame)
                 at += len(frame.data)
             elif frame is Flaw.INCOMPLETE and not self.datagram:
@@ -149,7 +148,7 @@ class FrameFinder:
             return Flaw.UNKNOWN
         magic = _next_magic(data, at + 1, end)
         while magic is not None:
-            self.looks += 1
+            self.wasted_looks += 1
             inner = read_frame(data, magic.start())
             if isinstance(inner, Frame):
                 return Flaw.UNKNOWN

@@ -49,12 +49,15 @@ class Channel:
         "forwarded",
         "guard",
         "heard_s",
+        "is_blocked",
+        "is_noisy",
         "kept_back",
         "link",
         "number",
         "policy",
         "refused",
         "tap",
+        "wasted_before",
     )
 
     def __init__(self, number: int, link: Link, own: Address, policy: Policy = PLAIN) -> None:
@@ -69,6 +72,9 @@ class Channel:
         self.kept_back = 0  # by allow, deny and rate caps, and what strangers may not have
         self.refused = 0  # by the guard, on their way in or out
         self.faults = 0  # messages that could not be packed: a defect of ours, see the log
+        self.is_blocked = False  # has brought so much garbage that it is not read before the next tick
+        self.is_noisy = False  # has brought garbage when it was last read
+        self.wasted_before = 0  # looks, up to the last tick
         self.heard_s = float("-inf")  # when the last frame was let in
         self._has_announced_itself = False  # by a heartbeat
         self._is_confidential = False  # asks for signatures and has heard none yet: it tells heartbeats only
@@ -134,12 +140,12 @@ class Channel:
         return bool(self._chunks) or self._finder.is_behind
 
     @property
-    def looks(self) -> int:
-        """What finding frames has cost since the link began, see `FrameFinder`."""
-        return self._finder.looks
+    def wasted_looks(self) -> int:
+        """What garbage has cost since the link began, see `FrameFinder`."""
+        return self._finder.wasted_looks
 
-    def take(self, most_looks: int) -> Sequence[Frame]:
-        """The next frames that have arrived, as far as `most_looks` go. What is left is kept; no more is
+    def take(self, most_frames: int, most_wasted_looks: int) -> Sequence[Frame]:
+        """The next frames that have arrived, as far as the limits go. What is left is kept; no more is
         read.
         """
         chunks, finder = self._chunks, self._finder
@@ -148,12 +154,14 @@ class Channel:
             if not arrived:
                 return ()  # as at most ticks
             chunks.extend(arrived)
-        last_look = finder.looks + most_looks
+        last_look = finder.wasted_looks + most_wasted_looks
         taken: list[Frame] = []
-        while (finder.is_behind or chunks) and finder.looks < last_look:
+        while finder.is_behind or chunks:
+            if len(taken) >= most_frames or finder.wasted_looks >= last_look:
+                break
             if not finder.is_behind:
                 finder.put(chunks.popleft())
-            taken += finder.find(last_look - finder.looks)
+            taken += finder.find(most_frames - len(taken), last_look - finder.wasted_looks)
         return taken
 
     def admits(self, frame: Frame, now_s: float = 0.0) -> bool:

@@ -133,13 +133,18 @@ STREAMS = st.lists(PIECES, max_size=14).map(b"".join)
 
 
 @pytest.mark.parametrize("datagram", [True, False], ids=["datagrams", "stream"])
-@given(data=STREAMS, chunk=st.integers(1, 60), most_looks=st.integers(1, 9))
-@example(data=bytes.fromhex("fd0900000007010000000000fd0000000001000000010000"), chunk=12, most_looks=1)
-@example(data=b"\xfe" * 5 + heartbeat(), chunk=60, most_looks=1)
-@example(data=b"\xfd\xfd" + heartbeat(), chunk=60, most_looks=1)
-@example(data=b"\xfe\xfe\xfe" + v1_heartbeat(), chunk=7, most_looks=2)
+@given(data=STREAMS, chunk=st.integers(1, 60), most_looks=st.integers(1, 9), most_frames=st.integers(1, 3))
+@example(
+    data=bytes.fromhex("fd0900000007010000000000fd0000000001000000010000"),
+    chunk=12,
+    most_looks=1,
+    most_frames=1,
+)
+@example(data=b"\xfe" * 5 + heartbeat(), chunk=60, most_looks=1, most_frames=1)
+@example(data=b"\xfd\xfd" + heartbeat(), chunk=60, most_looks=1, most_frames=1)
+@example(data=b"\xfe\xfe\xfe" + v1_heartbeat(), chunk=7, most_looks=2, most_frames=1)
 def test_the_same_frames_are_found_for_any_bytes_in_any_pieces_and_however_often_it_stops(
-    data: bytes, chunk: int, most_looks: int, datagram: bool
+    data: bytes, chunk: int, most_looks: int, most_frames: int, datagram: bool
 ) -> None:
     reference, finder, stopping = ReferenceFinder(datagram), FrameFinder(datagram), FrameFinder(datagram)
     for at in range(0, len(data), chunk):
@@ -147,9 +152,9 @@ def test_the_same_frames_are_found_for_any_bytes_in_any_pieces_and_however_often
         expected = reference.feed(piece)
         assert [frame.data for frame in finder.feed(piece)] == expected
         stopping.put(piece)
-        found = [frame.data for frame in stopping.find(most_looks)]
+        found = [frame.data for frame in stopping.find(most_frames, most_looks)]
         while stopping.is_behind:
-            found += [frame.data for frame in stopping.find(most_looks)]
+            found += [frame.data for frame in stopping.find(most_frames, most_looks)]
         assert found == expected
     assert stopping.counters == finder.counters
 
@@ -160,7 +165,7 @@ def test_a_megabyte_of_any_one_byte_value_costs_a_few_looks_a_chunk(datagram: bo
         finder = FrameFinder(datagram)
         for _ in range(256):
             assert finder.feed(bytes((value,)) * CHUNK) == []
-        assert finder.looks <= 256 * 6, f"{value:#x}"
+        assert finder.wasted_looks <= 256 * 6, f"{value:#x}"
         assert finder.counters.bytes_in == 256 * CHUNK
         assert finder.counters.bad_frames > 0
 
@@ -171,7 +176,7 @@ def test_noise_costs_about_a_look_a_magic_byte(seed: int) -> None:
     finder = FrameFinder(datagram=False)
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
-    assert finder.looks <= 1.3 * (data.count(V1) + data.count(V2))
+    assert finder.wasted_looks <= 1.3 * (data.count(V1) + data.count(V2))
 
 
 @pytest.mark.parametrize(
@@ -183,16 +188,16 @@ def test_no_pattern_costs_more_than_two_looks_a_byte(pattern: bytes) -> None:
     finder = FrameFinder(datagram=False)
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
-    assert finder.looks <= 2 * len(data)
+    assert finder.wasted_looks <= 2 * len(data)
 
 
 def test_a_search_with_a_limit_stops_there_and_goes_on_later() -> None:
     finder = FrameFinder(datagram=True)
     finder.put(b"\xfd\x00\x00" * 1000 + heartbeat())
-    assert finder.find(100) == []
+    assert finder.find(most_wasted_looks=100) == []
     assert finder.is_behind
-    assert finder.looks <= 100 + 280
-    found = [frame for _ in range(60) for frame in finder.find(100)]
+    assert finder.wasted_looks <= 100 + 280
+    found = [frame for _ in range(60) for frame in finder.find(most_wasted_looks=100)]
     assert [frame.data for frame in found] == [heartbeat()]
     assert not finder.is_behind
 
@@ -200,13 +205,15 @@ def test_a_search_with_a_limit_stops_there_and_goes_on_later() -> None:
 def test_the_next_datagram_ends_the_search_of_the_last() -> None:
     finder = FrameFinder(datagram=True)
     finder.put(b"\xfd\x00\x00" * 1000)
-    finder.find(10)
+    finder.find(most_wasted_looks=10)
     finder.put(heartbeat())
     assert [frame.data for frame in finder.find()] == [heartbeat()]
 
 
-def test_frames_that_are_found_cost_more_than_places_that_are_passed_over() -> None:
+def test_frames_waste_no_look_and_have_a_limit_of_their_own() -> None:
     finder = FrameFinder(datagram=False)
     finder.put(b"".join(heartbeat(n) for n in range(100)))
-    assert len(finder.find(40)) == 10
+    assert len(finder.find(most_frames=10, most_wasted_looks=1)) == 10
     assert finder.is_behind
+    assert len(finder.find(most_wasted_looks=1)) == 90
+    assert finder.wasted_looks == 0
