@@ -24,6 +24,7 @@ from companion.errors import LinkError
 from companion.hal.interfaces import Hardware
 from companion.parts import CompassPart, GnssPart, Parts
 from companion.safety_net import GIVE_UP_LEVEL
+from companion.settings.failsafe import Failsafe
 from companion.shutdown import Shutdown
 
 pytestmark = pytest.mark.realtime
@@ -31,7 +32,8 @@ pytestmark = pytest.mark.realtime
 MANUAL = 0
 PORT = re.compile(r"listening on tcpin:127\.0\.0\.1:(\d+)")
 PARTS = Parts(motors=PINS, gnss=GnssPart(driver="nmea"), compass=CompassPart(driver="nmea"))
-CONFIG = BoatConfig(links=("tcpin:127.0.0.1:0",), parts=PARTS)
+BUSY = Failsafe(overrun_action=0)  # the machine may be busy with other tests
+CONFIG = BoatConfig(links=("tcpin:127.0.0.1:0",), parts=PARTS, failsafe=BUSY)
 
 
 @pytest.fixture

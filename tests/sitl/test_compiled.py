@@ -105,7 +105,6 @@ def test_removing_leaves_the_sources_and_nothing_to_be_stale(tmp_path: Path) -> 
     not any(name.startswith("__editable___mavboat") for name in sys.modules),
     reason="the packages are not installed in place",
 )
-@pytest.mark.timeout(1200)
 def test_compiled_modules_are_found_by_programs_that_start_in_another_folder(tmp_path: Path) -> None:
     root, elsewhere = tmp_path / "house", tmp_path / "elsewhere"
     elsewhere.mkdir()
