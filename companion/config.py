@@ -98,10 +98,9 @@ class Guidance(Section, frozen=True):
     """Line of sight, corners and station keeping."""
 
     waypoint_radius_m: Positive = 2.0
-    corner_radius_m: Positive = 1.0  # of the arc round a corner, where that passes within waypoint_radius_m
     lookahead_m: Positive = 3.0
     accel_m_s2: Positive = 0.4  # used to slow down for a corner or the end
-    corner_accel_m_s2: Positive = 0.5  # centripetal: how hard a corner may be taken
+    corner_accel_m_s2: Positive = 0.8  # centripetal: how hard a corner may be taken
     min_speed_m_s: Positive = 0.4  # slowest speed with steerage way
     pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = (
         1.05  # heading error beyond which it turns on the spot

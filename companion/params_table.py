@@ -49,7 +49,6 @@ def _tuning() -> list[Row]:
         Row("WP_ACCEL", _REAL, "Deceleration planned for corners and stops", "guidance.accel_m_s2", unit="m/s/s", low=0.0001, high=20),
         Row("WP_PIVOT_ANGLE", _I16, "Heading error beyond which the boat turns on the spot", "guidance.pivot_angle_rad", scale=_DEG, unit="deg", low=1, high=180),
         Row("LOS_LOOKAHEAD", _REAL, "Lookahead of the line-of-sight guidance", "guidance.lookahead_m", unit="m", low=0.001, high=100),
-        Row("LOS_ARC_RADIUS", _REAL, "Radius of the arc round a corner, where that passes within WP_RADIUS", "guidance.corner_radius_m", unit="m", low=0.001, high=100),
         Row("LOS_TURN_RATE", _REAL, "Turn rate of full steering under way; arcs are laid by it", "handling.turn_rate_rad_s", scale=_DEG, unit="deg/s", low=1, high=360),
         Row("LOS_TOP_SPEED", _REAL, "Speed through the water at full throttle", "handling.top_speed_m_s", unit="m/s", low=0.001, high=20),
         Row("LOS_YAW_TIME", _REAL, "Time until the bow follows the heading asked for", "handling.yaw_time_s", unit="s", low=0.01, high=10),

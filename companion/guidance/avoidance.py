@@ -38,6 +38,7 @@ _LEAVES = 1.0  # sights must be free for that
 _BACKS_S = 4.0  # longest time astern
 _PUZZLES = 1.0  # margins of room: no side is chosen before it is known whether the thing moves
 _CRASH_STOP = 0.4  # of the slowest speed with steerage way: faster than that the boat stops with all it has
+_ASIDE_M_S2 = 0.5  # a detour is turned onto within the margin by this much lateral acceleration
 _HALTS = 0.25  # margins from the distance to keep, the boat has stopped
 
 
@@ -236,7 +237,7 @@ class Avoidance:
         self.stage = Stage.ROUND
         if (away_rad := scene.away_rad()) is not None:
             return HoldCourse(away_rad, guidance.min_speed_m_s)
-        speed = min(scene.asked_m_s(), math.sqrt(2.0 * guidance.corner_accel_m_s2 * scene.margin_m))
+        speed = min(scene.asked_m_s(), math.sqrt(2.0 * _ASIDE_M_S2 * scene.margin_m))
         if scene.must_stop_to_turn(scene.heading_for_rad(detour.course_rad, speed)):
             return scene.stop()
         return HoldCourse(detour.course_rad, speed)

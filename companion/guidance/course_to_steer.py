@@ -37,3 +37,24 @@ def course_to_steer(
     room = math.sqrt(top_m_s * top_m_s - across * across)
     ahead = clamp(speed_m_s - set_north_m_s * c - set_east_m_s * s, min(slow_m_s, room), room)
     return course_rad + math.atan2(across, ahead), math.hypot(across, ahead)
+
+
+def steerable_speed_m_s(
+    course_rad: float,
+    speed_m_s: float,
+    water_m_s: float,
+    change_m_s: float,
+    set_north_m_s: float,
+    set_east_m_s: float,
+) -> float:
+    """The speed over ground to point the bow for: the one asked for, as near as the boat will soon be to it.
+
+    water_m_s: the speed through the water that it has. While that is too little for the speed asked for, the
+    crab angle for that speed would let the current carry the boat aside; while it is too much, the boat would
+    sail up the current. change_m_s: how much it may change before the bow has followed.
+    """
+    c, s = math.cos(course_rad), math.sin(course_rad)
+    across = set_north_m_s * s - set_east_m_s * c
+    ahead = math.sqrt(max(water_m_s * water_m_s - across * across, 0.0))
+    makes = ahead + set_north_m_s * c + set_east_m_s * s
+    return clamp(speed_m_s, makes - change_m_s, makes + change_m_s)

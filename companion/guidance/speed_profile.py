@@ -1,34 +1,15 @@
 """How fast the boat may go now, so that it can take the corner ahead and stop where it should."""
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 from companion.config import BoatConfig, Guidance
+from companion.guidance.path import Node
 
 REACTION_S = 1.0  # until throttle taken back shows in the speed
-TURN_SHARE = 0.7  # of the turn rate that full steering gives: the rest is left to correct with
-
-
-def corner_speed_m_s(radius_m: float, config: BoatConfig) -> float:
-    """Speed at which an arc can be sailed.
-
-    Its centripetal acceleration v²/r may be corner_accel_m_s2, its turn rate v/r TURN_SHARE of what the
-    hull can do. Never below min_speed_m_s.
-    """
-    setting = config.guidance
-    fastest = min(
-        math.sqrt(setting.corner_accel_m_s2 * radius_m),
-        TURN_SHARE * config.handling.turn_rate_rad_s * radius_m,
-    )
-    return max(fastest, setting.min_speed_m_s)
-
-
-def full_speed_radius_m(config: BoatConfig) -> float:
-    """Radius of the tightest arc for cruise speed: `corner_speed_m_s` the other way round."""
-    speed = config.speed.cruise_m_s
-    return max(
-        speed * speed / config.guidance.corner_accel_m_s2,
-        speed / (TURN_SHARE * config.handling.turn_rate_rad_s),
-    )
+# Of accel_m_s2, which is for braking: what full throttle gives at two thirds of the top speed.
+GAINING_SHARE = 1.5
 
 
 def braking_speed_m_s(
@@ -67,3 +48,58 @@ def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, setting: Guida
     if error > pivot:
         return 0.0
     return min(speed_m_s, max(speed_m_s * 2.0 * (1.0 - error / pivot), setting.min_speed_m_s))
+
+
+def with_speeds(
+    nodes: list[Node], fillets: Sequence[tuple[int, int]], speed_m_s: float, config: BoatConfig
+) -> list[Node]:
+    """The nodes of a path with the speed allowed at each, and new ones where speed stops growing or begins to
+    fall.
+
+    fillets: first and last node of each; between those the speeds are the fillet's own, unless the way behind
+    it asks for less. A backward pass limits what has to be lost before a node, a forward pass what can be
+    gathered since the one before it.
+    """
+    slowing = 2.0 * config.guidance.accel_m_s2
+    gaining = GAINING_SHARE * slowing
+    speeds = [node.speed_m_s for node in nodes]
+    inside = {n for first, last in fillets for n in range(first, last)}  # from n to n + 1 within a fillet
+    lengths = [math.hypot(b.north_m - a.north_m, b.east_m - a.east_m) for a, b in pairwise(nodes)]
+    for n in range(len(nodes) - 2, -1, -1):
+        if n not in inside or speeds[n + 1] < nodes[n + 1].speed_m_s:
+            speeds[n] = min(speeds[n], math.sqrt(speeds[n + 1] ** 2 + slowing * lengths[n]))
+    out = []
+    for n, node in enumerate(nodes):
+        out.append(node._replace(speed_m_s=speeds[n]))
+        if n + 1 == len(nodes):
+            break
+        if n not in inside or speeds[n] < node.speed_m_s:
+            speeds[n + 1] = min(speeds[n + 1], math.sqrt(speeds[n] ** 2 + gaining * lengths[n]))
+        if n not in inside:
+            out.extend(_straight(node, nodes[n + 1], speeds[n], speeds[n + 1], speed_m_s, slowing, gaining))
+    return out
+
+
+def _straight(
+    start: Node, end: Node, start_m_s: float, end_m_s: float, most_m_s: float, slowing: float, gaining: float
+) -> list[Node]:
+    """Where on a straight stretch the speed stops growing and begins to fall."""
+    length_m = math.hypot(end.north_m - start.north_m, end.east_m - start.east_m)
+    # The squares of speed grow and fall linearly; the two lines meet at the highest that can be reached.
+    peak = gaining * end_m_s**2 + slowing * start_m_s**2 + gaining * slowing * length_m
+    peak /= gaining + slowing
+    top = min(peak, most_m_s * most_m_s)
+    grown_m, fallen_m = (top - start_m_s**2) / gaining, length_m - (top - end_m_s**2) / slowing
+    found = []
+    for at_m in (grown_m, fallen_m) if fallen_m > grown_m + 1e-6 else (grown_m,):
+        if 1e-6 < at_m < length_m - 1e-6:
+            share = at_m / length_m
+            found.append(
+                Node(
+                    start.north_m + share * (end.north_m - start.north_m),
+                    start.east_m + share * (end.east_m - start.east_m),
+                    start.course_rad,
+                    math.sqrt(max(top, 0.0)),
+                )
+            )
+    return found

@@ -13,6 +13,7 @@ from companion.vehicle.intent import Intent, KeepStation
 from companion.vehicle.leg import Leg
 from companion.vehicle.mission_conditions import Deferred
 from companion.vehicle.mission_halts import Halt, Halting
+from companion.vehicle.mission_route import MissionRoute
 from companion.vehicle.mission_steps import (
     AfterDelay,
     Done,
@@ -33,7 +34,6 @@ from companion.vehicle.mission_steps import (
 )
 from companion.vehicle.orbit import Orbit
 from companion.vehicle.places import locate
-from companion.vehicle.waypoint_leg import WaypointLeg
 
 _STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
 
@@ -55,7 +55,7 @@ class MissionProgress:
         self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
         self._begun_s = math.nan  # when the present item began to wait, turn or hand over
         self._station: Point | None = None
-        self._under_way = WaypointLeg()
+        self._under_way = MissionRoute()
         self._is_loose = False  # it began wherever the boat was
         self._orbit: Orbit | None = None
         self._deferred = Deferred()
@@ -212,7 +212,7 @@ class MissionProgress:
         under_way.look_ahead(self.mission, self.current_seq, self.jumps, frame, own_radius_m)
         if math.isnan(self._begun_s):
             if not leg.has_ended(nav, own_radius_m):
-                return under_way.intent(leg, self._leg_start, nav, self.speed_m_s or config.speed.cruise_m_s)
+                return under_way.intent(leg, self._leg_start, self.speed_m_s or config.speed.cruise_m_s)
             self.reached.append(self.current_seq)
             self._station = leg.end
             self._begun_s = now_s

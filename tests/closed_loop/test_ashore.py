@@ -62,7 +62,7 @@ def thrust_s(rig: Rig, seconds: float) -> float:
 
 
 def test_a_boat_pressed_against_the_shore_gets_off_and_sails_its_mission() -> None:
-    rig = pressed(5008)
+    rig = pressed(5016)
     rig.until(lambda: "Failsafe over: afloat again" in rig.peer.texts, 60.0)
     assert AGROUND in rig.peer.texts
     assert margin_m(rig) > 1.0

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.guidance.course_to_steer import course_to_steer
+from companion.guidance.course_to_steer import course_to_steer, steerable_speed_m_s
 from companion.units import wrap_pi
 
 courses = st.floats(-math.pi, math.pi)
@@ -53,3 +53,12 @@ def test_a_set_too_strong_to_cross_is_held_against_as_far_as_makes_sense() -> No
     heading, water = course_to_steer(0.0, 2.0, 0.0, 5.0, 0.4, 3.0)
     assert heading == pytest.approx(-1.0)
     assert water == pytest.approx(3.0)
+
+
+def test_the_bow_is_pointed_for_a_speed_within_reach_of_the_one_the_boat_has() -> None:
+    """1 m/s across: with 2.236 m/s through the water 2 m/s are left along the course, with less nothing."""
+    across = (0.0, 1.0)
+    assert steerable_speed_m_s(0.0, 2.0, math.sqrt(5.0), 0.3, *across) == pytest.approx(2.0)
+    assert steerable_speed_m_s(0.0, 2.0, 0.5, 0.3, *across) == pytest.approx(0.3)
+    assert steerable_speed_m_s(0.0, 0.5, math.sqrt(5.0), 0.3, *across) == pytest.approx(1.7)
+    assert steerable_speed_m_s(0.0, 2.0, 1.0, 0.3, 0.5, 0.0) == pytest.approx(1.8)  # the current helps

@@ -7,7 +7,9 @@ from msgspec.structs import replace
 
 from companion.config import BoatConfig
 from companion.geo import Point
-from companion.guidance.pilot import Pilot
+from companion.guidance.fillet import TURN_SHARE
+from companion.guidance.path_following import NEW_SET_SHARE, REACH_BRAKINGS, PathFollowing
+from companion.guidance.pilot import _LEAD_RAD, _MOST_OFF_RAD, Pilot
 from companion.state import Demand, NavState
 from companion.vehicle.intent import Drive, FollowLeg, KeepStation, Stop
 
@@ -59,30 +61,62 @@ def test_it_turns_onto_the_next_leg_before_the_corner() -> None:
     assert early.cross_track_m == pytest.approx(0.0)  # still told of the leg it is on
 
 
-def test_it_turns_with_the_arc_and_says_how_fast() -> None:
+def test_it_turns_with_the_fillet_and_says_how_fast() -> None:
     pilot = Pilot()
     assert _demand(pilot, CORNER, replace(NORTHBOUND, north_m=80.0)).yaw_rate_rad_s == 0.0
-    slow = replace(NORTHBOUND, north_m=98.5, north_m_s=0.6, surge_m_s=0.6)
-    demand = _demand(pilot, CORNER, slow)
-    assert demand.yaw_rate_rad_s == pytest.approx(0.6 / CONFIG.guidance.corner_radius_m)
-    assert demand.speed_m_s < 1.0
+    turning = replace(NORTHBOUND, north_m=98.3, east_m=0.1, heading_rad=0.4, north_m_s=1.3, surge_m_s=1.3)
+    demand = _demand(pilot, CORNER, turning)
+    fastest = TURN_SHARE * CONFIG.handling.turn_rate_rad_s
+    assert 0.9 * fastest < demand.yaw_rate_rad_s <= 1.01 * fastest
+    assert demand.speed_m_s == pytest.approx(1.32)
 
 
-def test_the_arc_is_sailed_out_on_the_next_leg_and_then_forgotten() -> None:
+def test_the_fillet_is_sailed_out_on_the_next_leg_and_then_forgotten() -> None:
     pilot = Pilot()
     onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
     middle = replace(
-        NORTHBOUND, north_m=99.56, east_m=0.44, heading_rad=math.pi / 4, north_m_s=0.4, east_m_s=0.4
+        NORTHBOUND, north_m=99.34, east_m=0.66, heading_rad=math.pi / 4, north_m_s=0.9, east_m_s=0.9
     )
     _demand(pilot, CORNER, middle)
     demand = _demand(pilot, onward, middle)
     assert math.pi / 4 < demand.heading_rad < math.pi / 2
-    assert demand.speed_m_s < 1.0
-    beyond = replace(middle, north_m=100.0, east_m=10.0, heading_rad=math.pi / 2, north_m_s=0.0, east_m_s=0.6)
-    _demand(pilot, onward, beyond)
-    demand = _demand(pilot, onward, beyond)
+    assert demand.speed_m_s < 1.4
+    assert demand.yaw_rate_rad_s > 0.3
+    beyond = replace(middle, north_m=100.0, east_m=10.0, heading_rad=math.pi / 2, north_m_s=0.0, east_m_s=1.9)
+    demand = _demand(pilot, onward, replace(beyond, surge_m_s=1.9))
     assert demand.heading_rad == pytest.approx(math.pi / 2)
-    assert demand.speed_m_s == 2.0
+    assert demand.speed_m_s == pytest.approx(2.0)
+    assert demand.yaw_rate_rad_s == 0.0
+
+
+def test_a_boat_that_was_carried_off_its_fillet_sails_the_next_leg_without() -> None:
+    pilot = Pilot()
+    onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
+    middle = replace(
+        NORTHBOUND, north_m=99.34, east_m=0.66, heading_rad=math.pi / 4, north_m_s=0.9, east_m_s=0.9
+    )
+    _demand(pilot, CORNER, middle)
+    on_it, near, off = (
+        _demand(pilot, onward, replace(middle, north_m=99.34 - away_m)).yaw_rate_rad_s
+        for away_m in (0.0, 2.0, 6.0)
+    )
+    assert on_it > 0.3
+    assert near > 0.2
+    assert off == 0.0
+
+
+def test_a_fillet_that_has_been_begun_is_kept_whatever_the_current_does() -> None:
+    following = PathFollowing()
+    before = replace(NORTHBOUND, north_m=90.0)
+    turning = replace(NORTHBOUND, north_m=98.6, east_m=0.2, heading_rad=0.4, set_north_m_s=0.5)
+    following.update(CORNER, before, CONFIG)
+    kept = following.update(CORNER, turning, CONFIG).tangent_rad
+    assert kept == following.update(CORNER, replace(turning, set_north_m_s=0.0), CONFIG).tangent_rad
+    slower = FollowLeg(CORNER.start, CORNER.end, 1.0, CORNER.next_end)
+    assert kept == following.update(slower, turning, CONFIG).tangent_rad
+    onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
+    assert kept == following.update(onward, turning, CONFIG).tangent_rad
+    assert kept != PathFollowing().update(CORNER, turning, CONFIG).tangent_rad
 
 
 def test_a_leg_that_does_not_go_on_from_the_corner_owes_it_nothing() -> None:
@@ -105,14 +139,51 @@ def test_the_bow_is_held_against_the_set() -> None:
     assert demand.speed_m_s == pytest.approx(math.hypot(2.0, 0.5))
 
 
-def test_the_arc_is_laid_wider_once_a_set_from_astern_is_known() -> None:
-    pilot = Pilot()
+def test_the_path_is_made_anew_for_another_current_and_not_for_a_little_change() -> None:
+    share = NEW_SET_SHARE * CONFIG.guidance.min_speed_m_s
     far = replace(NORTHBOUND, north_m=40.0)
+    near = replace(NORTHBOUND, north_m=96.4, set_north_m_s=0.5)
+    speeds = []
+    for learned in (0.0, 0.5 - 1.01 * share, 0.5 - 0.99 * share, 0.5):
+        pilot = Pilot()
+        _demand(pilot, CORNER, replace(far, set_north_m_s=learned))
+        # Within a radius of the fillet it is too late, so this is sailed on the path for what was learned.
+        speeds.append(_demand(pilot, CORNER, near).speed_m_s)
+    pilot = Pilot()
     _demand(pilot, CORNER, far)
-    at = replace(NORTHBOUND, north_m=97.3, north_m_s=1.0, surge_m_s=1.0, set_north_m_s=0.5)
-    assert _demand(pilot, CORNER, replace(at, set_north_m_s=0.0)).yaw_rate_rad_s == 0.0
     _demand(pilot, CORNER, replace(far, set_north_m_s=0.5))
-    assert _demand(pilot, CORNER, at).yaw_rate_rad_s > 0.0
+    assert _demand(pilot, CORNER, near).speed_m_s == speeds[3]
+    assert speeds[0] != speeds[3]
+    for changed, is_new in ((1.01 * share, True), (0.99 * share, False)):
+        pilot = Pilot()
+        _demand(pilot, CORNER, replace(far, set_north_m_s=0.5 - changed))
+        _demand(pilot, CORNER, replace(far, set_north_m_s=0.5))
+        assert (_demand(pilot, CORNER, near).speed_m_s == speeds[3]) is is_new
+
+
+def test_a_boat_at_rest_is_pointed_for_the_speed_that_it_has_and_not_for_the_one_it_will_have() -> None:
+    """At 2 m/s over ground 27° would hold a leg through 1 m/s abeam; at rest that lets the boat drift."""
+    adrift = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0, set_east_m_s=1.0, east_m_s=0.0)
+    drifting = _demand(Pilot(), LEG, adrift)
+    under_way = _demand(Pilot(), LEG, replace(NORTHBOUND, surge_m_s=2.0, set_east_m_s=1.0, heading_rad=-0.46))
+    assert under_way.heading_rad == pytest.approx(-math.atan(0.5), abs=0.12)
+    assert drifting.heading_rad == pytest.approx(-_LEAD_RAD)  # on its way to 68°
+    nearly = _demand(Pilot(), LEG, replace(adrift, heading_rad=-1.0))
+    assert nearly.heading_rad == pytest.approx(-math.atan2(1.0, CONFIG.guidance.min_speed_m_s), abs=0.01)
+
+
+def test_a_boat_that_turns_into_a_current_makes_way_meanwhile() -> None:
+    adrift = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0, set_east_m_s=1.0, east_m_s=0.0)
+    still = replace(adrift, set_east_m_s=0.0, heading_rad=1.3)
+    assert _demand(Pilot(), LEG, adrift).speed_m_s == pytest.approx(1.0)
+    assert _demand(Pilot(), LEG, still).speed_m_s == 0.0
+    away = replace(adrift, heading_rad=1.5)
+    assert _demand(Pilot(), LEG, away).speed_m_s == pytest.approx(math.sin(1.5))  # the current's part alone
+
+
+def test_the_bow_is_never_pointed_so_far_aside_that_no_way_is_made() -> None:
+    swept = replace(NORTHBOUND, east_m=30.0, set_east_m_s=1.5, surge_m_s=1.0, heading_rad=-1.0)
+    assert _demand(Pilot(), LEG, swept).heading_rad == pytest.approx(-_MOST_OFF_RAD)
 
 
 def test_a_new_station_forgets_the_old_ones_line() -> None:
@@ -146,3 +217,24 @@ def test_a_set_from_astern_turns_the_boat_about_before_its_stop() -> None:
     near = _demand(Pilot(), LEG, replace(carried, north_m=96.0))
     assert abs(near.heading_rad) == pytest.approx(math.pi)
     assert _demand(Pilot(), CORNER, replace(carried, north_m=96.0)).heading_rad < 2.0
+
+
+def test_the_path_is_made_as_far_ahead_as_the_boat_may_have_to_brake() -> None:
+    """Four braking distances of 5 m: a turn back 18 m beyond the leg counts, one 22 m beyond does not."""
+    braking_m = LEG.speed_m_s**2 / (2.0 * CONFIG.guidance.accel_m_s2)
+    assert pytest.approx(20.0) == REACH_BRAKINGS * braking_m
+    for beyond_m, is_known in ((18.0, True), (22.0, False)):
+        turns_back = (Point(100.0 + beyond_m, 0.1), Point(50.0, 0.1))
+        leg = FollowLeg(LEG.start, LEG.end, 2.0, turns_back[0], 0.0, turns_back[1:])
+        following = PathFollowing()
+        following.update(leg, NORTHBOUND, CONFIG)
+        assert following._plan is not None
+        assert len(following._plan.places) == 3 + is_known
+
+
+def test_the_speed_is_what_the_path_allows_where_less_throttle_will_have_shown() -> None:
+    late_m = CONFIG.handling.surge_time_s * 2.0
+    for to_go_m in (5.0, 6.0, 8.0):
+        demand = _demand(Pilot(), LEG, replace(NORTHBOUND, north_m=100.0 - to_go_m))
+        allowed = math.sqrt(2.0 * CONFIG.guidance.accel_m_s2 * (to_go_m - late_m))
+        assert demand.speed_m_s == pytest.approx(min(allowed, 2.0), rel=1e-3)

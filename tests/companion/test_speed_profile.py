@@ -7,33 +7,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config import BoatConfig
+from companion.guidance.path import Node, Path
 from companion.guidance.speed_profile import (
+    GAINING_SHARE,
     REACTION_S,
-    TURN_SHARE,
     braking_speed_m_s,
-    corner_speed_m_s,
     leg_speed_m_s,
     steered_speed_m_s,
+    with_speeds,
 )
 
 CONFIG = BoatConfig()
-SETTING = CONFIG.guidance  # radius 2 m, accel 0.4, corner 0.5 m/s², slowest 0.4 m/s, pivot 1.05 rad
-radii = st.floats(0.0, 100.0)
-
-
-def test_a_wide_arc_is_sailed_at_the_centripetal_limit_and_a_narrow_one_at_the_turn_rates() -> None:
-    assert corner_speed_m_s(20.0, CONFIG) == pytest.approx(math.sqrt(0.5 * 20.0))
-    assert corner_speed_m_s(1.0, CONFIG) == pytest.approx(TURN_SHARE * CONFIG.handling.turn_rate_rad_s)
-
-
-def test_no_arc_is_too_narrow_for_steerage_way() -> None:
-    assert corner_speed_m_s(0.0, CONFIG) == SETTING.min_speed_m_s
-
-
-@given(radii, radii)
-def test_a_narrower_arc_is_never_sailed_faster(one: float, other: float) -> None:
-    narrow, wide = sorted((one, other))
-    assert corner_speed_m_s(narrow, CONFIG) <= corner_speed_m_s(wide, CONFIG)
+SETTING = CONFIG.guidance  # accel 0.4 m/s², slowest 0.4 m/s, pivot 1.05 rad
 
 
 @given(st.floats(0.0, 200.0), st.floats(0.0, 2.0))
@@ -86,3 +71,40 @@ def test_the_boat_pivots_beyond_the_pivot_angle_only() -> None:
 def test_a_worse_heading_is_never_sailed_faster(speed: float, one: float, other: float) -> None:
     near, far = sorted((one, other))
     assert steered_speed_m_s(speed, far, SETTING) <= steered_speed_m_s(speed, near, SETTING) <= speed
+
+
+def row(*stops: tuple[float, float]) -> list[Node]:
+    """Nodes northward: how far, how fast."""
+    return [Node(north_m, 0.0, 0.0, speed_m_s) for north_m, speed_m_s in stops]
+
+
+def test_speed_is_gathered_held_and_lost_on_a_straight_stretch() -> None:
+    slow, gained, lost = 0.5, 2.0 * GAINING_SHARE * SETTING.accel_m_s2, 2.0 * SETTING.accel_m_s2
+    path = Path(with_speeds(row((0.0, slow), (40.0, slow)), [], 2.0, CONFIG))
+    for along_m in (0.0, 0.5, 2.0):
+        assert path.speed_m_s(along_m) == pytest.approx(math.sqrt(slow**2 + gained * along_m))
+        assert path.speed_m_s(40.0 - along_m) == pytest.approx(math.sqrt(slow**2 + lost * along_m))
+    assert path.speed_m_s(20.0) == 2.0
+
+
+def test_a_short_stretch_is_sailed_as_fast_as_both_allow() -> None:
+    nodes = with_speeds(row((0.0, 0.0), (5.0, 0.0)), [], 2.0, CONFIG)
+    assert len(nodes) == 3
+    peak = nodes[1]
+    assert peak.speed_m_s**2 == pytest.approx(2.0 * GAINING_SHARE * SETTING.accel_m_s2 * peak.north_m)
+    assert peak.speed_m_s**2 == pytest.approx(2.0 * SETTING.accel_m_s2 * (5.0 - peak.north_m))
+
+
+def test_what_lies_behind_is_reckoned_with_over_several_nodes() -> None:
+    nodes = with_speeds(row((0.0, 2.0), (1.0, 2.0), (2.0, 2.0), (3.0, 0.0)), [], 2.0, CONFIG)
+    assert [node.speed_m_s**2 for node in nodes] == pytest.approx(
+        [min(4.0, 2.0 * SETTING.accel_m_s2 * (3.0 - node.north_m)) for node in nodes]
+    )
+
+
+def test_a_fillet_keeps_its_own_speeds_unless_the_way_behind_it_asks_for_less() -> None:
+    fillet = row((10.0, 1.0), (10.1, 1.8), (10.2, 1.2))  # the current alone changes speed like that
+    kept = with_speeds([*row((0.0, 2.0)), *fillet, *row((30.0, 0.0))], [(1, 3)], 2.0, CONFIG)
+    assert [node.speed_m_s for node in kept if 10.0 <= node.north_m <= 10.2] == [1.0, 1.8, 1.2]
+    braked = with_speeds([*row((0.0, 2.0)), *fillet, *row((10.3, 0.0))], [(1, 3)], 2.0, CONFIG)
+    assert max(node.speed_m_s for node in braked if node.north_m >= 10.0) < 0.5

@@ -1,0 +1,204 @@
+"""The turn from one leg onto the next, as this hull sails it in this current.
+
+In a current, the ground track of a boat that turns at a constant rate is a trochoid, not a circle (L. Techy
+and C. A. Woolsey, "Minimum-time path planning for unmanned aerial vehicles in steady uniform winds", *Journal
+of Guidance, Control, and Dynamics* 32, 2009). So a fillet is planned through the water: the yaw rate is a
+trapezoid (clothoid, arc, clothoid), and the speed through the water changes linearly from what the first leg
+takes to what the second one takes. Adding the current gives the ground track, which is then placed so that it
+begins on the first leg and ends on the second. By construction, no fillet asks for more yaw rate or lateral
+acceleration than the configuration says that the hull has.
+
+Of all pairs of speeds at entry and exit, the pair is taken that loses the least time, where distance from the
+waypoint has its price in seconds.
+"""
+
+import math
+from typing import NamedTuple
+
+from companion.config import BoatConfig
+
+STEPS = 16  # of the numerical integration over a fillet
+TURN_SHARE = 0.92  # of the turn rate that full steering gives: the rest is left to correct with
+CUT_COST_S = 7.0  # price of passing a waypoint at its radius; in proportion to the square of the distance
+BEYOND_COST_S = 40.0  # per radius beyond the radius: only where the current leaves no other way
+HASTY_SHARE = 0.1  # of yaw_time_s: how fast the yaw rate changes where legs are too short for anything else
+HASTY_LOSS_S = 1.0  # a fillet that loses more time than this is tried hastily as well
+EASY_LOSS_S = 0.25  # a fillet at full speed that loses less is good enough: no search
+SHARPEST_RAD = 2.4  # a sharper turn is made on the spot
+LEAST_TURN_RAD = 0.01  # less is no corner
+LEAST_AHEAD_SHARE = 0.75  # of min_speed_m_s through the water along the leg: with less there is no heading
+OUTSIDE_M = 0.02  # beyond a leg, on the outside of the corner: within the error of the integration
+_COARSE = (1.0, 0.85, 0.7, 0.55, 0.4, 0.25, 0.12)  # of the leg's speed: what is tried first
+_FINE = (0.08, 0.04)  # of the leg's speed: steps about the best of them
+
+
+class Bend(NamedTuple):
+    """What a fillet has to fit into.
+
+    The course of the first leg and the turn onto the second, positive to starboard; how far along each leg
+    the fillet may reach; the waypoint's radius; the speed over ground on the legs; the current. In onward_m
+    along the second leg the boat must be down to onward_m_s.
+    """
+
+    course_rad: float
+    turn_rad: float
+    entry_room_m: float
+    exit_room_m: float
+    radius_m: float
+    speed_m_s: float
+    set_north_m_s: float
+    set_east_m_s: float
+    onward_m: float
+    onward_m_s: float
+
+
+class FilletNode(NamedTuple):
+    """Relative to the waypoint. turned_rad: the course over ground, from the first leg's course on."""
+
+    north_m: float
+    east_m: float
+    turned_rad: float
+    speed_m_s: float
+
+
+class Fillet(NamedTuple):
+    """It begins entry_m before the waypoint, ends exit_m behind it, and passes it at cut_m."""
+
+    entry_m: float
+    exit_m: float
+    time_s: float
+    cut_m: float
+    nodes: tuple[FilletNode, ...]
+
+
+def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
+    """The fillet that costs least; None where there is none, and the boat turns on the spot."""
+    if not LEAST_TURN_RAD < abs(bend.turn_rad) < SHARPEST_RAD:
+        return None
+    ramp_s = config.handling.yaw_time_s
+    for ramp in (ramp_s, HASTY_SHARE * ramp_s):
+        easy = fillet_between(bend, bend.speed_m_s, bend.speed_m_s, ramp, config)
+        if easy is not None and cost_s(easy, bend, config) < EASY_LOSS_S:
+            return easy
+    best = _search(bend, ramp_s, config)
+    if best is None or cost_s(best, bend, config) > HASTY_LOSS_S:
+        hasty = _search(bend, HASTY_SHARE * ramp_s, config)
+        if hasty is not None and (
+            best is None or cost_s(hasty, bend, config) + 2.0 * ramp_s < cost_s(best, bend, config)
+        ):
+            return hasty
+    return best
+
+
+def cost_s(fillet: Fillet, bend: Bend, config: BoatConfig) -> float:
+    """Time lost against both legs at full speed, braking and gathering way included, and the cut's price."""
+    full, accel = bend.speed_m_s, config.guidance.accel_m_s2
+    lost = fillet.time_s - (fillet.entry_m + fillet.exit_m) / full
+    for node in (fillet.nodes[0], fillet.nodes[-1]):
+        lost += (full - node.speed_m_s) ** 2 / (2.0 * accel * full)
+    share = fillet.cut_m / bend.radius_m
+    return lost + CUT_COST_S * share * share + BEYOND_COST_S * max(share - 1.0, 0.0)
+
+
+def _search(bend: Bend, ramp_s: float, config: BoatConfig) -> Fillet | None:
+    """Over pairs of speeds at entry and exit: a coarse grid, then steps about the best."""
+    best: Fillet | None = None
+    least_s, at = math.inf, (0.0, 0.0)
+    tries = [(one, other) for one in _COARSE for other in _COARSE]
+    for step in (*_FINE, 0.0):
+        for one, other in tries:
+            if max(one, other) > 1.0 or min(one, other) <= 0.0:
+                continue
+            fillet = fillet_between(bend, one * bend.speed_m_s, other * bend.speed_m_s, ramp_s, config)
+            if fillet is None:
+                continue
+            cost = cost_s(fillet, bend, config)
+            if cost < least_s:
+                best, least_s, at = fillet, cost, (one, other)
+        if best is None:
+            return None
+        tries = [(at[0] + i * step, at[1] + j * step) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    return best
+
+
+def fillet_between(
+    bend: Bend, entry_m_s: float, exit_m_s: float, ramp_s: float, config: BoatConfig
+) -> Fillet | None:
+    """The fillet between two speeds over ground; None where it does not fit.
+
+    ramp_s: how long the yaw rate takes to grow to the highest that is used.
+    """
+    set_n, set_e = bend.set_north_m_s, bend.set_east_m_s
+    setting = config.guidance
+    first, second = bend.course_rad, bend.course_rad + bend.turn_rad
+    c1, s1, c2, s2 = math.cos(first), math.sin(first), math.cos(second), math.sin(second)
+    ahead1 = entry_m_s - set_n * c1 - set_e * s1
+    ahead2 = exit_m_s - set_n * c2 - set_e * s2
+    if min(ahead1, ahead2) < LEAST_AHEAD_SHARE * setting.min_speed_m_s:
+        return None
+    across1, across2 = set_n * s1 - set_e * c1, set_n * s2 - set_e * c2
+    water1, water2 = math.hypot(ahead1, across1), math.hypot(ahead2, across2)
+    if max(water1, water2) > config.handling.top_speed_m_s:
+        return None
+    crab1 = math.atan2(across1, ahead1)
+    bow = bend.turn_rad + math.atan2(across2, ahead2) - crab1
+    fastest = TURN_SHARE * config.handling.turn_rate_rad_s
+    rate, ramp_s, time_s = _trapezoid(
+        abs(bow), min(fastest, setting.corner_accel_m_s2 / max(water1, water2)), fastest / ramp_s
+    )
+    if abs(water2 - water1) > setting.accel_m_s2 * time_s:
+        return None
+
+    # The ground track from the entry on, and where it has to be placed.
+    side = math.copysign(1.0, bow)
+    step_s = time_s / STEPS
+    growth = (water2 - water1) / time_s
+    north = east = 0.0
+    track = [(0.0, 0.0)]
+    for n in range(STEPS):
+        at_s = (n + 0.5) * step_s
+        psi = first + crab1 + side * _turned_rad(at_s, time_s, ramp_s, rate)
+        water = water1 + growth * at_s
+        north += step_s * (water * math.cos(psi) + set_n)
+        east += step_s * (water * math.sin(psi) + set_e)
+        track.append((north, east))
+    sine = c1 * s2 - s1 * c2
+    entry_m, exit_m = (north * s2 - east * c2) / sine, (c1 * east - s1 * north) / sine
+    if not (0.0 <= entry_m <= bend.entry_room_m and 0.0 <= exit_m <= bend.exit_room_m):
+        return None
+    braking_m = max(bend.onward_m - exit_m, 0.0)
+    if exit_m_s * exit_m_s > bend.onward_m_s * bend.onward_m_s + 2.0 * setting.accel_m_s2 * braking_m:
+        return None
+
+    inner = math.copysign(1.0, bend.turn_rad)
+    nodes, cut_m = [], math.inf
+    for n, (at_n, at_e) in enumerate(track):
+        n_m, e_m = at_n - entry_m * c1, at_e - entry_m * s1
+        cut_m = min(cut_m, math.hypot(n_m, e_m))
+        if min(inner * (e_m * c1 - n_m * s1), inner * (e_m * c2 - n_m * s2)) < -OUTSIDE_M:
+            return None
+        at_s = n * step_s
+        psi = crab1 + side * _turned_rad(at_s, time_s, ramp_s, rate)
+        water = water1 + growth * at_s
+        ahead = water * math.cos(psi) + set_n * c1 + set_e * s1
+        aside = water * math.sin(psi) + set_e * c1 - set_n * s1
+        nodes.append(FilletNode(n_m, e_m, math.atan2(aside, ahead), math.hypot(ahead, aside)))
+    return Fillet(entry_m, exit_m, time_s, cut_m, tuple(nodes))
+
+
+def _trapezoid(angle_rad: float, rate_rad_s: float, accel_rad_s2: float) -> tuple[float, float, float]:
+    """Highest rate, duration of either ramp and of the whole of the quickest turn by an angle."""
+    if angle_rad * accel_rad_s2 < rate_rad_s * rate_rad_s:
+        rate_rad_s = math.sqrt(max(angle_rad * accel_rad_s2, 1e-12))
+    ramp_s = rate_rad_s / accel_rad_s2
+    return rate_rad_s, ramp_s, angle_rad / rate_rad_s + ramp_s
+
+
+def _turned_rad(at_s: float, time_s: float, ramp_s: float, rate_rad_s: float) -> float:
+    """How far a trapezoidal yaw rate has turned the bow by a time."""
+    if at_s < ramp_s:
+        return 0.5 * rate_rad_s * at_s * at_s / ramp_s
+    left_s = time_s - at_s
+    if left_s < ramp_s:
+        return rate_rad_s * (time_s - ramp_s - 0.5 * left_s * left_s / ramp_s)
+    return rate_rad_s * (at_s - 0.5 * ramp_s)

@@ -1,0 +1,115 @@
+"""A smooth path over ground: nodes with a course and an allowed speed, in the order they are sailed.
+
+Along-track distances count from the first node. Before it and beyond the last one the path goes straight on.
+"""
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from companion.geo import Point
+
+
+class Node(NamedTuple):
+    """course_rad: of the path at the node, not wrapped: it goes on from one node to the next."""
+
+    north_m: float
+    east_m: float
+    course_rad: float
+    speed_m_s: float
+
+
+class Path:
+    """At least two nodes. Between two nodes the path is straight, and course and square of speed go
+    linearly; a straight stretch needs no node but its ends.
+    """
+
+    __slots__ = ("_along_m", "_nodes")
+
+    def __init__(self, nodes: Sequence[Node]) -> None:
+        if len(nodes) < 2:
+            raise ValueError(f"a path of {len(nodes)} nodes")
+        along_m, sum_m = [0.0], 0.0
+        for n in range(1, len(nodes)):
+            one, other = nodes[n - 1], nodes[n]
+            sum_m += math.hypot(other.north_m - one.north_m, other.east_m - one.east_m)
+            along_m.append(sum_m)
+        self._nodes = nodes
+        self._along_m = along_m
+
+    @property
+    def nodes(self) -> Sequence[Node]:
+        """In the order they are sailed."""
+        return self._nodes
+
+    @property
+    def length_m(self) -> float:
+        """From the first node to the last."""
+        return self._along_m[-1]
+
+    def along_m(self, node: int) -> float:
+        """Where a node is."""
+        return self._along_m[node]
+
+    def locate(self, at: Point, from_m: float, to_m: float) -> tuple[float, float]:
+        """Along-track distance of the nearest place between two places of the path, and the distance to the
+        right of the path there.
+        """
+        nodes, along_m = self._nodes, self._along_m
+        last = len(nodes) - 2
+        first = max(min(bisect_right(along_m, from_m) - 1, last), 0)
+        best, found = math.inf, (0.0, 0.0)
+        for n in range(first, last + 1):
+            if n > first and along_m[n] > to_m:
+                break
+            one, other = nodes[n], nodes[n + 1]
+            north, east = other.north_m - one.north_m, other.east_m - one.east_m
+            length = along_m[n + 1] - along_m[n]
+            if length <= 0.0:
+                continue
+            off_n, off_e = at.north_m - one.north_m, at.east_m - one.east_m
+            along = (off_n * north + off_e * east) / length
+            low = from_m - along_m[n] if n == first and n > 0 else 0.0
+            high = min(to_m - along_m[n], length)
+            if n == 0:
+                low = -math.inf
+            if n == last and to_m >= along_m[n + 1]:
+                high = math.inf
+            along = min(max(along, low), high)
+            far_n, far_e = off_n - along / length * north, off_e - along / length * east
+            away = math.hypot(far_n, far_e)
+            if away < best - 1e-9:
+                best = away
+                cross = (off_e * north - off_n * east) / length
+                found = (along_m[n] + along, math.copysign(away, cross))
+        return found
+
+    def course_rad(self, along_m: float) -> float:
+        """The path's direction at a place along it. Not wrapped."""
+        n, share = self._between(along_m)
+        one, other = self._nodes[n], self._nodes[n + 1]
+        return one.course_rad + share * (other.course_rad - one.course_rad)
+
+    def speed_m_s(self, along_m: float) -> float:
+        """Speed over ground allowed at a place along the path."""
+        n, share = self._between(along_m)
+        one, other = self._nodes[n].speed_m_s, self._nodes[n + 1].speed_m_s
+        return math.sqrt(one * one + share * (other * other - one * one))
+
+    def point(self, along_m: float) -> Point:
+        """A place along the path."""
+        n, share = self._between(along_m)
+        one, other = self._nodes[n], self._nodes[n + 1]
+        return Point(
+            one.north_m + share * (other.north_m - one.north_m),
+            one.east_m + share * (other.east_m - one.east_m),
+        )
+
+    def _between(self, along_m: float) -> tuple[int, float]:
+        """The node before a place, and the share of the way to the next one, 0 to 1."""
+        n = max(min(bisect_right(self._along_m, along_m) - 1, len(self._along_m) - 2), 0)
+        length = self._along_m[n + 1] - self._along_m[n]
+        if length <= 0.0:
+            return n, 1.0
+        return n, min(max((along_m - self._along_m[n]) / length, 0.0), 1.0)

@@ -1,0 +1,162 @@
+"""Which way to go along the legs that are to be sailed: their smooth path, and line of sight along it.
+
+The path is made when a leg is taken up, for as far ahead as the boat may have to brake, and again when the
+current has changed. A fillet that has been begun is sailed to its end.
+"""
+
+import math
+from typing import NamedTuple
+
+from companion.config import BoatConfig
+from companion.geo import Point, distance_m
+from companion.guidance.fillet import Fillet
+from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
+from companion.guidance.smoothing import Corner, SmoothPath, smooth
+from companion.state import NavState
+from companion.vehicle.intent import FollowLeg
+
+GLIMPSE_S = 0.1  # over which the coming turn of the course is measured
+NEW_SET_SHARE = 0.25  # of min_speed_m_s: the path is made anew for a current that has changed so much
+LOST_RADII = 1.5  # of a waypoint: this far off the fillet that led onto a leg, the leg is sailed without it
+REACH_BRAKINGS = 4.0  # braking distances beyond the end of a leg that the path is made for
+_SAME_M = 1e-3
+
+
+class Guide(NamedTuple):
+    """The path's direction, the course and speed over ground to make now, and those GLIMPSE_S later."""
+
+    tangent_rad: float
+    course_rad: float
+    speed_m_s: float
+    later_course_rad: float
+    later_speed_m_s: float
+
+
+class _Plan(NamedTuple):
+    """A path, the places that it leads along, and the current that it was made for.
+
+    at: the leg leads from this place to the next; 1 where the fillet that leads onto it belongs to the path.
+    """
+
+    smooth: SmoothPath
+    places: tuple[Point, ...]
+    at: int
+    set_north_m_s: float
+    set_east_m_s: float
+
+
+class PathFollowing:
+    """Remembers the path of the leg that is sailed."""
+
+    __slots__ = ("_leg", "_plan")
+
+    def __init__(self) -> None:
+        self._leg: FollowLeg | None = None
+        self._plan: _Plan | None = None
+
+    def forget(self) -> None:
+        """Something else is sailed."""
+        self._leg = self._plan = None
+
+    def update(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Guide:
+        """Where to go now."""
+        plan, here = self._plan, nav.point
+        if plan is None or self._leg is None:
+            plan = _planned(leg, None, {}, nav, config)
+        elif leg is not self._leg:
+            plan = _next_plan(plan, self._leg, leg, nav, config)
+        along, cross = _located(plan, here)
+        if _is_outdated(plan, along, cross, leg, nav, config):
+            plan = _planned(leg, None, {}, nav, config)
+            along, cross = _located(plan, here)
+        self._leg, self._plan = leg, plan
+        return _guide(plan.smooth, along, cross, leg, nav, config)
+
+
+def _guide(
+    smoothed: SmoothPath, along_m: float, cross_m: float, leg: FollowLeg, nav: NavState, config: BoatConfig
+) -> Guide:
+    """Line of sight about the course of the path where the boat will be once hull and loop have answered.
+
+    The speed is what the path allows where the boat will be once less throttle has shown.
+    """
+    path, handling, setting = smoothed.path, config.handling, config.guidance
+    ground = math.hypot(nav.north_m_s, nav.east_m_s)
+    tangent = path.course_rad(along_m)
+    cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
+    ahead = lookahead_m(ground, config.speed.cruise_m_s, setting)
+    correction = desired_course_rad(0.0, cross_m, cross_m_s, ahead, handling.yaw_time_s)
+    turned = along_m + handling.slip_m + handling.yaw_time_s * ground
+    slowed = along_m + handling.surge_time_s * ground
+    step = GLIMPSE_S * ground
+    least = min(leg.speed_m_s, setting.min_speed_m_s)
+    now, later = (
+        max(min(path.speed_m_s(along_m + off), path.speed_m_s(slowed + off)), least) for off in (0.0, step)
+    )
+    course, later_course = path.course_rad(turned), path.course_rad(turned + step)
+    return Guide(tangent, course + correction, now, later_course + correction, later)
+
+
+def _located(plan: _Plan, here: Point) -> tuple[float, float]:
+    """Where on the leg, and the fillets at its ends, the boat is."""
+    smoothed, at = plan.smooth, plan.at
+    low = -math.inf if at == 0 else smoothed.entries_m[at]
+    return smoothed.path.locate(here, low, smoothed.exits_m[at + 1])
+
+
+def _is_outdated(
+    plan: _Plan, along_m: float, cross_m: float, leg: FollowLeg, nav: NavState, config: BoatConfig
+) -> bool:
+    """Whether the rest of the leg is to be sailed on another path."""
+    radius_m = leg.radius_m or config.guidance.waypoint_radius_m
+    if plan.at == 1 and along_m <= plan.smooth.exits_m[1]:
+        return abs(cross_m) > LOST_RADII * radius_m
+    if along_m >= plan.smooth.entries_m[plan.at + 1] - radius_m:
+        return False
+    changed = abs(nav.set_north_m_s - plan.set_north_m_s) + abs(nav.set_east_m_s - plan.set_east_m_s)
+    return changed > NEW_SET_SHARE * config.guidance.min_speed_m_s
+
+
+def _next_plan(plan: _Plan, last: FollowLeg, leg: FollowLeg, nav: NavState, config: BoatConfig) -> _Plan:
+    """For a leg that is taken up: from a fillet that has been begun, on along that one."""
+    places, at = plan.places, plan.at
+    along_m, _ = _located(plan, nav.point)
+    if (leg.start, leg.end) == (last.start, last.end):
+        begun = at + 1 if along_m >= plan.smooth.entries_m[at + 1] else at
+        before = places[0] if at == 1 else None
+    elif leg.start == last.end and places[at + 2 : at + 3] == (leg.end,):
+        begun, before = at + 1, places[at]
+    else:
+        return _planned(leg, None, {}, nav, config)
+    corners = {places[n - 1 : n + 2] for n in range(1, begun + 1)}
+    kept = {corner: fillet for corner, fillet in plan.smooth.fillets.items() if corner in corners}
+    return _planned(leg, before, kept, nav, config)
+
+
+def _planned(
+    leg: FollowLeg, before: Point | None, kept: dict[Corner, Fillet], nav: NavState, config: BoatConfig
+) -> _Plan:
+    """A path for a leg. before: where the leg before it began, whose fillet onto this one has been begun."""
+    places = [leg.start if leg.line.length_m > _SAME_M else nav.point]
+    reach_m = REACH_BRAKINGS * leg.speed_m_s * leg.speed_m_s / (2.0 * config.guidance.accel_m_s2)
+    onward = () if leg.next_end is None else (leg.next_end, *leg.onward)
+    for place in (leg.end, *onward):
+        step_m = distance_m(places[-1], place)
+        if step_m > _SAME_M:
+            if len(places) > 1:
+                reach_m -= step_m
+            places.append(place)
+        if reach_m <= 0.0:
+            break
+    if len(places) == 1:  # the boat is at the end: any way will do
+        c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        places.append(Point(places[0].north_m + c, places[0].east_m + s))
+    radius_m = leg.radius_m or config.guidance.waypoint_radius_m
+    set_m_s = (nav.set_north_m_s, nav.set_east_m_s)
+    if before is not None:
+        with_it = (before, *places)
+        smoothed = smooth(with_it, radius_m, leg.speed_m_s, set_m_s, config, kept)
+        if len(smoothed.marks_m) > 2:
+            return _Plan(smoothed, with_it, 1, *set_m_s)
+    smoothed = smooth(places, radius_m, leg.speed_m_s, set_m_s, config, kept)
+    return _Plan(smoothed, tuple(places), 0, *set_m_s)

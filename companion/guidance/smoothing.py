@@ -1,0 +1,129 @@
+"""A smooth path along legs: straight lines joined by fillets, with the speed allowed at each place.
+
+A pure function of the places, the hull, the current and the speed. The path ends at the last place, or at a
+corner too sharp for a fillet: there the boat turns on the spot, and a new path begins.
+
+Fillets are chosen from the last to the first, so that each one knows which speed the way behind it allows.
+Then the speed profile (`speed_profile.py`) is laid over the whole.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import accumulate, pairwise
+from typing import NamedTuple
+
+from companion.config import BoatConfig
+from companion.geo import Line, Point
+from companion.guidance.fillet import LEAST_TURN_RAD, Bend, Fillet, best_fillet
+from companion.guidance.path import Node, Path
+from companion.guidance.speed_profile import with_speeds
+from companion.units import wrap_pi
+
+LEG_SHARE = 0.5  # of a leg may be taken by the fillet at either end
+
+Corner = tuple[Point, Point, Point]  # the places before, at and behind it
+
+
+class SmoothPath(NamedTuple):
+    """marks_m: the along-track distance where each place is passed. entries_m, exits_m: where the fillet at
+    each place begins and ends, the place itself where there is none. fillets: by their corners.
+    """
+
+    path: Path
+    marks_m: tuple[float, ...]
+    entries_m: tuple[float, ...]
+    exits_m: tuple[float, ...]
+    fillets: Mapping[Corner, Fillet]
+
+
+def smooth(
+    places: Sequence[Point],
+    radius_m: float,
+    speed_m_s: float,
+    set_m_s: tuple[float, float],
+    config: BoatConfig,
+    kept: Mapping[Corner, Fillet] | None = None,
+) -> SmoothPath:
+    """The path from the first place to the last, or to the first corner that has no fillet.
+
+    places: two or more, each elsewhere than the one before it. set_m_s: north and east. kept: fillets that
+    are taken as they are.
+    """
+    lines = [Line(one, other) for one, other in pairwise(places)]
+    fillets = _fillets(places, lines, radius_m, speed_m_s, set_m_s, config, kept or {})
+    nodes = [Node(*places[0], lines[0].course_rad, speed_m_s)]
+    ends: list[tuple[int, int, int]] = [(0, 0, 0)]  # nodes at entry, middle and exit of each place
+    used: dict[Corner, Fillet] = {}
+    course = lines[0].course_rad
+    for n, line in enumerate(lines):
+        fillet, at, first = fillets[n], line.end, len(nodes)
+        turn = wrap_pi(lines[n + 1].course_rad - course) if n + 1 < len(lines) else math.pi
+        if fillet is not None:
+            nodes.extend(
+                Node(at.north_m + north, at.east_m + east, course + turned, speed)
+                for north, east, turned, speed in fillet.nodes
+            )
+            middle = min(range(len(fillet.nodes)), key=lambda k: math.hypot(*fillet.nodes[k][:2]))
+            ends.append((first, first + middle, len(nodes) - 1))
+            used[places[n], at, places[n + 2]] = fillet
+        else:
+            nodes.append(Node(*at, course, speed_m_s if abs(turn) <= LEAST_TURN_RAD else 0.0))
+            ends.append((first, first, first))
+            if abs(turn) > LEAST_TURN_RAD:
+                break
+        course += turn
+    path = Path(with_speeds(nodes, [(one, other) for one, _, other in ends], speed_m_s, config))
+    along_m = _along_m(nodes)
+    entries, marks, exits = ([along_m[end[which]] for end in ends] for which in range(3))
+    return SmoothPath(path, tuple(marks), tuple(entries), tuple(exits), used)
+
+
+def _fillets(
+    places: Sequence[Point],
+    lines: Sequence[Line],
+    radius_m: float,
+    speed_m_s: float,
+    set_m_s: tuple[float, float],
+    config: BoatConfig,
+    kept: Mapping[Corner, Fillet],
+) -> list[Fillet | None]:
+    """Of the end of each line, from the last to the first."""
+    fillets: list[Fillet | None] = [None] * len(lines)
+    entry_m, entry_m_s = 0.0, 0.0  # of the way onward: how far before the next place, how fast
+    for n in range(len(lines) - 2, -1, -1):
+        line, onward = lines[n], lines[n + 1]
+        turn = wrap_pi(onward.course_rad - line.course_rad)
+        corner = (places[n], places[n + 1], places[n + 2])
+        fillet = kept.get(corner)
+        if fillet is None:
+            bend = Bend(
+                line.course_rad,
+                turn,
+                LEG_SHARE * line.length_m,
+                LEG_SHARE * onward.length_m,
+                radius_m,
+                speed_m_s,
+                set_m_s[0],
+                set_m_s[1],
+                onward.length_m - entry_m,
+                entry_m_s,
+            )
+            fillet = best_fillet(bend, config)
+        fillets[n] = fillet
+        if fillet is not None:
+            entry_m, entry_m_s = fillet.entry_m, fillet.nodes[0][3]
+        elif abs(turn) <= LEAST_TURN_RAD:
+            room_m = onward.length_m - entry_m
+            entry_m = 0.0
+            entry_m_s = math.sqrt(entry_m_s * entry_m_s + 2.0 * config.guidance.accel_m_s2 * room_m)
+        else:
+            entry_m, entry_m_s = 0.0, 0.0
+    return fillets
+
+
+def _along_m(nodes: Sequence[Node]) -> list[float]:
+    return list(
+        accumulate(
+            (math.hypot(b.north_m - a.north_m, b.east_m - a.east_m) for a, b in pairwise(nodes)), initial=0.0
+        )
+    )

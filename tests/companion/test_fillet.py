@@ -1,0 +1,203 @@
+"""Fillets: what the hull is asked for in a current, worked out from the ground track alone."""
+
+import math
+from itertools import pairwise
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from companion.config import BoatConfig, with_value
+from companion.guidance.fillet import (
+    HASTY_SHARE,
+    LEAST_AHEAD_SHARE,
+    OUTSIDE_M,
+    STEPS,
+    TURN_SHARE,
+    Bend,
+    Fillet,
+    best_fillet,
+    cost_s,
+    fillet_between,
+)
+from companion.units import wrap_pi
+
+CONFIG = BoatConfig()
+SPEED_M_S = 2.0
+RADIUS_M = 2.0
+RAMP_S = CONFIG.handling.yaw_time_s
+angles = st.floats(-math.pi, math.pi)
+turns = st.floats(-2.3, 2.3).filter(lambda turn: abs(turn) > 0.02)
+currents = st.floats(0.0, 1.0)
+
+
+def bend(
+    turn_rad: float,
+    current_m_s: float = 0.0,
+    current_to_rad: float = 0.0,
+    *,
+    course_rad: float = 0.0,
+    room_m: float = 25.0,
+    onward: tuple[float, float] = (50.0, 0.0),
+) -> Bend:
+    north, east = current_m_s * math.cos(current_to_rad), current_m_s * math.sin(current_to_rad)
+    return Bend(course_rad, turn_rad, room_m, room_m, RADIUS_M, SPEED_M_S, north, east, *onward)
+
+
+def through_water(at: Bend, fillet: Fillet) -> list[tuple[float, float]]:
+    """Heading and speed through the water at each node: the velocity over ground less the current."""
+    found = []
+    for node in fillet.nodes:
+        course = at.course_rad + node.turned_rad
+        north = node.speed_m_s * math.cos(course) - at.set_north_m_s
+        east = node.speed_m_s * math.sin(course) - at.set_east_m_s
+        found.append((math.atan2(east, north), math.hypot(north, east)))
+    return found
+
+
+@given(turns, currents, angles, angles)
+def test_the_hull_is_asked_for_no_more_than_it_has(
+    turn: float, current_m_s: float, current_to: float, course: float
+) -> None:
+    at = bend(turn, current_m_s, current_to, course_rad=course)
+    fillet = best_fillet(at, CONFIG)
+    assume(fillet is not None)
+    assert fillet is not None
+    step_s = fillet.time_s / STEPS
+    water = through_water(at, fillet)
+    for (bow, speed), (next_bow, next_speed) in pairwise(water):
+        rate = abs(wrap_pi(next_bow - bow)) / step_s
+        assert rate <= TURN_SHARE * CONFIG.handling.turn_rate_rad_s * 1.001
+        assert rate * 0.5 * (speed + next_speed) <= CONFIG.guidance.corner_accel_m_s2 * 1.001
+        assert abs(next_speed - speed) / step_s <= CONFIG.guidance.accel_m_s2 * 1.001
+        assert speed <= CONFIG.handling.top_speed_m_s
+
+
+@given(turns, currents, angles)
+def test_it_leaves_the_first_leg_and_joins_the_second_one_along_their_courses(
+    turn: float, current_m_s: float, current_to: float
+) -> None:
+    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
+    assume(fillet is not None)
+    assert fillet is not None
+    first, last = fillet.nodes[0], fillet.nodes[-1]
+    assert (first.north_m, first.east_m) == pytest.approx((-fillet.entry_m, 0.0), abs=1e-9)
+    joins = (fillet.exit_m * math.cos(turn), fillet.exit_m * math.sin(turn))
+    assert (last.north_m, last.east_m) == pytest.approx(joins, abs=1e-6)
+    assert first.turned_rad == pytest.approx(0.0, abs=1e-9)
+    assert wrap_pi(last.turned_rad - turn) == pytest.approx(0.0, abs=1e-6)
+
+
+@given(turns, currents, angles)
+def test_it_stays_on_the_inside_of_the_corner(turn: float, current_m_s: float, current_to: float) -> None:
+    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
+    assume(fillet is not None)
+    assert fillet is not None
+    side = math.copysign(1.0, turn)
+    for node in fillet.nodes:
+        assert side * node.east_m >= -OUTSIDE_M
+        assert side * (node.east_m * math.cos(turn) - node.north_m * math.sin(turn)) >= -OUTSIDE_M
+
+
+@given(turns, st.floats(0.0, 0.5), angles)
+def test_it_passes_the_waypoint_within_its_radius(turn: float, current_m_s: float, current_to: float) -> None:
+    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
+    assume(fillet is not None)
+    assert fillet is not None
+    nearest = min(math.hypot(node.north_m, node.east_m) for node in fillet.nodes)
+    assert fillet.cut_m == pytest.approx(nearest)
+    assert nearest <= RADIUS_M
+
+
+@given(st.floats(0.05, 2.3), currents, st.floats(0.01, 3.1))
+def test_a_corner_to_port_is_sailed_like_its_mirror_image(
+    turn: float, current_m_s: float, current_to: float
+) -> None:
+    one = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
+    other = best_fillet(bend(-turn, current_m_s, -current_to), CONFIG)
+    assert (one is None) == (other is None)
+    if one is not None and other is not None:
+        assert other.time_s == pytest.approx(one.time_s)
+        assert other.nodes[5].east_m == pytest.approx(-one.nodes[5].east_m)
+
+
+@given(turns, st.floats(0.3, 30.0))
+def test_it_takes_no_more_of_the_legs_than_it_may(turn: float, room_m: float) -> None:
+    fillet = best_fillet(bend(turn, room_m=room_m), CONFIG)
+    assume(fillet is not None)
+    assert fillet is not None
+    assert 0.0 <= fillet.entry_m <= room_m
+    assert 0.0 <= fillet.exit_m <= room_m
+
+
+def test_the_boat_can_lose_its_speed_before_the_way_onward_asks_for_it() -> None:
+    fillet = best_fillet(bend(1.0, onward=(4.0, 0.3)), CONFIG)
+    assert fillet is not None
+    left = fillet.nodes[-1].speed_m_s
+    room_m = 4.0 - fillet.exit_m
+    assert left**2 <= 0.3**2 + 2.0 * CONFIG.guidance.accel_m_s2 * room_m + 1e-9
+    free = best_fillet(bend(1.0), CONFIG)
+    assert free is not None
+    assert free.nodes[-1].speed_m_s > left
+
+
+def test_a_right_angle_in_still_water_is_taken_with_way_on_and_symmetrically() -> None:
+    """The figures were worked out by hand: rate 0.6 rad/s, 0.8 m/s² at 1.32 m/s, ramps of 0.6 s."""
+    at = bend(0.5 * math.pi)
+    fillet = best_fillet(at, CONFIG)
+    assert fillet is not None
+    assert fillet.nodes[0].speed_m_s == pytest.approx(fillet.nodes[-1].speed_m_s) == pytest.approx(1.32)
+    assert fillet.entry_m == pytest.approx(fillet.exit_m)
+    assert fillet.time_s == pytest.approx(0.5 * math.pi / 0.598 + 0.6, abs=0.02)
+    assert fillet.cut_m == pytest.approx(0.93, abs=0.02)
+    lost = fillet.time_s - 2.0 * fillet.entry_m / 2.0 + 2.0 * (2.0 - 1.32) ** 2 / (2.0 * 0.4 * 2.0)
+    assert cost_s(fillet, at, CONFIG) == pytest.approx(lost + 7.0 * (fillet.cut_m / 2.0) ** 2)
+
+
+def test_a_gentle_turn_costs_no_speed() -> None:
+    fillet = best_fillet(bend(math.radians(30.0)), CONFIG)
+    assert fillet is not None
+    assert [node.speed_m_s for node in fillet.nodes] == pytest.approx([2.0] * (STEPS + 1))
+
+
+def test_the_bow_points_ahead_along_both_legs_whatever_the_water_does() -> None:
+    for degrees in range(0, 360, 15):
+        at = bend(0.5 * math.pi, 1.0, math.radians(degrees))
+        fillet = best_fillet(at, CONFIG)
+        assert fillet is not None, degrees
+        water = through_water(at, fillet)
+        for (bow, speed), course in ((water[0], 0.0), (water[-1], at.turn_rad)):
+            least = LEAST_AHEAD_SHARE * CONFIG.guidance.min_speed_m_s
+            assert speed * math.cos(bow - course) >= least - 1e-9
+
+
+def test_a_following_current_is_cut_more_than_still_water_and_only_a_fast_one_beyond_the_radius() -> None:
+    cuts = []
+    for current_m_s in (0.0, 0.5, 1.0):
+        fillet = best_fillet(bend(0.5 * math.pi, current_m_s, math.radians(45.0)), CONFIG)
+        assert fillet is not None
+        cuts.append(fillet.cut_m)
+    assert cuts == sorted(cuts)
+    assert cuts[1] <= RADIUS_M < cuts[2] < 1.5 * RADIUS_M
+
+
+def test_where_legs_are_too_short_for_ramps_the_rate_changes_hastily() -> None:
+    short = bend(math.radians(6.0), room_m=0.5)
+    fillet = best_fillet(short, CONFIG)
+    assert fillet is not None
+    assert fillet.nodes[0].speed_m_s == SPEED_M_S
+    assert fillet_between(short, 2.0, 2.0, RAMP_S, CONFIG) is None
+    assert fillet == fillet_between(short, 2.0, 2.0, HASTY_SHARE * RAMP_S, CONFIG)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.005, 2.5, -3.1, math.pi])
+def test_no_turn_and_a_turn_back_have_no_fillet(turn: float) -> None:
+    assert best_fillet(bend(turn), CONFIG) is None
+
+
+def test_a_hull_that_turns_slowly_takes_the_corner_slower() -> None:
+    slow = with_value(CONFIG, "handling.turn_rate_rad_s", 0.3)
+    lazy, able = best_fillet(bend(1.5), slow), best_fillet(bend(1.5), CONFIG)
+    assert lazy is not None
+    assert able is not None
+    assert lazy.time_s > 1.3 * able.time_s

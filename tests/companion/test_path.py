@@ -1,0 +1,64 @@
+"""A path of nodes: where a boat is along it, and what it says there."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.geo import Point
+from companion.guidance.path import Node, Path
+
+RIGHT_RAD = 0.5 * math.pi
+# 10 m north, then 10 m east; the course turns over the last metre before the corner.
+PATH = Path(
+    [
+        Node(0.0, 0.0, 0.0, 2.0),
+        Node(9.0, 0.0, 0.0, 2.0),
+        Node(10.0, 0.0, RIGHT_RAD, 1.0),
+        Node(10.0, 10.0, RIGHT_RAD, 0.0),
+    ]
+)
+
+
+def test_along_track_distances_add_up() -> None:
+    assert [PATH.along_m(n) for n in range(4)] == pytest.approx([0.0, 9.0, 10.0, 20.0])
+    assert PATH.length_m == pytest.approx(20.0)
+
+
+@given(st.floats(0.0, 20.0))
+def test_a_boat_on_the_path_is_found_where_it_is(along_m: float) -> None:
+    found, cross = PATH.locate(PATH.point(along_m), -math.inf, math.inf)
+    assert found == pytest.approx(along_m, abs=1e-6)
+    assert cross == pytest.approx(0.0, abs=1e-6)
+
+
+def test_to_starboard_is_positive() -> None:
+    assert PATH.locate(Point(4.0, 1.5), -math.inf, math.inf) == pytest.approx((4.0, 1.5))
+    assert PATH.locate(Point(11.0, 6.0), -math.inf, math.inf) == pytest.approx((16.0, -1.0))
+
+
+def test_the_path_goes_straight_on_before_and_beyond() -> None:
+    assert PATH.locate(Point(-3.0, -1.0), -math.inf, math.inf) == pytest.approx((-3.0, -1.0))
+    assert PATH.locate(Point(9.0, 12.0), -math.inf, math.inf) == pytest.approx((22.0, 1.0))
+
+
+def test_only_the_stretch_that_is_asked_for_is_looked_at() -> None:
+    near_both = Point(7.0, 2.9)
+    assert PATH.locate(near_both, -math.inf, math.inf)[0] == pytest.approx(7.0)
+    assert PATH.locate(near_both, 11.0, 20.0) == pytest.approx((12.9, 3.0))
+    assert PATH.locate(Point(10.0, 5.0), -math.inf, 9.5)[0] == pytest.approx(9.5)
+
+
+def test_course_goes_linearly_between_nodes_and_speed_as_at_an_even_acceleration() -> None:
+    assert PATH.course_rad(5.0) == 0.0
+    assert PATH.course_rad(9.5) == pytest.approx(0.5 * RIGHT_RAD)
+    assert PATH.course_rad(99.0) == pytest.approx(RIGHT_RAD)
+    assert PATH.speed_m_s(-1.0) == 2.0
+    assert PATH.speed_m_s(15.0) == pytest.approx(math.sqrt(0.5))
+    assert PATH.speed_m_s(20.0) == 0.0
+
+
+def test_a_path_needs_two_nodes() -> None:
+    with pytest.raises(ValueError, match="1 nodes"):
+        Path([Node(0.0, 0.0, 0.0, 1.0)])

@@ -1,0 +1,153 @@
+"""Smoothing legs to a path, and the speed profile over it."""
+
+import math
+from itertools import pairwise
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from companion.config import BoatConfig
+from companion.geo import Point, bearing_rad, distance_m
+from companion.guidance.smoothing import LEG_SHARE, SmoothPath, smooth
+from companion.guidance.speed_profile import GAINING_SHARE
+from companion.units import wrap_pi
+
+CONFIG = BoatConfig()
+ACCEL = CONFIG.guidance.accel_m_s2
+STILL = (0.0, 0.0)
+STAIRCASE = [Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0), Point(100.0, 50.0)]
+
+
+def smoothed(places: list[Point], set_m_s: tuple[float, float] = STILL, radius_m: float = 2.0) -> SmoothPath:
+    return smooth(places, radius_m, 2.0, set_m_s, CONFIG)
+
+
+@st.composite
+def routes(draw: st.DrawFn) -> list[Point]:
+    """Legs of 4 to 40 m with turns that have fillets."""
+    at, course, places = Point(0.0, 0.0), draw(st.floats(-3.0, 3.0)), [Point(0.0, 0.0)]
+    for _ in range(draw(st.integers(2, 6))):
+        length = draw(st.floats(4.0, 40.0))
+        at = Point(at.north_m + length * math.cos(course), at.east_m + length * math.sin(course))
+        places.append(at)
+        course += draw(st.floats(-2.2, 2.2))
+    return places
+
+
+sets = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
+
+
+@given(routes(), sets)
+def test_position_and_course_go_on_without_a_leap(places: list[Point], set_m_s: tuple[float, float]) -> None:
+    path = smoothed(places, set_m_s).path
+    for one, other in pairwise(path.nodes):
+        length_m = math.hypot(other.north_m - one.north_m, other.east_m - one.east_m)
+        assert abs(other.course_rad - one.course_rad) < 0.45
+        if length_m > 0.05:
+            along = math.atan2(other.east_m - one.east_m, other.north_m - one.north_m)
+            middle = 0.5 * (one.course_rad + other.course_rad)
+            assert abs(wrap_pi(along - middle)) < 0.12
+
+
+@given(routes(), st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
+def test_every_waypoint_is_passed_in_its_turn_within_its_radius(
+    places: list[Point], set_m_s: tuple[float, float]
+) -> None:
+    made = smoothed(places, set_m_s)
+    assert list(made.marks_m) == sorted(made.marks_m)
+    for place, mark in zip(places, made.marks_m, strict=False):
+        at = made.path.point(mark)
+        assert distance_m(at, place) <= 2.0 + 1e-6
+
+
+@given(routes(), sets)
+def test_no_fillet_takes_more_than_its_share_of_a_leg(
+    places: list[Point], set_m_s: tuple[float, float]
+) -> None:
+    for (before, at, after), fillet in smoothed(places, set_m_s).fillets.items():
+        assert fillet.entry_m <= LEG_SHARE * distance_m(before, at) + 1e-9
+        assert fillet.exit_m <= LEG_SHARE * distance_m(at, after) + 1e-9
+
+
+@given(routes())
+def test_speed_is_gathered_and_lost_no_faster_than_the_hull_can(places: list[Point]) -> None:
+    made = smoothed(places)
+    path = made.path
+    for n, (one, other) in enumerate(pairwise(path.nodes)):
+        length_m = path.along_m(n + 1) - path.along_m(n)
+        gained = other.speed_m_s**2 - one.speed_m_s**2
+        assert -2.0 * ACCEL * length_m - 1e-6 <= gained <= 2.0 * GAINING_SHARE * ACCEL * length_m + 1e-6
+        assert max(one.speed_m_s, other.speed_m_s) <= 2.0 + 1e-9
+
+
+def test_the_path_ends_at_rest_at_the_last_place() -> None:
+    made = smoothed(STAIRCASE)
+    assert len(made.marks_m) == 4
+    assert made.path.nodes[-1][:2] == pytest.approx((100.0, 50.0))
+    assert made.path.speed_m_s(made.path.length_m) == 0.0
+    assert made.path.speed_m_s(made.path.length_m - 2.0) == pytest.approx(math.sqrt(2.0 * ACCEL * 2.0))
+    assert made.path.speed_m_s(25.0) == 2.0
+
+
+def test_where_each_place_is_passed_is_known() -> None:
+    made = smoothed(STAIRCASE)
+    assert made.entries_m[0] == made.marks_m[0] == made.exits_m[0] == 0.0
+    entry, mark, leaves = made.entries_m[1], made.marks_m[1], made.exits_m[1]
+    assert entry < mark < leaves
+    assert made.path.course_rad(entry) == pytest.approx(0.0)
+    assert made.path.course_rad(mark) == pytest.approx(0.25 * math.pi, abs=0.05)
+    assert made.path.course_rad(leaves) == pytest.approx(0.5 * math.pi)
+    assert made.exits_m[-1] == pytest.approx(made.path.length_m)
+
+
+def test_a_turn_back_ends_the_path_there() -> None:
+    made = smoothed([Point(0.0, 0.0), Point(50.0, 0.0), Point(10.0, 3.0), Point(10.0, 50.0)])
+    assert len(made.marks_m) == 2
+    assert made.path.length_m == pytest.approx(50.0)
+    assert made.path.speed_m_s(50.0) == 0.0
+
+
+def test_a_place_on_a_straight_line_is_no_corner() -> None:
+    made = smoothed([Point(0.0, 0.0), Point(20.0, 0.0), Point(60.0, 0.0)])
+    assert not made.fillets
+    assert made.marks_m == pytest.approx((0.0, 20.0, 60.0))
+    assert made.path.speed_m_s(20.0) == 2.0
+
+
+def test_a_corner_that_follows_closely_is_reckoned_with_at_the_one_before_it() -> None:
+    lanes = [Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 3.0), Point(0.0, 3.0)]
+    first, second = smoothed(lanes).fillets.values()
+    alone = next(iter(smoothed([Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0)]).fillets.values()))
+    assert first.nodes[-1].speed_m_s < alone.nodes[-1].speed_m_s
+    room_m = 3.0 - first.exit_m - second.entry_m
+    lost = first.nodes[-1].speed_m_s ** 2 - second.nodes[0].speed_m_s ** 2
+    assert lost <= 2.0 * ACCEL * room_m + 1e-9
+
+
+def test_a_kept_fillet_is_sailed_as_it_was_made() -> None:
+    still = smoothed(STAIRCASE)
+    corner = (STAIRCASE[0], STAIRCASE[1], STAIRCASE[2])
+    kept = {corner: still.fillets[corner]}
+    made = smooth(STAIRCASE, 2.0, 2.0, (0.5, 0.0), CONFIG, kept)
+    assert made.fillets[corner] is kept[corner]
+    assert (
+        made.fillets[STAIRCASE[1], STAIRCASE[2], STAIRCASE[3]]
+        != still.fillets[STAIRCASE[1], STAIRCASE[2], STAIRCASE[3]]
+    )
+
+
+def test_a_ring_of_short_legs_is_sailed_with_way_on() -> None:
+    ring = [Point(4.0 * math.sin(n * math.pi / 4.0), 4.0 * math.cos(n * math.pi / 4.0)) for n in range(9)]
+    made = smoothed(ring)
+    assert len(made.marks_m) == 9
+    assert made.path.speed_m_s(0.5 * made.path.length_m) > 1.0
+    turned = made.path.nodes[-1].course_rad - made.path.nodes[0].course_rad
+    assert abs(turned) == pytest.approx(7.0 * math.pi / 4.0)
+    assert wrap_pi(made.path.nodes[0].course_rad - bearing_rad(ring[0], ring[1])) == 0.0
+
+
+@given(routes())
+def test_the_same_legs_give_the_same_path(places: list[Point]) -> None:
+    assume(len(places) > 2)
+    assert list(smoothed(places).path.nodes) == list(smoothed(places).path.nodes)
