@@ -8,10 +8,10 @@ them. A scalar is read by atof. A required entry that is missing, or a vector th
 line useless.
 """
 
+import ctypes
 import dataclasses
 import json
 import math
-import re
 import struct
 
 import pytest
@@ -34,8 +34,8 @@ TABLE = (
     ("", "rng_1", False, False),
 )
 BUFFER_BYTES = 65000
-# What strtod takes after any blanks; NaN and Infinity would be taken too, and are an error here
-NUMBER = re.compile(r"[ \t\n\v\f\r]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
+LIBC = ctypes.CDLL(None)
+LIBC.atof.restype = ctypes.c_double
 
 Value = float | tuple[float, ...]
 
@@ -58,21 +58,12 @@ class UnreadableError(Exception):
 
 
 def scan_vector(text: str) -> tuple[float, ...]:
-    """sscanf(text, "[%lf, %lf, %lf]")."""
-    if not text.startswith("["):
-        raise UnreadableError(f"no bracket right behind the colon: {text[:20]!r}")
-    values, at = [], 1
-    for number in range(3):
-        if number:
-            if not text.startswith(",", at):
-                raise UnreadableError(f"no comma: {text[at : at + 20]!r}")
-            at += 1
-        found = NUMBER.match(text, at)
-        if found is None:
-            raise UnreadableError(f"no number: {text[at : at + 20]!r}")
-        values.append(float(found[1]))
-        at = found.end()
-    return tuple(values)
+    """By the C library's own sscanf, which is what ArduPilot calls."""
+    values = [ctypes.c_double(math.nan) for _ in range(3)]
+    found = LIBC.sscanf(text.encode(), b"[%lf, %lf, %lf]", *map(ctypes.byref, values))
+    if found != 3:
+        raise UnreadableError(f"sscanf found {found} of 3 numbers in {text[:30]!r}")
+    return tuple(value.value for value in values)
 
 
 def ardupilot_reads(datagram: bytes) -> dict[str, Value]:
@@ -95,10 +86,7 @@ def ardupilot_reads(datagram: bytes) -> dict[str, Value]:
         if is_vector:
             known[key] = scan_vector(text)
             continue
-        found = NUMBER.match(text)
-        if found is None:
-            raise UnreadableError(f"{key}: atof would make 0 of {text[:20]!r}")
-        known[key] = float(found[1])
+        known[key] = float(LIBC.atof(text.encode()))
     return known
 
 
