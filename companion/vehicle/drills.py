@@ -41,7 +41,8 @@ class Drills:
         self.stop()
         self.probe.reset()
         signs = self._vehicle.failsafes.signs
-        signs.lame, signs.motors.heeds_current = "", True
+        signs.lame = ""
+        signs.motors.rearm()
 
     def intent(self, now_s: float) -> Intent:
         """What the motors are to do now. To be called while one is running."""
@@ -67,11 +68,15 @@ class Drills:
 
     def _try_motors(self, now_s: float) -> Intent:
         signs = self._vehicle.failsafes.signs
-        intent = self.probe.intent(self._vehicle.nav, signs.left, signs.right, now_s)
-        if not self.probe.is_running:
-            self._vehicle.tell(Severity.WARNING, self.probe.found())
-            signs.lame = self.probe.fault()
-            if not self.probe.is_unclear:
-                signs.motors.heeds_current = self.probe.is_lame or self.probe.is_turned
-            signs.motors.reset()
+        probe = self.probe
+        before = probe.left, probe.right
+        intent = probe.intent(self._vehicle.nav, signs.left, signs.right, now_s)
+        if not probe.is_running:
+            self._vehicle.tell(Severity.WARNING, probe.found())
+            signs.lame = probe.fault()
+            is_cleared = not probe.is_unclear and not probe.is_lame and before == (probe.left, probe.right)
+            if is_cleared:
+                signs.motors.clear(now_s)
+            else:
+                signs.motors.reset()
         return intent

@@ -55,6 +55,9 @@ class Response:
         signs.fence.update(vehicle.fence, nav, vehicle.config.motors, now_s)
         for alarm in vehicle.failsafes.update(vehicle.drills.is_running):
             self._act_on(alarm, now_s)
+        if signs.motors.needs_trial and self._may_try_motors():
+            vehicle.tell(Severity.NOTICE, "Steering does not turn the boat: trying the motors")
+            vehicle.probe.begin(now_s)
 
     def _act_on(self, alarm: Alarm, now_s: float) -> None:
         vehicle = self._vehicle
@@ -98,6 +101,13 @@ class Response:
             if row.limps:
                 vehicle.speed_m_s = _LIMP_SHARE * vehicle.config.speed.cruise_m_s
 
+    def _may_try_motors(self) -> bool:
+        """Whether a trial may take the place of the mode for some seconds."""
+        vehicle = self._vehicle
+        is_driving = vehicle.armed and not vehicle.mode.is_by_hand and vehicle.mode is not Mode.HOLD
+        is_wanted = Action(vehicle.config.failsafe.motor_action) is Action.TRY_MOTORS
+        return is_driving and is_wanted and not vehicle.drills.is_running and self.may_drift(_TRY_S)
+
     def _is_spared(self, row: Row) -> bool:
         """Whether what the boat does already is what it would be told to do."""
         vehicle = self._vehicle
@@ -117,10 +127,11 @@ class Response:
     def _presume(self, now_s: float) -> bool:
         """Without room to try the motors, the one that is accused is taken to be dead; False if none is."""
         vehicle, motors = self._vehicle, self._vehicle.failsafes.signs.motors
-        if not (motors.accuses_left or motors.accuses_right):
+        lost = motors.has_lost
+        if not lost:
             return False
         vehicle.drills.stop()
-        vehicle.probe.presume(motors.accuses_left, now_s)
+        vehicle.probe.presume(lost == "left", now_s)
         vehicle.failsafes.signs.lame = vehicle.probe.fault()
         vehicle.tell(Severity.WARNING, "No room to try the motors: going on with one")
         return True

@@ -9,6 +9,7 @@ from companion.vehicle.modes import Mode
 from sitl.beliefs import Belief
 from sitl.campaign.fault_figures import fault_figures
 from sitl.campaign.inevitable import inevitable
+from sitl.campaign.motor_figures import motor_figures
 from sitl.courses import tracking
 from sitl.sail import Result, Sailing
 from sitl.stationing import station_figures
@@ -36,6 +37,7 @@ def figures_of(sailing: Sailing, result: Result) -> Figures:
     if _stays(sailing):
         out.update(station_figures(sailing.recorder, sailing.planned[-1]))
     out.update(fault_figures(sailing))
+    out.update(motor_figures(sailing))
     out["fault"] = ", ".join(f"{fault.what} {fault.kind}" for fault in sailing.scenario.faults)
     out["touches"] = len(sailing.timeline.touched)
     why = inevitable(sailing) if sailing.timeline.touched else ""

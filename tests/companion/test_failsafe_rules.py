@@ -31,6 +31,15 @@ FAULTS = st.lists(st.sampled_from(EstimateFault), max_size=3)
 class ScriptedMotors(MotorWatch):
     """Says of the motors what the test wants, whatever they do."""
 
+    def __init__(self, config: BoatConfig) -> None:
+        super().__init__(config)
+        self.text = ""
+
+    @property
+    def fault(self) -> str:
+        """As scripted."""
+        return self.text
+
     def reset(self) -> None:
         """Nothing to forget."""
 
@@ -48,7 +57,7 @@ class Failsafes(RuleBasedStateMachine):
         super().__init__()
         self.config = BoatConfig()
         self.vehicle = Vehicle(self.config)
-        self.vehicle.failsafes.signs.motors = ScriptedMotors()
+        self.vehicle.failsafes.signs.motors = self.motors = ScriptedMotors(self.config)
         self.pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
         self.now_s = 0.0
         self.faults = 0
@@ -95,7 +104,7 @@ class Failsafes(RuleBasedStateMachine):
         signs.headway, signs.load, signs.storage_fault = headway, load, storage
         signs.hull = HullReading(self.now_s, is_wet, 20.0)
         signs.heading = HeadingReading(self.now_s, 0.0, 0.0, roll, 0.0)
-        signs.motors.fault = fault
+        self.motors.text = fault
 
     @rule(mode=st.sampled_from(Mode))
     def the_operator_chooses_a_mode(self, mode: Mode) -> None:

@@ -1,10 +1,12 @@
 import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at
+from msgspec.structs import replace
 
 from companion.config import BoatConfig, with_value
 from companion.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
 from companion.sensors.readings import BatteryReading
 from companion.vehicle.failsafes.actions import Action
+from companion.vehicle.failsafes.ladder import Ladder, Move
 from companion.vehicle.failsafes.table import ROWS, Condition
 from companion.vehicle.modes import Mode
 from companion.vehicle.vehicle import Vehicle
@@ -23,13 +25,20 @@ def armed_vehicle(mode: Mode = Mode.GUIDED, **settings: object) -> Vehicle:
     return vehicle
 
 
-def live(vehicle: Vehicle, seconds: float, volt: float | None = None, step_s: float = 0.5) -> list[str]:
+def live(
+    vehicle: Vehicle,
+    seconds: float,
+    volt: float | None = None,
+    step_s: float = 0.5,
+    yaw_rate_rad_s: float = 0.0,
+) -> list[str]:
     """Time goes by, all else being well; what was told."""
     start_s = vehicle._now_s
     for tick in range(1, round(seconds / step_s) + 1):
         now_s = start_s + tick * step_s
         battery = None if volt is None else BatteryReading(now_s, volt)
-        vehicle.sense(nav_at(time_s=now_s), vehicle.frame, GOOD_FIX, battery, now_s)
+        nav = replace(nav_at(time_s=now_s), yaw_rate_rad_s=yaw_rate_rad_s)
+        vehicle.sense(nav, vehicle.frame, GOOD_FIX, battery, now_s)
         vehicle.decide()
     return [notice.text for notice in vehicle.take_notices()]
 
@@ -257,8 +266,28 @@ def test_every_condition_has_one_row_and_its_fields_exist() -> None:
 
 @pytest.mark.parametrize("gives_way", [False, True])
 def test_motors_are_not_judged_while_the_boat_gives_way_to_an_obstacle(gives_way: bool) -> None:
+    """Right and left in turn for 1.5 s each, and the bow turns as the right motor alone would turn it."""
     vehicle = armed_vehicle()
     signs = vehicle.failsafes.signs
-    signs.left, signs.right, signs.gives_way = 1.0, -1.0, gives_way  # and the boat does not turn
-    told = live(vehicle, 20.0, step_s=0.1)
+    told: list[str] = []
+    rate = 0.0
+    for tick in range(200):
+        share = 0.6 if tick // 15 % 2 else -0.6
+        signs.left, signs.right, signs.gives_way = 0.4 + share, 0.4 - share, gives_way
+        rate += 0.1 * (-0.5 * signs.right * abs(signs.right) - 0.9 * rate)
+        told += live(vehicle, 0.1, step_s=0.1, yaw_rate_rad_s=rate)
     assert any(text.endswith("motor does not pull") for text in told) is not gives_way
+
+
+def test_a_relapse_that_is_only_told_stays_told() -> None:
+    config = BoatConfig()
+    setting = replace(config.failsafe, motor_action=int(Action.NONE))
+    row = next(row for row in ROWS if row.condition is Condition.MOTOR_FAILING)
+    ladder, moves = Ladder(row), []
+    for tick in range(1200):
+        text = "Left motor does not pull" if tick % 400 < 100 else ""
+        move = ladder.update(text, setting, 0.1 * tick)
+        if move is not Move.STAYS:
+            moves.append((move, ladder.action if move is not Move.ENDS else Action.NONE))
+    assert [move for move, _ in moves] == 3 * [Move.FIRES, Move.ENDS]
+    assert {action for _, action in moves} == {Action.NONE}

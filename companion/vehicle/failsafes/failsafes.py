@@ -112,12 +112,20 @@ class Failsafes:
             signs.sticks.let_go()
         signs.endurance.learn(signs.battery, signs.nav, signs.config, PERIOD_S)
         if not signs.armed:
-            signs.motors.reset()
-        if is_clearing or signs.gives_way:
+            signs.motors.rearm()
+        if is_clearing or signs.gives_way or signs.lame:  # one motor alone drives the hull as no model says
             signs.motors.pause()
         else:
-            cruise_m_s = signs.config.speed.cruise_m_s
-            signs.motors.update(signs.left, signs.right, signs.battery, signs.nav, cruise_m_s, PERIOD_S)
+            signs.motors.update(
+                signs.left,
+                signs.right,
+                signs.nav,
+                signs.fix,
+                signs.battery,
+                signs.config,
+                signs.now_s,
+                PERIOD_S,
+            )
 
 
 def concerns(kind: Concerns, mode: Mode) -> bool:

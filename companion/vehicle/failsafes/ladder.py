@@ -70,13 +70,13 @@ class Ladder:
         if now_s - self._since_s < _seconds(self.row.after, setting):
             return Move.STAYS
         self.is_active, self._step_s = True, now_s
-        step = self._next_step(setting)
-        if step is not None and now_s - self._ended_s < self.row.relapse_s:
+        step, first = self._next_step(setting), _action(self.row.action, setting)
+        is_relapse = now_s - self._ended_s < self.row.relapse_s
+        if step is not None and is_relapse and first is not Action.NONE:
             self._next += 1  # what was done before has not lasted
             self.action = _action(step.action, setting)
         else:
-            self._next = 0
-            self.action = _action(self.row.action, setting)
+            self._next, self.action = 0, first
         return Move.FIRES
 
     def _climb(self, setting: Failsafe, now_s: float) -> Move:

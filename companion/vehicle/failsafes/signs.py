@@ -59,7 +59,7 @@ class Signs:
         self.operator = Operator()
         self.planner = Planner()
         self.endurance = Endurance()
-        self.motors = MotorWatch()
+        self.motors = MotorWatch(config)
         self.fence = FenceWatch()
         self.now_s = 0.0
         self.mode = Mode.HOLD

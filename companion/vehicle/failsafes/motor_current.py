@@ -1,0 +1,91 @@
+"""The current that two healthy motors draw, learned under way: the equation of `motor_hypotheses`.
+
+    I = A Σ d² − B Σ d n − C Σ d u + I0        over both motors
+
+d: duty, n: speed of the shaft (the duty, with a lag), u: speed through the water, I0: the electronics. It is
+linear in A, B, C and I0, which recursive least squares learns with a slow random walk (Y. Bar-Shalom, X. R.
+Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001, section 3.4).
+"""
+
+from typing import Final
+
+_FIRST_SIGMA: Final = (5.0, 3.0, 1.0, 2.0)  # of A, B, C and I0, in amperes, before anything is known
+_WALK_S: Final = (1e-4, 1e-4, 1e-5, 1e-5)  # A²/s: a pack that empties, a hull that fouls
+# One standard deviation of what the equation gets wrong: what happens between two commands a tenth of a
+# second apart, and a share of the current, where propellers work in each other's water or the hull's.
+_SIGMA_A: Final = 0.22
+_SIGMA_SHARE: Final = 0.04
+_SIGMA_SLIP_A: Final = 0.6  # for shafts that lag behind the command by all of it, where the lag is guessed
+_ALIKE: Final = 4.0  # neighbouring samples, whose errors are alike, that count for one at first,
+_SETTLED: Final = 15.0  # and later on, so that a fault of some seconds is not learned as usual
+_LEARNED_S: Final = 12.0  # of driving: start, acceleration and a first turn tell A, B and C apart
+_SIZE: Final = 4
+
+
+class MotorCurrent:
+    """drawn: what each motor draws by the model, left and right, in amperes.
+
+    residual_a: what is measured beyond that, with its variance. stall_a, water_a: A and C.
+    """
+
+    __slots__ = (
+        "_covariance", "_learned_s", "_noise", "_regressors", "_theta", "drawn", "residual_a", "stall_a",
+        "variance", "water_a",
+    )  # fmt: skip
+
+    def __init__(self) -> None:
+        self._theta = [0.0] * _SIZE
+        self._covariance = [
+            [sigma * sigma if row == column else 0.0 for column in range(_SIZE)]
+            for row, sigma in enumerate(_FIRST_SIGMA)
+        ]
+        self._regressors = [0.0] * _SIZE
+        self._learned_s = 0.0
+        self._noise = _SIGMA_A * _SIGMA_A
+        self.drawn = [0.0, 0.0]
+        self.stall_a = self.water_a = 0.0  # never negative
+        self.residual_a, self.variance = 0.0, 1.0
+
+    def compare(
+        self, duties: tuple[float, float], shafts: list[float], water_m_s: float, current_a: float
+    ) -> None:
+        """Hold a measured current against the model."""
+        a, b, c, idle = self._theta
+        self.stall_a, self.water_a = max(a, 0.0), max(c, 0.0)
+        squares = flows = speeds = slip = 0.0
+        for side, (duty, shaft) in enumerate(zip(duties, shafts, strict=True)):
+            squares += duty * duty
+            speeds += duty * shaft
+            slip += abs(duty - shaft)
+            flows += duty * water_m_s
+            self.drawn[side] = max(a * duty * duty - b * duty * shaft - c * duty * water_m_s, 0.0)
+        self._regressors = x = [squares, -speeds, -flows, 1.0]
+        total = self.drawn[0] + self.drawn[1]
+        self.residual_a = current_a - total - idle
+        unknown = sum(
+            one * other * self._covariance[row][column]
+            for row, one in enumerate(x)
+            for column, other in enumerate(x)
+        )
+        self._noise = _SIGMA_A * _SIGMA_A + (_SIGMA_SHARE * total) ** 2 + (_SIGMA_SLIP_A * slip) ** 2
+        self.variance = self._noise + max(unknown, 0.0)
+
+    @property
+    def is_learned(self) -> bool:
+        """Whether enough was driven to say what is usual."""
+        return self._learned_s >= _LEARNED_S
+
+    def learn(self, dt_s: float, *, is_driven: bool) -> None:
+        """Take the last comparison for that of healthy motors."""
+        if is_driven:
+            self._learned_s += dt_s
+        alike = _SETTLED if self.is_learned else _ALIKE
+        x, covariance = self._regressors, self._covariance
+        for at in range(_SIZE):
+            covariance[at][at] += _WALK_S[at] * dt_s
+        gains = [sum(row[at] * x[at] for at in range(_SIZE)) for row in covariance]
+        share = 1.0 / (sum(gain * one for gain, one in zip(gains, x, strict=True)) + alike * self._noise)
+        for row in range(_SIZE):
+            self._theta[row] += gains[row] * share * self.residual_a
+            for column in range(_SIZE):
+                covariance[row][column] -= share * gains[row] * gains[column]

@@ -1,0 +1,62 @@
+"""What can be wrong with a motor, and what hull and battery would show of it.
+
+A thrust of n |n| per motor (n: speed of the shaft, in shares) and a current from the pack of
+
+    I = A d² − B d n − C d u        d: duty, u: speed through the water
+
+follow from the motor's equation: armature current (d V − k ω) / R, drawn for the share d of the time, with a
+shaft that the water also turns. A motor that is blocked draws A d², which is 2 to 3.3 times what it draws
+turning: a loaded propeller lets a brushed motor reach half to 0.7 of its no-load speed.
+"""
+
+from enum import IntEnum
+from typing import Final, NamedTuple
+
+
+class Fault(IntEnum):
+    """Kinds that are told apart. Without a measured current, BLOCKED and FOULED cannot be told from DEAD."""
+
+    DEAD = 0  # no current, no thrust: a wire or the propeller is gone
+    BLOCKED = 1  # stall current, no thrust
+    FOULED = 2  # weed on the propeller: more current, less thrust
+    REVERSED = 3  # thrust the wrong way for the usual current
+
+
+class Hypothesis(NamedTuple):
+    """One motor has one fault; the other is well.
+
+    thrust: share of its thrust that is left. load: its current, in shares of the usual one; spread: one
+    standard deviation of that share. threshold: evidence, in nats, that proves it.
+    """
+
+    is_left: bool
+    fault: Fault
+    thrust: float
+    load: float
+    spread: float
+    threshold: float
+
+    @property
+    def text(self) -> str:
+        """For the operator."""
+        side = "left" if self.is_left else "right"
+        if self.fault is Fault.FOULED:
+            return f"Weed on the {side} propeller"
+        if self.fault is Fault.REVERSED:
+            return f"Steering lost: {side} motor reversed"
+        return f"{side.capitalize()} motor {'is blocked' if self.fault is Fault.BLOCKED else 'does not pull'}"
+
+
+# The current of a fouled propeller and the thrust of a reversed one are worked out in `motor_evidence`. The
+# thresholds are about twice what the evidence reached in 96 healthy runs of the tuning seeds (10, 10 and 9),
+# but for REVERSED, which is proved by motion alone and reached 19 in one of them.
+HYPOTHESES: Final = tuple(
+    Hypothesis(is_left, fault, thrust, load, spread, threshold)
+    for is_left in (True, False)
+    for fault, thrust, load, spread, threshold in (
+        (Fault.DEAD, 0.0, 0.0, 0.0, 20.0),
+        (Fault.BLOCKED, 0.0, 2.2, 0.35, 20.0),
+        (Fault.FOULED, 0.4, 1.0, 0.4, 14.0),
+        (Fault.REVERSED, -1.0, 1.0, 0.1, 23.0),
+    )
+)

@@ -1,0 +1,309 @@
+"""Which motor has failed: from what hull and battery show of it, and not from wind."""
+
+import math
+from collections.abc import Callable
+from random import Random
+
+import pytest
+
+from companion.config import BoatConfig
+from companion.geo import LatLon
+from companion.sensors.readings import BatteryReading, GnssFix
+from companion.state import EstimateFault, NavState
+from companion.vehicle.failsafes.motor_hypotheses import Fault
+from companion.vehicle.failsafes.propulsion import MotorWatch
+
+DT_S = 0.1
+HERE = LatLon(50.0, -1.2)
+CONFIG = BoatConfig()
+Wind = Callable[[float], float]
+
+
+def still(_: float) -> float:
+    return 0.0
+
+
+class Hull:
+    """A hull, its motors and its battery, written from the motor's equation: shafts, thrust, current.
+
+    fault: of one side. turning_nm, pushing_n: of the wind, in rad/s² and m/s². Its figures are not those that
+    the watch assumes. current: None is a boat without a monitor.
+    """
+
+    def __init__(self, seed: int = 1, *, has_current: bool = True, fix_s: float = 0.2) -> None:
+        self.random = Random(seed)
+        self.watch = MotorWatch(CONFIG)
+        self.now_s = 0.0
+        self.heading = self.rate = self.speed = 0.0
+        self.shafts = [0.0, 0.0]
+        self.faults: list[Fault | None] = [None, None]
+        self.turning: Wind = still
+        self.pushing: Wind = still
+        self.has_current, self.fix_s = has_current, fix_s
+        self.fix: GnssFix | None = None
+        self.estimate_faults = 0
+        self.frozen_a: float | None = None
+
+    def step(self, left: float, right: float) -> None:
+        """One tick of the failsafes under these commands."""
+        substeps = 5
+        current = 0.0
+        for _ in range(substeps):
+            dt, thrusts, current = DT_S / substeps, [], 0.6
+            for side, duty in enumerate((left, right)):
+                thrust, drawn = self._motor(side, duty, dt)
+                thrusts.append(thrust)
+                current += drawn
+            pull = thrusts[0] - thrusts[1]
+            self.rate += dt * (0.4 * pull - 0.9 * self.rate + self.turning(self.now_s))
+            self.heading += dt * self.rate
+            drag = (0.06 + 0.08 * abs(self.speed)) * self.speed
+            self.speed += dt * (0.5 * sum(thrusts) - drag + self.pushing(self.now_s))
+            self.now_s += dt
+        gauss = self.random.gauss
+        if self.fix is None or self.now_s - self.fix.time_s >= self.fix_s - 1e-6:
+            self.fix = GnssFix(self.now_s, HERE, 3, 12, 0.9, self.speed + gauss(0.0, 0.05), gauss(0.0, 0.05))
+        nav = NavState(
+            self.now_s, 0.0, 0.0, 0.0, self.rate + gauss(0.0, 0.005), self.speed, 0.0, self.speed, 0.0,
+            0.1, 0.1, faults=self.estimate_faults,
+        )  # fmt: skip
+        measured_a = current + gauss(0.0, 0.05) if self.frozen_a is None else self.frozen_a
+        battery = BatteryReading(self.now_s, 12.0, measured_a if self.has_current else None)
+        self.watch.update(left, right, nav, self.fix, battery, CONFIG, self.now_s, DT_S)
+
+    def _motor(self, side: int, duty: float, dt: float) -> tuple[float, float]:
+        fault = self.faults[side]
+        if fault is Fault.DEAD:
+            self.shafts[side] = 0.0
+            return 0.0, 0.0
+        sign = -1.0 if fault is Fault.REVERSED else 1.0
+        driven = sign * duty
+        weed = 0.22 if fault is Fault.FOULED else 0.0
+        reached = 0.0 if fault is Fault.BLOCKED else max(abs(driven) - weed, 0.0)
+        self.shafts[side] += dt / 0.15 * (math.copysign(reached, driven) - self.shafts[side])
+        shaft = self.shafts[side]
+        drawn = max(5.5 * driven * (driven - 0.42 * shaft) - 0.15 * driven * self.speed, 0.0)
+        push = abs(shaft) * (shaft - 0.1 * self.speed)
+        return (push if push > 0.0 else 0.62 * push), drawn
+
+    def sail(self, seconds: float, throttle: float = 0.6) -> None:
+        """A heading loop on a course with a right angle every 15 s; steering goes before thrust."""
+        for _ in range(round(seconds / DT_S)):
+            course = 0.0 if self.now_s % 30.0 < 15.0 else 0.5 * math.pi
+            off = math.remainder(course - self.heading, math.tau)
+            steering = min(max(1.2 * off - 0.8 * self.rate, -1.0), 1.0)
+            room = 1.0 - abs(steering)
+            ahead = min(max(throttle + 0.5 * (1.8 - self.speed), -room), room)
+            self.step(ahead + steering, ahead - steering)
+
+    def seconds_to_verdict(self, most_s: float, throttle: float = 0.6) -> float:
+        """How long it sails until there is a verdict; infinite beyond most_s."""
+        began_s = self.now_s
+        while self.now_s < began_s + most_s:
+            self.sail(DT_S, throttle)
+            if self.watch.verdict is not None:
+                return self.now_s - began_s
+        return math.inf
+
+
+SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
+
+
+@SIDES
+@pytest.mark.parametrize(
+    ("fault", "within_s", "text"),
+    [
+        (Fault.DEAD, 3.0, "{Side} motor does not pull"),
+        (Fault.BLOCKED, 3.0, "{Side} motor is blocked"),
+        (Fault.FOULED, 8.0, "Weed on the {side} propeller"),
+        (Fault.REVERSED, 8.0, "Steering lost: {side} motor reversed"),
+    ],
+)
+def test_each_fault_is_named_with_its_side(side: int, fault: Fault, within_s: float, text: str) -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    assert hull.watch.verdict is None
+    hull.faults[side] = fault
+    assert hull.seconds_to_verdict(within_s) <= within_s
+    name = ("left", "right")[side]
+    said = text.format(side=name, Side=name.capitalize())
+    is_reversed = fault is Fault.REVERSED
+    assert (hull.watch.fault, hull.watch.reversal) == (("", said) if is_reversed else (said, ""))
+    lost = name if fault in (Fault.DEAD, Fault.BLOCKED) else ""
+    assert hull.watch.has_lost == lost
+
+
+@SIDES
+@pytest.mark.parametrize("fault", [Fault.DEAD, Fault.BLOCKED])
+def test_without_a_measured_current_a_motor_without_thrust_is_named_or_tried(side: int, fault: Fault) -> None:
+    hull = Hull(has_current=False)
+    hull.sail(40.0)
+    assert not hull.watch.needs_trial
+    hull.faults[side] = fault
+    began_s = hull.now_s
+    while not hull.watch.verdict and not hull.watch.needs_trial:
+        assert hull.now_s - began_s < 25.0
+        hull.sail(DT_S)
+    assert hull.watch.fault in ("", f"{('Left', 'Right')[side]} motor does not pull")
+
+
+def test_a_current_that_is_measured_spares_the_trial() -> None:
+    """Steered hard in a wind that is as strong: only a boat without a monitor has to try."""
+    for has_current in (True, False):
+        hull = Hull(has_current=has_current)
+        hull.sail(20.0)
+        began_s = hull.now_s
+        hull.turning = lambda t, began_s=began_s: -0.6 * min((t - began_s) / 2.0, 1.0)  # type: ignore[misc]
+        asked_s = math.inf
+        for _ in range(200):
+            hull.step(0.9, -0.9)
+            if hull.watch.needs_trial:
+                asked_s = min(asked_s, hull.now_s - began_s)
+        assert (asked_s == math.inf) is has_current, asked_s
+        assert has_current or 6.0 <= asked_s <= 10.0, asked_s
+        hull.watch.clear(hull.now_s)
+        for _ in range(100):
+            hull.step(0.9, -0.9)
+        assert not hull.watch.needs_trial, "the trial stands"
+
+
+@pytest.mark.parametrize("has_current", [True, False])
+@pytest.mark.parametrize("turning", [-0.6, 0.6])
+def test_wind_that_takes_all_steering_accuses_no_motor(turning: float, has_current: bool) -> None:
+    """Steered hard for half a minute, the bow does not turn: the wind does that within two seconds."""
+    hull = Hull(has_current=has_current)
+    hull.sail(40.0)
+    began_s = hull.now_s
+    hull.turning = lambda t: turning * min((t - began_s) / 2.0, 1.0)
+    for _ in range(300):
+        share = 0.9 * min((hull.now_s - began_s) / 2.0, 1.0) * math.copysign(1.0, -turning)
+        swing = 0.1 * math.sin(3.0 * hull.now_s)
+        hull.step(share + swing, -share - swing)
+        assert hull.watch.verdict is None, hull.now_s - began_s
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+@pytest.mark.parametrize("has_current", [True, False])
+def test_gusts_accuse_no_motor(seed: int, has_current: bool) -> None:
+    hull, random = Hull(seed, has_current=has_current, fix_s=1.0), Random(seed)
+    gust = [0.0, 0.0]
+
+    def turning(_: float) -> float:
+        gust[0] += -gust[0] * 0.02 / 4.0 + random.gauss(0.0, 0.08 * math.sqrt(0.02))
+        return gust[0] + 0.2
+
+    def pushing(_: float) -> float:
+        gust[1] += -gust[1] * 0.02 / 4.0 + random.gauss(0.0, 0.05 * math.sqrt(0.02))
+        return gust[1] - 0.1
+
+    hull.turning, hull.pushing = turning, pushing
+    assert hull.seconds_to_verdict(120.0) == math.inf
+
+
+def test_a_current_as_usual_outweighs_a_hull_that_does_not_answer() -> None:
+    """Something holds the hull for seconds, as a line round the keel does; the motors draw well."""
+    verdicts = []
+    for has_current in (False, True):
+        hull = Hull(has_current=has_current)
+        hull.sail(40.0)
+        held_s = hull.now_s
+        hull.turning = lambda t, hull=hull, held_s=held_s: -2.0 * hull.rate if t > held_s else 0.0  # type: ignore[misc]
+        hull.pushing = lambda t, hull=hull, held_s=held_s: -0.5 * hull.speed if t > held_s else 0.0  # type: ignore[misc]
+        hull.seconds_to_verdict(10.0)
+        verdicts.append(hull.watch.verdict)
+    assert verdicts[1] is None, verdicts
+
+
+def test_weed_whose_side_nothing_tells_is_not_blamed_on_one() -> None:
+    """Both motors at the same steady command: the current rises, and no turn says where."""
+    hull = Hull()
+    hull.sail(40.0)
+    for _ in range(100):
+        hull.step(0.6, 0.6)
+    hull.frozen_a = None
+    plain = hull._motor
+
+    def drags(side: int, duty: float, dt: float) -> tuple[float, float]:
+        thrust, drawn = plain(side, duty, dt)
+        return thrust, drawn + 0.15 * 5.5 * 0.6 * 0.5
+
+    hull._motor = drags  # type: ignore[method-assign]
+    evidence = hull.watch._evidence.against
+    for _ in range(150):
+        hull.step(0.6, 0.6)
+        assert hull.watch.verdict is None
+    assert max(hull.watch._evidence.against) > 20.0, evidence
+
+
+def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    hull.faults[0] = Fault.DEAD
+    hull.watch.clear(hull.now_s)
+    assert hull.seconds_to_verdict(179.0) == math.inf
+    hull.faults[0] = None
+    hull.sail(20.0)
+    hull.faults[0] = Fault.DEAD
+    assert hull.seconds_to_verdict(3.0) < 3.0
+
+
+def test_disarming_ends_what_a_trial_has_said() -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    hull.watch.clear(hull.now_s)
+    hull.watch.rearm()
+    hull.sail(5.0)
+    hull.faults[1] = Fault.DEAD
+    assert hull.seconds_to_verdict(3.0) < 3.0
+
+
+def test_a_verdict_ends_once_the_motor_pulls_again() -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    hull.faults[1] = Fault.DEAD
+    assert hull.seconds_to_verdict(3.0) < 3.0
+    hull.sail(10.0)
+    assert hull.watch.fault == "Right motor does not pull"
+    hull.faults[1] = None
+    hull.sail(5.0)
+    assert hull.watch.verdict is None
+
+
+def test_a_verdict_stands_while_the_motors_do_something_else() -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    hull.faults[0] = Fault.BLOCKED
+    hull.seconds_to_verdict(3.0)
+    hull.watch.pause()
+    assert hull.watch.fault == "Left motor is blocked"
+    hull.watch.reset()
+    assert hull.watch.fault == ""
+
+
+@SIDES
+def test_a_current_monitor_that_hangs_accuses_no_motor(side: int) -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    for frozen_a in (0.6, 2.0, 6.0):
+        hull.frozen_a = frozen_a
+        for _ in range(200):
+            swing = 0.4 * math.sin(hull.now_s) * (1 - 2 * side)
+            hull.step(0.5 + swing, 0.5 - swing)
+            assert hull.watch.verdict is None
+        hull.frozen_a = None
+        hull.sail(10.0)
+
+
+@pytest.mark.parametrize(
+    "fault", [EstimateFault.COMPASS_LOST, EstimateFault.COMPASS_LATE, EstimateFault.GNSS_JUMPING]
+)
+def test_an_estimate_that_is_in_doubt_accuses_no_motor(fault: EstimateFault) -> None:
+    """The rate that stands in for a lost gyro does not move as the hull does."""
+    hull = Hull()
+    hull.sail(40.0)
+    hull.estimate_faults = int(fault)
+    is_gnss = fault is EstimateFault.GNSS_JUMPING
+    began_s = hull.now_s
+    hull.turning = still if is_gnss else (lambda t: 2.0 * math.sin(4.0 * (t - began_s)))
+    hull.pushing = (lambda t: 2.0 * math.sin(2.0 * (t - began_s))) if is_gnss else still
+    assert hull.seconds_to_verdict(15.0) == math.inf
