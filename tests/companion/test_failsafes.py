@@ -266,15 +266,16 @@ def test_every_condition_has_one_row_and_its_fields_exist() -> None:
 
 @pytest.mark.parametrize("gives_way", [False, True])
 def test_motors_are_not_judged_while_the_boat_gives_way_to_an_obstacle(gives_way: bool) -> None:
-    """Right and left in turn for 1.5 s each, and the bow turns as the right motor alone would turn it."""
+    """Both motors go up and down, each in its own time; from 30 s on only the right one turns the bow."""
     vehicle = armed_vehicle()
     signs = vehicle.failsafes.signs
     told: list[str] = []
     rate = 0.0
-    for tick in range(200):
-        share = 0.6 if tick // 15 % 2 else -0.6
-        signs.left, signs.right, signs.gives_way = 0.4 + share, 0.4 - share, gives_way
-        rate += 0.1 * (-0.5 * signs.right * abs(signs.right) - 0.9 * rate)
+    for tick in range(600):
+        left = signs.left if tick < 300 else 0.0
+        signs.left, signs.right = 0.9 if tick // 15 % 2 else 0.1, 0.9 if tick // 22 % 2 else 0.1
+        signs.gives_way = gives_way
+        rate += 0.1 * (0.4 * (left * abs(left) - signs.right * abs(signs.right)) - 0.8 * rate)
         told += live(vehicle, 0.1, step_s=0.1, yaw_rate_rad_s=rate)
     assert any(text.endswith("motor does not pull") for text in told) is not gives_way
 
