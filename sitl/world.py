@@ -12,6 +12,7 @@ import math
 import struct
 from typing import NamedTuple
 
+from companion.errors import ConfigError
 from companion.units import wrap_pi
 from sitl.contact import Contact
 from sitl.drive import Thrusters
@@ -30,6 +31,7 @@ from sitl.windage import Windage
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
 STATE = struct.Struct("<q16d")
+_FURTHEST_M = 1e6  # from the origin; the frame's formulas are good for less than a tenth of it
 _new = tuple.__new__  # half the cost of a NamedTuple's own
 
 
@@ -141,6 +143,7 @@ class World:
 
         Raises:
             ValueError: a step too long for the hull's integrator, or not a positive time.
+            ConfigError: with settings like these no boat stays on the map.
         """
         if dt_s != self._dt_s:
             if not 0.0 < dt_s <= LONGEST_STEP_S:
@@ -165,6 +168,11 @@ class World:
             vessel.hold(self._flow_n, self._flow_e)
         else:
             vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
+        if not abs(vessel.north_m) + abs(vessel.east_m) < _FURTHEST_M:  # NaN is no place either
+            raise ConfigError(
+                f"the simulated boat has left the map after {self.time_s:.1f} s: "
+                "a setting of hull, thrusters or environment is out of all proportion"
+            )
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
         contact = self._contact
         contact.room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)

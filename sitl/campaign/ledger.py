@@ -47,8 +47,8 @@ class Ledger:
         whole = [line for line in lines if line.endswith(b"\n")]
         if whole:
             self._check(whole[0], head)
-            for line in whole[1:]:
-                outcome = msgspec.json.decode(line, type=Outcome)
+            for number, line in enumerate(whole[1:], 2):
+                outcome = self._parse(line, number)
                 self.outcomes[outcome.number] = outcome
         self._file: IO[bytes] = self.path.open("r+b" if lines else "wb")
         self._file.truncate(sum(map(len, whole)))
@@ -93,12 +93,20 @@ class Ledger:
         """
         try:
             campaign = msgspec.json.decode((folder / PLAN).read_bytes(), type=Campaign)
-        except (OSError, msgspec.DecodeError):
+        except (OSError, msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             raise ConfigError(
                 f"{folder}: no campaign in it: expected a folder that one was sailed to"
             ) from None
         with cls(folder, campaign) as ledger:
             return campaign, ledger.in_order()
+
+    def _parse(self, line: bytes, number: int) -> Outcome:
+        try:
+            return msgspec.json.decode(line, type=Outcome)
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+            raise ConfigError(
+                f"{self.path}: line {number} is damaged: remove it, and the same command sails that run again"
+            ) from None
 
     def _check(self, line: bytes, head: Head) -> None:
         try:

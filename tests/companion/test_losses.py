@@ -135,6 +135,25 @@ def test_a_list_that_is_whole_but_no_list_is_lost_too(rig: StoredRig) -> None:
     assert lines(rig.peer, "Fence lost: fence.json cannot be read, none is in use")
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["mission.json", "fence.json", "rally.json", "params.parm", "voyage.json", "trail.json", STAMPS_FILE],
+)
+@pytest.mark.parametrize("is_sealed", [False, True])
+def test_a_boat_starts_whatever_nests_in_its_files(rig: StoredRig, name: str, is_sealed: bool) -> None:
+    under_way(rig)
+    rig.world._motors.stop()
+    if is_sealed:
+        rig.storage.save(name, b"[" * 100_000)
+    else:
+        (rig.folder / name).write_bytes(b"[" * 100_000)
+    rig.reboot()
+    rig.run(10.0)
+    assert rig.boat.net.faults == 0
+    told = [text for text in rig.peer.texts if f" lost: {name} cannot be read" in text]
+    assert told or name in ("params.parm", STAMPS_FILE)
+
+
 def test_parameters_of_the_previous_generation_are_used_and_any_set_ends_the_notice(rig: StoredRig) -> None:
     rig.ready()
     for radius_m in (3.0, 4.0):

@@ -20,6 +20,7 @@ from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.scenario import load_scenario as load_map
 from mission_tools.plan_file import load_mission
 from sitl.campaign.campaign import MOST_RUNS, load_campaign
+from sitl.campaign.ledger import NAME, Ledger
 from sitl.cli.program import run_program
 from sitl.scenario import Tree, load_scenario
 
@@ -146,6 +147,28 @@ def test_a_plan_holds_no_number_that_the_wire_does_not(tmp_path: Path, number: s
     path.write_text(f"QGC WPL 110\n0 1 0 16 0 0 0 0 50 -1.2 0 1\n1 0 3 16 {number} 0 0 0 50 -1.2 0 1\n")
     with pytest.raises(MissionToolsError, match=r"far\.waypoints: line 3 .*32 bits"):
         load_mission(path)
+
+
+@pytest.mark.parametrize("setting", ["environment.current_m_s=1e22", "environment.wind_m_s=1e38"])
+def test_water_in_which_no_boat_stays_on_the_map_ends_the_run_with_a_line(
+    setting: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program(["sail", "open", "--course", "straight", "--set", setting]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "left the map after" in said
+    assert "out of all proportion" in said
+
+
+@pytest.mark.parametrize("line", [b"{", b"[" * 100_000, b'{"number": %s}' % DIGITS.encode(), b"\xff"])
+def test_a_damaged_line_of_a_campaigns_runs_is_named(tmp_path: Path, line: bytes) -> None:
+    (tmp_path / "c.toml").write_text('[run]\ncourse = "straight"\n')
+    plan = load_campaign(tmp_path / "c.toml")
+    Ledger(tmp_path, plan).close()
+    with (tmp_path / NAME).open("ab") as file:
+        file.write(line + b"\n")
+    with pytest.raises(ConfigError, match=rf"{NAME}: line 2 is damaged: remove it"):
+        Ledger(tmp_path, plan)
 
 
 def numbers_of(type_: Any, prefix: str = "") -> list[str]:  # noqa: ANN401
