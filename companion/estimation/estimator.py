@@ -27,6 +27,11 @@ from companion.units import wrap_pi
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
 SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that do not say how accurate they are
 MIN_SIGMA_M: Final = 0.001
+# A stated accuracy is that of a class for hours: u-blox receivers under open sky state 1 to 1.5 m and wander
+# by 0.2 to 0.4 m within minutes, and only that matters to a filter. RTK receivers and cameras, which state a
+# decimetre or less, state their scatter.
+WITHIN_MINUTES: Final = 0.4
+STATES_SCATTER_M: Final = 0.1
 MAX_SIGMA_M: Final = 1000.0  # what lies beyond is a fault of the part; comparisons let no NaN pass
 MAX_SPEED_M_S: Final = 100.0
 MAX_FIX_AGE_S: Final = 10.0  # as it comes: where the boat was then says nothing of where it is
@@ -152,7 +157,8 @@ class Estimator:
         if _is_near(at):
             self.far_m = 0.0
             self._far_heard_s = -math.inf
-            sigma_m = max(sigma_m, MIN_SIGMA_M) / math.sqrt(2.0)
+            sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m, MIN_SIGMA_M)
+            sigma_m /= math.sqrt(2.0)
             self.fixing.take(fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter)
         elif fix.time_s > self._far_heard_s:
             self._hear_from_afar(fix.time_s, math.hypot(*at))

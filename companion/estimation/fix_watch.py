@@ -13,9 +13,7 @@ _OFF_SIGMAS: Final = 4.0
 _CREEP_S: Final = 30  # the same once more over this, for what creeps,
 _CREEP_SIGMAS: Final = 6.0
 _CREEP_M_S: Final = 0.03  # beyond what a receiver's velocity is off by
-# A stated accuracy is that of a class for hours: u-blox receivers under open sky state 1 to 1.5 m and wander
-# by 0.2 to 0.4 m in half a minute. Their error changes by this share of it, or by what the positions scatter.
-_SHARE: Final = 0.3
+_SHARE: Final = 0.75  # of a deviation: by so much the error changes within half a minute, or by the scatter
 _SCATTERS: Final = 3.0
 _SCATTER_S: Final = 10.0  # in which the scatter is learned
 _ODD_STEP: Final = 9.0  # of its variance: a leap teaches nothing
@@ -40,7 +38,7 @@ class FixWatch:
     def update(self, time_s: float, at: complex, velocity: complex | None, sigma_m: float) -> None:
         """A fix later than the last one: position in m and velocity in m/s, north + i east.
 
-        sigma_m: of a position, per axis, as the receiver states it.
+        sigma_m: of a position's error within minutes, per axis.
         """
         is_same = bool(self._story) and at == self._at and velocity == self._velocity
         if self._story:

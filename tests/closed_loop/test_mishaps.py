@@ -25,7 +25,7 @@ def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, a
     sailing, result = sail(f"what='clock', kind='wrong', size={size}, at_s={at_s}")
     assert result.completed
     assert result.cross_track_max_m is not None
-    assert result.cross_track_max_m < 4.0
+    assert result.cross_track_max_m < 4.3
     nav = sailing.lockstep.boat.nav
     assert nav is not None
     assert not nav.faults

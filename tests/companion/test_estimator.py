@@ -285,3 +285,15 @@ def test_an_origin_that_fixes_have_left_for_seconds_may_be_laid_anew() -> None:
     assert estimator.frame is not None
     assert estimator.frame.origin == far
     assert estimator.far_m == 0.0
+
+
+@pytest.mark.parametrize(
+    ("stated_m", "sigma_m"), [(2.5, 1.0), (1.1, 0.44), (0.2, 0.1), (0.05, 0.05), (0.014, 0.014)]
+)
+def test_of_a_stated_accuracy_only_what_changes_within_minutes_counts(
+    stated_m: float, sigma_m: float
+) -> None:
+    estimator = Estimator()
+    fix = GnssFix(0.0, ORIGIN, 3, 12, 0.9, 0.0, 0.0, horizontal_accuracy_m=stated_m)
+    estimator.update(fix, None, 0.0)
+    assert estimator.fixing.sigma_m == pytest.approx(sigma_m / math.sqrt(2.0))

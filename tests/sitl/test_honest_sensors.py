@@ -5,12 +5,15 @@ import statistics
 
 import pytest
 import shapely
+from boat_rig import HOME_ITEM, waypoint
+from boat_rig import scenario as boat_scenario
 
 from companion.estimation import estimator, fixing, water_speed, yaw_model
 from companion.geo import LatLon, LocalFrame
 from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.drive import Thruster
+from sitl.sail import Sailing
 from sitl.scenario import load_scenario
 from sitl.sensors import (
     CompassSettings,
@@ -186,3 +189,10 @@ def test_the_ranger_looks_where_its_servo_is_and_says_where_it_should_be() -> No
     assert ideal_m is not None
     assert out_m > ideal_m + 0.1
     assert back_m < ideal_m - 0.05
+
+
+@pytest.mark.parametrize("latency_s", [0.3, 1.0])
+def test_a_run_waits_for_its_first_position_however_late_it_comes(latency_s: float) -> None:
+    settings = [f"sensors.gnss.latency_s={latency_s}", "sensors.gnss.jitter_s=0.0"]
+    items = [HOME_ITEM, waypoint(10.0, 0.0)]
+    assert Sailing(boat_scenario("open", *settings), items).run(timeout_s=60.0).completed
