@@ -1,9 +1,10 @@
 """Local metres to 1e7 degrees, cheaply enough for every record."""
 
-from companion.geo import LocalFrame, Point
+from companion.geo import LocalFrame, Point, longitude_difference_deg
 
 _REACH_M = 50.0  # what is left out is 0.2 mm at 50 m and 50° of latitude; 1e-7 degrees are 11 mm
 _STEP_M = 50.0
+_HALF_TURN_E7 = 1_800_000_000
 
 
 class LinearFrame:
@@ -27,10 +28,10 @@ class LinearFrame:
             self._lay(Point(north_m, east_m))
             north = east = 0.0
         lat, lon = self._lat_per_m, self._lon_per_m
-        return (
-            round(self._lat_e7 + north * lat[0] + east * lat[1]),
-            round(self._lon_e7 + north * lon[0] + east * lon[1]),
-        )
+        lon_e7 = round(self._lon_e7 + north * lon[0] + east * lon[1])
+        if not -_HALF_TURN_E7 <= lon_e7 <= _HALF_TURN_E7:
+            lon_e7 -= 2 * _HALF_TURN_E7 if lon_e7 > 0 else -2 * _HALF_TURN_E7
+        return round(self._lat_e7 + north * lat[0] + east * lat[1]), lon_e7
 
     def _lay(self, here: Point) -> None:
         """Slopes from places to both sides, so that they are those of the middle."""
@@ -45,4 +46,7 @@ class LinearFrame:
         east, west = to_global(Point(north_m, east_m + _STEP_M)), to_global(Point(north_m, east_m - _STEP_M))
         scale = 1e7 / (2.0 * _STEP_M)
         self._lat_per_m = (north.lat_deg - south.lat_deg) * scale, (east.lat_deg - west.lat_deg) * scale
-        self._lon_per_m = (north.lon_deg - south.lon_deg) * scale, (east.lon_deg - west.lon_deg) * scale
+        self._lon_per_m = (
+            longitude_difference_deg(north.lon_deg, south.lon_deg) * scale,
+            longitude_difference_deg(east.lon_deg, west.lon_deg) * scale,
+        )
