@@ -13,7 +13,7 @@ from programs import Ended, RunBoat, RunningBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 from wiretap import Wiretap
 
-from companion.geo import LatLon
+from companion.geo import LatLon, distance_m
 from mission_tools.areas import load_fence
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
@@ -208,3 +208,19 @@ def test_the_planner_is_an_onboard_controller_that_does_not_stand_in_for_the_ope
     assert {message.autopilot for message in heartbeats} == {dialect.MAV_AUTOPILOT_INVALID}
     senders = {(message.get_srcSystem(), message.get_srcComponent()) for message in tap.said}
     assert senders == {(246, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)}
+
+
+def test_a_route_on_a_scenario_starts_where_the_boat_is(
+    running_boat: RunBoat, run_program: RunProgram
+) -> None:
+    """A boat that has left the scenario's start is planned for anew without going back there."""
+    boat = running_boat("lake", "--start", "50.0010,-1.1975")
+    ended = run_program("mission-upload", "lake", "--connect", boat.url, "--json").wait(JOB_S)
+    assert ended.code == 0, ended
+    report = json.loads(ended.out)
+    lake = load_source("lake")
+    to_local, goal = lake.chart.frame.to_local, lake.route.goal
+    assert goal is not None
+    start = to_local(LatLon(50.0010, -1.1975))
+    assert distance_m(to_local(LatLon(*report["home"])), start) < 5.0  # the receiver's error
+    assert report["plan"]["straight_m"] == pytest.approx(distance_m(start, goal), abs=5.0)
