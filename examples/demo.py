@@ -156,7 +156,7 @@ def _emulator(source: str, start: LatLon, speedup: float, track: Path, console: 
         yield "tcp:" + first.rsplit("tcpin:", 1)[1].split(",")[0].strip()
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(timeout=30)
+        process.wait(timeout=PATIENCE_S)
 
 
 def _forward(lines: Iterable[str], console: Console) -> None:

@@ -2,10 +2,13 @@
 
 import importlib
 import re
+import socket
 
 import pytest
 
 from companion import __version__
+from companion.command_line import PortInUseError, busy_port_explained
+from companion.errors import LinkError
 from companion.interrupts import Run
 
 PROGRAMS = {
@@ -55,3 +58,28 @@ def test_commands_of_the_emulator_know_the_short_option_too(
 ) -> None:
     assert program("boat-sitl")([command, "-h"]) == 0
     assert re.match(rf"Usage: boat-sitl {command} ", capsys.readouterr().out)
+
+
+def test_a_busy_port_is_wrong_usage_with_advice() -> None:
+    with pytest.raises(PortInUseError) as told, busy_port_explained("choose another with --port"):
+        raise LinkError("cannot listen on 127.0.0.1:9002: Address already in use")
+    assert told.value.exit_code == 2
+    assert "127.0.0.1:9002" in str(told.value)
+    assert str(told.value).endswith("end it, or choose another with --port")
+
+
+def test_a_port_that_fails_otherwise_is_no_link_as_before() -> None:
+    with pytest.raises(LinkError, match="Cannot assign") as told, busy_port_explained("choose another"):
+        raise LinkError("cannot listen on 203.0.113.1:9002: Cannot assign requested address")
+    assert told.value.exit_code == 3
+
+
+def test_the_simulators_port_is_explained_too(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        assert program("boat-sitl")(["physics", "open", "--port", str(port)]) == 2
+    error = capsys.readouterr().err
+    assert f"127.0.0.1:{port}" in error
+    assert "another program has this port" in error
+    assert error.count("\n") == 1
