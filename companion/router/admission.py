@@ -21,7 +21,7 @@ class Standing(IntEnum):
     """What the far side of a link has shown."""
 
     STRANGER = 0
-    ANNOUNCED = 1  # has said what proves it elsewhere, from an address that may be forged
+    SPEAKING = 1  # says something, but no heartbeat, or from an address that may be forged
     PROVEN = 2
 
 

@@ -116,9 +116,10 @@ class Channel:
         """What the far side has shown: a good signature, or on an open link a heartbeat."""
         if self.guard is not None and self.guard.has_verified:
             return Standing.PROVEN
-        if self._is_confidential or not self._has_announced_itself:
+        if self._is_confidential or self.heard_s < 0.0:
             return Standing.STRANGER
-        return Standing.PROVEN if self._limit is None else Standing.ANNOUNCED
+        is_proven = self._has_announced_itself and self._limit is None
+        return Standing.PROVEN if is_proven else Standing.SPEAKING
 
     @property
     def needs_an_answer(self) -> bool:

@@ -24,7 +24,10 @@ _FRAMES_PER_CALL = 256
 _FRAMES_PER_LINK = 64  # of a call; then it is the next link's turn
 _WASTED_LOOKS_PER_CALL = 256
 _WASTED_LOOKS_PER_TICK = 1024
-_LEAST_SHARE = 8  # looks of a tick that a link may waste in any case
+
+# Lines in the log about links that come and go, at once and a second: whoever forges addresses by the
+# thousand must not fill the journal
+_MOST_LINES, _LINES_PER_S = 40.0, 1.0
 
 
 class Channels:
@@ -47,6 +50,9 @@ class Channels:
         self._filenos: list[int] | None = None
         self._first = 0  # whose turn it is when not everybody gets one
         self._order: tuple[Channel, ...] = ()  # the open ones: a tick must not see the table change
+        self._lines_left = _MOST_LINES
+        self._lines_left_out = 0
+        self._logged_s = 0.0
         self._share = _WASTED_LOOKS_PER_TICK  # looks that each link may waste before the next tick
 
     def accept(self, ready: Collection[int] | None = None) -> list[int]:
@@ -68,7 +74,7 @@ class Channels:
                 self.router.open(channel.number, policy.forwards)
                 new.append(channel.number)
                 self._has_changed()
-                logger.info("link %s is up", link.name)
+                self._log(f"link {link.name} is up")
         return new
 
     def _make_room(self, port: int) -> None:
@@ -76,7 +82,7 @@ class Channels:
         something."""
         self._of_port[port] = [one for one in self._of_port[port] if one.number in self.open]
         for channel in surplus(self._of_port[port], self._now_s):
-            logger.info("link %s makes way for others", channel.link.name)
+            self._log(f"link {channel.link.name} makes way for others")
             channel.link.close()
 
     def drop_closed(self) -> list[int]:
@@ -89,8 +95,22 @@ class Channels:
             link.close()
             self.router.forget(number)
             self._has_changed()
-            logger.info("link %s is down", link.name)
+            self._log(f"link {link.name} is down")
         return gone
+
+    def _log(self, text: str) -> None:
+        """Write a line, unless there have been too many; how many were left out is told with the next one."""
+        now_s = self._now_s
+        self._lines_left = min(self._lines_left + _LINES_PER_S * (now_s - self._logged_s), _MOST_LINES)
+        self._logged_s = now_s
+        if self._lines_left < 1.0:
+            self._lines_left_out += 1
+            return
+        self._lines_left -= 1.0
+        if self._lines_left_out:
+            text += f" ({self._lines_left_out} lines about other links were left out)"
+            self._lines_left_out = 0
+        logger.info(text)
 
     def _has_changed(self) -> None:
         self._filenos = None
@@ -150,7 +170,7 @@ class Channels:
             if channel.is_blocked:
                 channel.is_blocked = False
                 self._filenos = None
-        self._share = max(_WASTED_LOOKS_PER_TICK // max(noisy, 1), _LEAST_SHARE)
+        self._share = max(_WASTED_LOOKS_PER_TICK // max(noisy, 1), 1)
 
     def _note_waste(self, channel: Channel) -> None:
         """A link has brought garbage; one that has wasted its share is not read before the next tick."""

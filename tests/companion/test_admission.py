@@ -1,6 +1,7 @@
 """Which links stay when a thousand come: nobody who proves himself is locked out."""
 
 import contextlib
+import logging
 from dataclasses import dataclass
 
 import pytest
@@ -9,6 +10,7 @@ from test_signing_service import KEY, GuardedRig
 
 from companion.hal.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
+from companion.mavlink.dialect import dialect
 from companion.router.admission import PLACES, SILENT_S, Standing, surplus
 from companion.router.channels import Channels
 
@@ -32,6 +34,7 @@ def proven(count: int, heard_s: float = 0.0, host: str = "203.0.113.1") -> list[
 
 def test_as_many_as_there_are_places_stay() -> None:
     assert PLACES == 32
+    assert SILENT_S == 10.0
     assert surplus([*strangers(32), *proven(32)], 0.0) == []
 
 
@@ -50,13 +53,13 @@ def test_whoever_has_proved_himself_stays_before_a_thousand_who_have_not() -> No
     assert all(a is b for a, b in zip(gone, links[1:], strict=False))
 
 
-def test_an_announcement_counts_more_than_silence_even_from_an_address_that_may_be_forged() -> None:
-    announced = Caller("198.51.100.1", Standing.ANNOUNCED)
-    assert announced not in surplus([announced, *strangers(1000)], 0.0)
+def test_speech_counts_more_than_silence_even_from_an_address_that_may_be_forged() -> None:
+    speaking = Caller("198.51.100.1", Standing.SPEAKING)
+    assert speaking not in surplus([speaking, *strangers(1000)], 0.0)
 
 
-def test_a_newcomer_is_let_in_although_all_others_have_announced_themselves() -> None:
-    links = [Caller(f"203.0.113.{n}", Standing.ANNOUNCED) for n in range(PLACES)]
+def test_a_newcomer_is_let_in_although_all_others_speak() -> None:
+    links = [Caller(f"203.0.113.{n}", Standing.SPEAKING) for n in range(PLACES)]
     newcomer = Caller("198.51.100.1")
     assert surplus([*links, newcomer], 0.0) == [links[0]]
 
@@ -78,6 +81,18 @@ def test_those_who_talk_stay_and_the_newest_of_the_host_that_has_most_goes() -> 
     newcomer = Caller("198.51.100.1", Standing.PROVEN, 100.0)
     links = [*proven(PLACES, heard_s=100.0), newcomer]
     assert surplus(links, 100.0 + SILENT_S) == [links[PLACES - 1]]
+
+
+def test_what_a_station_has_said_decides_its_standing() -> None:
+    rig = Rig()
+    (channel,) = rig.boat.channels.open.values()
+    standings = [channel.standing]
+    rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148)
+    standings.append(channel.standing)
+    rig.peer.heartbeat()
+    rig.receive()
+    standings.append(channel.standing)
+    assert standings == [Standing.STRANGER, Standing.SPEAKING, Standing.PROVEN]
 
 
 @pytest.mark.parametrize("is_datagram", [True, False], ids=["sources", "connections"])
@@ -121,6 +136,26 @@ def test_on_a_signed_link_only_a_signature_takes_a_place_from_others() -> None:
         station.forget()
         rig.run(1.5)
         assert station.said("ATTITUDE")
+
+
+def test_a_thousand_links_that_come_and_go_do_not_fill_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    port = MemoryPort()
+    channels = Channels([port], QGC)
+    with caplog.at_level(logging.INFO):
+        for tick in range(1000):
+            port.offer(memory_pair(f"caller {tick}")[0])
+            channels.accept()
+            list(channels.receive(0.02 * tick))
+            channels.drop_closed()
+        assert 40 <= len(caplog.messages) <= 40 + 20 + 1
+        caplog.clear()
+        list(channels.receive(60.0))
+        port.offer(memory_pair("one more")[0])
+        channels.accept()
+        list(channels.receive(60.1))
+        channels.drop_closed()
+    assert "lines about other links were left out" in caplog.messages[0]
+    assert not any("left out" in line for line in caplog.messages[1:])
 
 
 def test_ports_do_not_take_each_others_places() -> None:

@@ -240,6 +240,10 @@ def test_the_operator_is_told_once_of_a_host_that_does_not_answer(caplog: pytest
     friend.heartbeat()
     rig.step(3)
     friend.listen()
+    rig.pass_time(5.0)
+    assert "answers no PING" not in caplog.text, "an answer may take its time"
+    rig.pass_time(2.0)
+    assert "answers no PING" in caplog.text
     rig.pass_time(20.0)
     (text,) = [text for text in friend.texts if "answers no PING" in text]
     assert ELSEWHERE in text

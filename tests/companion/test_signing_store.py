@@ -249,6 +249,7 @@ def test_a_key_comes_back_after_more_keys_than_are_remembered() -> None:
 
 
 def test_as_many_keys_as_are_remembered_do_not_bind_each_other() -> None:
+    assert MAX_KEYS == 16
     keys = [SigningKey.from_passphrase(f"key {number}") for number in range(MAX_KEYS)]
     floors = KeyFloors()
     for number, key in enumerate(keys):
