@@ -170,6 +170,35 @@ def test_a_single_file_holds_every_log_of_a_run(tmp_path: Path) -> None:
         SingleFile(tmp_path)
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full on this system")
+@pytest.mark.parametrize("size", [1, 100_000])
+def test_a_single_file_on_a_full_disk_is_a_fault_whenever_it_is_noticed_and_never_raises(size: int) -> None:
+    sink = SingleFile(Path("/dev/full"))
+    sink.begin()
+    sink.write(bytes(size), 0.0)  # a little waits in memory until the log ends
+    sink.end()
+    assert sink.fault.startswith("/dev/full: cannot be written: No space left on device")
+    assert not sink.write(b"more", 0.0)
+    sink.end()
+    sink.close()
+    sink.close()
+
+
+def test_a_log_of_which_nothing_could_be_written_is_not_left_lying_about(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = LogStore(tmp_path, 100.0)
+    sink = FileSink(store, InlineWorker())
+    sink.begin()
+    assert sink._file is not None
+    sink._file.close()
+    monkeypatch.setattr(sink, "_file", FullFile(0))
+    sink.write(b"x", 0.0)
+    assert sink.fault == "00001.bin: No space left on device"
+    assert [one.name for one in tmp_path.iterdir()] == ["LASTLOG.TXT"]
+    assert store.files == ()
+
+
 @settings(max_examples=60)
 @given(
     size=st.one_of(st.integers(0, 300), st.integers(2 * BLOCK_BYTES - 99, 2 * BLOCK_BYTES + 99)),
