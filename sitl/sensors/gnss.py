@@ -15,6 +15,7 @@ import msgspec
 from companion.geo import LocalFrame, Point
 from companion.sensors.readings import GnssFix
 from companion.sensors.receiver_clock import DAY_S, ReceiverClock
+from companion.units import clamp
 from sitl.sensors.fault import SensorFault
 from sitl.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
 from sitl.sensors.settings import GnssSettings
@@ -22,6 +23,7 @@ from sitl.shore import Shore
 
 _MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
 _JAMMED_NOISE_M = 8.0  # when the jammer is about to win
+_MOST_M = 1e6  # that a fault moves a fix: it stays on the globe
 _NO_FIX = 1  # GPS_FIX_TYPE_NO_FIX
 # Range error in m and decimal step in m, by GPS_FIX_TYPE: DGNSS, RTK float, RTK fixed; the rest by itself.
 _STATED = {4: (0.7, 0.1), 5: (0.3, 0.1), 6: (0.015, 0.005)}
@@ -183,6 +185,7 @@ class SimGnss:
         return self._moved(fix, by_m * math.cos(fault.bearing_rad), by_m * math.sin(fault.bearing_rad))
 
     def _moved(self, fix: GnssFix, north_m: float, east_m: float) -> GnssFix:
+        north_m, east_m = clamp(north_m, -_MOST_M, _MOST_M), clamp(east_m, -_MOST_M, _MOST_M)
         here = self._frame.to_local(fix.position)
         there = self._frame.to_global(Point(here.north_m + north_m, here.east_m + east_m))
         return msgspec.structs.replace(fix, position=there)

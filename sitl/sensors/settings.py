@@ -6,6 +6,8 @@ from msgspec import Meta
 
 from companion.section import NonNegative, Positive, Section, Share
 
+ErrorM = Annotated[float, Meta(ge=0.0, le=1e5)]  # of a position, which stays on the globe
+
 
 class GnssSettings(Section, frozen=True):
     """A satellite receiver, or what stands in for one.
@@ -20,11 +22,11 @@ class GnssSettings(Section, frozen=True):
     """
 
     rate_hz: Positive = 5.0
-    noise_m: NonNegative = 0.10
-    wander_m: NonNegative = 0.15
+    noise_m: ErrorM = 0.10
+    wander_m: ErrorM = 0.15
     wander_s: Positive = 30.0
     velocity_noise_m_s: NonNegative = 0.08
-    multipath_m: NonNegative = 0.0
+    multipath_m: ErrorM = 0.0
     multipath_reach_m: Positive = 4.0
     latency_s: NonNegative = 0.15
     jitter_s: NonNegative = 0.15

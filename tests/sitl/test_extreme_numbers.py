@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.boat import TICK_S
 from companion.config import BoatConfig, load_config
 from companion.errors import BoatError, ConfigError
 from companion.toml_text import parse_toml
@@ -23,6 +24,7 @@ from sitl.campaign.campaign import MOST_RUNS, load_campaign
 from sitl.campaign.ledger import NAME, Ledger
 from sitl.cli.program import run_program
 from sitl.scenario import Tree, load_scenario
+from sitl.world import World
 
 DIGITS = "9" * 5000
 DEEP = [
@@ -158,6 +160,17 @@ def test_water_in_which_no_boat_stays_on_the_map_ends_the_run_with_a_line(
     assert said.count("\n") == 1
     assert "left the map after" in said
     assert "out of all proportion" in said
+
+
+@pytest.mark.parametrize("kind", ["garbage", "wrong", "drift", "jammed"])
+def test_a_receivers_errors_stay_on_the_globe(kind: str) -> None:
+    for key in ("noise_m", "wander_m", "multipath_m"):
+        with pytest.raises(ConfigError, match=rf"sensors\.gnss\.{key}"):
+            load_scenario("open", [f"sensors.gnss.{key}=1e38"])
+    settings = [f'faults=[{{what="gnss", kind="{kind}", at_s=0.5, size=1e38}}]']
+    world = World(load_scenario("open", [*settings, "sensors.gnss.noise_m=1e5"]))
+    for _ in range(200):
+        world.step(TICK_S)
 
 
 @pytest.mark.parametrize("line", [b"{", b"[" * 100_000, b'{"number": %s}' % DIGITS.encode(), b"\xff"])
