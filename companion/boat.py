@@ -254,7 +254,7 @@ class Boat:
             lookout = self.steering.lookout
             lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
             senses.look(lookout.sector)
-        self._wall_time.keep(senses.fix, self.endpoint.unix_offset_s)
+        self._wall_time.keep(senses.fix, self.endpoint.unix_offset_s, is_fix_own=senses.is_fix_own)
         self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
         if senses.rc is not None and self.transmitter.update(senses.rc, now_s):
             self.steering.hurry()

@@ -31,6 +31,7 @@ class Senses:
         "gauge",
         "heading",
         "hull",
+        "is_fix_own",
         "pings",
         "rc",
         "sonar",
@@ -42,6 +43,7 @@ class Senses:
         self.sweep = Sweep()
         self.gauge = FuelGauge()
         self.fix: GnssFix | None = None
+        self.is_fix_own = True  # from the boat's own receiver, not over MAVLink
         self.compass: HeadingReading | None = None
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
@@ -66,7 +68,9 @@ class Senses:
     def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
         """Take what there is. command: what the motors are given."""
         hardware, external = self._hardware, self.external
-        self.fix = external.choose_fix(hardware.gnss.read(), config.external, now_s)
+        own_fix = hardware.gnss.read()
+        self.fix = external.choose_fix(own_fix, config.external, now_s)
+        self.is_fix_own = self.fix is own_fix
         self.compass = hardware.compass.read()
         self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
         if hardware.battery is not None:

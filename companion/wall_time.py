@@ -17,14 +17,17 @@ class WallTime:
         self._is_by_satellites = False
         self._dated: GnssFix | None = None
 
-    def keep(self, fix: GnssFix | None, told_offset_s: float | None) -> None:
-        """To be called every tick. told_offset_s: as a station has it, None while none has said."""
+    def keep(self, fix: GnssFix | None, told_offset_s: float | None, *, is_fix_own: bool = True) -> None:
+        """To be called every tick. told_offset_s: as a station has it, None while none has said. is_fix_own:
+        not one that came over MAVLink.
+        """
         if fix is self._dated and self._is_by_satellites:
             return
         self._dated = fix
         if fix is not None and fix.fix_type >= _FIX_2D and fix.unix_time_s is not None:
             self.offset_s, self._is_by_satellites = fix.unix_time_s - fix.time_s, True
-            self._own_offset_s = self.offset_s
+            if is_fix_own:
+                self._own_offset_s = self.offset_s
         elif told_offset_s is not None and not self._is_by_satellites:
             self.offset_s = told_offset_s
 
