@@ -9,7 +9,7 @@ from companion.config import BoatConfig
 from companion.geo import Point
 from companion.guidance.fillet import TURN_SHARE
 from companion.guidance.path_following import NEW_SET_SHARE, REACH_BRAKINGS, PathFollowing
-from companion.guidance.pilot import _LEAD_RAD, _MOST_OFF_RAD, Pilot
+from companion.guidance.pilot import Pilot
 from companion.state import Demand, NavState
 from companion.vehicle.intent import Drive, FollowLeg, KeepStation, Stop
 
@@ -96,9 +96,11 @@ def test_a_boat_that_was_carried_off_its_fillet_sails_the_next_leg_without() -> 
         NORTHBOUND, north_m=99.34, east_m=0.66, heading_rad=math.pi / 4, north_m_s=0.9, east_m_s=0.9
     )
     _demand(pilot, CORNER, middle)
-    on_it, near, off = (
-        _demand(pilot, onward, replace(middle, north_m=99.34 - away_m)).yaw_rate_rad_s
-        for away_m in (0.0, 2.0, 6.0)
+    on_it, near, off = (  # to port of the fillet, by up to one and a half radii and by more
+        _demand(
+            pilot, onward, replace(middle, north_m=99.34 + 0.7071 * off_m, east_m=0.66 - 0.7071 * off_m)
+        ).yaw_rate_rad_s
+        for off_m in (0.0, 2.8, 3.2)
     )
     assert on_it > 0.3
     assert near > 0.2
@@ -141,6 +143,7 @@ def test_the_bow_is_held_against_the_set() -> None:
 
 def test_the_path_is_made_anew_for_another_current_and_not_for_a_little_change() -> None:
     share = NEW_SET_SHARE * CONFIG.guidance.min_speed_m_s
+    assert share == pytest.approx(0.1)
     far = replace(NORTHBOUND, north_m=40.0)
     near = replace(NORTHBOUND, north_m=96.4, set_north_m_s=0.5)
     speeds = []
@@ -167,7 +170,7 @@ def test_a_boat_at_rest_is_pointed_for_the_speed_that_it_has_and_not_for_the_one
     drifting = _demand(Pilot(), LEG, adrift)
     under_way = _demand(Pilot(), LEG, replace(NORTHBOUND, surge_m_s=2.0, set_east_m_s=1.0, heading_rad=-0.46))
     assert under_way.heading_rad == pytest.approx(-math.atan(0.5), abs=0.12)
-    assert drifting.heading_rad == pytest.approx(-_LEAD_RAD)  # on its way to 68°
+    assert drifting.heading_rad == pytest.approx(-0.5)  # on its way to 68°
     nearly = _demand(Pilot(), LEG, replace(adrift, heading_rad=-1.0))
     assert nearly.heading_rad == pytest.approx(-math.atan2(1.0, CONFIG.guidance.min_speed_m_s), abs=0.01)
 
@@ -183,7 +186,7 @@ def test_a_boat_that_turns_into_a_current_makes_way_meanwhile() -> None:
 
 def test_the_bow_is_never_pointed_so_far_aside_that_no_way_is_made() -> None:
     swept = replace(NORTHBOUND, east_m=30.0, set_east_m_s=1.5, surge_m_s=1.0, heading_rad=-1.0)
-    assert _demand(Pilot(), LEG, swept).heading_rad == pytest.approx(-_MOST_OFF_RAD)
+    assert _demand(Pilot(), LEG, swept).heading_rad == pytest.approx(-1.2)
 
 
 def test_a_new_station_forgets_the_old_ones_line() -> None:
