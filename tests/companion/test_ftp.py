@@ -344,9 +344,13 @@ def test_whoever_makes_way_is_the_longest_silent_of_the_fullest_link_and_its_fil
     assert invented(7, 2)[1] not in kept
 
 
-def test_links_with_as_many_stations_as_others_displace_none(served: Served) -> None:
-    for channel in (7, 8):
-        for origin in invented(channel, MAX_STATIONS // 2):
+@pytest.mark.parametrize(
+    "counts", [(16, 16, 0), (16, 15, 1)], ids=["as many", "one more, which would come back"]
+)
+def test_links_with_as_many_stations_as_others_displace_none(served: Served, counts: tuple[int, ...]) -> None:
+    assert sum(counts) == MAX_STATIONS
+    for channel, count in zip((7, 8, 9), counts, strict=True):
+        for origin in invented(channel, count):
             opened(served, origin)
     late = Origin(8, Address(200, 190))
     assert opened(served, late).code is Code.NO_SESSIONS_AVAILABLE
