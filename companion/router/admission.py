@@ -12,9 +12,7 @@ from enum import IntEnum
 from typing import Protocol, TypeVar
 
 PLACES = 32  # of one port, for links that have proved themselves, and as many for those that have not
-SILENT_S = (
-    10.0  # ten heartbeats: a link that has proved itself and is silent for longer makes way for another
-)
+SILENT_S = 10.0  # ten heartbeats: who has proved himself and is silent for longer makes way for another
 
 
 class Standing(IntEnum):

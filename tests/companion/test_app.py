@@ -7,9 +7,17 @@ from pathlib import Path
 import pytest
 from boat_rig import Rig
 
-from companion.app import check_config, open_compass, open_hardware, open_ports, open_storage, run_boat
+from companion.app import (
+    check_config,
+    open_compass,
+    open_hardware,
+    open_ports,
+    open_storage,
+    policy_of,
+    run_boat,
+)
 from companion.boat import Boat
-from companion.config import BoatConfig, decode_config
+from companion.config import BoatConfig, LinkConfig, decode_config
 from companion.errors import ConfigError, HardwareError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
 from companion.parts import CompassPart
@@ -172,3 +180,27 @@ def test_without_a_folder_the_memory_lasts_as_long_as_the_process(tmp_path: Path
     storage.save("a", b"1")
     storage.close()
     assert open_storage(str(tmp_path / "state")).load("a") == b"1"
+
+
+@pytest.mark.parametrize(
+    ("url", "is_forgeable"),
+    [
+        ("udpin:0.0.0.0:14550", True),
+        ("udp:[::]:14550", True),
+        ("udpout:203.0.113.9:14550", False),
+        ("tcpin:0.0.0.0:5760", False),
+        ("serial:/dev/ttyUSB0:57600", False),
+    ],
+)
+def test_only_a_port_that_hears_datagrams_from_anybody_doubts_an_address(
+    url: str, is_forgeable: bool
+) -> None:
+    assert policy_of(LinkConfig(url=url), "links[0]").is_forgeable("203.0.113.9") is is_forgeable
+
+
+def test_garbage_makes_no_link_of_a_configured_port() -> None:
+    (port,) = open_ports(["udpin:127.0.0.1:0"], lambda: 0.0)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.sendto(b"hello", ("127.0.0.1", int(port.name.rpartition(":")[2])))
+        assert port.accept() == []
+    port.close()
