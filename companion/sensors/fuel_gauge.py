@@ -79,7 +79,8 @@ class SagFilter:
     # Open-circuit voltage: a pack that is emptied in 25 minutes loses 3 V, 2 mV a second. Sag: the resistance
     # rises as the pack gets cold or empty, over minutes
     _DRIFTS_V2_S = (0.003**2, 0.001**2, 0.001**2)
-    _FIRST_SAG_V, _FIRST_SAG_V2 = 0.15, 0.3**2  # 3 A through 50 mΩ, of each kind; twice as uncertain as large
+    _FIRST_SAG_V = 0.15  # 3 A through 50 mΩ, of each kind;
+    _FIRST_SAG_V2 = 0.3**2  # twice as uncertain as large
 
     def __init__(self) -> None:
         self._state: list[float] = []  # none before the first reading
