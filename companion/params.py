@@ -257,6 +257,7 @@ class Parameters:
 
 
 def _as_float32(value: float) -> float:
+    value = max(-_LARGEST, min(value, _LARGEST))  # a scale may lead beyond
     result: float = struct.unpack("<f", struct.pack("<f", value))[0]
     return result
 

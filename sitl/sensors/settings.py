@@ -85,7 +85,7 @@ class SonarSettings(Section, frozen=True):
     fitted: bool = True
     ping_s: Positive = 0.06
     sweep_deg: Annotated[float, Meta(ge=0.0, le=360.0)] = 180.0
-    step_deg: Positive = 15.0
+    step_deg: Annotated[float, Meta(ge=0.1, le=360.0)] = 15.0
     cone_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 15.0
     specular_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
     min_range_m: NonNegative = 0.02

@@ -32,6 +32,7 @@ _LEARNING: Final = 5.0  # more evidence than this against the motors, and nothin
 _SHAFT_S: Final = 0.1  # lag of the thrust behind the command,
 _SPIN_S: Final = 0.2  # and of the shaft's speed, as the current shows it (sampled ten times a second)
 _ADVANCE: Final = 0.4  # of the duty that holds cruise speed: below it the propeller brakes at that speed
+_LEAST_THROTTLE: Final = 0.05  # at cruise speed; below this it is not a measured one
 _ASTERN: Final = 0.7  # of the thrust ahead (0.6 to 0.8 for fixed propellers)
 # Of the stall current, at full command, that weed costs more: its drag is a friction, whatever the speed
 WEED: Final = 0.1
@@ -79,7 +80,7 @@ class MotorEvidence:
         self._cruise_m_s = cruise_m_s = speed.cruise_m_s
         self._advance_s_m = _ADVANCE * speed.cruise_throttle / cruise_m_s
         # At cruise speed a drag ∝ u² decays with 2 drag / u; thrust and drag are equal there.
-        push = 2.0 * (1.0 - _ADVANCE) * speed.cruise_throttle**2
+        push = 2.0 * (1.0 - _ADVANCE) * max(speed.cruise_throttle, _LEAST_THROTTLE) ** 2
         ahead = 0.5 * cruise_m_s / (config.estimation.surge_time_s * push)
         turning = handling.turn_rate_rad_s * (_RESTING_RATE_S + _CRUISING_RATE_S) / (1.0 + _ASTERN)
         self._turn = MotionFilter(count, turning, _TURN_PRIOR, _TURN_WANDER, _TURN_SIGMA)
