@@ -146,7 +146,7 @@ def test_a_sensor_that_becomes_late_is_reckoned_with(fault: str, bit: EstimateFa
 
 @pytest.mark.parametrize("deg_s", [-2.0, 2.0])
 def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course(deg_s: float) -> None:
-    passage = under_way(f"what='compass', kind='drift', size={deg_s}, for_s=60.0", course=square(40.0))
+    passage = under_way(f"what='compass', kind='drift', size={deg_s}, for_s=60.0", course=square(37.0))
     passage.sail(14.0)
     assert passage.first_s[EstimateFault.COMPASS_OFF] < 12.0
     assert passage.heading_error_rad < math.radians(22.0)

@@ -95,7 +95,7 @@ def test_waypoints_in_a_row_are_no_corners() -> None:
 
 
 def test_how_far_a_waypoint_may_lie_beside_the_way_goes_with_its_radius() -> None:
-    near, far = SHIFT_M - 0.01, SHIFT_M + 0.01
+    near, far = 0.89, 0.91
     assert len(corners((0.0, 0.0), (3.0, near), (6.0, 0.0))) == 2
     assert len(corners((0.0, 0.0), (3.0, far), (6.0, 0.0))) == 3
     points = [Point(0.0, 0.0), Point(3.0, far), Point(6.0, 0.0)]
