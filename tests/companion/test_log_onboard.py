@@ -126,10 +126,10 @@ def test_each_fix_is_logged_once_at_its_own_time_with_its_date(voyage: Voyage) -
     assert len(times) > 20
     assert times == sorted(set(times))
     epoch_s = 315_964_800 - 18
-    starts = {round(epoch_s + fix.GWk * 604_800 + fix.GMS / 1e3 - fix.TimeUS / 1e6, 2) for fix in fixes}
-    assert len(starts) == 1  # the boot's date, whichever fix it is worked out from
-    (start_s,) = starts
-    assert 1.7e9 < start_s < 2e9
+    starts = [epoch_s + fix.GWk * 604_800 + fix.GMS / 1e3 - fix.TimeUS / 1e6 for fix in fixes]
+    # The boot's date, whichever fix it is worked out from; the boat still learns the delay of the line
+    assert max(starts) - min(starts) < 0.05
+    assert 1.7e9 < min(starts) < 2e9
 
 
 def test_battery_and_sonar_are_logged(voyage: Voyage) -> None:

@@ -3,7 +3,8 @@
 import pytest
 from boat_rig import OK, Rig, waypoint
 
-ROCK = "map.obstacles=[{name='R', circle={centre=[0.0, 5.0], radius_m=1.0}}]"
+# Its near side at 3.8 m: within the 4 m that the sonar hears, also where the servo lags its bearing
+ROCK = "map.obstacles=[{name='R', circle={centre=[0.0, 4.8], radius_m=1.0}}]"
 OBSTACLE_DISTANCE_3D = 11037
 
 
@@ -11,13 +12,13 @@ def test_a_thing_ahead_is_told_by_direction_and_as_a_thing_of_its_own() -> None:
     rig = Rig("open", ROCK).ready()
     rig.run(6.0)
     heard = rig.peer.said("OBSTACLE_DISTANCE")[-1]
-    assert min(heard.distances) == pytest.approx(400, abs=40)
+    assert min(heard.distances) == pytest.approx(380, abs=40)
     assert min(heard.distances[-2:] + heard.distances[:3]) == min(heard.distances)
     rig.peer.forget()
     assert rig.ask(512, OBSTACLE_DISTANCE_3D) == OK
     rig.run(0.1)
     (thing,) = rig.peer.said("OBSTACLE_DISTANCE_3D")
-    assert thing.x == pytest.approx(4.0, abs=0.5)
+    assert thing.x == pytest.approx(3.8, abs=0.5)
     assert abs(thing.y) < 0.7
     assert thing.obstacle_id > 0
 
@@ -27,7 +28,7 @@ def test_what_is_remembered_is_told_though_no_beam_points_there_now() -> None:
     rig.until(lambda: rig.world.truth.north_m > 5.5, 60.0)
     rig.run(3.2)  # longer than a sweep's pings count
     rig.peer.forget()
-    rig.run(0.5)
+    rig.run(1.0)
     heard = rig.peer.said("OBSTACLE_DISTANCE")[-1]
     astern = heard.distances[24:48]
     assert min(astern) < 500

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from companion.boat import TICK_S
 from companion.mavlink.dialect import dialect
-from companion.resume import FILE
+from companion.resume import FILE, LOOK_S
 from companion.storage import MemoryStorage, Saving
 from companion.vehicle.modes import Mode
 
@@ -154,7 +154,7 @@ def test_a_second_cut_before_anybody_came_loses_nothing() -> None:
 def test_a_boat_that_was_disarmed_or_done_has_nothing_to_take_up() -> None:
     rig = in_mid_leg()
     rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
-    rig.step()
+    rig.run(LOOK_S + TICK_S)
     assert cut(rig).boat.vehicle.progress.current_seq == 1
 
 
