@@ -47,7 +47,7 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
     late = rows[rows[:, 0] > 60.0]
     adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
     assert adrift_m > 12.0
-    assert float(late[-1, 2] - late[0, 2]) < 0.5 * adrift_m
+    assert float(late[-1, 2] - late[0, 2]) < 0.55 * adrift_m  # with 0.55 of the thrust astern
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
