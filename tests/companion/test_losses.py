@@ -12,7 +12,7 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
 from companion.services.ftp_mounts import InlineExecutor
-from companion.services.signing_store import KEY_FILE, STAMPS_FILE, SigningStore
+from companion.services.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
 from companion.storage import FolderStorage
 from companion.vehicle.losses import FIRST_S, REPEAT_S, Losses
 
@@ -228,11 +228,16 @@ def test_a_damaged_key_leaves_the_previous_one_in_use_not_an_open_boat(tmp_path:
 
 
 def test_timestamps_begin_beyond_whatever_the_damaged_file_may_have_said(tmp_path: Path) -> None:
-    rig = keyed(tmp_path)
-    whole = SigningStore(rig.storage)
-    rig.damage(STAMPS_FILE)
-    assert rig.boat.signing.stamps.limit >= whole.stamps.limit
-    assert "signing timestamps" in rig.boat.signing.losses
+    storage = FolderStorage(tmp_path, worker=InlineExecutor())
+    storage.save(KEY_FILE, b"01" * 32)
+    for first in (1000, 1000 + AHEAD):  # a lead is written anew when half of the one before is used up
+        storage.save(STAMPS_FILE, b'{"first": %d, "seen": 0}' % first)
+    (tmp_path / STAMPS_FILE).write_bytes(b"")
+    store = SigningStore(FolderStorage(tmp_path, worker=InlineExecutor()))
+    signed = store.boat.sign(bytes.fromhex("fd0901000000010100000000000000000000000203510403aabb"), 1)
+    assert signed is not None
+    assert int.from_bytes(signed[-12:-6], "little") >= 1000 + AHEAD
+    assert store.losses == {"signing timestamps": f"{STAMPS_FILE} {PREVIOUS}"}
 
 
 def test_nothing_is_told_of_a_boat_whose_memory_is_whole(rig: StoredRig) -> None:
