@@ -23,7 +23,7 @@ from companion.vehicle.failsafes.motor_hypotheses import HYPOTHESES, Fault
 # Tuned on sample seeds 101 and 102 of examples/campaigns/motors_*.toml
 WEIGHT: Final = 0.5
 VAGUE: Final = 0.5
-MOST_SQUARE: Final = 16.0  # four standard deviations: beyond, no hypothesis explains it
+MOST_SQUARE: Final = 25.0  # five standard deviations: beyond, no hypothesis explains it
 DRIFT_S: Final = (
     0.5  # nats/s by which evidence fades that nothing adds to: what is odd for a while is no fault
 )
@@ -40,12 +40,15 @@ _DRIVEN: Final = 0.1  # of command: less says nothing about the current
 _RESTING_RATE_S: Final = 0.5  # decay of the turn rate of a hull at rest, 1/s (Nomoto: 0.8 to 2 s),
 _CRUISING_RATE_S: Final = 0.3  # and what cruise speed adds
 _RESTING_SPEED_S, _CRUISING_SPEED_S = 0.05, 0.2  # the same for the speed ahead
+# The estimator takes thrust that is missing for a set within seconds, so its set of some time ago counts
+_SET_S: Final = 15.0
 # rad/s² per √s that wind adds to the turn: maximum likelihood over healthy runs in gusts of 7 to 12 m/s
 _TURN_WANDER: Final = 0.08
 _TURN_SIGMA: Final = 0.0055  # rad/s: of the gyro
 _SPEED_WANDER: Final = 0.025  # the same for the speed ahead, in cruise speeds
 _SPEED_SIGMA: Final = 0.06  # m/s: of the receiver
-_TURN_PRIOR, _SPEED_PRIOR = 200.0, 50.0  # samples' worth of the configuration: a second or two of steering
+_TURN_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering,
+_SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong set make look slower
 
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _NO_COMPASS: Final = int(
@@ -67,9 +70,25 @@ class MotorEvidence:
     """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
 
     __slots__ = (
-        "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_cruise_m_s", "_current",
-        "_current_a", "_duties", "_fix_s", "_shafts", "_since_battery_s", "_since_fix_s", "_speed", "_spins",
-        "_turn", "against", "has_current",
+        "_advance_s_m",
+        "_battery_s",
+        "_changes_ahead",
+        "_changes_turn",
+        "_cruise_m_s",
+        "_current",
+        "_current_a",
+        "_duties",
+        "_fix_s",
+        "_set_east_m_s",
+        "_set_north_m_s",
+        "_shafts",
+        "_since_battery_s",
+        "_since_fix_s",
+        "_speed",
+        "_spins",
+        "_turn",
+        "against",
+        "has_current",
     )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:
@@ -91,6 +110,7 @@ class MotorEvidence:
         self._shafts, self._spins = [0.0, 0.0], [0.0, 0.0]
         self._battery_s = self._fix_s = -math.inf
         self._current_a = math.nan
+        self._set_north_m_s = self._set_east_m_s = 0.0
         self._since_battery_s = self._since_fix_s = 0.0
 
     def restart(self) -> None:
@@ -122,6 +142,9 @@ class MotorEvidence:
         """
         self._spin(left, right, dt_s)
         water_m_s = nav.surge_m_s - nav.set_along_m_s(nav.heading_rad)
+        share = min(dt_s / _SET_S, 1.0)
+        self._set_north_m_s += share * (nav.set_north_m_s - self._set_north_m_s)
+        self._set_east_m_s += share * (nav.set_east_m_s - self._set_east_m_s)
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
         self._predict(water_m_s, astern, dt_s)
         is_learning = max(self.against) < _LEARNING
@@ -182,7 +205,7 @@ class MotorEvidence:
             return
         self._fix_s = fix.time_s
         cos, sin = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        ahead_m_s = (fix.north_m_s - nav.set_north_m_s) * cos + (fix.east_m_s - nav.set_east_m_s) * sin
+        ahead_m_s = (fix.north_m_s - self._set_north_m_s) * cos + (fix.east_m_s - self._set_east_m_s) * sin
         if self._speed.correct(ahead_m_s, self._since_fix_s, is_learning=is_learning):
             _weigh(self._speed, gained)
         self._since_fix_s = 0.0

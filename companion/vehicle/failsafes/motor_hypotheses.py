@@ -57,6 +57,6 @@ HYPOTHESES: Final = tuple(
         (Fault.DEAD, 0.0, 0.0, 0.0, 20.0),
         (Fault.BLOCKED, 0.0, 2.2, 0.35, 20.0),
         (Fault.FOULED, 0.4, 1.0, 0.4, 14.0),
-        (Fault.REVERSED, -1.0, 1.0, 0.1, 23.0),
+        (Fault.REVERSED, -1.0, 1.0, 0.1, 25.0),
     )
 )

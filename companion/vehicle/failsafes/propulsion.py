@@ -14,10 +14,16 @@ if TYPE_CHECKING:
 
 MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
 CLEARED_S: Final = 180.0  # for which a trial that has found both motors well stands
-_STEERED: Final = 0.85  # of one motor's thrust, between the two: with more, a hull without wind turns,
-_TURNS_RAD_S: Final = 0.1  # like this at least
-_HELPLESS_S: Final = 6.0
-_SMOOTH_S: Final = 2.0
+# Without a break: a shaft that is thrown into reverse draws as a blocked one does at first
+PROVED_S: Final = 0.8
+# A motor that runs the wrong way makes the heading loop steer hard, for nothing, within seconds. Wind does so
+# too; in 96 healthy runs the evidence for a reversal was 6 nats at most meanwhile.
+HELPLESS_REVERSAL: Final = 12.0
+_STEERED: Final = 0.5  # of one motor's thrust, between the two: with more, a hull without wind turns,
+_TURNS_RAD_S: Final = 0.05  # like this at least
+_HELPLESS_S: Final = 1.0
+_TRIAL_S: Final = 6.0  # of the same, for boats without a measured current
+_SMOOTH_S: Final = 1.0
 _WITHOUT_CURRENT: Final = (Fault.DEAD, Fault.REVERSED)
 
 NO_HEADWAY, STUCK, AGROUND = 1, 2, 3  # guidance's verdicts
@@ -29,18 +35,32 @@ class MotorWatch:
     verdict: the hypothesis that has won, until evidence for healthy motors has used up all that spoke for it.
     """
 
-    __slots__ = ("_cleared_until_s", "_evidence", "_helpless_s", "_steered", "_turn_rad_s", "verdict")
+    __slots__ = (
+        "_cleared_until_s",
+        "_evidence",
+        "_helpless_s",
+        "_proved_s",
+        "_steered",
+        "_suspect",
+        "_turn_rad_s",
+        "verdict",
+    )
 
     def __init__(self, config: BoatConfig) -> None:
         self._evidence = MotorEvidence(config)
         self._cleared_until_s = -math.inf
         self.verdict: Hypothesis | None = None
-        self._steered = self._turn_rad_s = self._helpless_s = 0.0
+        self._steered = self._turn_rad_s = self._helpless_s = self._proved_s = 0.0
+        self._suspect: Hypothesis | None = None
 
     @property
     def needs_trial(self) -> bool:
-        """Whether only a trial can tell if both motors pull. Never so where a current is measured."""
-        return self._helpless_s >= _HELPLESS_S
+        """Whether only a trial can tell if both motors pull.
+
+        A motor that gives no thrust and a wind against it look alike to a boat that measures no current,
+        while the commands stand still.
+        """
+        return self._helpless_s >= _TRIAL_S and not self._evidence.has_current
 
     @property
     def fault(self) -> str:
@@ -75,7 +95,8 @@ class MotorWatch:
     def pause(self) -> None:
         """The motors do something else for a while. A verdict stands."""
         self._evidence.restart()
-        self._steered = self._turn_rad_s = self._helpless_s = 0.0
+        self._steered = self._turn_rad_s = self._helpless_s = self._proved_s = 0.0
+        self._suspect = None
 
     def clear(self, now_s: float) -> None:
         """A trial has found both motors well: that outweighs what is inferred under way, for CLEARED_S."""
@@ -100,6 +121,7 @@ class MotorWatch:
         evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s)
         if now_s < self._cleared_until_s:
             evidence.acquit()
+            self._helpless_s = 0.0
             return
         against = evidence.against
         if self.verdict is not None:
@@ -109,8 +131,12 @@ class MotorWatch:
                 self.verdict = None
                 evidence.acquit()
             return
-        self.verdict = self._decide()
         self._watch_steering(left, right, nav.yaw_rate_rad_s, dt_s)
+        suspect, before = self._decide(), self._suspect
+        self._suspect = suspect
+        self._proved_s = 0.0 if suspect is None or suspect is not before else self._proved_s + dt_s
+        if self._proved_s >= PROVED_S:
+            self.verdict = suspect
 
     def _decide(self) -> Hypothesis | None:
         """The hypothesis that is proved, and ahead of every other."""
@@ -120,7 +146,7 @@ class MotorWatch:
                 against = evidence.against[at]
                 if against > lead:
                     best, lead = hypothesis, against
-        if best is None or lead < best.threshold:
+        if best is None or lead < self._threshold(best):
             return None
         for at, hypothesis in enumerate(HYPOTHESES):
             is_rival = evidence.has_current or hypothesis.fault in _WITHOUT_CURRENT
@@ -128,15 +154,18 @@ class MotorWatch:
                 return None
         return best
 
+    def _threshold(self, hypothesis: Hypothesis) -> float:
+        """Evidence that proves it."""
+        is_helpless = self._helpless_s >= _HELPLESS_S and hypothesis.fault is Fault.REVERSED
+        return HELPLESS_REVERSAL if is_helpless else hypothesis.threshold
+
     def _watch_steering(self, left: float, right: float, turn_rad_s: float, dt_s: float) -> None:
-        """Without a measured current, a motor that gives no thrust and a wind against it look alike while
-        the commands stand still. A trial tells them apart.
-        """
+        """How long the boat has been steered hard without turning that way."""
         blend = min(dt_s / _SMOOTH_S, 1.0)
         self._steered += blend * (left * abs(left) - right * abs(right) - self._steered)
         self._turn_rad_s += blend * (turn_rad_s - self._turn_rad_s)
         is_turning = self._turn_rad_s * math.copysign(1.0, self._steered) >= _TURNS_RAD_S
-        is_helpless = abs(self._steered) > _STEERED and not is_turning and not self._evidence.has_current
+        is_helpless = abs(self._steered) > _STEERED and not is_turning
         self._helpless_s = self._helpless_s + dt_s if is_helpless else 0.0
 
 
