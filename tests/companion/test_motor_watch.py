@@ -10,7 +10,8 @@ from companion.config import BoatConfig
 from companion.geo import LatLon
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.state import EstimateFault, NavState
-from companion.vehicle.failsafes.motor_hypotheses import Fault
+from companion.vehicle.failsafes.motor_evidence import MotorEvidence
+from companion.vehicle.failsafes.motor_hypotheses import HYPOTHESES, Fault
 from companion.vehicle.failsafes.propulsion import MotorWatch
 
 DT_S = 0.1
@@ -42,6 +43,7 @@ class Hull:
         self.has_current, self.fix_s = has_current, fix_s
         self.fix: GnssFix | None = None
         self.estimate_faults = 0
+        self.has_gyro = True
         self.frozen_a: float | None = None
 
     def step(self, left: float, right: float) -> None:
@@ -63,8 +65,9 @@ class Hull:
         gauss = self.random.gauss
         if self.fix is None or self.now_s - self.fix.time_s >= self.fix_s - 1e-6:
             self.fix = GnssFix(self.now_s, HERE, 3, 12, 0.9, self.speed + gauss(0.0, 0.05), gauss(0.0, 0.05))
+        rate = self.rate if self.has_gyro else 0.0
         nav = NavState(
-            self.now_s, 0.0, 0.0, 0.0, self.rate + gauss(0.0, 0.005), self.speed, 0.0, self.speed, 0.0,
+            self.now_s, 0.0, 0.0, 0.0, rate + gauss(0.0, 0.005), self.speed, 0.0, self.speed, 0.0,
             0.1, 0.1, faults=self.estimate_faults,
         )  # fmt: skip
         measured_a = current + gauss(0.0, 0.05) if self.frozen_a is None else self.frozen_a
@@ -294,16 +297,52 @@ def test_a_current_monitor_that_hangs_accuses_no_motor(side: int) -> None:
         hull.sail(10.0)
 
 
-@pytest.mark.parametrize(
-    "fault", [EstimateFault.COMPASS_LOST, EstimateFault.COMPASS_LATE, EstimateFault.GNSS_JUMPING]
-)
-def test_an_estimate_that_is_in_doubt_accuses_no_motor(fault: EstimateFault) -> None:
-    """The rate that stands in for a lost gyro does not move as the hull does."""
-    hull = Hull()
-    hull.sail(40.0)
-    hull.estimate_faults = int(fault)
-    is_gnss = fault is EstimateFault.GNSS_JUMPING
-    began_s = hull.now_s
-    hull.turning = still if is_gnss else (lambda t: 2.0 * math.sin(4.0 * (t - began_s)))
-    hull.pushing = (lambda t: 2.0 * math.sin(2.0 * (t - began_s))) if is_gnss else still
-    assert hull.seconds_to_verdict(15.0) == math.inf
+def test_a_turn_rate_that_is_in_doubt_counts_for_nothing() -> None:
+    """What stands in for a lost gyro says that nothing turns."""
+    found = []
+    for faults in (0, int(EstimateFault.COMPASS_LOST), int(EstimateFault.COMPASS_LATE)):
+        hull = Hull(has_current=False)
+        hull.sail(40.0)
+        hull.estimate_faults, hull.has_gyro = faults, False
+        most = 0.0
+        for _ in range(150):
+            hull.sail(DT_S)
+            most = max(most, *hull.watch._evidence.against)
+        found.append(most)
+    assert found[0] > 10.0
+    assert max(found[1:]) < 2.0
+
+
+@pytest.fixture
+def proven(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float, float], float]:
+    """How long the watch takes for its verdict with evidence that stands still, and these commands."""
+    monkeypatch.setattr(MotorEvidence, "update", lambda *_: None)
+
+    def seconds(nats: float, left: float, right: float) -> float:
+        hull = Hull()
+        hull.watch._evidence.has_current = True
+        hull.watch._evidence.against[3] = nats
+        assert HYPOTHESES[3].fault is Fault.REVERSED
+        for _ in range(100):
+            hull.rate = 0.0
+            hull.step(left, right)
+            if hull.watch.verdict is not None:
+                return hull.now_s
+        return math.inf
+
+    return seconds
+
+
+def test_a_verdict_has_to_be_ahead_for_most_of_a_second(
+    proven: Callable[[float, float, float], float],
+) -> None:
+    assert 0.75 < proven(26.0, 0.5, 0.5) < 1.2
+    assert proven(24.0, 0.5, 0.5) == math.inf
+
+
+def test_steering_that_turns_nothing_halves_what_proves_a_reversal(
+    proven: Callable[[float, float, float], float],
+) -> None:
+    assert proven(13.0, 0.5, 0.5) == math.inf
+    assert proven(13.0, 0.9, -0.9) < 4.0
+    assert proven(11.0, 0.9, -0.9) == math.inf
