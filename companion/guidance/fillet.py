@@ -134,8 +134,10 @@ def fillet_between(
     c1, s1, c2, s2 = math.cos(first), math.sin(first), math.cos(second), math.sin(second)
     ahead1 = entry_m_s - set_n * c1 - set_e * s1
     ahead2 = exit_m_s - set_n * c2 - set_e * s2
-    if min(ahead1, ahead2) < LEAST_AHEAD_SHARE * setting.min_speed_m_s:
-        return None
+    # A boat that keeps its bow ahead makes no less over ground than this, however slow it is asked to be.
+    least = LEAST_AHEAD_SHARE * setting.min_speed_m_s
+    ahead1, ahead2 = max(ahead1, least), max(ahead2, least)
+    exit_m_s = ahead2 + set_n * c2 + set_e * s2
     across1, across2 = set_n * s1 - set_e * c1, set_n * s2 - set_e * c2
     water1, water2 = math.hypot(ahead1, across1), math.hypot(ahead2, across2)
     if max(water1, water2) > config.handling.top_speed_m_s:

@@ -99,7 +99,7 @@ def test_it_stays_on_the_inside_of_the_corner(turn: float, current_m_s: float, c
         assert side * (node.east_m * math.cos(turn) - node.north_m * math.sin(turn)) >= -OUTSIDE_M
 
 
-@given(turns, st.floats(0.0, 0.5), angles)
+@given(turns, st.floats(0.0, 0.25), angles)
 def test_it_passes_the_waypoint_within_its_radius(turn: float, current_m_s: float, current_to: float) -> None:
     fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
     assume(fillet is not None)

@@ -5,25 +5,15 @@ from itertools import pairwise
 
 import pytest
 from boat_rig import FRAME, nav_at, place
-from hypothesis import given
-from hypothesis import strategies as st
 
 from companion.config import BoatConfig
-from companion.geo import Line, Point
+from companion.geo import Point
 from companion.vehicle.intent import FollowLeg
 from companion.vehicle.mission_progress import MissionProgress
-from companion.vehicle.mission_route import MOST, SHIFT_SHARE, corners_of, waypoints_ahead
+from companion.vehicle.mission_route import MOST, waypoints_ahead
 from companion.vehicle.mission_steps import Home, Jump, SetSpeed, Step, Wait, Waypoint
 
 CONFIG = BoatConfig()
-RADIUS_M = 2.0
-SHIFT_M = SHIFT_SHARE * RADIUS_M
-NEIGHBOURS = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
-
-
-def corners(*places: tuple[float, float]) -> list[Point]:
-    points = [Point(*at) for at in places]
-    return [points[n] for n in corners_of(points, [RADIUS_M] * len(points))]
 
 
 def mission(*places: tuple[float, float]) -> MissionProgress:
@@ -58,97 +48,6 @@ def sailed(progress: MissionProgress, at: Point, step_m: float = 0.1, most: int 
 def stairs(cells: int) -> list[tuple[float, float]]:
     """North and north-east in turn, from cell to cell of a grid of 1 m."""
     return [(float(n), float(n // 2)) for n in range(1, cells + 1)]
-
-
-def off_m(at: Point, start: Point, end: Point) -> float:
-    """Distance from a leg."""
-    line = Line(start, end)
-    along, cross = line.along_and_cross_track_m(at)
-    return math.hypot(cross, max(-along, along - line.length_m, 0.0))
-
-
-@st.composite
-def cell_walks(draw: st.DrawFn) -> list[Point]:
-    """From cell to neighbouring cell of a grid, turning by 45° or 90° at most."""
-    cell_m = draw(st.sampled_from((0.5, 1.0, 2.0, 4.0)))
-    at, direction, walk = Point(0.0, 0.0), 0, [Point(0.0, 0.0)]
-    for turn, cells in draw(
-        st.lists(st.tuples(st.integers(-2, 2), st.integers(1, 5)), min_size=3, max_size=15)
-    ):
-        direction = (direction + turn) % 8
-        north, east = NEIGHBOURS[direction]
-        for _ in range(cells):
-            at = Point(at.north_m + cell_m * north, at.east_m + cell_m * east)
-            walk.append(at)
-    return walk
-
-
-# Which waypoints are corners
-
-
-def test_a_zigzag_from_cell_to_cell_becomes_one_leg() -> None:
-    assert corners((0.0, 0.0), *stairs(30)) == [Point(0.0, 0.0), Point(30.0, 15.0)]
-
-
-def test_waypoints_in_a_row_are_no_corners() -> None:
-    assert corners(*((float(n), 0.0) for n in range(9))) == [Point(0.0, 0.0), Point(8.0, 0.0)]
-
-
-def test_how_far_a_waypoint_may_lie_beside_the_way_goes_with_its_radius() -> None:
-    near, far = 0.89, 0.91
-    assert len(corners((0.0, 0.0), (3.0, near), (6.0, 0.0))) == 2
-    assert len(corners((0.0, 0.0), (3.0, far), (6.0, 0.0))) == 3
-    points = [Point(0.0, 0.0), Point(3.0, far), Point(6.0, 0.0)]
-    assert corners_of(points, [2.0, 3.0, 2.0]) == [0, 2]
-
-
-def test_a_drawn_curve_is_kept_as_it_is() -> None:
-    """Gentle turns to one side are no zigzag, though chords across some would be near enough."""
-    curve = [(25.0 * math.sin(0.1 * n), 25.0 - 25.0 * math.cos(0.1 * n)) for n in range(30)]
-    assert corners(*curve) == [Point(*at) for at in curve]
-
-
-def test_corners_between_long_legs_stay_where_they_are() -> None:
-    lanes = [(0.0, 0.0), (50.0, 0.0), (50.0, 2.5), (0.0, 2.5), (0.0, 5.0), (50.0, 5.0)]
-    assert corners(*lanes) == [Point(*at) for at in lanes]
-
-
-def test_a_way_back_along_the_same_line_is_not_cut_off() -> None:
-    there_and_back = [(0.0, 0.0), (10.0, 0.0), (4.0, 0.0), (20.0, 0.0)]
-    assert corners(*there_and_back) == [Point(*at) for at in there_and_back]
-
-
-def test_a_place_that_the_way_only_turns_back_to_from_its_start_or_end_is_left_out() -> None:
-    assert corners((0.0, 0.0), (-1.5, 0.5), (20.0, 0.0)) == [Point(0.0, 0.0), Point(20.0, 0.0)]
-    assert corners((0.0, 0.0), (21.5, 0.5), (20.0, 0.0)) == [Point(0.0, 0.0), Point(20.0, 0.0)]
-
-
-def test_a_place_further_back_is_sailed_to() -> None:
-    there = [(0.0, 0.0), (-2.5, 0.5), (20.0, 0.0)]
-    assert corners(*there) == [Point(*at) for at in there]
-
-
-@given(cell_walks())
-def test_every_waypoint_lies_near_the_way_between_its_corners_one_after_the_other(walk: list[Point]) -> None:
-    found = corners_of(walk, [RADIUS_M] * len(walk))
-    assert (found[0], found[-1]) == (0, len(walk) - 1)
-    assert all(one < other for one, other in pairwise(found))
-    for one, other in pairwise(found):
-        line, along_m = Line(walk[one], walk[other]), 0.0
-        for n in range(one + 1, other):
-            if n in (1, len(walk) - 2) and off_m(walk[n], walk[one], walk[other]) > SHIFT_M:
-                continue  # the way only turns back there
-            assert off_m(walk[n], walk[one], walk[other]) <= SHIFT_M + 1e-9
-            further_m = line.along_and_cross_track_m(walk[n])[0]
-            assert further_m >= along_m - SHIFT_M - 1e-9
-            along_m = max(along_m, further_m)
-
-
-@given(st.lists(st.tuples(st.floats(-30.0, 30.0), st.floats(-30.0, 30.0)), min_size=2, max_size=20))
-def test_any_places_have_corners_from_the_first_to_the_last(places: list[tuple[float, float]]) -> None:
-    found = corners(*places)
-    assert (found[0], found[-1]) == (places[0], places[-1])
-    assert len(found) <= len(places)
 
 
 # Which waypoints follow
