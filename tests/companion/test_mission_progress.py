@@ -310,3 +310,15 @@ def test_a_new_mission_goes_on_only_where_the_way_to_here_is_the_same() -> None:
     assert not progress.replace(())
     assert progress.finished is False
     assert progress.current_seq == 0
+
+
+def test_a_corner_that_fast_water_makes_the_boat_cut_is_passed_within_two_radii() -> None:
+    for off_m, seq in ((2.6, 2), (3.2, 1)):  # 3.7 m and 4.5 m inside of the waypoint
+        progress = begun(A, B)
+        leg_at(progress, 0.0, 0.0)
+        leg_at(progress, 50.0 - off_m - 0.1, off_m + 0.1)
+        assert progress.current_seq == seq
+    sharp = begun(A, Waypoint(place(0.0, 1.0)))
+    leg_at(sharp, 0.0, 0.0)
+    leg_at(sharp, 46.5, 0.5)
+    assert sharp.current_seq == 1
