@@ -24,6 +24,8 @@ BEYOND_COST_S = 40.0  # per radius beyond the radius: only where the current lea
 HASTY_SHARE = 0.1  # of yaw_time_s: how fast the yaw rate changes where legs are too short for anything else
 HASTY_LOSS_S = 1.0  # a fillet that loses more time than this is tried hastily as well
 EASY_LOSS_S = 0.25  # a fillet at full speed that loses less is good enough: no search
+PASSED_RADII = 2.0  # from the waypoint: farther from it, a fillet does not count as passing it
+SHARP_RAD = 2.0  # for a turn as sharp, that is one radius
 SHARPEST_RAD = 2.4  # a sharper turn is made on the spot
 LEAST_TURN_RAD = 0.01  # less is no corner
 LEAST_AHEAD_SHARE = 0.75  # of min_speed_m_s through the water along the leg: with less there is no heading
@@ -75,6 +77,7 @@ def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
     """The fillet that costs least; None where there is none, and the boat turns on the spot."""
     if not LEAST_TURN_RAD < abs(bend.turn_rad) < SHARPEST_RAD:
         return None
+    reach_m = (1.0 if abs(bend.turn_rad) > SHARP_RAD else PASSED_RADII) * bend.radius_m
     ramp_s = config.handling.yaw_time_s
     for ramp in (ramp_s, HASTY_SHARE * ramp_s):
         easy = fillet_between(bend, bend.speed_m_s, bend.speed_m_s, ramp, config)
@@ -86,7 +89,9 @@ def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
         if hasty is not None and (
             best is None or cost_s(hasty, bend, config) + 2.0 * ramp_s < cost_s(best, bend, config)
         ):
-            return hasty
+            best = hasty
+    if best is None or best.cut_m > reach_m:
+        return None
     return best
 
 

@@ -23,13 +23,17 @@ _SAME_M = 1e-3
 
 
 class Guide(NamedTuple):
-    """The path's direction, the course and speed over ground to make now, and those GLIMPSE_S later."""
+    """The path's direction, the course and speed over ground to make now, and those GLIMPSE_S later.
+
+    stops: the path ends in a stop where the leg ends, for good or to turn on the spot.
+    """
 
     tangent_rad: float
     course_rad: float
     speed_m_s: float
     later_course_rad: float
     later_speed_m_s: float
+    stops: bool
 
 
 class _Plan(NamedTuple):
@@ -70,11 +74,19 @@ class PathFollowing:
             plan = _planned(leg, None, {}, nav, config)
             along, cross = _located(plan, here)
         self._leg, self._plan = leg, plan
-        return _guide(plan.smooth, along, cross, leg, nav, config)
+        stops = plan.smooth.path.speed_m_s(plan.smooth.exits_m[plan.at + 1]) <= 0.0
+        return _guide(plan.smooth, along, cross, leg, nav, config, stops=stops)
 
 
 def _guide(
-    smoothed: SmoothPath, along_m: float, cross_m: float, leg: FollowLeg, nav: NavState, config: BoatConfig
+    smoothed: SmoothPath,
+    along_m: float,
+    cross_m: float,
+    leg: FollowLeg,
+    nav: NavState,
+    config: BoatConfig,
+    *,
+    stops: bool,
 ) -> Guide:
     """Line of sight about the course of the path where the boat will be once hull and loop have answered.
 
@@ -94,7 +106,7 @@ def _guide(
         max(min(path.speed_m_s(along_m + off), path.speed_m_s(slowed + off)), least) for off in (0.0, step)
     )
     course, later_course = path.course_rad(turned), path.course_rad(turned + step)
-    return Guide(tangent, course + correction, now, later_course + correction, later)
+    return Guide(tangent, course + correction, now, later_course + correction, later, stops)
 
 
 def _located(plan: _Plan, here: Point) -> tuple[float, float]:

@@ -115,7 +115,7 @@ class Pilot:
         to_go = line.length_m - along_line
         guide = self._path.update(leg, nav, config)
         speed = guide.speed_m_s
-        if leg.next_line is None:
+        if leg.next_line is None or guide.stops:
             carried = nav.set_along_m_s(line.course_rad)
             if carried > LYING_SHARE * config.guidance.min_speed_m_s:
                 # Lest a set from astern carry it past, it turns about before and is let down on the stop.

@@ -1,13 +1,12 @@
 """A straight line under way, and when its end counts as reached."""
 
 from companion.geo import Line, Point, distance_m
+from companion.guidance.fillet import PASSED_RADII, SHARP_RAD
 from companion.state import NavState
 from companion.units import wrap_pi
 from companion.vehicle.intent import FollowLeg
 
 _LEVEL_M = 1e-6  # after a leg straight back the two are equal, but for rounding
-_PASSED_RADII = 2.0  # from the end: nearer than this, it may be passed
-_SHARP_RAD = 2.0  # a corner as sharp is not cut by so much: it is passed within one radius
 _LEFT_RADII = 1.25  # from the end: a boat that was nearer than one, and is now farther than this, has left it
 
 
@@ -61,16 +60,16 @@ class Leg:
         if self._next_line is None:
             if away_m <= radius_m:
                 return True
-        elif away_m <= _PASSED_RADII * radius_m:
+        elif away_m <= PASSED_RADII * radius_m:
             self._was_near = self._was_near or away_m <= radius_m
             beyond_m, _ = self._next_line.along_and_cross_track_m(nav.point)
             turn_rad = abs(wrap_pi(self._next_line.course_rad - self._line.course_rad))
-            inside_m = radius_m if turn_rad > _SHARP_RAD else _PASSED_RADII * radius_m
+            inside_m = radius_m if turn_rad > SHARP_RAD else PASSED_RADII * radius_m
             is_over = to_go_m <= inside_m and beyond_m >= to_go_m - _LEVEL_M
             return is_over or (self._was_near and away_m > _LEFT_RADII * radius_m)
         if to_go_m > 0.0:
             return False
-        if abs(cross_m) <= _PASSED_RADII * radius_m:
+        if abs(cross_m) <= PASSED_RADII * radius_m:
             return True
         self._line, self._intent = Line(nav.point, self.end), None
         return False

@@ -66,6 +66,13 @@ def test_a_current_oblique_to_both_legs_does_not_set_the_boat_over_a_corner(curr
     assert max(over_m) < 0.8
 
 
+def test_water_almost_as_fast_as_the_boat_lets_it_down_onto_each_corner() -> None:
+    """No fillet fits there: the boat turns its bow up before the corner, and does not come round again."""
+    sailing = underway(ZIGZAG, "environment.current_m_s=1.7", "environment.current_to_deg=45.0")
+    assert sailing.lockstep.world.time_s < 200.0
+    assert max(overshoots_m(sailing.recorder, sailing.planned)) < 1.0
+
+
 @pytest.mark.parametrize(("course", "most_s"), [(ZIGZAG, 165.0), (SQUARE, 108.0)], ids=["zigzag", "square"])
 def test_corners_are_sailed_with_way_on(course: list[tuple[float, float]], most_s: float) -> None:
     """ArduPilot's steering, tuned for this hull, takes 165 and 106 s."""

@@ -109,6 +109,16 @@ def test_it_passes_the_waypoint_within_its_radius(turn: float, current_m_s: floa
     assert nearest <= RADIUS_M
 
 
+@given(turns, st.floats(0.0, 2.0), angles)
+def test_no_fillet_passes_its_waypoint_farther_off_than_counts_as_passing(
+    turn: float, current_m_s: float, current_to: float
+) -> None:
+    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
+    assume(fillet is not None)
+    assert fillet is not None
+    assert fillet.cut_m <= (2.0 * RADIUS_M if abs(turn) <= 2.0 else RADIUS_M)
+
+
 @given(st.floats(0.05, 2.3), currents, st.floats(0.01, 3.1))
 def test_a_corner_to_port_is_sailed_like_its_mirror_image(
     turn: float, current_m_s: float, current_to: float
