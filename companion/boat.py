@@ -214,7 +214,8 @@ class Boat:
         signs, senses = self.vehicle.failsafes.signs, self.senses
         signs.left, signs.right = self.command.left, self.command.right
         gives_way = self.steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
-        signs.gives_way = gives_way or self.steering.headway.held_s > _TOUCHES_S
+        touches = self.steering.headway.held_s > _TOUCHES_S
+        signs.gives_way = gives_way or touches or self.trials.is_running
         signs.headway = self.steering.headway.verdict
         signs.load = self.load
         signs.consumed_mah = senses.consumed_mah

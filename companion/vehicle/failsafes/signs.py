@@ -75,7 +75,7 @@ class Signs:
         self.heading: HeadingReading | None = None  # as the part gave it
         self.hull: HullReading | None = None
         self.consumed_mah = 0.0
-        self.gives_way = False  # it goes astern from something, waits before it, or lies on it
+        self.gives_way = False  # motors are not judged: at an obstacle, or in a calibration trial
         self.left = self.right = 0.0  # what the motors are given
         self.headway = 0
         self.load = 0.0
