@@ -1,6 +1,7 @@
 """Shared test set-up: Hypothesis prints what it takes to replay a failure, and is reproducible in CI."""
 
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -12,6 +13,10 @@ settings.register_profile(
 )
 settings.register_profile("ci", parent=settings.get_profile("default"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "default")
+
+# A shell's background job ignores SIGINT, and so would the programs that the tests start and interrupt
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
 sys.path.insert(0, str(Path(__file__).parents[1]))
