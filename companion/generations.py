@@ -27,6 +27,7 @@ from typing import NamedTuple
 
 _MARKS = (b"# mavboat generation", b"crc32")
 """A damaged first line still has one of these: a flipped bit cannot break both."""
+_HEAD_BYTES = 96  # longer than any first line of ours; damage may have put a line's end into it
 _MOST_DIGITS = 18  # of a generation; Python refuses to read a number of thousands of digits
 _OLD, _NEW = ".old", ".new"
 
@@ -68,7 +69,7 @@ def unseal(file: bytes) -> Generation:
         DamagedError: it is not what was written.
     """
     line, _, content = file.partition(b"\n")
-    if not any(mark in line for mark in _MARKS):
+    if not any(mark in file[:_HEAD_BYTES] for mark in _MARKS):
         # Nothing of ours is empty, holds zero bytes, or is cut off within its first line
         if not file or b"\x00" in file or _MARKS[0].startswith(file):
             raise DamagedError("it is cut off or overwritten")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from boat_rig import OK, Rig, waypoint
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mission_station import FENCE, RALLY
 
@@ -93,6 +93,7 @@ def test_a_file_cut_short_anywhere_is_noticed(memory: Path) -> None:
 
 
 @given(st.integers(0, 10**18 - 1), st.binary(max_size=300), st.integers(0), st.integers(1, 2**32 - 1))
+@example(100, b"\x01" * 11, 376, 120)  # the end of a line in the middle of the first one
 def test_what_is_sealed_is_read_back_and_any_burst_of_32_bits_is_noticed(
     number: int, content: bytes, at: int, burst: int
 ) -> None:
