@@ -27,8 +27,14 @@ def block(south_m: float, north_m: float, west_m: float, east_m: float) -> str:
     return f"{{name='B{south_m}/{west_m}', polygon=[{corners}]}}"
 
 
-def rig_among(*things: str, config: dict[str, object] | None = None, current: str = "0.0") -> Rig:
-    settings = [f"map.obstacles=[{', '.join(things)}]", f"environment.current_m_s={current}"]
+def rig_among(
+    *things: str, config: dict[str, object] | None = None, current: str = "0.0", seed: int = 1
+) -> Rig:
+    settings = [
+        f"map.obstacles=[{', '.join(things)}]",
+        f"environment.current_m_s={current}",
+        f"seed={seed}",
+    ]
     return Rig("open", *settings, config={**BY_SIGHT, **(config or {})})
 
 
@@ -131,8 +137,9 @@ def test_with_the_fence_on_one_side_the_boat_takes_the_other() -> None:
     assert min(east for _, east in voyage.track) < -3.5
 
 
-def test_between_the_fence_and_a_wall_the_boat_waits_and_says_so() -> None:
-    rig = rig_among(block(30.0, 31.0, -8.0, 8.0)).ready()
+@pytest.mark.parametrize("seed", [2, 3])
+def test_between_the_fence_and_a_wall_the_boat_waits_and_says_so(seed: int) -> None:
+    rig = rig_among(block(30.0, 31.0, -8.0, 8.0), seed=seed).ready()
     corners = [(-20.0, -6.0), (80.0, -6.0), (80.0, 6.0), (-20.0, 6.0)]
     fence = [waypoint(north, east, command=5001, param1=4.0) for north, east in corners]
     rig.upload(fence, mission_type=MissionType.FENCE)
