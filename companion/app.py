@@ -142,7 +142,7 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(hull.close)
         rc = None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
         undo.pop_all()
-    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc)
+    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors)
 
 
 def open_compass(part: CompassPart, now: Now) -> Compass:

@@ -105,6 +105,7 @@ class Boat:
         self._logbook = logbook
         self._wall_time = WallTime(unix_offset_s)
         self._now_s = self._far_m = 0.0
+        self._trips = 0  # of the motor cutoff, as far as stations know
         self._links_due_s = 0.0
 
     def receive(self, now_s: float, ready: Collection[int] | None = None) -> int:
@@ -165,6 +166,7 @@ class Boat:
                 self.net.passed()
 
     def _step(self, now_s: float) -> None:
+        self._report_cutoff()
         self._sense(now_s)
         looks_for_links = now_s >= self._links_due_s
         if looks_for_links:
@@ -206,6 +208,14 @@ class Boat:
             logger.exception("what has happened cannot be told")
         if fall is Fall.GIVE_UP:
             raise error
+
+    def _report_cutoff(self) -> None:
+        """The loop was stalled and runs again: say why the motors were off meanwhile."""
+        cutoff = self._hardware.cutoff
+        if cutoff is not None and cutoff.trips != self._trips:
+            self._trips = cutoff.trips
+            timeout_s = self.parameters.config.motors.command_timeout_s
+            self.vehicle.tell(Severity.CRITICAL, f"Program stalled: motors cut off after {timeout_s:g} s")
 
     def _show_signs(self, now_s: float) -> None:
         """What the failsafes look at, as far as the vehicle does not know it itself."""

@@ -32,6 +32,7 @@ __all__ = [
     "Hull",
     "HullReading",
     "Link",
+    "MotorCutoff",
     "Motors",
     "Port",
     "RcReading",
@@ -52,6 +53,14 @@ class Motors(Protocol):
 
     def close(self) -> None:
         """Stop first, then let the part go. May be called twice."""
+
+
+class MotorCutoff(Protocol):
+    """Stops motors that have had no command for too long, whatever the boat's program does."""
+
+    @property
+    def trips(self) -> int:
+        """How often it has stopped them."""
 
 
 class Gnss(Protocol):
@@ -195,6 +204,7 @@ class Hardware:
     knobs: tuple[Knob, ...] = ()
     hull: Hull | None = None
     rc: RcReceiver | None = None
+    cutoff: MotorCutoff | None = None
 
     def close(self) -> None:
         """Stop the motors first, then let every part go, also when one of them raises."""

@@ -20,6 +20,7 @@ from companion.boat import Boat
 from companion.config import BoatConfig, LinkConfig, decode_config
 from companion.errors import ConfigError, HardwareError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
+from companion.hal.watched_motors import WatchedMotors
 from companion.parts import CompassPart
 from companion.storage import MemoryStorage
 
@@ -172,6 +173,17 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
     with pytest.raises(HardwareError, match="no-such-port"):
         open_hardware(tree, lambda: 0.0)
     assert parts.events == ["close"]
+
+
+def test_the_boat_can_see_how_often_its_motors_were_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.app.open_l298n", lambda *_: Parts().open(BoatConfig(), float).motors)
+    parts = {"motors": {"driver": "l298n"}}
+    hardware = open_hardware(config("udpin:127.0.0.1:0", parts=parts), lambda: 0.0)
+    try:
+        assert isinstance(hardware.motors, WatchedMotors)
+        assert hardware.cutoff is hardware.motors
+    finally:
+        hardware.close()
 
 
 def test_without_a_folder_the_memory_lasts_as_long_as_the_process(tmp_path: Path) -> None:

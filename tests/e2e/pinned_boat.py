@@ -58,7 +58,7 @@ class PinnedBoat:
         self.pi = MockPi()
         self.bridge = Bridge(self.pi)
         self.motors = WatchedMotors(self.bridge, lambda: self.bridge.now_s, 0.5)
-        self.rig = Rig(motors=self.motors)
+        self.rig = Rig(motors=self.motors, cutoff=self.motors)
         self.bridge.turning = self.rig.world.hardware.motors
         self._look_s = 0.0
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from boat_rig import OK, Silent
+from boat_rig import OK, PLANNER, Silent
 from msgspec.structs import replace
 from pinned_boat import LOOK_S, DriverError, PinnedBoat
 
@@ -31,6 +31,7 @@ LOST_S = BoatConfig().motors.estimate_timeout_s + 1.3
 HANG_S = BoatConfig().motors.command_timeout_s + LOOK_S + 2.0 * TICK_S
 SAME_TICK_S = TICK_S
 NAN = math.nan
+STALL_TEXT = "Program stalled: motors cut off after 0.5 s"
 
 
 @pytest.fixture
@@ -186,6 +187,19 @@ def test_a_loop_that_hangs_is_stopped_by_the_motors_watch(boat: PinnedBoat) -> N
     boat.sail()
     boat.off_after_s(HANG_S, hangs=True)
     assert boat.motors.trips == 1
+
+
+def test_every_station_is_told_once_of_each_stall_that_stopped_the_motors(boat: PinnedBoat) -> None:
+    boat.sail()
+    other = boat.rig.connect(PLANNER)
+    for stalls in (1, 2):
+        boat.off_after_s(HANG_S, hangs=True)
+        boat.run(5.0)
+        assert boat.pi.is_driving
+        for station in (boat.rig.peer, other):
+            said = [one for one in station.said("STATUSTEXT") if "stalled" in str(one.text)]
+            assert [str(one.text).rstrip("\0") for one in said] == [STALL_TEXT] * stalls
+            assert all(one.severity <= dialect.MAV_SEVERITY_WARNING for one in said)
 
 
 def test_a_loop_that_hangs_while_the_driver_raises_is_stopped_once_the_driver_answers(
