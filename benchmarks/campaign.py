@@ -3,8 +3,8 @@
 import time
 
 from benchmarks.measure import Row, alone
-from sitl.campaign.run import Run
-from sitl.campaign.workers import cores, local_crew
+from sitl.experiments.campaign.run import Run
+from sitl.experiments.campaign.workers import cores, local_crew
 
 _RUNS = 16
 _ROUNDS = 3

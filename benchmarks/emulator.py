@@ -3,12 +3,12 @@
 import math
 
 from benchmarks.measure import Row, alone
-from companion.geo import Point
+from companion.core.geo import Point
+from companion.core.units import deg_to_e7
 from companion.mavlink.items import MissionItem
-from companion.units import deg_to_e7
-from sitl.missions import plan_mission, wire_items
-from sitl.sail import Sailing
-from sitl.scenario import Scenario, load_scenario
+from sitl.run.sail import Sailing
+from sitl.scenarios.missions import plan_mission, wire_items
+from sitl.scenarios.scenario import Scenario, load_scenario
 
 _ROUNDS = 5
 

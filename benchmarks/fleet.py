@@ -15,13 +15,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.measure import Row, alone
+from companion.app.status_file import BoatStatus, read_status
 from companion.boat import TICK_S
+from companion.core.modes import Mode
+from companion.core.units import deg_to_e7
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.status_file import BoatStatus, read_status
-from companion.units import deg_to_e7
-from companion.vehicle.modes import Mode
 
 _BOATS = 50
 _SECONDS = 20.0

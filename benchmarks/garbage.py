@@ -20,10 +20,10 @@ from pathlib import Path
 
 from benchmarks.measure import Row
 from benchmarks.served_boat import served_boat
+from companion.app.status_file import BoatStatus, read_status
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
-from companion.status_file import BoatStatus, read_status
 
 _BYTES_S = 10_000_000
 _SECONDS = 6.0

@@ -8,5 +8,5 @@ import importlib
 from sitl.__main__ import main
 
 if __name__ == "__main__":
-    vars(importlib.import_module("companion.runner"))["LATE_S"] = 0.010
+    vars(importlib.import_module("companion.app.runner"))["LATE_S"] = 0.010
     main()

@@ -15,10 +15,10 @@ from pathlib import Path
 
 from benchmarks.measure import Row
 from benchmarks.served_boat import Process, served_boat
+from companion.app.status_file import BoatStatus, read_status
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.status_file import BoatStatus, read_status
 
 _SECONDS = 20.0
 _FLOOD_HZ = 5000

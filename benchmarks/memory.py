@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from benchmarks.measure import Row, alone
-from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect

@@ -7,12 +7,12 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from benchmarks.measure import Row, alone, cpu_seconds, paired
-from mission_tools.astar import SearchResult, astar
-from mission_tools.expansion import EightNeighbours
-from mission_tools.grid import Grid
-from mission_tools.heuristics import estimates
 from mission_tools.maps import load_source
-from mission_tools.planning import plan
+from mission_tools.planning.astar import SearchResult, astar
+from mission_tools.planning.expansion import EightNeighbours
+from mission_tools.planning.grid import Grid
+from mission_tools.planning.heuristics import estimates
+from mission_tools.planning.planner import plan
 
 _SIDE = 256
 _SEED = 7

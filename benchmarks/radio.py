@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from benchmarks.measure import Row, alone
 from companion.boat import TICK_S, Boat
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
@@ -12,10 +12,10 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed
-from companion.storage import MemoryStorage
-from sitl.channel import Channel, Quality
-from sitl.scenario import load_scenario
-from sitl.world import World
+from companion.persistence.storage import MemoryStorage
+from sitl.radio.channel import Channel, Quality
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import World
 
 _LINE = Quality(bandwidth_bytes_s=5760.0, backlog_s=5.0)
 _BOAT, _STATION = Address(1, 1), Address(245, 190)

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from sitl.__main__ import main
-from sitl.serve import Server
+from sitl.run.serve import Server
 
 _ticks_s: list[float] = []
 

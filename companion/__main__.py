@@ -3,12 +3,12 @@
 import sys
 from typing import Any
 
-from companion.interrupts import Run, run_interruptibly
+from companion.core.interrupts import Run, run_interruptibly
 
 
 def load() -> Run:
     """Do the imports, which take a second; returns the program."""
-    from companion.cli import run_program  # noqa: PLC0415 (an interrupt meanwhile ends without a traceback)
+    from companion.app.cli import run_program  # noqa: PLC0415 (an interrupt meanwhile ends without a traceback)
 
     return run_program
 
@@ -20,7 +20,7 @@ def main() -> None:
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 (a module's own)
     if name == "app":
-        from companion.cli import app  # noqa: PLC0415 (as above)
+        from companion.app.cli import app  # noqa: PLC0415 (as above)
 
         return app
     raise AttributeError(name)

@@ -4,34 +4,34 @@ import logging
 import math
 from collections.abc import Collection, Sequence
 
-from companion.config import BoatConfig
+from companion.app.safety_net import Fall, SafetyNet
+from companion.calibration.motor_test import MotorTest
+from companion.calibration.trials import Trials
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Parameters
 from companion.control.thruster_trim import ThrusterTrim
+from companion.core.state import STOPPED, MotorCommand, NavState
+from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
-from companion.guidance.avoidance import Stage
+from companion.guidance.pipeline import Steering
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
-from companion.params import Parameters
-from companion.params_table import ROWS
-from companion.resume import Resume
+from companion.obstacles.planning.avoidance import Stage
+from companion.persistence.signing_store import SigningStore
+from companion.persistence.storage import Storage
+from companion.persistence.voyage_record import Resume
+from companion.rc.rc_control import Transmitter
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
-from companion.safety_net import Fall, SafetyNet
-from companion.senses import Senses
 from companion.sensors.external import ExternalSensors
+from companion.sensors.suite import Senses
+from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
-from companion.services.signing_store import SigningStore
-from companion.services.snapshot import Snapshot
-from companion.state import STOPPED, MotorCommand, NavState
-from companion.steering import Steering
-from companion.storage import Storage
-from companion.vehicle.motor_test import MotorTest
-from companion.vehicle.notice import Severity
-from companion.vehicle.transmitter import Transmitter
-from companion.vehicle.trials.trials import Trials
+from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
-from companion.wall_time import WallTime
 
 logger = logging.getLogger(__name__)
 

@@ -30,12 +30,12 @@ import shapely
 from rich.console import Console
 from rich.table import Table
 
-from companion.geo import LatLon, Point, distance_m
+from companion.core.geo import LatLon, Point, distance_m
 from mission_tools.cli.arguments import position
-from mission_tools.draw import save_picture
+from mission_tools.drawing.draw import save_picture
 from mission_tools.errors import MissionToolsError
 from mission_tools.maps import Chart, Source, load_source
-from mission_tools.planning import PlanSettings
+from mission_tools.planning.planner import PlanSettings
 
 CRUISE_M_S = 2.0
 SAIL_S = 18.0  # wall-clock seconds that the voyage is to take

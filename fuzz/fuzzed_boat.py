@@ -5,10 +5,10 @@ from collections.abc import Iterable
 from functools import cache
 
 from companion.boat import TICK_S, Boat
-from companion.hal.memory import MemoryPort, memory_pair
-from companion.storage import MemoryStorage
-from sitl.scenario import Scenario, load_scenario
-from sitl.world import World
+from companion.links.memory import MemoryPort, memory_pair
+from companion.persistence.storage import MemoryStorage
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.world import World
 
 _QUEUE_FRAMES = 20_000
 

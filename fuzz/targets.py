@@ -7,18 +7,18 @@ from pathlib import Path
 
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.config import BoatConfig, load_config
-from companion.errors import ConfigError
+from companion.config.boat_config import BoatConfig, load_config
+from companion.config.parameter_pack import PackError, unpack_upload
+from companion.config.rc import Rc
+from companion.core.errors import ConfigError
 from companion.mavlink.codec import Decoder
-from companion.param_pack import PackError, unpack_upload
+from companion.rc.crsf import CrsfParser, crc8
+from companion.rc.ibus import IbusParser
+from companion.rc.rc_control import Transmitter
+from companion.rc.sbus import SbusParser
 from companion.sensors.nmea import NmeaReader
 from companion.sensors.nmea_fix import FixAssembler
 from companion.sensors.nmea_heading import HeadingAssembler
-from companion.sensors.rc_crsf import CrsfParser, crc8
-from companion.sensors.rc_ibus import IbusParser
-from companion.sensors.rc_sbus import SbusParser
-from companion.settings.rc import Rc
-from companion.vehicle.transmitter import Transmitter
 from companion.vehicle.vehicle import Vehicle
 from fuzz.frames import frame
 from fuzz.fuzzed_boat import hear

@@ -14,19 +14,19 @@ from typing import TypeVar, cast
 from rich.console import Console
 
 from companion.mavlink.signing_key import SigningKey
-from mission_tools.areas import NO_AREAS, Areas, open_areas
-from mission_tools.compare import Difference, differences
-from mission_tools.connection import DEFAULT_SYSTEM_ID, connect
+from mission_tools.drawing.preview import check_picture_name, save_preview
 from mission_tools.errors import NoVehicle, ReadBackMismatch, UsageError
-from mission_tools.follow import follow
-from mission_tools.link_url import DEFAULT_LINK, LinkUrl, parse_link
-from mission_tools.mission import MissionItem, MissionType
-from mission_tools.plan_file import check_mission_name, save_mission
-from mission_tools.preview import check_picture_name, save_preview
-from mission_tools.proposal import MissionFile, Proposal, Water, Wishes, open_source
-from mission_tools.signed_link import read_sign_key
-from mission_tools.vehicle import NAMES, Vehicle
-from mission_tools.voyage import Voyage
+from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
+from mission_tools.mission.compare import Difference, differences
+from mission_tools.mission.mission import MissionItem, MissionType
+from mission_tools.mission.plan_file import check_mission_name, save_mission
+from mission_tools.mission.proposal import MissionFile, Proposal, Water, Wishes, open_source
+from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID, connect
+from mission_tools.vehicle.follow import follow
+from mission_tools.vehicle.link_url import DEFAULT_LINK, LinkUrl, parse_link
+from mission_tools.vehicle.signed_link import read_sign_key
+from mission_tools.vehicle.vehicle import NAMES, Vehicle
+from mission_tools.vehicle.voyage import Voyage
 from mission_tools.wording import distance, duration
 
 SHOWN_DIFFERENCES = 3

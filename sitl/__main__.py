@@ -2,7 +2,7 @@
 
 import sys
 
-from companion.interrupts import Run, run_interruptibly
+from companion.core.interrupts import Run, run_interruptibly
 
 
 def load() -> Run:

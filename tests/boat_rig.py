@@ -6,22 +6,22 @@ from functools import cache
 from typing import Any, Self
 
 from companion.boat import TICK_S, Boat
-from companion.config import BoatConfig, with_value
-from companion.geo import LatLon, LocalFrame, Point
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.state import NavState
+from companion.core.units import deg_to_e7
 from companion.hal.interfaces import Hardware, Link
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
+from companion.persistence.storage import MemoryStorage, Storage
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.state import NavState
-from companion.storage import MemoryStorage, Storage
-from companion.units import deg_to_e7
-from sitl.scenario import Scenario, load_scenario
-from sitl.world import World
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.world import World
 
 BOAT = Address(1, 1)
 QGC = Address(255, 190)

@@ -4,10 +4,10 @@ import math
 
 from boat_rig import Rig, scenario
 
-from companion.geo import Point
+from companion.core.geo import Point
+from companion.core.units import deg_to_e7
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.transfer import Completed
-from companion.units import deg_to_e7
 
 INCLUDED, EXCLUDED, CIRCLE_IN, CIRCLE_OUT, RALLY = 5001, 5002, 5003, 5004, 5100
 Corner = tuple[float, float]

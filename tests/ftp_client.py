@@ -5,18 +5,18 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Parameters
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.params import Parameters
-from companion.params_table import ROWS
-from companion.services.ftp import FtpService
-from companion.services.ftp_frames import Code, Opcode
-from companion.services.ftp_mounts import InlineExecutor, build_tree
+from companion.persistence.storage import MemoryStorage
+from companion.services.ftp.frames import Code, Opcode
+from companion.services.ftp.mounts import InlineExecutor, build_tree
+from companion.services.ftp.service import FtpService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
-from companion.services.statustext import StatusTextService
-from companion.storage import MemoryStorage
+from companion.services.telemetry.statustext import StatusTextService
 
 BOAT = Address(1, 1)
 STATION = Origin(3, Address(255, 190))

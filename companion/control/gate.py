@@ -7,10 +7,10 @@ through zero on its way from ahead to astern, and is dropped inside the dead ban
 
 import math
 
-from companion.config import Motors
-from companion.estimation.health import lacks_heading, lacks_position
-from companion.state import MotorCommand, NavState, Thrust
-from companion.units import clamp
+from companion.config.boat_config import Motors
+from companion.core.health import lacks_heading, lacks_position
+from companion.core.state import MotorCommand, NavState, Thrust
+from companion.core.units import clamp
 
 
 class Gate:

@@ -14,10 +14,10 @@ the errors of a turn; and since that moment is another one on another heading, a
 
 from typing import Final
 
-from companion.config import Heading
+from companion.config.boat_config import Heading
 from companion.control.pid import Pid
-from companion.state import PidOutput
-from companion.units import clamp, wrap_pi
+from companion.core.state import PidOutput
+from companion.core.units import clamp, wrap_pi
 
 _FORGET_RAD: Final = 0.5  # turned, and little is left of what the integral has learned
 _STEADY_RAD_S: Final = 0.1  # turning no faster than that

@@ -1,11 +1,11 @@
 """The helm: closes the heading and speed loops, or lets the operator's hand through."""
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
 from companion.control.heading import HeadingControl, gain_schedule
 from companion.control.mixer import mix
 from companion.control.speed import SpeedControl
-from companion.state import Demand, NavState, PidOutput, Thrust
-from companion.vehicle.intent import Drive, Stop
+from companion.core.intent import Drive, Stop
+from companion.core.state import Demand, NavState, PidOutput, Thrust
 
 _NO_THRUST = Thrust(0.0, 0.0)
 

@@ -10,8 +10,8 @@ more or less than a radian of swing changes nothing.
 import math
 from typing import Final
 
-from companion.state import Demand, NavState, Thrust
-from companion.units import wrap_pi
+from companion.core.state import Demand, NavState, Thrust
+from companion.core.units import wrap_pi
 
 LAME_SHARE: Final = 0.12  # of top speed is what one motor makes good
 _SWING_RAD: Final = 0.8

@@ -1,7 +1,7 @@
 """Two thrusters side by side: from throttle and steering to port and starboard thrust."""
 
-from companion.state import Thrust
-from companion.units import clamp
+from companion.core.state import Thrust
+from companion.core.units import clamp
 
 
 def mix(throttle: float, steering: float) -> Thrust:

@@ -9,8 +9,8 @@ P and D leave to it (conditional anti-windup); what it has learned already is no
 import math
 from typing import NamedTuple
 
-from companion.state import PidOutput
-from companion.units import clamp
+from companion.core.state import PidOutput
+from companion.core.units import clamp
 
 
 class Gains(NamedTuple):

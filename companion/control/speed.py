@@ -1,9 +1,9 @@
 """The speed loop: feed-forward throttle, and a PI on what it leaves."""
 
-from companion.config import Speed
+from companion.config.boat_config import Speed
 from companion.control.pid import Pid
-from companion.state import PidOutput
-from companion.units import clamp
+from companion.core.state import PidOutput
+from companion.core.units import clamp
 
 ASTERN_SHARE = 0.5  # of max_throttle: propellers bite less astern, and a hard stop throws spray over the deck
 

@@ -11,8 +11,8 @@ the motor jump from side to side.
 
 from typing import Final
 
-from companion.settings.thrusters import Thrusters
-from companion.state import MotorCommand
+from companion.config.thrusters import Thrusters
+from companion.core.state import MotorCommand
 
 FAINT: Final = 0.01
 

@@ -15,14 +15,14 @@ could carry the boat, shows a current. Positions that creep away from their own 
 import math
 from typing import Final
 
-from companion.config import Speed
+from companion.config.boat_config import Speed
+from companion.config.estimation import Estimation
+from companion.core.geo import LocalFrame, Point
+from companion.core.state import EstimateFault, MotorCommand, NavState
+from companion.core.units import wrap_pi
 from companion.estimation.fixing import Fixing
 from companion.estimation.model import Model
-from companion.geo import LocalFrame, Point
 from companion.sensors.readings import GnssFix, HeadingReading
-from companion.settings.estimation import Estimation
-from companion.state import EstimateFault, MotorCommand, NavState
-from companion.units import wrap_pi
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
 SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that do not say how accurate they are

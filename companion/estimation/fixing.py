@@ -8,13 +8,13 @@ carries the boat, and the doubt grows as the model's own.
 import math
 from typing import Final
 
+from companion.config.estimation import Estimation
+from companion.core.state import EstimateFault
 from companion.estimation.current import SET_SHARE
 from companion.estimation.fix_watch import FixWatch
 from companion.estimation.lag_watch import PAUSE_S, LagWatch
 from companion.estimation.model import Model
 from companion.estimation.position import UNMODELLED_S, PositionFilter
-from companion.settings.estimation import Estimation
-from companion.state import EstimateFault
 
 VELOCITY_SIGMA_M_S: Final = 0.05  # Doppler velocity of a common receiver, per axis
 _AT_REST: Final = 0.1  # share of cruise speed

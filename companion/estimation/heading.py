@@ -17,8 +17,8 @@ the heading there.
 import math
 from typing import Final
 
+from companion.core.units import wrap_pi
 from companion.estimation.liveliness import Liveliness
-from companion.units import wrap_pi
 
 DRAW_S: Final = 2.0
 BIAS_S: Final = 15.0

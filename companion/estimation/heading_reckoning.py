@@ -3,11 +3,11 @@
 import math
 from typing import Final
 
+from companion.core.units import wrap_pi
 from companion.estimation.heading import HeadingFilter
 from companion.estimation.lag_watch import PAUSE_S, LagWatch
 from companion.estimation.yaw_model import YawModel
 from companion.sensors.readings import HeadingReading
-from companion.units import wrap_pi
 
 MAX_HEADING_RAD: Final = 100.0  # what lies beyond these two is a fault of the part
 MAX_RATE_RAD_S: Final = 50.0

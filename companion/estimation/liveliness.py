@@ -5,8 +5,8 @@ A dead sensor says the same again and again; a broken one leaps about as no hull
 
 from typing import Final
 
+from companion.core.units import wrap_pi
 from companion.estimation.repetition import Repetition
-from companion.units import wrap_pi
 
 _LATELY_S: Final = 0.3
 _WILD: Final = 0.5  # share of leaps lately that is too much

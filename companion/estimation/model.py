@@ -4,7 +4,9 @@ import cmath
 import math
 from typing import Final
 
-from companion.config import Speed
+from companion.config.boat_config import Speed
+from companion.config.estimation import Estimation
+from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.current import CurrentFilter
 from companion.estimation.heading_reckoning import HeadingReckoning
 from companion.estimation.position import UNMODELLED_S
@@ -12,8 +14,6 @@ from companion.estimation.wake import Wake
 from companion.estimation.water_speed import WaterSpeed
 from companion.estimation.witness import Verdict, Witness
 from companion.sensors.readings import HeadingReading
-from companion.settings.estimation import Estimation
-from companion.state import EstimateFault, MotorCommand
 
 # A boat that steers for a point comes nearer while its heading is off by less than a right angle. That is 2.2
 # standard deviations of this: a heading known no better is lost.

@@ -6,12 +6,12 @@ that is right now is too straight then.
 
 import math
 
-from companion.config import BoatConfig
-from companion.geo import bearing_rad, distance_m
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import bearing_rad, distance_m
+from companion.core.intent import FollowCircle
+from companion.core.state import NavState
+from companion.core.units import clamp, wrap_pi
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
-from companion.state import NavState
-from companion.units import clamp, wrap_pi
-from companion.vehicle.intent import FollowCircle
 
 _MAX_LEAD_RAD = 1.0
 

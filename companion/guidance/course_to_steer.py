@@ -13,7 +13,7 @@ steady cross-track error either.
 
 import math
 
-from companion.units import clamp
+from companion.core.units import clamp
 
 MAX_CRAB_SINE = math.sin(1.0)  # beyond that crab angle little speed is left to go ahead with
 

@@ -15,7 +15,7 @@ waypoint has its price in seconds.
 import math
 from typing import NamedTuple
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
 
 STEPS = 16  # of the numerical integration over a fillet
 TURN_SHARE = 0.92  # of the turn rate that full steering gives: the rest is left to correct with

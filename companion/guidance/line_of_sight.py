@@ -12,8 +12,8 @@ boat, so it leaves no steady cross-track error either.
 
 import math
 
-from companion.config import Guidance
-from companion.units import clamp
+from companion.config.boat_config import Guidance
+from companion.core.units import clamp
 
 RESPONSE_S = 0.7  # hull and heading loop answer about this late
 LOOKAHEAD_SPAN = (0.5, 1.5)  # of the configured lookahead, over speed

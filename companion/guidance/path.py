@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from companion.geo import Point
+from companion.core.geo import Point
 
 
 class Node(NamedTuple):

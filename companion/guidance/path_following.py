@@ -7,13 +7,13 @@ current has changed. A fillet that has been begun is sailed to its end.
 import math
 from typing import NamedTuple
 
-from companion.config import BoatConfig
-from companion.geo import Point, distance_m
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point, distance_m
+from companion.core.intent import FollowLeg
+from companion.core.state import NavState
 from companion.guidance.fillet import Fillet
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.smoothing import Corner, SmoothPath, smooth
-from companion.state import NavState
-from companion.vehicle.intent import FollowLeg
 
 GLIMPSE_S = 0.1  # over which the coming turn of the course is measured
 NEW_SET_SHARE = 0.25  # of min_speed_m_s: the path is made anew for a current that has changed so much

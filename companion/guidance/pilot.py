@@ -2,17 +2,9 @@
 
 import math
 
-from companion.config import BoatConfig
-from companion.geo import Line, Point, distance_m
-from companion.guidance.circle import circle_course_rad, circle_speed_m_s
-from companion.guidance.course_to_steer import course_to_steer, steerable_speed_m_s
-from companion.guidance.path_following import GLIMPSE_S, Guide, PathFollowing
-from companion.guidance.speed_profile import GAINING_SHARE, leg_speed_m_s, steered_speed_m_s
-from companion.guidance.station_keeping import LYING_SHARE, StationKeeping, turning_s
-from companion.guidance.turning import Turning
-from companion.state import Demand, NavState
-from companion.units import clamp, wrap_pi
-from companion.vehicle.intent import (
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Line, Point, distance_m
+from companion.core.intent import (
     Drive,
     FollowCircle,
     FollowLeg,
@@ -23,6 +15,14 @@ from companion.vehicle.intent import (
     KeepStation,
     Stop,
 )
+from companion.core.state import Demand, NavState
+from companion.core.units import clamp, wrap_pi
+from companion.guidance.circle import circle_course_rad, circle_speed_m_s
+from companion.guidance.course_to_steer import course_to_steer, steerable_speed_m_s
+from companion.guidance.path_following import GLIMPSE_S, Guide, PathFollowing
+from companion.guidance.speed_profile import GAINING_SHARE, leg_speed_m_s, steered_speed_m_s
+from companion.guidance.station_keeping import LYING_SHARE, StationKeeping, turning_s
+from companion.guidance.turning import Turning
 
 _STOP = Stop()
 _LEAP = 2.0  # times the fastest turn: the heading asked for does not turn, it is another one

@@ -12,12 +12,12 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from companion.config import BoatConfig
-from companion.geo import Line, Point
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Line, Point
+from companion.core.units import wrap_pi
 from companion.guidance.fillet import LEAST_TURN_RAD, Bend, Fillet, best_fillet
 from companion.guidance.path import Node, Path
 from companion.guidance.speed_profile import with_speeds
-from companion.units import wrap_pi
 
 LEG_SHARE = 0.5  # of a leg may be taken by the fillet at either end
 

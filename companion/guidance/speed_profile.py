@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from companion.config import BoatConfig, Guidance
+from companion.config.boat_config import BoatConfig, Guidance
 from companion.guidance.path import Node
 
 REACTION_S = 1.0  # until throttle taken back shows in the speed

@@ -13,12 +13,12 @@ half the radius, and moves ahead or astern along a line through the point that t
 
 import math
 
-from companion.config import BoatConfig, Guidance
-from companion.geo import Point
+from companion.config.boat_config import BoatConfig, Guidance
+from companion.core.geo import Point
+from companion.core.state import Demand, NavState
+from companion.core.units import clamp, wrap_pi
 from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.speed_profile import braking_speed_m_s, steered_speed_m_s
-from companion.state import Demand, NavState
-from companion.units import clamp, wrap_pi
 
 STILL_SHARE = 0.5  # of the radius: inside, position errors ask for nothing in still water
 CLOSING_RATE_PER_S = 0.4  # speed asked for per metre away

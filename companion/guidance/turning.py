@@ -1,7 +1,7 @@
 """A turn rate as a heading to hold: it runs ahead of the bow until the bow keeps up."""
 
-from companion.state import NavState
-from companion.units import clamp, wrap_pi
+from companion.core.state import NavState
+from companion.core.units import clamp, wrap_pi
 
 MAX_LEAD_RAD = 1.0  # the heading loop saturates well before that
 

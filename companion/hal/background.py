@@ -4,7 +4,7 @@ import logging
 import threading
 from collections.abc import Callable
 
-from companion.hal.backoff import Backoff
+from companion.links.backoff import Backoff
 
 _log = logging.getLogger(__name__)
 

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.i2c import open_i2c
 from companion.hal.ina219 import Ina219, Ina219Sample

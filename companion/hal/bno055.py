@@ -8,7 +8,7 @@ import math
 import struct
 from typing import Final, NamedTuple
 
-from companion.errors import HardwareError
+from companion.core.errors import HardwareError
 from companion.hal.i2c import I2cBus
 
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high

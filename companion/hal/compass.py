@@ -4,8 +4,9 @@ import math
 from collections.abc import Callable
 from typing import Protocol
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
+from companion.core.units import wrap_pi
 from companion.hal.background import Background
 from companion.hal.bno055 import Bno055, Bno055Sample
 from companion.hal.i2c import open_i2c
@@ -14,7 +15,6 @@ from companion.hal.nmea_part import NmeaPart, open_nmea_port
 from companion.sensors.nmea import Sentence
 from companion.sensors.nmea_heading import HEADING_SENTENCES, HeadingAssembler
 from companion.sensors.readings import HeadingReading
-from companion.units import wrap_pi
 
 _BNO055_PERIOD_S = 0.04
 

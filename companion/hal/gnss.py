@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from companion import parts
+from companion.config import parts
 from companion.hal.interfaces import Port
 from companion.hal.nmea_part import NmeaPart, open_nmea_port
 from companion.sensors.nmea import Sentence

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from companion import parts
+from companion.config import parts
 from companion.hal.background import Background
 from companion.hal.pins import opening_pins
 from companion.sensors.readings import HullReading

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
-from companion.errors import HardwareError
+from companion.core.errors import HardwareError
 from companion.hal.optional import import_optional
 
 DEVICE = Path("/dev/i2c-1")  # on header pins 3 and 5 of every Pi with 40 pins

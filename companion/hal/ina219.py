@@ -7,7 +7,7 @@ power (8.5.2) needs a calibration register that a dip of its supply clears, and 
 import struct
 from typing import Final, NamedTuple
 
-from companion.errors import HardwareError
+from companion.core.errors import HardwareError
 from companion.hal.i2c import I2cBus
 
 ADDRESS: Final = 0x40

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
-from companion.params import Knob
+from companion.config.parameters import Knob
 from companion.sensors.readings import (
     BatteryReading,
     GnssFix,

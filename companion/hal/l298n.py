@@ -14,10 +14,10 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Protocol
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
+from companion.core.units import clamp
 from companion.hal.pins import opening_pins
-from companion.units import clamp
 
 
 class Leg(Protocol):

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from companion.hal.interfaces import Port
 from companion.hal.port_reader import PortReader
-from companion.hal.port_url import open_port
+from companion.links.port_url import open_port
 from companion.sensors.nmea import NmeaReader, Sentence
 
 

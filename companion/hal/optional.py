@@ -3,7 +3,7 @@
 import importlib
 from types import ModuleType
 
-from companion.errors import HardwareError
+from companion.core.errors import HardwareError
 
 
 def import_optional(module: str, part: str) -> ModuleType:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
 
-from companion.errors import HardwareError
+from companion.core.errors import HardwareError
 from companion.hal.optional import import_optional
 
 _PIPE = ".lgd-nfy"  # lgpio makes it in LG_WD or else the working directory, and cannot do without

@@ -3,15 +3,17 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.errors import ConfigError
+from companion.config.rc import Rc
+from companion.core.errors import ConfigError
 from companion.hal.interfaces import Port
 from companion.hal.port_reader import PortReader
-from companion.hal.port_url import open_port
-from companion.hal.serial_port import LINE_8E2, LINE_8N1, Line, SerialPort
-from companion.sensors import rc_crsf, rc_ibus, rc_sbus
-from companion.sensors.rc_parser import RcParser
+from companion.links.port_url import open_port
+from companion.links.serial_port import LINE_8E2, LINE_8N1, Line, SerialPort
+from companion.rc import crsf as rc_crsf
+from companion.rc import ibus as rc_ibus
+from companion.rc import sbus as rc_sbus
+from companion.rc.parser import RcParser
 from companion.sensors.readings import RcReading
-from companion.settings.rc import Rc
 
 
 class _Protocol(NamedTuple):

@@ -13,12 +13,12 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any, Protocol
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.pins import opening_pins
+from companion.obstacles.perception.servo_scan import Swing
 from companion.sensors.readings import SonarReading
-from companion.sensors.swing import Swing
 
 MIN_RANGE_M = 0.02
 PING_PERIOD_S = 0.06  # of the data sheet: an echo of the last ping must not answer this one

@@ -5,16 +5,16 @@ from operator import attrgetter
 from typing import Final
 
 from companion import __version__
-from companion.config import BoatConfig
-from companion.geo import LatLon
+from companion.config.boat_config import BoatConfig
+from companion.config.parameters import Parameters
+from companion.core.geo import LatLon
+from companion.core.modes import Mode
+from companion.core.units import deg_to_e7
+from companion.failsafe.table import Condition
 from companion.log import records as r
 from companion.log.samples import text, time_us
 from companion.mavlink.items import MissionItem
-from companion.params import Parameters
-from companion.services.snapshot import Snapshot
-from companion.units import deg_to_e7
-from companion.vehicle.failsafes.table import Condition
-from companion.vehicle.modes import Mode
+from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
 
 # LogEvent, LogErrorSubsystem and their codes, with ArduPilot's numbers

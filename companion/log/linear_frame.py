@@ -1,6 +1,6 @@
 """Local metres to 1e7 degrees, cheaply enough for every record."""
 
-from companion.geo import LocalFrame, Point, longitude_difference_deg
+from companion.core.geo import LocalFrame, Point, longitude_difference_deg
 
 _REACH_M = 50.0  # what is left out is 0.2 mm at 50 m and 50° of latitude; 1e-7 degrees are 11 mm
 _STEP_M = 50.0

@@ -4,13 +4,13 @@ import re
 from pathlib import Path
 from typing import Final
 
+from companion.core.status_text import Notice
 from companion.log.onboard import Look, OnboardLog
 from companion.log.sink import FileSink, Sink
 from companion.log.store import LogStore
 from companion.log.telemetry import TelemetryLog
 from companion.log.worker import ThreadWorker, Worker
 from companion.router.channels import Channels
-from companion.vehicle.notice import Notice
 
 FOLDER: Final = "logs"
 _MOST_TELEMETRY_LOGS: Final = 16  # open at a time

@@ -11,7 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain, islice
 from typing import Final
 
-from companion.config import BoatConfig
+from companion.app.runner import TickCount
+from companion.config.boat_config import BoatConfig
+from companion.config.parameters import Parameters
+from companion.core.status_text import Notice, Severity
 from companion.log import events, samples
 from companion.log import records as r
 from companion.log.events import EventWatch
@@ -19,13 +22,10 @@ from companion.log.linear_frame import LinearFrame
 from companion.log.samples import time_us
 from companion.log.sink import Sink
 from companion.mavlink.items import MissionItem
-from companion.params import Parameters
 from companion.router.channels import Channels
-from companion.runner import TickCount
 from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
-from companion.services.snapshot import Snapshot
-from companion.vehicle.mission_steps import Mission
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.snapshot import Snapshot
+from companion.vehicle.mission.steps import Mission
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)

@@ -3,7 +3,7 @@
 import logging
 from functools import partial
 
-from companion.errors import StorageError
+from companion.core.errors import StorageError
 from companion.log.store import LogStore
 from companion.log.worker import Worker
 

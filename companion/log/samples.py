@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from companion.geo import bearing_rad, distance_m
+from companion.core.geo import bearing_rad, distance_m
+from companion.core.state import Demand, NavState
+from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
 from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
-from companion.services.snapshot import Snapshot
-from companion.state import Demand, NavState
-from companion.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
+from companion.services.telemetry.snapshot import Snapshot
 
 _DEG: Final = 180.0 / math.pi
 _NAN: Final = math.nan

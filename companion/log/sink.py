@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
-from companion.errors import OutputError, StorageError
+from companion.core.errors import OutputError, StorageError
 from companion.log.store import LogStore
 from companion.log.worker import Worker
 

@@ -11,7 +11,7 @@ import shutil
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from companion.errors import StorageError
+from companion.core.errors import StorageError
 
 logger = logging.getLogger(__name__)
 

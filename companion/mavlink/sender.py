@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from companion.errors import LocalProtocolError
+from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType

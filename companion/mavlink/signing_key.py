@@ -15,7 +15,7 @@ import hmac
 import os
 from pathlib import Path
 
-from companion.errors import ConfigError
+from companion.core.errors import ConfigError
 
 KEY_BYTES = 32
 SIGNATURE_BYTES = 6

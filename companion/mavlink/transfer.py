@@ -40,7 +40,7 @@ table has no row for is counted as `ignored`; a call of ours that it has no row 
 
 from dataclasses import dataclass
 
-from companion.errors import LocalProtocolError
+from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType

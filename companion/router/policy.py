@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
 
-from companion.config import LinkConfig
-from companion.errors import ConfigError
+from companion.config.boat_config import LinkConfig
+from companion.core.errors import ConfigError
 from companion.mavlink.dialect import dialect
 from companion.mavlink.layout import LAYOUTS
 

@@ -7,8 +7,8 @@ stamped with the boat's clock, until it is stale.
 from collections import deque
 from enum import IntEnum
 
-from companion.config import External
-from companion.geo import LatLon, LocalFrame
+from companion.config.boat_config import External
+from companion.core.geo import LatLon, LocalFrame
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
 
 MIN_FIX_TYPE = 3

@@ -7,10 +7,10 @@ voltage answers the motors; Plett, "Battery Management Systems, Volume II", 2015
 model with a measured current.
 """
 
-from companion.config import Battery
+from companion.config.boat_config import Battery
+from companion.core.state import MotorCommand
 from companion.sensors.charge import ChargeCounter, resting_share
 from companion.sensors.readings import BatteryReading
-from companion.state import MotorCommand
 
 # What is shown rises only once the estimate is higher by more than this share: relaxation of the pack after a
 # load, and errors of the sag, come to about as much, and must not make the figure go up and down

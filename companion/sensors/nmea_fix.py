@@ -6,7 +6,7 @@ Field meanings: NMEA 0183 v4.11 (GGA, GNS, RMC, VTG, GLL, GSA, GST).
 import datetime
 import math
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from companion.sensors.nmea import Sentence
 from companion.sensors.readings import GnssFix
 

@@ -2,9 +2,9 @@
 
 import math
 
+from companion.core.units import wrap_pi
 from companion.sensors.nmea import Sentence
 from companion.sensors.readings import HeadingReading
-from companion.units import wrap_pi
 
 HEADING_SENTENCES = frozenset({"HDT", "THS", "HDG", "HDM", "ROT"})
 

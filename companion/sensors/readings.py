@@ -2,7 +2,7 @@
 
 from msgspec import Struct
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 
 
 class GnssFix(Struct, frozen=True, gc=False):

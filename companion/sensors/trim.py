@@ -1,6 +1,6 @@
 """What is known to be wrong with the heading sensor, taken out of its readings."""
 
-from companion.config import Trim
+from companion.config.boat_config import Trim
 from companion.sensors.readings import HeadingReading
 
 

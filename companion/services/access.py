@@ -8,15 +8,15 @@ only signing keeps out malice.
 import math
 from collections.abc import Container
 
+from companion.config.parameters import Parameters
+from companion.core.status_text import Notice, Severity
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionResult
-from companion.params import Parameters
-from companion.services.command import DENIED
-from companion.services.ftp_frames import Code, Opcode, Refusal, nak, parse_request
+from companion.services.commands.command import DENIED
+from companion.services.ftp.frames import Code, Opcode, Refusal, nak, parse_request
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
-from companion.services.statustext import StatusTextService
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.statustext import StatusTextService
 
 _REPEAT_S = 30.0
 

@@ -8,13 +8,13 @@ because QGroundControl answers only vehicles that it knows. Who does not answer 
 import logging
 from collections.abc import Mapping
 
+from companion.core.status_text import Notice, Severity
 from companion.mavlink.dialect import Message, dialect
 from companion.router.amplification import Question
 from companion.router.channel import Channel
-from companion.services.heartbeat import HeartbeatService
 from companion.services.outbox import Origin, Outbox
-from companion.services.statustext import StatusTextService
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.heartbeat import HeartbeatService
+from companion.services.telemetry.statustext import StatusTextService
 
 logger = logging.getLogger(__name__)
 

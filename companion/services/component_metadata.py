@@ -12,15 +12,15 @@ from functools import cache
 from typing import Any
 
 from companion import __version__
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Kind, Parameters, Row, shortest
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
-from companion.params import Kind, Parameters, Row, shortest
-from companion.params_table import ROWS
-from companion.services.ftp_tree import checksum
-from companion.services.ftp_virtual import Content
-from companion.services.snapshot import Snapshot
-from companion.storage import MemoryStorage
+from companion.persistence.storage import MemoryStorage
+from companion.services.ftp.tree import checksum
+from companion.services.ftp.virtual import Content
+from companion.services.telemetry.snapshot import Snapshot
 
 COMPONENT_INFORMATION_ID: int = ComponentInformation.id
 COMPONENT_METADATA_ID: int = ComponentMetadata.id

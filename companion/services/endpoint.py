@@ -7,41 +7,41 @@ and a fault in handling one is logged once for its kind and never reaches the co
 import logging
 from collections.abc import Callable, Mapping
 
+from companion.calibration.motor_test import MotorTest
+from companion.calibration.trials import Trials
+from companion.config.parameters import Parameters
 from companion.hal.interfaces import FaultInjector
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
-from companion.params import Parameters
+from companion.persistence.signing_store import SigningStore
+from companion.persistence.storage import FolderStorage, Storage
 from companion.router.channel import Channel
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
-from companion.services.commands import CommandService
+from companion.services.commands.dispatcher import CommandService
 from companion.services.external_pose import ExternalPoseService
-from companion.services.ftp import FtpService
-from companion.services.ftp_mounts import build_tree, open_worker
+from companion.services.ftp.mounts import build_tree, open_worker
+from companion.services.ftp.service import FtpService
 from companion.services.guided import GuidedService
-from companion.services.heartbeat import HeartbeatService
 from companion.services.logs import LogService
 from companion.services.manual_control import ManualControlService
-from companion.services.mission import MissionService
-from companion.services.modes_info import ModesInfoService
+from companion.services.missions.service import MissionService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.roles import Role, Roles
 from companion.services.sightings import SightingService
 from companion.services.signing import SigningService
-from companion.services.signing_store import SigningStore
-from companion.services.statustext import StatusTextService
-from companion.services.telemetry import Look, MaySend, TelemetryService, always
+from companion.services.telemetry.available_modes import ModesInfoService
+from companion.services.telemetry.heartbeat import HeartbeatService
+from companion.services.telemetry.service import Look, MaySend, TelemetryService, always
+from companion.services.telemetry.statustext import StatusTextService
 from companion.services.time_sync import TimeService
-from companion.storage import FolderStorage, Storage
-from companion.vehicle.motor_test import MotorTest
-from companion.vehicle.trials.trials import Trials
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)

@@ -8,18 +8,18 @@ been silent for the time-out. What is not finite, out of range or too fast is dr
 import math
 from collections.abc import Callable
 
-from companion.config import External
-from companion.geo import LatLon, LocalFrame, Point
+from companion.config.boat_config import External
+from companion.config.parameters import Parameters
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.status_text import Notice, Severity
+from companion.core.units import e7_to_deg, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.params import Parameters
 from companion.sensors.external import ExternalSensors, Use
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
-from companion.services.commands_vehicle import Tell
-from companion.services.motion_messages import global_origin
+from companion.services.commands.vehicle import Tell
 from companion.services.outbox import Origin, Outbox
-from companion.units import e7_to_deg, wrap_pi
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.motion_messages import global_origin
 from companion.vehicle.vehicle import Vehicle
 
 _MIN_SPACING_S = 0.015  # a pose a tick and no more

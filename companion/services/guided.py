@@ -7,18 +7,18 @@ reason once in REPEAT_S.
 import math
 from collections.abc import Callable
 
-from companion.geo import LatLon, Point
+from companion.core.geo import LatLon, Point
+from companion.core.intent import Hold, HoldCourse, HoldHeading, HoldTurn
+from companion.core.requests import GoTo, SetPoint
+from companion.core.state import NavState
+from companion.core.status_text import Notice, Severity
+from companion.core.units import e7_to_deg, wrap_pi
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult
-from companion.requests import GoTo, SetPoint
-from companion.services.mission_items import global_position
+from companion.rc.manual_input import top_speed_m_s
+from companion.services.missions.items import global_position
 from companion.services.outbox import Origin
-from companion.services.statustext import StatusTextService
-from companion.state import NavState
-from companion.units import e7_to_deg, wrap_pi
-from companion.vehicle.intent import Hold, HoldCourse, HoldHeading, HoldTurn
-from companion.vehicle.notice import Notice, Severity
-from companion.vehicle.sticks import top_speed_m_s
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 REPEAT_S = 30.0

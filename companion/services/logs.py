@@ -13,14 +13,14 @@ lost.
 from collections import deque
 from typing import Final, NamedTuple
 
+from companion.core.status_text import Notice, Severity
 from companion.log.logbook import Logbook
 from companion.log.reader import LogReader
 from companion.log.store import LogFile
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Origin, Outbox
-from companion.services.statustext import StatusTextService
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 CHUNK_BYTES: Final = 90

@@ -7,14 +7,14 @@ goes on; the others are ignored, and told so once. A helm that nobody holds any 
 
 import math
 
+from companion.config.rc import RcChannel
+from companion.core.requests import ManualInput
+from companion.core.status_text import Notice, Severity
+from companion.core.units import clamp
 from companion.mavlink.dialect import Message
-from companion.requests import ManualInput
-from companion.sensors.rc_pulses import deflection
+from companion.rc.pulses import deflection
 from companion.services.outbox import Origin
-from companion.services.statustext import StatusTextService
-from companion.settings.rc import RcChannel
-from companion.units import clamp
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _INVALID_AXIS = 0x7FFF

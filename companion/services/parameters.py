@@ -2,14 +2,14 @@
 
 from collections import deque
 
+from companion.config.parameter_pack import PackError, unpack_upload
+from companion.config.parameters import Parameters
+from companion.core.status_text import Notice, Severity
 from companion.mavlink.dialect import Message, dialect
-from companion.param_pack import PackError, unpack_upload
-from companion.params import Parameters
-from companion.services.ftp_frames import Code, Refusal
+from companion.persistence.losses import Losses
+from companion.services.ftp.frames import Code, Refusal
 from companion.services.outbox import Origin, Outbox
-from companion.services.statustext import StatusTextService
-from companion.vehicle.losses import Losses
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.statustext import StatusTextService
 
 _LIST_PER_TICK = 250  # all there are, where the line is fast; a slow one takes what it has room for
 _STORED = "parameters"  # their name among the losses

@@ -2,11 +2,11 @@
 
 import math
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
+from companion.core.requests import Sighting
+from companion.core.units import e7_to_deg
 from companion.mavlink.dialect import Message, dialect
-from companion.requests import Sighting
 from companion.services.outbox import Origin
-from companion.units import e7_to_deg
 from companion.vehicle.vehicle import Vehicle
 
 _UNKNOWN_HEADING = 0xFFFF

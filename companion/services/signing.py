@@ -7,15 +7,15 @@ trusts (loopback, USB), addressed to us, and never while armed. It is never pass
 import logging
 from collections.abc import Mapping
 
+from companion.core.status_text import Notice, Severity
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message
 from companion.mavlink.signing import Guard
 from companion.mavlink.signing_key import SigningKey
+from companion.persistence.signing_store import SigningStore
 from companion.router.channel import Channel
 from companion.services.outbox import Origin
-from companion.services.signing_store import SigningStore
-from companion.services.statustext import StatusTextService
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)

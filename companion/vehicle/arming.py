@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from companion.config import Arming, BoatConfig, Motors
+from companion.config.boat_config import Arming, BoatConfig, Motors
+from companion.core.modes import Mode
+from companion.core.state import NavState
+from companion.rc.manual_input import Sticks
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.state import NavState
-from companion.vehicle.modes import Mode
-from companion.vehicle.sticks import Sticks
 
 
 def arming_faults(

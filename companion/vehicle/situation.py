@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from companion.config import BoatConfig
-from companion.geo import LatLon, LocalFrame
-from companion.state import NavState
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon, LocalFrame
+from companion.core.state import NavState
 
 
 class Situation(NamedTuple):

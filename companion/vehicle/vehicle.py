@@ -2,24 +2,24 @@
 
 from collections.abc import Sequence
 
-from companion.config import BoatConfig
-from companion.estimation.health import lacks_heading, lacks_position
-from companion.geo import LatLon, LocalFrame, Point
-from companion.requests import ACCEPTED, Outcome, Request
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.health import lacks_heading, lacks_position
+from companion.core.intent import Intent, Stop
+from companion.core.modes import COMES_INSIDE, Mode
+from companion.core.requests import ACCEPTED, Outcome, Request
+from companion.core.state import NavState
+from companion.core.status_text import Notice, Severity
+from companion.failsafe.monitor import Failsafes
+from companion.failsafe.recovery.recovery import Drills
+from companion.failsafe.response import NO_HEADING, TRY_AGAIN_S, Response
+from companion.geofence.fence import Fence, FenceArea
+from companion.persistence.losses import FENCE, Losses
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
-from companion.vehicle.conduct import Conduct, distance_fault, station_of
-from companion.vehicle.drills import Drills
-from companion.vehicle.failsafes.failsafes import Failsafes
-from companion.vehicle.fence import Fence, FenceArea
-from companion.vehicle.intent import Intent, Stop
-from companion.vehicle.losses import FENCE, Losses
-from companion.vehicle.mission_steps import Mission
-from companion.vehicle.modes import COMES_INSIDE, Mode
-from companion.vehicle.notice import Notice, Severity
-from companion.vehicle.orders import carry_out
-from companion.vehicle.response import NO_HEADING, TRY_AGAIN_S, Response
+from companion.vehicle.commands import carry_out
+from companion.vehicle.mission.steps import Mission
+from companion.vehicle.modes.mode_manager import Conduct, distance_fault, station_of
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()

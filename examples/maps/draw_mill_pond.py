@@ -12,7 +12,7 @@ import random
 from pathlib import Path
 from typing import Any
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 
 Ring = list[tuple[float, float]]
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from mission_tools.errors import UsageError
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"

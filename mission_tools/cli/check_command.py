@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
-from companion.command_line import HELP_NAMES, Version
-from mission_tools.check import check_mission
+from companion.core.command_line import HELP_NAMES, Version
 from mission_tools.cli.exit import run_app
 from mission_tools.maps import load_source
-from mission_tools.plan_file import load_mission
-from mission_tools.planning import PlanSettings
+from mission_tools.mission.check import check_mission
+from mission_tools.mission.plan_file import load_mission
+from mission_tools.planning.planner import PlanSettings
 
 PROGRAM = "mission-check"
 EXAMPLES = f"""

@@ -1,11 +1,11 @@
-"""How a program of this package ends: `companion.command_line`, with the planner's own errors."""
+"""How a program of this package ends: `companion.core.command_line`, with the planner's own errors."""
 
 from collections.abc import Sequence
 
 import typer
 
-from companion import command_line
-from companion.errors import OutputError
+from companion.core import command_line
+from companion.core.errors import OutputError
 from mission_tools.errors import MissionToolsError
 
 

@@ -4,8 +4,8 @@ import math
 from typing import Any
 
 from mission_tools.job import Report
-from mission_tools.planning import Plan
-from mission_tools.voyage import Voyage
+from mission_tools.planning.planner import Plan
+from mission_tools.vehicle.voyage import Voyage
 
 
 def as_json(report: Report) -> dict[str, Any]:

@@ -11,15 +11,15 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from companion.command_line import HELP_NAMES, Version
+from companion.core.command_line import HELP_NAMES, Version
 from mission_tools.cli.arguments import position, with_start_told_apart
 from mission_tools.cli.exit import run_app
 from mission_tools.cli.report import as_json
 from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
-from mission_tools.connection import DEFAULT_SYSTEM_ID
 from mission_tools.job import Report, Request, run
-from mission_tools.link_url import DEFAULT_LINK, FORMS
-from mission_tools.proposal import Wishes
+from mission_tools.mission.proposal import Wishes
+from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID
+from mission_tools.vehicle.link_url import DEFAULT_LINK, FORMS
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, context_settings=HELP_NAMES)
 

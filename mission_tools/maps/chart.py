@@ -12,7 +12,7 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.geo import LatLon, LocalFrame, Point, longitude_difference_deg
+from companion.core.geo import LatLon, LocalFrame, Point, longitude_difference_deg
 from mission_tools.errors import MapError
 
 Kind = Literal["water", "island", "obstacle", "pier", "raft", "keep_out", "swimming", "landmark"]

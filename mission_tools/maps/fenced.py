@@ -9,10 +9,10 @@ import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from mission_tools.errors import MapError
 from mission_tools.maps.chart import Chart, Feature, build_chart
-from mission_tools.mission import Fence, FenceCircle, FencePolygon
+from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon
 
 BEYOND_M = 50.0  # of open water round an inclusion that is still on the chart
 OUTSIDE = "the water outside the fence"

@@ -22,7 +22,7 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon, LocalFrame
 from mission_tools.errors import MapError
 from mission_tools.maps.chart import Area, Chart, Feature, Kind, build_chart
 from mission_tools.maps.crs import to_wgs84

@@ -1,4 +1,4 @@
-"""Arrays of WGS 84 positions to a local frame, with PROJ: the same frame as `companion.geo.LocalFrame`."""
+"""WGS 84 positions to a local frame with PROJ: the same frame as `companion.core.geo.LocalFrame`."""
 
 import numpy as np
 import pyproj
@@ -6,7 +6,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 
 
 def _transverse_mercator(origin: LatLon) -> pyproj.Transformer:

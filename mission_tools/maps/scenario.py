@@ -22,8 +22,8 @@ import shapely
 from msgspec import Meta
 from shapely.geometry import Polygon
 
-from companion.geo import LatLon, LocalFrame, Point
-from companion.toml_text import parse_toml
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.toml_text import parse_toml
 from mission_tools.errors import MapError
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson

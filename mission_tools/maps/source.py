@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from companion.geo import Point
+from companion.core.geo import Point
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 

@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from mission_tools.cli.arguments import position
-from sitl.scenario import Scenario, load_scenario
-from sitl.sensors.sampling import MOST_SEED
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.sensors.sampling import MOST_SEED
 
 Source = Annotated[
     str, typer.Argument(metavar="SCENARIO", help="lake, pool, open, a .toml file or a .geojson map")

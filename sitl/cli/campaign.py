@@ -13,15 +13,15 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
 
-from companion.errors import BoatError
-from companion.output_file import write_text
-from sitl.campaign.campaign import Campaign, load_campaign
-from sitl.campaign.expect import Verdict, judge
-from sitl.campaign.ledger import Ledger
-from sitl.campaign.run import Outcome
-from sitl.campaign.table import tabulate, write_csv, write_parquet
-from sitl.campaign.workers import Crew, cluster_crew, cores, local_crew
+from companion.core.errors import BoatError
+from companion.core.output_file import write_text
 from sitl.cli.arguments import Workers
+from sitl.experiments.campaign.campaign import Campaign, load_campaign
+from sitl.experiments.campaign.expect import Verdict, judge
+from sitl.experiments.campaign.ledger import Ledger
+from sitl.experiments.campaign.run import Outcome
+from sitl.experiments.campaign.table import tabulate, write_csv, write_parquet
+from sitl.experiments.campaign.workers import Crew, cluster_crew, cores, local_crew
 from sitl.reports.campaign_page import campaign_page
 
 _MOST_ERRORS = 5

@@ -7,11 +7,11 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from companion.output_file import write_text
-from sitl.campaign.workers import cores
+from companion.core.output_file import write_text
 from sitl.cli.arguments import Workers
-from sitl.encounters.bench import WATERS, markdown, sail_all
-from sitl.sensors.sampling import MOST_SEED
+from sitl.experiments.campaign.workers import cores
+from sitl.experiments.encounters.bench import WATERS, markdown, sail_all
+from sitl.world.sensors.sampling import MOST_SEED
 
 
 def encounters(

@@ -9,13 +9,13 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import Progress
 
-from companion.output_file import output_folder, write_text
-from sitl.campaign.workers import cores
+from companion.core.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
-from sitl.paper import figures, table
-from sitl.paper.conditions import CASES, FIRST_SEED, RUNS, Method, seeds
-from sitl.paper.experiment import sail_all
-from sitl.paper.step_response import step_responses
+from sitl.experiments.campaign.workers import cores
+from sitl.experiments.paper import figures, table
+from sitl.experiments.paper.conditions import CASES, FIRST_SEED, RUNS, Method, seeds
+from sitl.experiments.paper.experiment import sail_all
+from sitl.experiments.paper.step_response import step_responses
 
 
 def paper(

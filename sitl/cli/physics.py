@@ -6,13 +6,13 @@ from typing import Annotated
 
 import typer
 
-from companion.command_line import busy_port_explained
-from companion.errors import BoatError
-from companion.shutdown import Shutdown
+from companion.app.shutdown import Shutdown
+from companion.core.command_line import busy_port_explained
+from companion.core.errors import BoatError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.physics.backend import Backend
 from sitl.physics.udp_server import PORT, PhysicsServer
-from sitl.recorder import Recorder
+from sitl.run.recorder import Recorder
 
 _MOST_STEPS_A_ROW = 100  # a row a tenth of a second even at a thousand steps a second
 

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from companion.command_line import HELP_NAMES, Version, run_app
-from companion.errors import BoatError
+from companion.core.command_line import HELP_NAMES, Version, run_app
+from companion.core.errors import BoatError
 from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_told_apart
 from sitl.cli.campaign import campaign

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from companion.output_file import write_text
-from sitl.campaign.ledger import Ledger
+from companion.core.output_file import write_text
+from sitl.experiments.campaign.ledger import Ledger
 from sitl.reports.campaign_page import campaign_page
 from sitl.reports.run_page import run_page
-from sitl.run_record import load_record
+from sitl.run.run_record import load_record
 
 
 def report(

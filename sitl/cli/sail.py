@@ -7,19 +7,19 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from companion import garbage
-from companion.errors import OutputError
+from companion.app import garbage_collection as garbage
+from companion.core.errors import OutputError
+from companion.core.output_file import write_text
 from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
-from companion.output_file import write_text
 from mission_tools.errors import UsageError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
-from sitl.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
-from sitl.orders import SailError
-from sitl.report import as_json, draw, print_table
-from sitl.run_record import RunRecord
-from sitl.sail import Result, Sailing
+from sitl.reports.run_figures import as_json, draw, print_table
+from sitl.run.operator import SailError
+from sitl.run.run_record import RunRecord
+from sitl.run.sail import Result, Sailing
+from sitl.scenarios.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
 
 
 def sail(

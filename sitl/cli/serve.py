@@ -7,19 +7,19 @@ from typing import Annotated
 
 import typer
 
-from companion import garbage
-from companion.clock import SystemClock
-from companion.command_line import busy_port_explained
-from companion.config import LinkConfig
-from companion.errors import BoatError
+from companion.app import garbage_collection as garbage
+from companion.app.clock import SystemClock
+from companion.app.restart import restart_program
+from companion.app.shutdown import Shutdown
+from companion.config.boat_config import LinkConfig
+from companion.core.command_line import busy_port_explained
+from companion.core.errors import BoatError
 from companion.mavlink.signing import SigningPolicy
-from companion.restart import restart_program
-from companion.shutdown import Shutdown
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
-from sitl.craft import Berth
-from sitl.fleet import PORT_STEP, fleet, moor
-from sitl.serve import RECORD_EVERY, Server
-from sitl.state_folder import NONE, hold, usual_folder
+from sitl.run.craft import Berth
+from sitl.run.fleet import PORT_STEP, fleet, moor
+from sitl.run.serve import RECORD_EVERY, Server
+from sitl.run.state_folder import NONE, hold, usual_folder
 
 
 def serve(

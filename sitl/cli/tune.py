@@ -11,20 +11,20 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from companion.errors import BoatError
-from companion.output_file import output_folder, write_text
-from sitl.campaign.campaign import Campaign
-from sitl.campaign.ledger import Ledger
-from sitl.campaign.run import Outcome, Run
-from sitl.campaign.workers import Crew, cores, local_crew
+from companion.core.errors import BoatError
+from companion.core.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
-from sitl.scenario import load_scenario
-from sitl.sensors.sampling import MOST_SEED
-from sitl.tuning.gains import Gains, gains_of, parameter_file
-from sitl.tuning.picture import draw_search
-from sitl.tuning.search import CANDIDATES, REACHES, Sail, Standing, search
-from sitl.tuning.trial import Trials
-from sitl.tuning.verdict import Verdict, judge
+from sitl.experiments.campaign.campaign import Campaign
+from sitl.experiments.campaign.ledger import Ledger
+from sitl.experiments.campaign.run import Outcome, Run
+from sitl.experiments.campaign.workers import Crew, cores, local_crew
+from sitl.experiments.tuning.gains import Gains, gains_of, parameter_file
+from sitl.experiments.tuning.picture import draw_search
+from sitl.experiments.tuning.search import CANDIDATES, REACHES, Sail, Standing, search
+from sitl.experiments.tuning.trial import Trials
+from sitl.experiments.tuning.verdict import Verdict, judge
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.sensors.sampling import MOST_SEED
 
 _CHECK_SEEDS = 8  # other seeds than those of the search
 _CHECK_AT = 1_000_000  # where the numbers of their runs begin

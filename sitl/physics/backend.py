@@ -3,12 +3,12 @@
 import math
 from collections.abc import Callable
 
-from companion.errors import ConfigError
-from sitl.hull import LONGEST_STEP_S
+from companion.core.errors import ConfigError
 from sitl.physics.servo_packet import parse_servos
 from sitl.physics.state_line import NO_ECHO_M, state_line
-from sitl.scenario import Scenario
-from sitl.world import Truth, World
+from sitl.scenarios.scenario import Scenario
+from sitl.world.hull import LONGEST_STEP_S
+from sitl.world.world import Truth, World
 
 CHANNELS = 16
 _AHEAD_RAD = math.radians(10.0)  # a ping this near to the bow is what a fixed ranger would have heard

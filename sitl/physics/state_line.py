@@ -11,7 +11,7 @@ as one that is far away. Release 4.7 reads neither `battery` nor `velocity_wind`
 import json
 import math
 
-from sitl.world import Truth
+from sitl.world.world import Truth
 
 GRAVITY_M_S2 = 9.80665
 NO_ECHO_M = 300.0  # beyond every RNGFND1_MAX; drivers that count centimetres in 16 bits end at 655 m

@@ -3,7 +3,7 @@
 import socket
 from collections.abc import Callable
 
-from companion.errors import LinkError
+from companion.core.errors import LinkError
 from sitl.physics.backend import Backend
 
 PORT = 9002

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from statistics import fmean
 from typing import Any
 
-from sitl.campaign.campaign import Campaign, leaves
-from sitl.campaign.expect import judge
-from sitl.campaign.run import Outcome, Run
-from sitl.campaign.table import Table, tabulate
+from sitl.experiments.campaign.campaign import Campaign, leaves
+from sitl.experiments.campaign.expect import judge
+from sitl.experiments.campaign.run import Outcome, Run
+from sitl.experiments.campaign.table import Table, tabulate
 from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
 from sitl.reports.labels import label, labelled
 from sitl.reports.page import Mark, Page

@@ -11,11 +11,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from mission_tools.cartouche import INK, PAPER, PLANNED, SAILED
-from sitl.campaign.expect import Expectation
-from sitl.campaign.run import Outcome
-from sitl.courses import COURSES
+from mission_tools.drawing.legend import INK, PAPER, PLANNED, SAILED
+from sitl.experiments.campaign.expect import Expectation
+from sitl.experiments.campaign.run import Outcome
 from sitl.reports.labels import label, labelled
+from sitl.scenarios.courses import COURSES
 
 _MOST_GROUPS = 24
 _MOST_TRACKS = 400

@@ -10,11 +10,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from companion.vehicle.modes import Mode
-from mission_tools.cartouche import HALO, INK, PAPER, PLANNED, SAILED
-from mission_tools.draw import draw_chart, draw_picture
-from sitl.run_record import RunRecord
-from sitl.timeline import OVER
+from companion.core.modes import Mode
+from mission_tools.drawing.draw import draw_chart, draw_picture
+from mission_tools.drawing.legend import HALO, INK, PAPER, PLANNED, SAILED
+from sitl.run.run_record import RunRecord
+from sitl.run.timeline import OVER
 
 Numbers = NDArray[np.float64]
 

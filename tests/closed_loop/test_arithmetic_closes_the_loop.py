@@ -12,16 +12,16 @@ from itertools import pairwise
 
 import pytest
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
+from companion.core.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, distance_m
+from companion.core.intent import Intent, KeepStation
+from companion.core.state import STOPPED, NavState
 from companion.estimation.estimator import Estimator
-from companion.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, distance_m
+from companion.guidance.leg import Leg
 from companion.guidance.pilot import Pilot
 from companion.sensors.readings import GnssFix, HeadingReading
-from companion.state import STOPPED, NavState
-from companion.vehicle.intent import Intent, KeepStation
-from companion.vehicle.leg import Leg
 
 DT = 0.02
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -7,8 +7,8 @@ from fence_rig import box, fenced, margin_m, polygon
 from companion.boat import TICK_S
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
-from sitl.faults.catalogue import FaultSetting
-from sitl.missions import fence_along, plan_mission, wire_items
+from sitl.scenarios.missions import fence_along, plan_mission, wire_items
+from sitl.world.faults.catalogue import FaultSetting
 
 AGROUND = "Failsafe: Aground: held at the shore"
 

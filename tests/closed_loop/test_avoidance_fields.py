@@ -6,9 +6,9 @@ import random
 import pytest
 from boat_rig import Rig, waypoint
 
-from sitl.missions import plan_mission, wire_items
-from sitl.sail import Sailing
-from sitl.scenario import load_scenario
+from sitl.run.sail import Sailing
+from sitl.scenarios.missions import plan_mission, wire_items
+from sitl.scenarios.scenario import load_scenario
 
 BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}
 

@@ -8,9 +8,9 @@ import math
 import pytest
 from boat_rig import OK, Rig, waypoint
 
-from companion.geo import Point
-from companion.guidance.avoidance import Stage
+from companion.core.geo import Point
 from companion.mavlink.items import MissionType
+from companion.obstacles.planning.avoidance import Stage
 
 BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}
 HALF_BEAM_M = 0.175

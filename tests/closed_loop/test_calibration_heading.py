@@ -6,11 +6,11 @@ from typing import NamedTuple
 import pytest
 from boat_rig import OK, Rig
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
+from companion.core.intent import HoldHeading
+from companion.core.requests import SetPoint
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
-from companion.requests import SetPoint
-from companion.units import wrap_pi
-from companion.vehicle.intent import HoldHeading
 
 AUTOTUNE, LOITER, GUIDED, IN_PROGRESS = dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 5, 15, 5
 STEP_RAD = math.radians(30.0)

@@ -6,11 +6,11 @@ from collections.abc import Callable
 import pytest
 from boat_rig import OK, Rig, waypoint
 
+from companion.core.requests import ManualInput
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
-from companion.requests import ManualInput
-from companion.storage import MemoryStorage
-from sitl.world import World
+from companion.persistence.storage import MemoryStorage
+from sitl.world.world import World
 
 CALIBRATE, HOLD, LOITER, GUIDED = dialect.MAV_CMD_USER_1, 4, 5, 15
 REJECTED_FOR_NOW, IN_PROGRESS, CANCELLED = 1, 5, 6

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import pytest
 from boat_rig import Rig, waypoint
 
-from companion.estimation.health import fault_texts
-from companion.state import EstimateFault, NavState
+from companion.core.health import fault_texts
+from companion.core.state import EstimateFault, NavState
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 AT_S = 45.0

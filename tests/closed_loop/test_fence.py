@@ -6,7 +6,7 @@ import pytest
 from boat_rig import OK, Rig
 from fence_rig import L_WATER, RALLY, box, fenced, item, least_margin_m, polygon
 
-from companion.geo import Point
+from companion.core.geo import Point
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
 from companion.mavlink.transfer import Completed

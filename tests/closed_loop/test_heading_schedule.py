@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from companion.config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig, with_value
 from companion.control.helm import Helm
-from companion.state import Demand, NavState
-from companion.units import wrap_pi
-from sitl.scenario import load_scenario
-from sitl.world import Truth, World
+from companion.core.state import Demand, NavState
+from companion.core.units import wrap_pi
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import Truth, World
 
 DT_S = 0.02
 SLOW_GAIN = 1.7  # what the emulated hull takes

@@ -3,7 +3,7 @@
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from sitl.sail import Result, Sailing
+from sitl.run.sail import Result, Sailing
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 

@@ -5,10 +5,10 @@ import math
 import pytest
 from boat_rig import BOAT, HOME_ITEM, OK, Rig, waypoint
 
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
 from companion.mavlink.transfer import Completed
-from companion.units import wrap_pi
 
 TURNS, HAND_OVER = 18, 92
 AFTER, WITHIN, YAW = 112, 114, 115

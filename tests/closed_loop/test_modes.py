@@ -5,8 +5,8 @@ import math
 import pytest
 from boat_rig import OK, Rig
 
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import Message, dialect
-from companion.units import wrap_pi
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 

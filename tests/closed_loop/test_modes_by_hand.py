@@ -5,8 +5,8 @@ import math
 import pytest
 from boat_rig import OK, Rig
 
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
-from companion.units import wrap_pi
 
 ACRO, STEERING, SIMPLE = 1, 3, 7
 

@@ -5,10 +5,10 @@ import math
 import pytest
 from boat_rig import BOAT, OK, Peer, Rig
 
-from companion.geo import Point
+from companion.core.geo import Point
+from companion.core.units import deg_to_e7, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.units import deg_to_e7, wrap_pi
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 FOLLOW, CIRCLE, SMART_RTL, GUIDED, LOITER = 6, 9, 12, 15, 5

@@ -6,9 +6,9 @@ A few runs of what `examples/campaigns/motors_healthy.toml` and `motors_failing.
 import pytest
 from boat_rig import scenario
 
-from sitl.campaign.motor_figures import motor_figures
-from sitl.missions import lay_out, wire_items
-from sitl.sail import Result, Sailing
+from sitl.experiments.campaign.motor_figures import motor_figures
+from sitl.run.sail import Result, Sailing
+from sitl.scenarios.missions import lay_out, wire_items
 
 GUSTS = ("environment.wind_m_s=5", "environment.gust_m_s=8", "environment.wind_from_deg=90")
 CURRENT = ("environment.current_m_s=1.0", "environment.current_to_deg=90")

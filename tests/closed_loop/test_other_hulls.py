@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from sitl.campaign.campaign import load_campaign
-from sitl.campaign.run import Run, sail_run
+from sitl.experiments.campaign.campaign import load_campaign
+from sitl.experiments.campaign.run import Run, sail_run
 
 CAMPAIGN = Path("examples/campaigns/other_hulls.toml")
 

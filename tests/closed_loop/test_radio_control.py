@@ -5,8 +5,8 @@ import math
 import pytest
 from boat_rig import OK, UNSUPPORTED, Rig, waypoint
 
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
-from companion.units import wrap_pi
 
 ARM_UP, ARM_DOWN = 2000, 1000
 MANUAL, HOLD, LOITER, AUTO = 1100, 1300, 1425, 1550

@@ -2,9 +2,9 @@
 
 import pytest
 
-from sitl.missions import plan_mission, wire_items
-from sitl.sail import Sailing
-from sitl.scenario import load_scenario
+from sitl.run.sail import Sailing
+from sitl.scenarios.missions import plan_mission, wire_items
+from sitl.scenarios.scenario import load_scenario
 
 
 @pytest.mark.parametrize("seed", [101, 102])

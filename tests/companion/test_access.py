@@ -10,7 +10,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
-from companion.storage import FolderStorage
+from companion.persistence.storage import FolderStorage
 
 CMD = dialect
 ENFORCED: dict[str, object] = {"identity.operator_system_id": 255, "identity.only_operator": True}

@@ -8,7 +8,7 @@ import pytest
 from boat_rig import QGC, Rig
 from test_signing_service import KEY, GuardedRig
 
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 from companion.router.admission import PLACES, SILENT_S, Standing, surplus

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from boat_rig import Rig
 
-from companion.app import (
+from companion.app.composition import (
     check_config,
     open_compass,
     open_hardware,
@@ -17,12 +17,12 @@ from companion.app import (
     run_boat,
 )
 from companion.boat import Boat
-from companion.config import BoatConfig, LinkConfig, decode_config
-from companion.errors import ConfigError, HardwareError, LinkError, StorageError
+from companion.config.boat_config import BoatConfig, LinkConfig, decode_config
+from companion.config.parts import CompassPart
+from companion.core.errors import ConfigError, HardwareError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
 from companion.hal.watched_motors import WatchedMotors
-from companion.parts import CompassPart
-from companion.storage import MemoryStorage
+from companion.persistence.storage import MemoryStorage
 
 PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}
 
@@ -167,7 +167,9 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     parts = Parts()
-    monkeypatch.setattr("companion.app.open_l298n", lambda *_: parts.open(BoatConfig(), float).motors)
+    monkeypatch.setattr(
+        "companion.app.composition.open_l298n", lambda *_: parts.open(BoatConfig(), float).motors
+    )
     missing = str(tmp_path / "no-such-port")
     tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": missing}})
     with pytest.raises(HardwareError, match="no-such-port"):

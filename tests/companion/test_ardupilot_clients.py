@@ -9,13 +9,13 @@ import types
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.readings import GnssFix, SonarReading
-from companion.services.motion_messages import gps_raw_int
-from companion.services.status_messages import distance_sensor
+from companion.services.telemetry.motion_messages import gps_raw_int
+from companion.services.telemetry.status_messages import distance_sensor
 
 CMD = dialect
 LEFT, BOTH, PERCENT = 3, 1, 0

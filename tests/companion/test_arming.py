@@ -4,11 +4,11 @@ import msgspec
 import pytest
 from boat_rig import GOOD_FIX, nav_at
 
-from companion.config import Arming, Motors
+from companion.config.boat_config import Arming, Motors
+from companion.core.modes import Mode
+from companion.core.state import NavState
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.state import NavState
 from companion.vehicle.arming import PreArmReport, arming_faults
-from companion.vehicle.modes import Mode
 
 FULL = BatteryReading(0.0, 12.4)
 

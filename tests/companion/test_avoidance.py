@@ -7,14 +7,9 @@ import msgspec
 import pytest
 from boat_rig import nav_at
 
-from companion.config import BoatConfig, with_value
-from companion.geo import Point
-from companion.guidance.avoidance import PERIOD_S, Avoidance, Stage
-from companion.sensors.lookout import Lookout
-from companion.sensors.readings import SonarReading
-from companion.state import Demand, NavState
-from companion.vehicle.fence import Fence
-from companion.vehicle.intent import (
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.geo import Point
+from companion.core.intent import (
     Drive,
     FollowCircle,
     FollowLeg,
@@ -24,7 +19,12 @@ from companion.vehicle.intent import (
     KeepStation,
     Stop,
 )
-from companion.vehicle.notice import Notice
+from companion.core.state import Demand, NavState
+from companion.core.status_text import Notice
+from companion.geofence.fence import Fence
+from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.planning.avoidance import PERIOD_S, Avoidance, Stage
+from companion.sensors.readings import SonarReading
 
 CONFIG = BoatConfig()
 LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 2.0)

@@ -2,7 +2,7 @@
 
 from random import Random
 
-from companion.sensors.babble import Babble
+from companion.obstacles.perception.sonar_noise import Babble
 
 
 def test_random_ranges_are_found_out_within_four_seconds_and_forgiven_once_they_end() -> None:

@@ -3,7 +3,7 @@
 import pytest
 from boat_rig import OK, Rig
 
-from companion.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon, LocalFrame
 
 HOME, LAKE = LatLon(50.0, -1.2), LatLon(51.2, -1.2)  # 133 km
 LOITER = 5

@@ -1,7 +1,7 @@
 import pytest
 from boat_rig import BOAT, QGC
 
-from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.router.channels import Channels

@@ -5,12 +5,12 @@ from boat_rig import nav_at
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig
-from companion.geo import Point, distance_m
-from companion.guidance.clear_water import SECTOR_RAD, ClearWater, clear_m
-from companion.guidance.detour import PORT, STARBOARD, Detour, choose_side
-from companion.guidance.way_ahead import way_ahead
-from companion.vehicle.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, KeepStation, Stop
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point, distance_m
+from companion.core.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, KeepStation, Stop
+from companion.obstacles.planning.clearance import SECTOR_RAD, ClearWater, clear_m
+from companion.obstacles.planning.detour import PORT, STARBOARD, Detour, choose_side
+from companion.obstacles.planning.way_ahead import way_ahead
 
 HERE = Point(0.0, 0.0)
 AHEAD = Point(10.0, 0.0)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.mavlink.dialect import dialect
-from companion.services.commands import CommandService
+from companion.services.commands.dispatcher import CommandService
 
 CMD = dialect
 NAN = math.nan

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from companion.__main__ import main
-from companion.params_table import ROWS
+from companion.config.parameter_table import ROWS
 
 BOAT_TOML = """
 links = ["udpin:127.0.0.1:0"]
@@ -53,7 +53,7 @@ def test_a_bad_configuration_is_one_line_and_exit_code_two(
     content: str | None,
     words: str,
 ) -> None:
-    monkeypatch.setattr("companion.shutdown.signal.signal", lambda *_: None)
+    monkeypatch.setattr("companion.app.shutdown.signal.signal", lambda *_: None)
     path = tmp_path / "boat.toml"
     if content is not None:
         path.write_text(content, encoding="utf-8")

@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from companion.config import BoatConfig, decode_config, load_config, with_value
-from companion.errors import ConfigError
+from companion.config.boat_config import BoatConfig, decode_config, load_config, with_value
+from companion.core.errors import ConfigError
 
 
 def decoded(text: str) -> BoatConfig:

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.core.units import wrap_pi
 from companion.guidance.course_to_steer import course_to_steer, steerable_speed_m_s
-from companion.units import wrap_pi
 
 courses = st.floats(-math.pi, math.pi)
 

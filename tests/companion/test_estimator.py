@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.state import EstimateFault, NavState
 from companion.estimation.estimator import Estimator
-from companion.geo import LatLon, LocalFrame, Point
 from companion.sensors.readings import GnssFix, HeadingReading
-from companion.state import EstimateFault, NavState
 
 ORIGIN = LatLon(50.0, -1.2)
 FRAME = LocalFrame(ORIGIN)

@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import Speed
+from companion.config.boat_config import Speed
+from companion.config.estimation import Estimation
+from companion.core.state import EstimateFault
 from companion.estimation.current import CurrentFilter
 from companion.estimation.fix_watch import FixWatch
 from companion.estimation.fixing import Fixing
@@ -18,8 +20,6 @@ from companion.estimation.repetition import Repetition
 from companion.estimation.wake import LENGTH, Wake
 from companion.estimation.water_speed import WaterSpeed
 from companion.sensors.readings import HeadingReading
-from companion.settings.estimation import Estimation
-from companion.state import EstimateFault
 
 DT = 0.2
 

@@ -7,10 +7,10 @@ from boat_rig import BOAT, OK, Peer, Rig, Silent, waypoint
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.units import deg_to_e7, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.units import deg_to_e7, wrap_pi
 
 CAMERA = Address(1, 197)
 NAN = math.nan

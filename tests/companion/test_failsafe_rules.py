@@ -9,20 +9,20 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from msgspec.structs import replace
 
 from companion.boat import TICK_S
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
+from companion.core.intent import Drive
+from companion.core.modes import Mode
+from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
+from companion.core.state import EstimateFault
+from companion.core.status_text import Severity
+from companion.failsafe.monitor import PERIOD_S
+from companion.failsafe.propulsion import MotorWatch
+from companion.failsafe.table import Condition
 from companion.guidance.pilot import Pilot
-from companion.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
 from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
-from companion.state import EstimateFault
-from companion.vehicle.failsafes.failsafes import PERIOD_S
-from companion.vehicle.failsafes.propulsion import MotorWatch
-from companion.vehicle.failsafes.table import Condition
-from companion.vehicle.intent import Drive
-from companion.vehicle.mission_steps import Home, Waypoint
-from companion.vehicle.modes import Mode
-from companion.vehicle.notice import Severity
+from companion.vehicle.mission.steps import Home, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 FAULTS = st.lists(st.sampled_from(EstimateFault), max_size=3)

@@ -2,13 +2,13 @@ import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at
 from msgspec.structs import replace
 
-from companion.config import BoatConfig, with_value
-from companion.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.modes import Mode
+from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
+from companion.failsafe.actions import Action
+from companion.failsafe.escalation import Ladder, Move
+from companion.failsafe.table import ROWS, Condition
 from companion.sensors.readings import BatteryReading
-from companion.vehicle.failsafes.actions import Action
-from companion.vehicle.failsafes.ladder import Ladder, Move
-from companion.vehicle.failsafes.table import ROWS, Condition
-from companion.vehicle.modes import Mode
 from companion.vehicle.vehicle import Vehicle
 
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import Line, Point, distance_m
-from companion.vehicle.fair_line import SHIFT_SHARE, fair_line, is_short
+from companion.core.geo import Line, Point, distance_m
+from companion.vehicle.mission.fair_line import SHIFT_SHARE, fair_line, is_short
 
 RADIUS_M = 2.0
 HALF_M = SHIFT_SHARE * RADIUS_M

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_fence_lines import COORDINATE, globe, laid, square
 
-from companion.geo import Point
-from companion.vehicle.fence import FenceCircle
+from companion.core.geo import Point
+from companion.geofence.fence import FenceCircle
 
 WATER = (square(100.0), square(10.0, is_inclusion=False), FenceCircle(globe([(60.0, 40.0)])[0], 8.0, False))
 

@@ -8,10 +8,10 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from companion.geo import LatLon, LocalFrame, Point
-from companion.settings.fence import FenceSetting
-from companion.vehicle.fence import Fence, FenceArea, FenceCircle, FencePolygon
-from companion.vehicle.fence_lines import Disc, Ring
+from companion.config.fence import FenceSetting
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.geofence.fence import Fence, FenceArea, FenceCircle, FencePolygon
+from companion.geofence.fence_lines import Disc, Ring
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 COORDINATE = st.integers(-400, 400).map(lambda n: n / 4.0)

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.units import wrap_pi
 from companion.guidance.fillet import (
     HASTY_SHARE,
     LEAST_AHEAD_SHARE,
@@ -20,7 +21,6 @@ from companion.guidance.fillet import (
     cost_s,
     fillet_between,
 )
-from companion.units import wrap_pi
 
 CONFIG = BoatConfig()
 SPEED_M_S = 2.0

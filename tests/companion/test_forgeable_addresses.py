@@ -8,18 +8,18 @@ import pytest
 from boat_rig import BOAT, QGC, Peer, Rig
 
 from companion.boat import Boat
-from companion.config import LinkConfig
-from companion.errors import ConfigError
-from companion.hal.memory import memory_pair
+from companion.config.boat_config import LinkConfig
+from companion.core.errors import ConfigError
+from companion.links.memory import memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.signing import Guard, Signatory, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
+from companion.persistence.signing_store import KEY_FILE
+from companion.persistence.storage import MemoryStorage
 from companion.router.amplification import AmplificationLimit, Question
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
-from companion.services.signing_store import KEY_FILE
-from companion.storage import MemoryStorage
 
 ELSEWHERE = "203.0.113.9"
 HEARTBEAT_BYTES, PING_BYTES = 21, 26

@@ -13,13 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.mavftp import MAVFTP
 
+from companion.config.parameter_table import ROWS
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.params_table import ROWS
-from companion.services.ftp import REQUESTS_PER_TICK
-from companion.services.ftp_bursts import BLOCKS_PER_TICK
-from companion.services.ftp_frames import Code, Opcode
-from companion.services.ftp_sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES, Session
+from companion.services.ftp.bursts import BLOCKS_PER_TICK
+from companion.services.ftp.frames import Code, Opcode
+from companion.services.ftp.service import REQUESTS_PER_TICK
+from companion.services.ftp.sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES, Session
 from companion.services.outbox import Origin
 
 TEXT = bytes(range(256)) * 5  # five blocks and a bit, zeros among them

@@ -8,9 +8,9 @@ from ftp_client import ACK, Served
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from companion.services.ftp_folder import FolderMount
-from companion.services.ftp_frames import Opcode, Refusal
-from companion.services.ftp_tree import Entry, page_of, split_path
+from companion.services.ftp.folder import FolderMount
+from companion.services.ftp.frames import Opcode, Refusal
+from companion.services.ftp.tree import Entry, page_of, split_path
 
 SECRET = b"what nobody may have"
 WITH_PATH = [

@@ -6,13 +6,13 @@ import random
 import pytest
 from boat_rig import DENIED, FAILED, OK, FakeBattery, Rig, waypoint
 
-from companion.config import Battery
+from companion.config.boat_config import Battery
+from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import BatteryReading
-from companion.state import STOPPED, MotorCommand
-from sitl.battery import BatteryParameters
-from sitl.pack import Pack
+from sitl.world.battery import BatteryParameters
+from sitl.world.pack import Pack
 
 RESET = dialect.MAV_CMD_BATTERY_RESET
 REJECTED_FOR_NOW = 1

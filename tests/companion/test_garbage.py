@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from companion import garbage
+from companion.app import garbage_collection as garbage
 
 LONG_S = 0.018
 

@@ -5,8 +5,8 @@ import random
 import pytest
 from boat_rig import BOAT, QGC
 
-from companion.config import LinkConfig
-from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.config.boat_config import LinkConfig
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect

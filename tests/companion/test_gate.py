@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from companion.config import Motors
+from companion.config.boat_config import Motors
 from companion.control.gate import Gate
-from companion.state import MotorCommand, NavState, Thrust
+from companion.core.state import MotorCommand, NavState, Thrust
 
 SETTING = Motors(slew_per_s=4.0, deadband=0.05, command_timeout_s=0.5, estimate_timeout_s=3.0)
 DT = 0.02

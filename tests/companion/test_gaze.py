@@ -5,11 +5,11 @@ import math
 import msgspec
 from boat_rig import nav_at
 
-from companion.geo import Point
-from companion.sensors.gaze import ALL_ROUND, choose_sector, is_puzzling
-from companion.sensors.track import Track
-from companion.sensors.tracks import Tracks
-from companion.state import NavState
+from companion.core.geo import Point
+from companion.core.state import NavState
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_puzzling
+from companion.obstacles.perception.track import Track
+from companion.obstacles.perception.tracks import Tracks
 
 REACH_M = 4.0
 

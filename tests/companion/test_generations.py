@@ -9,7 +9,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from mission_station import FENCE, RALLY
 
-from companion.generations import (
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionType
+from companion.mavlink.signing_key import SigningKey, read_key_file
+from companion.mavlink.transfer import Completed
+from companion.persistence.generations import (
     DamagedError,
     Generation,
     find_newest,
@@ -18,12 +22,8 @@ from companion.generations import (
     unseal,
     write_atomically,
 )
-from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionType
-from companion.mavlink.signing_key import SigningKey, read_key_file
-from companion.mavlink.transfer import Completed
-from companion.services.ftp_mounts import InlineExecutor
-from companion.storage import FolderStorage
+from companion.persistence.storage import FolderStorage
+from companion.services.ftp.mounts import InlineExecutor
 
 NAME = "fence.json"
 FIRST, SECOND, THIRD = b"the first", b"the second, which is longer", b"the third"

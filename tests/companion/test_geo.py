@@ -5,7 +5,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pyproj import Transformer
 
-from companion.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, bearing_rad, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, bearing_rad, distance_m
 
 origins = st.builds(LatLon, st.floats(-85.0, 85.0), st.floats(-180.0, 180.0))
 offsets_m = st.floats(-14_000.0, 14_000.0)  # a square whose corners are 20 km away

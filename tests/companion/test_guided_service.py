@@ -7,11 +7,11 @@ from boat_rig import BOAT, OK, ORIGIN, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from companion.core.intent import HoldCourse, HoldHeading, HoldTurn
+from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.transfer import Completed
-from companion.units import deg_to_e7
-from companion.vehicle.intent import HoldCourse, HoldHeading, HoldTurn
 
 NAN, INF = math.nan, math.inf
 ALL = 0b110111111111

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import Heading
+from companion.config.boat_config import Heading
 from companion.control.heading import HeadingControl
-from companion.units import wrap_pi
+from companion.core.units import wrap_pi
 
 P_ONLY = Heading(kp=0.1, ki=0.0, kd=0.0)
 

@@ -3,9 +3,9 @@
 import pytest
 from msgspec.structs import replace
 
-from companion.config import BoatConfig
-from companion.guidance.headway import HELD_S, NOTICE_S, Headway, Verdict
-from companion.state import STOPPED, Demand, MotorCommand, NavState
+from companion.config.boat_config import BoatConfig
+from companion.core.state import STOPPED, Demand, MotorCommand, NavState
+from companion.guidance.stall_detector import HELD_S, NOTICE_S, Headway, Verdict
 
 CONFIG = BoatConfig()
 DT = 0.02

@@ -3,10 +3,10 @@
 import pytest
 from msgspec.structs import replace
 
-from companion.config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig, with_value
 from companion.control.helm import Helm
-from companion.state import Demand, NavState, Thrust
-from companion.vehicle.intent import Drive, Stop
+from companion.core.intent import Drive, Stop
+from companion.core.state import Demand, NavState, Thrust
 
 CONFIG = BoatConfig()
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

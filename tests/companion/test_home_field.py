@@ -8,15 +8,15 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from test_fence_lines import FRAME, globe, laid, square
 
-from companion.config import BoatConfig, with_value
-from companion.geo import LatLon, Point, distance_m
-from companion.state import NavState
-from companion.vehicle.fence import Fence, FenceCircle, FencePolygon
-from companion.vehicle.home_field import HomeField
-from companion.vehicle.intent import FollowLeg, KeepStation
-from companion.vehicle.notice import Notice
-from companion.vehicle.water_grid import WaterGrid
-from companion.vehicle.way_home import WayHome
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.geo import LatLon, Point, distance_m
+from companion.core.intent import FollowLeg, KeepStation
+from companion.core.state import NavState
+from companion.core.status_text import Notice
+from companion.geofence.costmap import WaterGrid
+from companion.geofence.distance_field import HomeField
+from companion.geofence.fence import Fence, FenceCircle, FencePolygon
+from companion.vehicle.modes.rtl import WayHome
 
 L_CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
 L_WATER = FencePolygon(globe(L_CORNERS), is_inclusion=True)

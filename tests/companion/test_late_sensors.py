@@ -6,13 +6,13 @@ import random
 
 import pytest
 
-from companion.config import Speed
+from companion.config.boat_config import Speed
+from companion.config.estimation import Estimation
+from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.lag_watch import PAUSE_S, LagWatch
 from companion.estimation.model import Model
 from companion.estimation.yaw_model import YawModel
 from companion.sensors.readings import HeadingReading
-from companion.settings.estimation import Estimation
-from companion.state import EstimateFault, MotorCommand
 
 TICK_S = 0.02
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from companion.log.linear_frame import LinearFrame
 
 NEAREST_E7 = 2  # 2 cm

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import MOMENT_S
 
-from companion.errors import StorageError
+from companion.core.errors import StorageError
 from companion.log.reader import BLOCK_BYTES, LogReader
 from companion.log.sink import FileSink, SingleFile
 from companion.log.store import LogStore

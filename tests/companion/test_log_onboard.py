@@ -11,9 +11,9 @@ import pytest
 from boat_rig import OK, waypoint
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
 
+from companion.core.state import MotorCommand, NavState, PidOutput
+from companion.core.status_text import Notice, Severity
 from companion.log.records import HEADER
-from companion.state import MotorCommand, NavState, PidOutput
-from companion.vehicle.notice import Notice, Severity
 
 pytest_plugins = ("log_fixtures",)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.errors import StorageError
+from companion.core.errors import StorageError
 from companion.log.store import LogFile, LogStore
 
 MB = 1_000_000

@@ -6,12 +6,12 @@ from boat_rig import nav_at
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import Point, distance_m
-from companion.sensors.lookout import Lookout
-from companion.sensors.occupancy import SUSPECT
+from companion.config.avoidance import Avoidance
+from companion.core.geo import Point, distance_m
+from companion.core.state import NavState
+from companion.obstacles.perception.occupancy import SUSPECT
+from companion.obstacles.perception.perception import Lookout
 from companion.sensors.readings import SonarReading
-from companion.settings.avoidance import Avoidance
-from companion.state import NavState
 
 SETTING = Avoidance()
 

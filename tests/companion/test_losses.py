@@ -11,10 +11,10 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
-from companion.services.ftp_mounts import InlineExecutor
-from companion.services.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
-from companion.storage import FolderStorage
-from companion.vehicle.losses import FIRST_S, REPEAT_S, Losses
+from companion.persistence.losses import FIRST_S, REPEAT_S, Losses
+from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
+from companion.persistence.storage import FolderStorage
+from companion.services.ftp.mounts import InlineExecutor
 
 LISTS = {MissionType.MISSION: MISSION, MissionType.FENCE: FENCE, MissionType.RALLY: RALLY}
 PREVIOUS = "is damaged, the previous one is in use"

@@ -1,8 +1,8 @@
 import pytest
 from boat_rig import BOAT, OK, PLANNER, Rig
 
+from companion.core.requests import ManualInput
 from companion.mavlink.dialect import Message, dialect
-from companion.requests import ManualInput
 
 INVALID, KEEP, RELEASE = 0x7FFF, 0xFFFF, 0
 

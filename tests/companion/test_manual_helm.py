@@ -3,9 +3,9 @@
 import pytest
 from boat_rig import BOAT, OK, PLANNER, QGC, Peer, Rig
 
+from companion.core.requests import ManualInput
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.requests import ManualInput
 
 MAVPROXY = Address(255, 230)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
-from companion.services.area_items import check_fence, check_fence_item, check_rally_item
+from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
 
 
 def area(command: int, param1: float = 0.0, **fields: int) -> MissionItem:

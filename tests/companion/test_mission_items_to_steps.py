@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult
-from companion.services.mission_items import check_jumps, to_step
-from companion.vehicle.mission_steps import Home, Jump, ReturnHome, SetSpeed, Step, Wait, Waypoint
+from companion.services.missions.items import check_jumps, to_step
+from companion.vehicle.mission.steps import Home, Jump, ReturnHome, SetSpeed, Step, Wait, Waypoint
 
 HERE = LatLon(50.0, -1.2)
 NAN, INF = math.nan, math.inf

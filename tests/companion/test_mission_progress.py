@@ -5,10 +5,11 @@ from boat_rig import FRAME, nav_at, place
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig
-from companion.vehicle.intent import FollowLeg, HoldHeading, Intent, KeepStation
-from companion.vehicle.mission_progress import MissionProgress
-from companion.vehicle.mission_steps import (
+from companion.config.boat_config import BoatConfig
+from companion.core.intent import FollowLeg, HoldHeading, Intent, KeepStation
+from companion.vehicle.mission.places import Offset
+from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.steps import (
     AfterDelay,
     GoRound,
     HandOver,
@@ -27,7 +28,6 @@ from companion.vehicle.mission_steps import (
     Waypoint,
     WithinDistance,
 )
-from companion.vehicle.places import Offset
 
 A, B, C = Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)), Waypoint(place(0.0, 50.0))
 PLACES = {"A": (50.0, 0.0), "B": (50.0, 50.0), "C": (0.0, 50.0)}

@@ -6,12 +6,12 @@ from itertools import pairwise
 import pytest
 from boat_rig import FRAME, nav_at, place
 
-from companion.config import BoatConfig
-from companion.geo import Point
-from companion.vehicle.intent import FollowLeg
-from companion.vehicle.mission_progress import MissionProgress
-from companion.vehicle.mission_route import MOST, waypoints_ahead
-from companion.vehicle.mission_steps import Home, Jump, SetSpeed, Step, Wait, Waypoint
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point
+from companion.core.intent import FollowLeg
+from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.route import MOST, waypoints_ahead
+from companion.vehicle.mission.steps import Home, Jump, SetSpeed, Step, Wait, Waypoint
 
 CONFIG = BoatConfig()
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.items import MissionItem, MissionType
-from companion.services.mission_store import load_items, save_items
-from companion.storage import MemoryStorage
+from companion.persistence.mission_store import load_items, save_items
+from companion.persistence.storage import MemoryStorage
 
 ITEMS = (HOME_ITEM, waypoint(10.0, 20.0, param1=float("inf")), waypoint(-1.0, 2.5))
 

@@ -7,8 +7,8 @@ from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, loa
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.transfer import Completed
-from companion.services.mission_store import save_items
-from companion.storage import MemoryStorage, Saving
+from companion.persistence.mission_store import save_items
+from companion.persistence.storage import MemoryStorage, Saving
 
 
 @pytest.mark.parametrize("kind", list(MissionType))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.control.mixer import mix
-from companion.state import Thrust
+from companion.core.state import Thrust
 
 share = st.floats(-1.0, 1.0)
 

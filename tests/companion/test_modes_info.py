@@ -1,8 +1,8 @@
 import pytest
 from boat_rig import FAILED, OK, Rig
 
+from companion.core.modes import Mode
 from companion.mavlink.dialect import Message, dialect
-from companion.vehicle.modes import Mode
 
 REQUEST, AVAILABLE, CURRENT, MONITOR = 512, 435, 436, 437
 

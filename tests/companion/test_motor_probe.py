@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.control.lame import LameHelm
-from companion.geo import Point
-from companion.guidance.lee import lee_demand
-from companion.state import Demand, NavState
-from companion.vehicle.intent import Drive, Stop
-from companion.vehicle.motor_probe import MotorProbe
+from companion.core.geo import Point
+from companion.core.intent import Drive, Stop
+from companion.core.state import Demand, NavState
+from companion.failsafe.recovery.motor_check import MotorProbe
+from companion.guidance.drift_heading import lee_demand
 
 
 def nav_at(

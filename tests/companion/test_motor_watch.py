@@ -6,13 +6,13 @@ from random import Random
 
 import pytest
 
-from companion.config import BoatConfig
-from companion.geo import LatLon
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon
+from companion.core.state import EstimateFault, NavState
+from companion.failsafe.motors.evidence import MotorEvidence
+from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
+from companion.failsafe.propulsion import MotorWatch
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.state import EstimateFault, NavState
-from companion.vehicle.failsafes.motor_evidence import MotorEvidence
-from companion.vehicle.failsafes.motor_hypotheses import HYPOTHESES, Fault
-from companion.vehicle.failsafes.propulsion import MotorWatch
 
 DT_S = 0.1
 HERE = LatLon(50.0, -1.2)

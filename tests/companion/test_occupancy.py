@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import Point, distance_m
-from companion.sensors.occupancy import MAX_CELLS, SOLID, SUSPECT, Beam, Occupancy
+from companion.core.geo import Point, distance_m
+from companion.obstacles.perception.occupancy import MAX_CELLS, SOLID, SUSPECT, Beam, Occupancy
 
 HERE = Point(0.0, 0.0)
 WIDTH_RAD = math.radians(15.0)

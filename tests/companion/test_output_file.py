@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from companion.errors import OutputError
-from companion.output_file import output_file, output_folder, write_text
+from companion.core.errors import OutputError
+from companion.core.output_file import output_file, output_folder, write_text
 
 FULL = Path("/dev/full")
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from pymavlink import mavutil
 from pymavlink.mavftp import MAVFTP
 
-from companion.config import BoatConfig
-from companion.param_pack import (
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_pack import (
     BLOCK_BYTES,
     Entry,
     PackError,
@@ -18,9 +18,9 @@ from companion.param_pack import (
     pack,
     unpack_upload,
 )
-from companion.params import Kind, Parameters
-from companion.params_table import ROWS
-from companion.storage import MemoryStorage
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Kind, Parameters
+from companion.persistence.storage import MemoryStorage
 
 RECORDING = Path(__file__).parents[3] / "shared" / "recordings" / "qgc44-ardurover-drive.tlog"
 LIMITS = {Kind.INT8: 127, Kind.INT16: 32767, Kind.INT32: 2**31 - 1}

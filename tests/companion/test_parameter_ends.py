@@ -3,10 +3,10 @@
 import pytest
 from boat_rig import Rig, waypoint
 
-from companion.params import Row
-from companion.params_table import ROWS
-from companion.requests import Arm
-from companion.storage import MemoryStorage
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Row
+from companion.core.requests import Arm
+from companion.persistence.storage import MemoryStorage
 
 LIVE = [row for row in ROWS if row.path and not row.read_only]
 

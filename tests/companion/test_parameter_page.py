@@ -6,8 +6,8 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from companion.__main__ import app
-from companion.param_page import parameter_page
-from companion.params_table import ROWS
+from companion.config.parameter_page import parameter_page
+from companion.config.parameter_table import ROWS
 
 PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"
 

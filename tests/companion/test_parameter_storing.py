@@ -11,13 +11,13 @@ from boat_rig import BOAT, Rig
 from mission_station import MISSION
 
 from companion.boat import TICK_S
-from companion.generations import unseal, write_atomically
+from companion.config.parameters import Row
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Event, Failed
-from companion.params import Row
-from companion.storage import FolderStorage
+from companion.persistence.generations import unseal, write_atomically
+from companion.persistence.storage import FolderStorage
 
 FSYNC_S = 0.05
 WRITE_S = 2 * FSYNC_S  # the file and its folder

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink import mavparm
 
-from companion.config import BoatConfig
-from companion.errors import ConfigError
-from companion.params import Kind, Parameters, Row
-from companion.params_table import ROWS
-from companion.storage import FolderStorage, MemoryStorage
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Kind, Parameters, Row
+from companion.core.errors import ConfigError
+from companion.persistence.storage import FolderStorage, MemoryStorage
 
 FILE = "params.parm"
 LIVE = [row for row in ROWS if row.path]

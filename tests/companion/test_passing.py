@@ -6,14 +6,14 @@ import msgspec
 import pytest
 from boat_rig import nav_at
 
-from companion.config import BoatConfig
-from companion.geo import Point
-from companion.guidance.passing import Passing, choose_passing
-from companion.guidance.scene import Scene
-from companion.sensors.lookout import Lookout
-from companion.sensors.track import Track
-from companion.vehicle.fence import Fence
-from companion.vehicle.intent import HoldCourse
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point
+from companion.core.intent import HoldCourse
+from companion.geofence.fence import Fence
+from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.track import Track
+from companion.obstacles.planning.passing import Passing, choose_passing
+from companion.obstacles.planning.scene import Scene
 
 CONFIG = BoatConfig()
 SPEED_M_S = 1.0

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import Point
+from companion.core.geo import Point
 from companion.guidance.path import Node, Path
 
 RIGHT_RAD = 0.5 * math.pi

@@ -5,13 +5,13 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from companion.config import BoatConfig
-from companion.geo import Point
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point
+from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
+from companion.core.state import Demand, NavState
 from companion.guidance.fillet import TURN_SHARE
 from companion.guidance.path_following import NEW_SET_SHARE, REACH_BRAKINGS, PathFollowing
 from companion.guidance.pilot import Pilot
-from companion.state import Demand, NavState
-from companion.vehicle.intent import Drive, FollowLeg, KeepStation, Stop
 
 CONFIG = BoatConfig()
 DT = 0.02

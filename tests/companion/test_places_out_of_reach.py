@@ -6,16 +6,16 @@ from dataclasses import replace
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, FRAME, HOME_ITEM, OK, Rig, nav_at, place, waypoint
 
-from companion.config import BoatConfig
-from companion.geo import LatLon
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon
+from companion.core.modes import Mode
+from companion.core.requests import ChangeMode, SetHome, StartMission
+from companion.core.status_text import Notice
+from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
-from companion.requests import ChangeMode, SetHome, StartMission
-from companion.units import deg_to_e7
-from companion.vehicle.mission_steps import Home, ReturnHome, Waypoint
-from companion.vehicle.modes import Mode
-from companion.vehicle.notice import Notice
+from companion.vehicle.mission.steps import Home, ReturnHome, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 CMD = dialect

@@ -7,9 +7,9 @@ import socket
 import pytest
 
 from companion import __version__
-from companion.command_line import PortInUseError, busy_port_explained
-from companion.errors import LinkError
-from companion.interrupts import Run
+from companion.core.command_line import PortInUseError, busy_port_explained
+from companion.core.errors import LinkError
+from companion.core.interrupts import Run
 
 PROGRAMS = {
     "boat-companion": "companion.__main__",

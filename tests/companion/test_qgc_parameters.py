@@ -7,11 +7,11 @@ from boat_rig import BOAT, Rig
 from ftp_client import Served
 from qgc_metadata import Fact, UnreadableError, read
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Parameters
 from companion.mavlink.dialect import dialect
-from companion.params import Parameters
-from companion.params_table import ROWS
-from companion.storage import MemoryStorage
+from companion.persistence.storage import MemoryStorage
 
 # What the pages of QGroundControl 4.4 ask of a Rover; without it they open with a warning.
 AIRFRAME = {"FRAME_CLASS", "FRAME_TYPE"}

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.sensors.rc_crsf import CrsfParser, crc8
-from companion.sensors.rc_ibus import IbusParser
-from companion.sensors.rc_parser import RcParser
-from companion.sensors.rc_sbus import PAUSE_S, SbusParser
+from companion.rc.crsf import CrsfParser, crc8
+from companion.rc.ibus import IbusParser
+from companion.rc.parser import RcParser
+from companion.rc.sbus import PAUSE_S, SbusParser
 from companion.sensors.readings import RcReading
 
 CENTRED = bytes.fromhex(

@@ -6,13 +6,13 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from companion.config import BoatConfig
-from companion.geo import LatLon, LocalFrame, Point
-from companion.settings.fence import FenceSetting
-from companion.state import NavState
-from companion.vehicle.fence import Fence, FencePolygon
-from companion.vehicle.intent import Drive, HoldCourse, Stop
-from companion.vehicle.refloat import Refloat
+from companion.config.boat_config import BoatConfig
+from companion.config.fence import FenceSetting
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.intent import Drive, HoldCourse, Stop
+from companion.core.state import NavState
+from companion.failsafe.recovery.ungrounding import Refloat
+from companion.geofence.fence import Fence, FencePolygon
 
 CONFIG = BoatConfig()
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.boat import TICK_S
+from companion.core.modes import Mode
 from companion.mavlink.dialect import dialect
-from companion.resume import FILE, LOOK_S
-from companion.storage import MemoryStorage, Saving
-from companion.vehicle.modes import Mode
+from companion.persistence.storage import MemoryStorage, Saving
+from companion.persistence.voyage_record import FILE, LOOK_S
 
 
 def cut(rig: Rig) -> Rig:

@@ -8,13 +8,13 @@ from boat_rig import OK, Rig, waypoint
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import Line, Point
+from companion.core.geo import Line, Point
+from companion.core.modes import Mode
 from companion.mavlink.dialect import dialect
-from companion.resume import FILE as VOYAGE
-from companion.storage import MemoryStorage, Saving
-from companion.trail_record import FILE, TrailRecord
-from companion.vehicle.modes import Mode
-from companion.vehicle.trail import TAKEN_UP_M, Trail
+from companion.persistence.storage import MemoryStorage, Saving
+from companion.persistence.track_record import FILE, TrailRecord
+from companion.persistence.voyage_record import FILE as VOYAGE
+from companion.vehicle.modes.track import TAKEN_UP_M, Trail
 
 SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
 

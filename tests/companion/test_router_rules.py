@@ -5,9 +5,9 @@ from boat_rig import BOAT, QGC
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import LinkConfig
-from companion.errors import ConfigError
-from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.config.boat_config import LinkConfig
+from companion.core.errors import ConfigError
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect

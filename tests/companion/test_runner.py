@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection
 import pytest
 from fake_clock import FakeClock
 
-from companion.runner import Runner
+from companion.app.runner import Runner
 
 PERIOD_S = 0.02
 

@@ -4,16 +4,16 @@ from collections.abc import Iterator
 import pytest
 from boat_rig import OK, Rig, waypoint
 
-from companion.safety_net import Fall, SafetyNet
-from companion.vehicle.intent import Intent
+from companion.app.safety_net import Fall, SafetyNet
+from companion.core.intent import Intent
 
 
 @pytest.fixture(autouse=True)
 def quiet() -> Iterator[None]:
     """The faults of these tests are meant."""
-    logging.getLogger("companion.safety_net").disabled = True
+    logging.getLogger("companion.app.safety_net").disabled = True
     yield
-    logging.getLogger("companion.safety_net").disabled = False
+    logging.getLogger("companion.app.safety_net").disabled = False
 
 
 class Trap:

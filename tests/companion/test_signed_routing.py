@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.app import check_config, policy_of
-from companion.config import BoatConfig, LinkConfig, decode_config, load_toml
-from companion.errors import ConfigError
-from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.app.composition import check_config, policy_of
+from companion.config.boat_config import BoatConfig, LinkConfig, decode_config, load_toml
+from companion.core.errors import ConfigError
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect

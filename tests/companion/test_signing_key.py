@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
+from companion.core.errors import ConfigError
 from companion.mavlink.signing_key import SigningKey, parse_key, read_key_file
 
 SECRET = bytes(range(32))

@@ -6,9 +6,9 @@ import pytest
 from boat_rig import BOAT, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
 
 from companion.boat import Boat
-from companion.config import LinkConfig
+from companion.config.boat_config import LinkConfig
 from companion.hal.interfaces import Link
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
@@ -24,10 +24,10 @@ from companion.mavlink.signing import (
 )
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
+from companion.persistence.signing_store import KEY_FILE, STAMPS_FILE
+from companion.persistence.storage import MemoryStorage
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
-from companion.services.signing_store import KEY_FILE, STAMPS_FILE
-from companion.storage import MemoryStorage
 
 KEY = SigningKey.from_passphrase("correct horse")
 OTHER = SigningKey.from_passphrase("battery staple")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
+from companion.core.errors import ConfigError
 from companion.mavlink.signing import (
     EPOCH_UNIX_S,
     STREAM_LAG,
@@ -17,9 +17,9 @@ from companion.mavlink.signing import (
     timestamp_at,
 )
 from companion.mavlink.signing_key import SigningKey, read_key_file
-from companion.services.signing_floors import MAX_KEYS, KeyFloors
-from companion.services.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
-from companion.storage import FolderStorage, MemoryStorage, Saving
+from companion.persistence.signing_floors import MAX_KEYS, KeyFloors
+from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
+from companion.persistence.storage import FolderStorage, MemoryStorage, Saving
 
 KEY = SigningKey.from_passphrase("correct horse")
 UNIX_S = 1.8e9

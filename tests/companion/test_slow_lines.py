@@ -4,13 +4,13 @@ import struct
 
 from boat_rig import Peer, Rig
 
-from companion.config import LinkConfig
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.config.boat_config import LinkConfig
+from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Policy
-from companion.services.ftp_frames import Opcode
+from companion.services.ftp.frames import Opcode
 
 LINE_BYTES_S = 5760.0
 SAVED_S = 0.2  # what a line that was idle takes at once, as the time it stands for

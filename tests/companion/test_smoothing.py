@@ -7,11 +7,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig
-from companion.geo import Point, bearing_rad, distance_m
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point, bearing_rad, distance_m
+from companion.core.units import wrap_pi
 from companion.guidance.smoothing import LEG_SHARE, SmoothPath, smooth
 from companion.guidance.speed_profile import GAINING_SHARE
-from companion.units import wrap_pi
 
 CONFIG = BoatConfig()
 ACCEL = CONFIG.guidance.accel_m_s2

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import Speed
+from companion.config.boat_config import Speed
 from companion.control.speed import ASTERN_SHARE, SpeedControl, feed_forward
 
 SETTING = Speed(cruise_m_s=2.0, cruise_throttle=0.6, kp=0.8, ki=0.2)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig
+from companion.config.boat_config import BoatConfig
 from companion.guidance.path import Node, Path
 from companion.guidance.speed_profile import (
     GAINING_SHARE,

@@ -5,10 +5,10 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from companion.config import BoatConfig, Guidance
-from companion.geo import Point
+from companion.config.boat_config import BoatConfig, Guidance
+from companion.core.geo import Point
+from companion.core.state import NavState
 from companion.guidance.station_keeping import StationKeeping
-from companion.state import NavState
 
 SETTING = Guidance(station_radius_m=1.5, min_speed_m_s=0.4, accel_m_s2=0.4)
 CONFIG = BoatConfig(guidance=SETTING)

@@ -6,9 +6,9 @@ import math
 import pytest
 from boat_rig import BOAT, HOME_ITEM, OK, UNSUPPORTED, Rig, Silent, waypoint
 
+from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
-from companion.units import deg_to_e7
 
 NUMBERS = dialect.MAV_MISSION_TYPE_MISSION, dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_TYPE_RALLY
 STREAMS = {1: 2, 2: 2, 3: 2, 6: 3, 10: 10, 11: 10, 12: 3}

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.core.status_text import Notice, Severity
 from companion.mavlink.dialect import Message
 from companion.services.outbox import Outbox
-from companion.services.statustext import StatusTextService
-from companion.vehicle.notice import Notice, Severity
+from companion.services.telemetry.statustext import StatusTextService
 
 
 def told(*texts: str) -> list[Message]:

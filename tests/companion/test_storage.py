@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from patience import MOMENT_S
 
-from companion.errors import StorageError
-from companion.generations import unseal, write_atomically
-from companion.storage import FolderStorage, MemoryStorage, Saving
+from companion.core.errors import StorageError
+from companion.persistence.generations import unseal, write_atomically
+from companion.persistence.storage import FolderStorage, MemoryStorage, Saving
 
 OLD, NEW = b"the old list", b"the new list, which is longer"
 

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.dialect import dialect
-from companion.services.streams import GROUPS, Streams
+from companion.services.telemetry.streams import GROUPS, Streams
 
 ATTITUDE = dialect.MAVLINK_MSG_ID_ATTITUDE
 SYS_STATUS = dialect.MAVLINK_MSG_ID_SYS_STATUS

@@ -3,8 +3,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, STALE_S, UNKNOWN_CM, Sweep
 from companion.sensors.readings import SonarReading
-from companion.sensors.sweep import SECTOR_RAD, SECTORS, STALE_S, UNKNOWN_CM, Sweep
 
 BEAM_RAD = math.radians(15.0)
 pings = st.builds(

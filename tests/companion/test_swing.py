@@ -5,7 +5,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.sensors.swing import Swing
+from companion.obstacles.perception.servo_scan import Swing
 
 ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 

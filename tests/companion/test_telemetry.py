@@ -4,9 +4,9 @@ import math
 import pytest
 from boat_rig import BOAT, HOME_ITEM, OK, Rig, Silent, waypoint
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from companion.mavlink.dialect import Message, dialect
-from companion.services.telemetry import BUILDERS
+from companion.services.telemetry.service import BUILDERS
 
 ALL = 0
 

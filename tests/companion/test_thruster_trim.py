@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.config.thrusters import Thrusters
 from companion.control.thruster_trim import FAINT, ThrusterTrim, share_of, told
-from companion.settings.thrusters import Thrusters
-from companion.state import MotorCommand
+from companion.core.state import MotorCommand
 
 SHARES = st.floats(-1.0, 1.0)
 BANDS = st.floats(0.0, 0.6)

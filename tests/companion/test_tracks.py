@@ -5,11 +5,11 @@ from collections.abc import Callable
 
 import pytest
 
-from companion.geo import Point
-from companion.sensors.occupancy import Beam, Occupancy
-from companion.sensors.track import Track
-from companion.sensors.tracks import LOST_S, MAX_TRACKS, Tracks
-from sitl.sensors.sampling import generator
+from companion.core.geo import Point
+from companion.obstacles.perception.occupancy import Beam, Occupancy
+from companion.obstacles.perception.track import Track
+from companion.obstacles.perception.tracks import LOST_S, MAX_TRACKS, Tracks
+from sitl.world.sensors.sampling import generator
 
 WIDTH_RAD = math.radians(15.0)
 RADIUS_M = 0.4

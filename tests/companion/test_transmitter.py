@@ -5,19 +5,19 @@ from boat_rig import FRAME, GOOD_FIX, nav_at, place
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig, with_value
-from companion.params import Parameters
-from companion.params_table import ROWS
-from companion.requests import Arm, ChangeMode, ManualInput
-from companion.sensors.rc_pulses import deflection, mode_position
+from companion.config.boat_config import BoatConfig, with_value
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Parameters
+from companion.config.rc import RcChannel
+from companion.core.intent import Drive, Intent, Stop
+from companion.core.modes import Mode
+from companion.core.requests import Arm, ChangeMode, ManualInput
+from companion.failsafe.table import Condition
+from companion.persistence.storage import MemoryStorage
+from companion.rc.pulses import deflection, mode_position
+from companion.rc.rc_control import Transmitter
 from companion.sensors.readings import RcReading
-from companion.settings.rc import RcChannel
-from companion.storage import MemoryStorage
-from companion.vehicle.failsafes.table import Condition
-from companion.vehicle.intent import Drive, Intent, Stop
-from companion.vehicle.mission_steps import Waypoint
-from companion.vehicle.modes import Mode
-from companion.vehicle.transmitter import Transmitter
+from companion.vehicle.mission.steps import Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 STEERING, THROTTLE, ARM, MODE = 0, 2, 4, 5

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.vehicle.trials.fitting import Fit
-from companion.vehicle.trials.heading import Swing, gains
-from companion.vehicle.trials.trial import TrialError
-from companion.vehicle.trials.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
-from sitl.sensors import generator
+from companion.calibration.fitting import Fit
+from companion.calibration.heading import Swing, gains
+from companion.calibration.trial import TrialError
+from companion.calibration.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
+from sitl.world.sensors import generator
 
 COEFFICIENTS = st.floats(-100.0, 100.0)
 

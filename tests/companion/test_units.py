@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.units import TAU, clamp, deg_to_e7, e7_to_deg, wrap_pi, wrap_two_pi
+from companion.core.units import TAU, clamp, deg_to_e7, e7_to_deg, wrap_pi, wrap_two_pi
 
 angles = st.floats(-1e4, 1e4)
 

@@ -5,12 +5,12 @@ from boat_rig import BOAT, FRAME, Peer, Rig, nav_at, place
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config import BoatConfig, Follow
+from companion.config.boat_config import BoatConfig, Follow
+from companion.core.intent import HoldCourse, KeepStation
+from companion.core.requests import Sighting
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.requests import Sighting
-from companion.vehicle.following import Following
-from companion.vehicle.intent import HoldCourse, KeepStation
+from companion.vehicle.modes.follow import Following
 
 CONFIG = BoatConfig()
 

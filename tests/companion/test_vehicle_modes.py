@@ -1,9 +1,11 @@
 import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at, place
 
-from companion.config import BoatConfig
-from companion.geo import Point
-from companion.requests import (
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point
+from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
+from companion.core.modes import Mode, mode_from_number
+from companion.core.requests import (
     Arm,
     ChangeMode,
     ChangeSpeed,
@@ -15,10 +17,8 @@ from companion.requests import (
     Sighting,
     StartMission,
 )
-from companion.state import NavState
-from companion.vehicle.intent import Drive, FollowLeg, KeepStation, Stop
-from companion.vehicle.mission_steps import Home, Mission, ReturnHome, Waypoint
-from companion.vehicle.modes import Mode, mode_from_number
+from companion.core.state import NavState
+from companion.vehicle.mission.steps import Home, Mission, ReturnHome, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 MISSION: Mission = (Home(), Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)))

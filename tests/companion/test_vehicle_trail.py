@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.geo import Line, Point
-from companion.vehicle.trail import Trail
+from companion.core.geo import Line, Point
+from companion.vehicle.modes.track import Trail
 
 ACCURACY_M = 1.0
 

@@ -7,7 +7,7 @@ import time
 
 from pymavlink.dialects.v20 import all as dialect
 
-from sitl.channel import Channel, Quality
+from sitl.radio.channel import Channel, Quality
 
 _LONGEST_WAIT_S = 0.02
 

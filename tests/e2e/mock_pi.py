@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 from gpiozero.pins.mock import MockFactory, MockPWMPin
 
-from companion.config import BoatConfig
-from companion.geo import LatLon
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import L298N
+from companion.core.geo import LatLon
 from companion.hal.interfaces import Hardware
 from companion.hal.l298n import open_l298n
-from companion.parts import L298N
 from companion.sensors.readings import GnssFix, HeadingReading
 
 PINS = L298N(driver="l298n")

@@ -12,7 +12,7 @@ from mavutil_station import MavutilStation, OpenStation
 from programs import Program, RunProgram, until
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.sensors.rc_crsf import crc8
+from companion.rc.crsf import crc8
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

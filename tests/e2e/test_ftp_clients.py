@@ -18,9 +18,9 @@ from patience import JOB_S, MOMENT_S
 from programs import RunBoat, RunProgram, until
 from pymavlink.mavftp import MAVFTP, FtpError
 
-from companion.params_table import ROWS
-from sitl.scenario import load_scenario
-from sitl.world import World
+from companion.config.parameter_table import ROWS
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import World
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

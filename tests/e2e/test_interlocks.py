@@ -13,17 +13,17 @@ from boat_rig import OK, PLANNER, Silent
 from msgspec.structs import replace
 from pinned_boat import LOOK_S, DriverError, PinnedBoat
 
+from companion.app.safety_net import DISARM_LEVEL, GIVE_UP_LEVEL
 from companion.boat import TICK_S
-from companion.config import BoatConfig
+from companion.calibration.motor_test import MotorTest
+from companion.config.boat_config import BoatConfig
 from companion.control.helm import Helm
 from companion.control.thruster_trim import ThrusterTrim
+from companion.core.state import NavState, Thrust
 from companion.estimation.estimator import Estimator
+from companion.guidance.pipeline import GUIDANCE_S, Steering
 from companion.mavlink.dialect import dialect
-from companion.safety_net import DISARM_LEVEL, GIVE_UP_LEVEL
 from companion.services.endpoint import Endpoint
-from companion.state import NavState, Thrust
-from companion.steering import GUIDANCE_S, Steering
-from companion.vehicle.motor_test import MotorTest
 from companion.vehicle.vehicle import Vehicle
 
 STALE_S = BoatConfig().motors.command_timeout_s + 2.0 * TICK_S

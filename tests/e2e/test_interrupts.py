@@ -56,7 +56,7 @@ def hook(tmp_path: Path) -> Path:
         ("boat-sitl", "numpy"),
         ("boat-sitl", "companion.boat"),
         ("boat-companion", "typer"),
-        ("boat-companion", "companion.app"),
+        ("boat-companion", "companion.app.composition"),
         ("mission-upload", "shapely"),
         ("mission-upload", "mavsdk"),
         ("mission-check", "typer"),

@@ -15,7 +15,7 @@ from mavsdk.plugins.mission_raw import MissionRawError
 from mavutil_station import Place, zigzag
 from programs import RunningBoat, start_boat
 
-from sitl.channel import Quality
+from sitl.radio.channel import Quality
 
 pytestmark = pytest.mark.realtime
 

@@ -14,10 +14,10 @@ from fake_vehicle import Behaviour, FakeVehicle, fake_vehicle
 from patience import JOB_S
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.cli.upload import run_program
-from mission_tools.mission import Fence, FenceCircle, FencePolygon, Mission, MissionItem, Rally
-from mission_tools.plan_file import save_mission
+from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon, Mission, MissionItem, Rally
+from mission_tools.mission.plan_file import save_mission
 
 pytestmark = pytest.mark.realtime
 

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from mock_pi import LEGS, PINS, MockPi
 
 from companion.boat import TICK_S, Boat
-from companion.config import BoatConfig
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import Parts
+from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.dialect import dialect
-from companion.parts import Parts
+from companion.persistence.storage import MemoryStorage
 from companion.services.manual_control import ManualControlService
-from companion.storage import MemoryStorage
 
 MANUAL = 0
 CONFIG = BoatConfig(parts=Parts(motors=PINS))

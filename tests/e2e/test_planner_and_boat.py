@@ -13,10 +13,10 @@ from programs import Ended, RunBoat, RunningBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 from wiretap import Wiretap
 
-from companion.geo import LatLon, distance_m
-from mission_tools.areas import load_fence
+from companion.core.geo import LatLon, distance_m
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
+from mission_tools.mission.areas import load_fence
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from mock_pi import PINS, MockPi
 
 from companion.boat import TICK_S, Boat
-from companion.config import BoatConfig
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import Parts
+from companion.config.rc import Rc
 from companion.hal.rc_receiver import SerialRcReceiver
-from companion.parts import Parts
-from companion.sensors.rc_crsf import CrsfParser, crc8
-from companion.settings.rc import Rc
-from companion.storage import MemoryStorage
+from companion.links.memory import MemoryPort, memory_pair
+from companion.persistence.storage import MemoryStorage
+from companion.rc.crsf import CrsfParser, crc8
 
 CONFIG = BoatConfig(parts=Parts(motors=PINS), rc=Rc(driver="crsf", arm_channel=5, mode_channel=6))
 REST, AHEAD, DOWN, UP, MANUAL, HOLD = 1500, 2000, 1000, 2000, 1000, 1300

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from fake_vehicle import Behaviour, fake_vehicle
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from companion.mavlink.signing_key import SigningKey
 from mission_tools.cli.upload import run_program
-from mission_tools.mission import Mission, MissionItem
-from mission_tools.plan_file import save_mission
+from mission_tools.mission.mission import Mission, MissionItem
+from mission_tools.mission.plan_file import save_mission
 
 pytestmark = pytest.mark.realtime
 

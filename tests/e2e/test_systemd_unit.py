@@ -15,8 +15,8 @@ import pytest
 from patience import JOB_S
 from programs import SCRIPTS, RunProgram
 
-from companion.config import load_config
-from companion.motors_off import main
+from companion.app.motors_off import main
+from companion.config.boat_config import load_config
 
 pytest_plugins = ("program_fixtures",)
 
@@ -97,7 +97,7 @@ def test_after_the_program_its_enable_pins_are_driven_low(pinctrl: Path, tmp_pat
 
 def test_what_is_run_after_the_program_loads_no_more_than_the_configuration() -> None:
     """It is waited for with the motors running."""
-    code = "import sys, companion.motors_off; print(*sys.modules)"
+    code = "import sys, companion.app.motors_off; print(*sys.modules)"
     done = subprocess.run(
         [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=JOB_S
     )
@@ -106,7 +106,7 @@ def test_what_is_run_after_the_program_loads_no_more_than_the_configuration() ->
 
 
 def test_the_module_that_root_runs_is_not_looked_for_in_the_users_folder() -> None:
-    assert " -I -m companion.motors_off " in service()["ExecStopPost"]
+    assert " -I -m companion.app.motors_off " in service()["ExecStopPost"]
 
 
 @pytest.mark.parametrize("text", ["parts.motors = 3", "parts.motors.left_enable = ", None])

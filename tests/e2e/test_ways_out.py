@@ -17,15 +17,15 @@ from patience import MOMENT_S
 from programs import until
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.app import run_boat
+from companion.app.composition import run_boat
+from companion.app.safety_net import GIVE_UP_LEVEL
+from companion.app.shutdown import Shutdown
 from companion.boat import Boat
-from companion.config import BoatConfig
-from companion.errors import LinkError
+from companion.config.boat_config import BoatConfig
+from companion.config.failsafe import Failsafe
+from companion.config.parts import CompassPart, GnssPart, Parts
+from companion.core.errors import LinkError
 from companion.hal.interfaces import Hardware
-from companion.parts import CompassPart, GnssPart, Parts
-from companion.safety_net import GIVE_UP_LEVEL
-from companion.settings.failsafe import Failsafe
-from companion.shutdown import Shutdown
 
 pytestmark = pytest.mark.realtime
 

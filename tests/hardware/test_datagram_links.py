@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import MOMENT_S
 
-from companion.errors import LinkError
+from companion.core.errors import LinkError
 from companion.hal.interfaces import Link
-from companion.hal.port_url import open_port
-from companion.hal.udp import PEER_IDLE_S, UdpInPort, UdpOutPort
+from companion.links.port_url import open_port
+from companion.links.udp import PEER_IDLE_S, UdpInPort, UdpOutPort
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from gpiozero.pins.mock import MockFactory
 
-from companion.config import BoatConfig, load_config
-from companion.hal.port_url import parse_port_url
+from companion.config.boat_config import BoatConfig, load_config
+from companion.links.port_url import parse_port_url
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")

@@ -9,8 +9,8 @@ import pytest
 from hardware_twins import HandClock
 from i2c_twins import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, Ina219Twin, plug_in
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
 from companion.hal.battery import Ina219Battery, open_ina219
 from companion.hal.bno055 import Bno055
 from companion.hal.compass import Bno055Compass, open_bno055

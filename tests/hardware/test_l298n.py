@@ -11,8 +11,8 @@ from hardware_twins import HandClock
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
 from companion.hal.l298n import L298N, HalfBridgePair, open_l298n
 
 PINS = parts.L298N()

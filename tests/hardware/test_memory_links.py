@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 
 
 @given(st.lists(st.tuples(st.booleans(), st.binary(max_size=50))))

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from hardware_twins import HandClock, PtyLine, eventually
 
-from companion import parts
-from companion.errors import LinkError
+from companion.config import parts
+from companion.core.errors import LinkError
 from companion.hal.compass import NmeaCompass, open_nmea_compass
 from companion.hal.gnss import NmeaGnss, open_nmea_gnss
-from companion.hal.memory import MemoryLink, MemoryPort, memory_pair
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 
 def sentence(body: str) -> bytes:

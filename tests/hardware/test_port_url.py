@@ -5,8 +5,8 @@ from hardware_twins import HandClock
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError, LinkError
-from companion.hal.port_url import PortUrl, open_port, parse_port_url
+from companion.core.errors import ConfigError, LinkError
+from companion.links.port_url import PortUrl, open_port, parse_port_url
 
 ANYWHERE = "0.0.0.0"  # noqa: S104
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from hardware_twins import HandClock, PtyLine, eventually
 
-from companion.errors import ConfigError, LinkError
-from companion.hal.memory import MemoryPort, memory_pair
+from companion.config.rc import Rc
+from companion.core.errors import ConfigError, LinkError
 from companion.hal.rc_receiver import SerialRcReceiver, open_rc_receiver
-from companion.hal.serial_port import LINE_8E2, SerialPort
-from companion.sensors.rc_crsf import CrsfParser
-from companion.settings.rc import Rc
+from companion.links.memory import MemoryPort, memory_pair
+from companion.links.serial_port import LINE_8E2, SerialPort
+from companion.rc.crsf import CrsfParser
 
 CRSF = bytes.fromhex("c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad")
 IBUS = bytes.fromhex("2040" + "dc05" * 14 + "51f3")

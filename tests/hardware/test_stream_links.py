@@ -16,11 +16,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import MOMENT_S
 
-from companion.errors import LinkError
+from companion.core.errors import LinkError
 from companion.hal.interfaces import Link, Port
-from companion.hal.serial_port import SerialPort
-from companion.hal.stream import StreamLink
-from companion.hal.tcp import TcpInPort, TcpOutPort
+from companion.links.serial_port import SerialPort
+from companion.links.stream import StreamLink
+from companion.links.tcp import TcpInPort, TcpOutPort
 
 HERE = "127.0.0.1"
 
@@ -311,7 +311,7 @@ def test_a_device_that_is_pulled_out_while_it_is_set_up_is_looked_for_again(
         )  # what the kernel makes of a tty that has hung up
 
     with monkeypatch.context() as patch:
-        module = "serial.serialposix" if where == "pyserial" else "companion.hal.serial_port"
+        module = "serial.serialposix" if where == "pyserial" else "companion.links.serial_port"
         double = types.SimpleNamespace(**{name: getattr(termios, name) for name in dir(termios)})
         setattr(double, function, pulled_out)
         patch.setattr(f"{module}.termios", double)

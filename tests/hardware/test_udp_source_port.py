@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from companion.hal.udp import UdpOutPort
+from companion.links.udp import UdpOutPort
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from hardware_twins import HandClock, eventually
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion import parts
-from companion.errors import HardwareError
+from companion.config import parts
+from companion.core.errors import HardwareError
 from companion.hal.ultrasonic import (
     PING_PERIOD_S,
     HcSr04,

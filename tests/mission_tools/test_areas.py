@@ -8,11 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import LatLon
-from mission_tools.areas import Areas, load_fence, load_rally, open_areas, parse_areas
+from companion.core.geo import LatLon
 from mission_tools.errors import MapError, MissionToolsError
-from mission_tools.mission import Fence, FenceCircle, FencePolygon, Mission, MissionItem, MissionType, Rally
-from mission_tools.plan_file import save_mission
+from mission_tools.mission.areas import Areas, load_fence, load_rally, open_areas, parse_areas
+from mission_tools.mission.mission import (
+    Fence,
+    FenceCircle,
+    FencePolygon,
+    Mission,
+    MissionItem,
+    MissionType,
+    Rally,
+)
+from mission_tools.mission.plan_file import save_mission
 
 RING = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.0]]
 HOLE = [[-1.1986, 50.0004], [-1.1984, 50.0004], [-1.1984, 50.0006], [-1.1986, 50.0004]]

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission_tools.astar import SearchMetrics, SearchResult, astar
 from mission_tools.errors import NoRoute, SearchBudgetExceeded
-from mission_tools.expansion import EightNeighbours
-from mission_tools.grid import Grid, grid_from_rows
-from mission_tools.heuristics import HEURISTICS, HeuristicName, estimates
+from mission_tools.planning.astar import SearchMetrics, SearchResult, astar
+from mission_tools.planning.expansion import EightNeighbours
+from mission_tools.planning.grid import Grid, grid_from_rows
+from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
 
 MOVING_AI = Path(__file__).parents[3] / "shared" / "maps" / "movingai"
 SQRT2 = math.sqrt(2.0)

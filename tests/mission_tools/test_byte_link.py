@@ -9,7 +9,7 @@ from collections.abc import Callable, Coroutine
 
 import pytest
 
-from mission_tools.byte_link import ByteLink, open_byte_link
+from mission_tools.vehicle.byte_link import ByteLink, open_byte_link
 
 pytestmark = pytest.mark.realtime
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import Point, along_and_cross_track_m, distance_m
-from mission_tools.corners import corner_cut_m, widen_corners
+from companion.core.geo import Point, along_and_cross_track_m, distance_m
+from mission_tools.planning.corners import corner_cut_m, widen_corners
 
 CORNER = (Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0))
 

@@ -8,10 +8,10 @@ import pytest
 import shapely
 from matplotlib.figure import Figure
 
-from companion.geo import LatLon, LocalFrame, Point
-from mission_tools.draw import draw_chart, draw_picture, draw_track, save_picture
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.drawing.draw import draw_chart, draw_picture, draw_track, save_picture
 from mission_tools.maps import Chart, Feature, build_chart, load_geojson
-from mission_tools.planning import plan
+from mission_tools.planning.planner import plan
 
 POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
 ORIGIN = LatLon(50.0, -1.2)

@@ -8,12 +8,12 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import GoalBlocked, MapError, NoRouteError, StartBlocked
 from mission_tools.maps import Chart, build_chart
 from mission_tools.maps.fenced import fenced
-from mission_tools.mission import Fence, FenceCircle, FencePolygon
-from mission_tools.planning import PlanSettings, plan
+from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon
+from mission_tools.planning.planner import PlanSettings, plan
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 CLEARANCE_M = 3.0

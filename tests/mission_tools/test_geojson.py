@@ -10,7 +10,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import MapError
 from mission_tools.maps import load_geojson
 from mission_tools.maps.geojson import parse_geojson

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import affinity
 
-from companion.geo import LatLon, LocalFrame, Point
-from mission_tools.grid import Grid, grid_from_rows
-from mission_tools.inflate import occupancy
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps import Chart, Feature, build_chart
+from mission_tools.planning.grid import Grid, grid_from_rows
+from mission_tools.planning.inflate import occupancy
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 

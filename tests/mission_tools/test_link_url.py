@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission_tools.errors import UsageError
-from mission_tools.link_url import DEFAULT_LINK, parse_link
+from mission_tools.vehicle.link_url import DEFAULT_LINK, parse_link
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from companion.geo import LatLon, LocalFrame, Point
-from mission_tools.areas import parse_areas
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import MapError
 from mission_tools.maps.geojson import parse_geojson
-from mission_tools.mission import FencePolygon
+from mission_tools.mission.areas import parse_areas
+from mission_tools.mission.mission import FencePolygon
 
 LAT, LON = 50.0, 10.0
 START, GOAL = Point(50.0, -150.0), Point(-50.0, 150.0)

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import upload as upload_cli
 from mission_tools.cli.arguments import position, with_start_told_apart
 from mission_tools.errors import UsageError
-from mission_tools.mission import Command
-from mission_tools.plan_file import load_mission
+from mission_tools.mission.mission import Command
+from mission_tools.mission.plan_file import load_mission
 
 POND = """{"type": "FeatureCollection", "features": [
   {"type": "Feature", "properties": {"kind": "water", "name": "Pond"}, "geometry": {"type": "Polygon",

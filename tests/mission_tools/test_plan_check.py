@@ -5,11 +5,11 @@ from dataclasses import replace
 import pytest
 import shapely
 
-from companion.geo import LatLon, LocalFrame, Point
-from mission_tools.check import check_mission
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps import Feature, build_chart
-from mission_tools.mission import Command, Frame, Mission, MissionItem
-from mission_tools.route import mission_along
+from mission_tools.mission.check import check_mission
+from mission_tools.mission.mission import Command, Frame, Mission, MissionItem
+from mission_tools.mission.route import mission_along
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 LAKE = build_chart(

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.geo import LatLon
-from companion.units import e7_to_deg
-from mission_tools import qgc_plan, wpl_text
-from mission_tools.compare import differences
+from companion.core.geo import LatLon
+from companion.core.units import e7_to_deg
 from mission_tools.errors import PlanFileError
-from mission_tools.mission import (
+from mission_tools.mission import qgc_plan, wpl_text
+from mission_tools.mission.compare import differences
+from mission_tools.mission.mission import (
     Command,
     Fence,
     FenceCircle,
@@ -26,7 +26,7 @@ from mission_tools.mission import (
     MissionType,
     Rally,
 )
-from mission_tools.plan_file import load_mission, parse_mission, save_mission
+from mission_tools.mission.plan_file import load_mission, parse_mission, save_mission
 
 numbers = st.floats(-1e6, 1e6) | st.just(math.nan)
 finite = st.floats(-1e6, 1e6)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import affinity
 
-from companion.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.errors import (
     GoalBlocked,
     MapError,
@@ -20,10 +20,10 @@ from mission_tools.errors import (
     StartBlocked,
     UsageError,
 )
-from mission_tools.heuristics import HEURISTICS
 from mission_tools.maps import Chart, Feature, RouteDefaults, build_chart, load_geojson
-from mission_tools.planning import Plan, PlanSettings, plan
-from mission_tools.smooth import path_length_m
+from mission_tools.planning.heuristics import HEURISTICS
+from mission_tools.planning.planner import Plan, PlanSettings, plan
+from mission_tools.planning.smooth import path_length_m
 
 SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
 POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"

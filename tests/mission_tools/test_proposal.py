@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from companion.geo import LatLon, LocalFrame, Point, distance_m, longitude_difference_deg
-from mission_tools.areas import Areas
-from mission_tools.check import check_mission
-from mission_tools.draw import draw_picture
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m, longitude_difference_deg
+from mission_tools.drawing.draw import draw_picture
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import RouteDefaults, Source, build_chart
 from mission_tools.maps.fenced import fenced
-from mission_tools.mission import Command, Fence, FenceCircle, FencePolygon, Mission, MissionItem
-from mission_tools.plan_file import save_mission
-from mission_tools.proposal import MissionFile, Proposal, Water, Wishes
+from mission_tools.mission.areas import Areas
+from mission_tools.mission.check import check_mission
+from mission_tools.mission.mission import Command, Fence, FenceCircle, FencePolygon, Mission, MissionItem
+from mission_tools.mission.plan_file import save_mission
+from mission_tools.mission.proposal import MissionFile, Proposal, Water, Wishes
 
 POND = LatLon(50.0, -1.2)
 START, GOAL = Point(0.0, 0.0), Point(200.0, 0.0)

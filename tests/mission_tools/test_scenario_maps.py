@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.geo import LatLon, Point
+from companion.core.geo import LatLon, Point
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Source, load_source
 from mission_tools.maps.scenario import decode_scenario

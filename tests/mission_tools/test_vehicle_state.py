@@ -2,8 +2,8 @@
 
 import pytest
 
-from companion.geo import LatLon
-from mission_tools.vehicle_state import VehicleState
+from companion.core.geo import LatLon
+from mission_tools.vehicle.state import VehicleState
 
 HEARTBEAT = {"autopilot": 3, "type": 11, "custom_mode": 10, "base_mode": 129}
 

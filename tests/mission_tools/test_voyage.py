@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import VehicleError
-from mission_tools.follow import describe
-from mission_tools.mission import Command, Mission, MissionItem
-from mission_tools.route import mission_along
-from mission_tools.vehicle_state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
-from mission_tools.voyage import STALL_S, Voyage
+from mission_tools.mission.mission import Command, Mission, MissionItem
+from mission_tools.mission.route import mission_along
+from mission_tools.vehicle.follow import describe
+from mission_tools.vehicle.state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
+from mission_tools.vehicle.voyage import STALL_S, Voyage
 from mission_tools.wording import distance, duration
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from ftp_client import ACK, NAK, STATION, Reply, Served, reply_of, request_of
 
-from companion.services.ftp_frames import Code, Opcode
-from sitl.channel import Channel, Quality
+from companion.services.ftp.frames import Code, Opcode
+from sitl.radio.channel import Channel, Quality
 
 TICK_S = 0.02
 RETRY_S = 0.3

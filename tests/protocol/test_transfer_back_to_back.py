@@ -18,7 +18,7 @@ from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Event, Failed
 from companion.mavlink.transfer_table import State
-from sitl.channel import Channel, Quality
+from sitl.radio.channel import Channel, Quality
 
 BOAT, STATION = Address(1, 1), Address(255, 190)
 TICK_S = 0.02

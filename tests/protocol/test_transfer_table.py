@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from companion.errors import LocalProtocolError
+from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType

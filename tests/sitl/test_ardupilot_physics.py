@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from patience import MOMENT_S
 
-from companion.errors import ConfigError, LinkError
-from companion.units import wrap_pi
+from companion.core.errors import ConfigError, LinkError
+from companion.core.units import wrap_pi
 from sitl.physics.backend import Backend
 from sitl.physics.servo_packet import parse_servos
 from sitl.physics.state_line import NO_ECHO_M
 from sitl.physics.udp_server import PhysicsServer
-from sitl.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import Scenario, load_scenario
 
 # A packet byte by byte as the interface's description has it: magic 18458, 50 Hz, frame 7, then 16 pulses
 PACKET = bytes.fromhex("1a48 3200 07000000 d007 dc05 e803" + " dc05" * 13)

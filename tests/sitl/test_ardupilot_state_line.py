@@ -19,8 +19,8 @@ import pytest
 from companion.sensors.readings import SonarReading
 from sitl.physics.backend import Backend
 from sitl.physics.state_line import NO_ECHO_M, state_line
-from sitl.scenario import load_scenario
-from sitl.world import World
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import World
 
 # (section, key, is a vector, is required), in the order of its table
 TABLE = (

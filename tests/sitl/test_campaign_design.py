@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.campaign.design import Choice, Sample, grid_rows, sample_rows
+from sitl.experiments.campaign.design import Choice, Sample, grid_rows, sample_rows
 
 
 def test_a_grid_is_every_combination_the_last_setting_changing_fastest() -> None:

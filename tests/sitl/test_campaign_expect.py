@@ -2,7 +2,7 @@ from typing import Any
 
 import pytest
 
-from sitl.campaign.expect import Expectation, Statistic, judge
+from sitl.experiments.campaign.expect import Expectation, Statistic, judge
 
 TABLE: list[dict[str, Any]] = [
     {"course": "straight", "seed": 1, "rms": 0.1, "done": True, "over": None},

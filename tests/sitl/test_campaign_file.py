@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from companion.errors import ConfigError
-from sitl.campaign.campaign import Campaign, load_campaign
+from companion.core.errors import ConfigError
+from sitl.experiments.campaign.campaign import Campaign, load_campaign
 
 EXAMPLES = sorted(Path("examples/campaigns").glob("*.toml"))
 

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from companion.errors import ConfigError
+from companion.core.errors import ConfigError
 from sitl.__main__ import run_program
-from sitl.campaign.campaign import load_campaign
-from sitl.campaign.ledger import NAME, Ledger
-from sitl.campaign.run import Outcome, Run, sail_run
-from sitl.campaign.table import tabulate, write_csv
-from sitl.campaign.workers import cluster_crew, local_crew
+from sitl.experiments.campaign.campaign import load_campaign
+from sitl.experiments.campaign.ledger import NAME, Ledger
+from sitl.experiments.campaign.run import Outcome, Run, sail_run
+from sitl.experiments.campaign.table import tabulate, write_csv
+from sitl.experiments.campaign.workers import cluster_crew, local_crew
 
 SHORT = """
 [run]
@@ -131,7 +131,7 @@ def test_an_expectation_that_is_not_met_is_exit_code_one(
 def test_workers_do_not_outlive_a_program_that_was_killed() -> None:
     program = (
         "import os, sys\n"
-        "from sitl.campaign.workers import local_crew\n"
+        "from sitl.experiments.campaign.workers import local_crew\n"
         "if __name__ == '__main__':\n"
         "    with local_crew(1) as crew:\n"
         "        print(crew._executor.submit(os.getpid).result(), flush=True)\n"
@@ -168,7 +168,7 @@ def test_a_defect_is_a_result_with_its_traceback(monkeypatch: pytest.MonkeyPatch
     def stumble(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a defect")
 
-    monkeypatch.setattr("sitl.campaign.run.load_scenario", stumble)
+    monkeypatch.setattr("sitl.experiments.campaign.run.load_scenario", stumble)
     outcome = sail_run(Run(number=1, scenario="open", seed=1, course="straight"))
     assert outcome.ended == "error"
     assert "ZeroDivisionError: a defect" in outcome.traceback

@@ -12,9 +12,9 @@ from compiled.modules import ROOT, libraries, remember, remove, sources, stale
 _SAIL = """
 from compiled.modules import libraries
 from sitl.cli.arguments import scenario_from
-from sitl.courses import course_mission
-from sitl.missions import wire_items
-from sitl.sail import Sailing
+from sitl.scenarios.courses import course_mission
+from sitl.scenarios.missions import wire_items
+from sitl.run.sail import Sailing
 
 SETTINGS = (
     ["environment.current_m_s=0.4"],
@@ -33,7 +33,7 @@ _BUILD = """
 import sys
 from compiled import __main__, modules
 
-modules.PATTERNS = ("companion/units.py", "companion/geo.py")
+modules.PATTERNS = ("companion/core/units.py", "companion/core/geo.py")
 sys.exit(__main__.main(["build"]))
 """
 # As `pip install --editable` has it: the packages are mapped, and nothing beside them
@@ -50,17 +50,17 @@ print(geo.__file__, units.wrap_two_pi(-1.0))
 
 def house(tmp_path: Path) -> Path:
     """A few sources, and something compiled beside one."""
-    for name in ("companion/geo.py", "companion/units.py", "sitl/world.py"):
+    for name in ("companion/core/geo.py", "companion/core/units.py", "sitl/world/world.py"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("HERE = 1\n")
-    (tmp_path / "companion/geo.so").touch()
+    (tmp_path / "companion/core/geo.so").touch()
     (tmp_path / "0123__mypyc.so").touch()
     return tmp_path
 
 
 def test_what_is_listed_is_there() -> None:
     assert "companion/estimation/estimator.py" in sources()
-    assert "sitl/world.py" in sources()
+    assert "sitl/world/world.py" in sources()
 
 
 def test_nothing_is_compiled_that_is_read_from_files() -> None:
@@ -81,14 +81,18 @@ def test_what_was_just_compiled_is_not_stale(tmp_path: Path) -> None:
 def test_a_source_that_has_changed_or_gone_or_come_is_named(tmp_path: Path) -> None:
     root = house(tmp_path)
     remember(root)
-    (root / "companion/geo.py").write_text("HERE = 2\n")
-    (root / "sitl/world.py").unlink()
-    (root / "sitl/vessel.py").write_text("HERE = 3\n")
-    assert stale(root) == ["companion/geo.py", "sitl/vessel.py", "sitl/world.py"]
+    (root / "companion/core/geo.py").write_text("HERE = 2\n")
+    (root / "sitl/world/world.py").unlink()
+    (root / "sitl/world/vessel.py").write_text("HERE = 3\n")
+    assert stale(root) == ["companion/core/geo.py", "sitl/world/vessel.py", "sitl/world/world.py"]
 
 
 def test_modules_of_which_nobody_knows_when_they_were_compiled_are_stale(tmp_path: Path) -> None:
-    assert stale(house(tmp_path)) == ["companion/geo.py", "companion/units.py", "sitl/world.py"]
+    assert stale(house(tmp_path)) == [
+        "companion/core/geo.py",
+        "companion/core/units.py",
+        "sitl/world/world.py",
+    ]
 
 
 def test_removing_leaves_the_sources_and_nothing_to_be_stale(tmp_path: Path) -> None:

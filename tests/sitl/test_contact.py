@@ -8,10 +8,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.contact import Touch, blow
-from sitl.scenario import load_scenario
-from sitl.vessel import Vessel
-from sitl.world import Truth, World
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.contact import Touch, blow
+from sitl.world.vessel import Vessel
+from sitl.world.world import Truth, World
 
 DT_S = 0.02
 LAKE = load_scenario("open").hull

@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import pytest
 
-from companion.geo import LatLon, LocalFrame, Point, distance_m
-from sitl.courses import COURSES, course_mission, overshoots_m, tracking
-from sitl.recorder import Recorder
-from sitl.world import Truth
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from sitl.run.recorder import Recorder
+from sitl.scenarios.courses import COURSES, course_mission, overshoots_m, tracking
+from sitl.world.world import Truth
 
 PLANNED = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, 10.0)]  # a right angle to starboard
 

@@ -9,11 +9,11 @@ import pytest
 from boat_rig import scenario
 from fake_clock import FakeClock
 
+from companion.app.runner import Runner
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from companion.runner import Runner
-from sitl.craft import Berth, Craft
+from sitl.run.craft import Berth, Craft
 
 CUT = 'faults=[{what="computer", at_s=2, for_s=3}]'
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
-from sitl.environment import Current, Environment, Gyre, River, Tide
-from sitl.environment.grid import read_grid
-from sitl.scenario import load_scenario
-from sitl.world import World
+from companion.core.errors import ConfigError
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.environment import Current, Environment, Gyre, River, Tide
+from sitl.world.environment.grid import read_grid
+from sitl.world.world import World
 
 DT_S = 0.02
 RIVER = River(speed_m_s=1.0, width_m=20.0, through=(5.0, 10.0), to_deg=90.0)

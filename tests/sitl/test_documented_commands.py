@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 
-from companion.geo import LatLon
-from mission_tools.areas import load_fence
-from mission_tools.check import check_mission
+from companion.core.geo import LatLon
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
-from mission_tools.mission import Mission, MissionItem
-from mission_tools.plan_file import load_mission
+from mission_tools.mission.areas import load_fence
+from mission_tools.mission.check import check_mission
+from mission_tools.mission.mission import Mission, MissionItem
+from mission_tools.mission.plan_file import load_mission
 from sitl.__main__ import run_program as run_sitl
 
 ROOT = Path(__file__).parents[2]

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from sitl.drive import PropellerParameters, Thruster, ThrusterParameters, Thrusters
-from sitl.scenario import load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.drive import PropellerParameters, Thruster, ThrusterParameters, Thrusters
 
 LAKE = load_scenario("open").thrusters
 POOL = load_scenario("pool").thrusters

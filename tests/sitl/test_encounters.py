@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from companion.geo import Point
-from sitl.encounters.bench import WATERS, markdown
-from sitl.encounters.trial import Trial, Water, sail_encounter
-from sitl.encounters.waters import LEG_M, Kind, Meeting, mover, still_water
-from sitl.movers import Mover, MoverSettings
+from companion.core.geo import Point
+from sitl.experiments.encounters.bench import WATERS, markdown
+from sitl.experiments.encounters.trial import Trial, Water, sail_encounter
+from sitl.experiments.encounters.waters import LEG_M, Kind, Meeting, mover, still_water
+from sitl.world.movers import Mover, MoverSettings
 
 STILL: tuple[Kind, ...] = ("lone", "gap", "field", "dense", "shore")
 MOVING: tuple[Kind, ...] = ("head_on", "crossing")

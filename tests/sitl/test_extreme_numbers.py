@@ -13,18 +13,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.boat import TICK_S
-from companion.config import BoatConfig, load_config
-from companion.errors import BoatError, ConfigError
-from companion.toml_text import parse_toml
+from companion.config.boat_config import BoatConfig, load_config
+from companion.core.errors import BoatError, ConfigError
+from companion.core.toml_text import parse_toml
 from mission_tools.errors import MapError, MissionToolsError
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.scenario import load_scenario as load_map
-from mission_tools.plan_file import load_mission
-from sitl.campaign.campaign import MOST_RUNS, load_campaign
-from sitl.campaign.ledger import NAME, Ledger
+from mission_tools.mission.plan_file import load_mission
 from sitl.cli.program import run_program
-from sitl.scenario import Tree, load_scenario
-from sitl.world import World
+from sitl.experiments.campaign.campaign import MOST_RUNS, load_campaign
+from sitl.experiments.campaign.ledger import NAME, Ledger
+from sitl.scenarios.scenario import Tree, load_scenario
+from sitl.world.world import World
 
 DIGITS = "9" * 5000
 DEEP = [

@@ -2,8 +2,8 @@
 
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from sitl.campaign.fault_figures import fault_figures
-from sitl.sail import Sailing
+from sitl.experiments.campaign.fault_figures import fault_figures
+from sitl.run.sail import Sailing
 
 
 def figures(*settings: str) -> dict[str, float | None]:

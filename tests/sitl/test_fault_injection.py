@@ -6,9 +6,9 @@ import pytest
 
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
-from companion.storage import MemoryStorage
-from sitl.lockstep import Lockstep
-from sitl.scenario import load_scenario
+from companion.persistence.storage import MemoryStorage
+from sitl.run.lockstep import Lockstep
+from sitl.scenarios.scenario import load_scenario
 
 OK, DENIED, UNSUPPORTED = 0, 2, 3
 GPS, MAG, GYRO, SONAR, BATTERY, MOTOR, LINK, SERVO = 4, 2, 0, 7, 100, 101, 105, 102

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
-from sitl.faults import CATALOGUE, FaultSetting
-from sitl.scenario import load_scenario
+from companion.core.errors import ConfigError
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.faults import CATALOGUE, FaultSetting
 
 KINDS = [(what, kind) for what, kinds in CATALOGUE.items() for kind in kinds]
 

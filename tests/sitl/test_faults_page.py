@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from sitl.faults import CATALOGUE
-from sitl.layers import Layer
-from sitl.scenario import load_scenario
-from sitl.world import World
+from sitl.scenarios.layers import Layer
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.faults import CATALOGUE
+from sitl.world.world import World
 
 PAGE = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import pytest
 
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
-from sitl.scenario import load_scenario
-from sitl.world import Truth, World
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import Truth, World
 
 DT_S = 0.02
 AT_S, FOR_S = 2.0, 6.0

@@ -10,17 +10,17 @@ from boat_rig import scenario
 from fake_clock import FakeClock
 
 from companion.boat import TICK_S
-from companion.config import LinkConfig
-from companion.errors import ConfigError
-from companion.geo import distance_m
+from companion.config.boat_config import LinkConfig
+from companion.core.errors import ConfigError
+from companion.core.geo import distance_m
+from companion.core.modes import Mode
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.vehicle.modes import Mode
-from sitl.craft import Berth
-from sitl.fleet import fleet, moor
-from sitl.scenario import Scenario
-from sitl.serve import PHASES, Server
+from sitl.run.craft import Berth
+from sitl.run.fleet import fleet, moor
+from sitl.run.serve import PHASES, Server
+from sitl.scenarios.scenario import Scenario
 
 
 def test_ids_and_seeds_count_up_and_places_lie_apart() -> None:
@@ -56,7 +56,7 @@ def test_every_boat_sails_in_its_own_water() -> None:
 
 def test_boats_begin_one_after_the_other_within_the_first_second(monkeypatch: pytest.MonkeyPatch) -> None:
     assert PHASES * TICK_S == 1.0
-    monkeypatch.setattr("sitl.serve.PHASES", 3)
+    monkeypatch.setattr("sitl.run.serve.PHASES", 3)
     boats, clock = fleet(scenario("open"), 5), FakeClock()
     crafts = moor(boats, [[]] * 5, clock, [Berth()] * 5)
     Server(crafts, clock).run(lambda: clock.time_s >= 0.5)

@@ -16,8 +16,8 @@ from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
 from mission_tools.cli.upload_command import run_program as run_upload
-from sitl.campaign.campaign import load_campaign
 from sitl.cli.program import run_program
+from sitl.experiments.campaign.campaign import load_campaign
 
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full on this system")

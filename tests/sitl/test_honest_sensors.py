@@ -8,14 +8,14 @@ import shapely
 from boat_rig import HOME_ITEM, waypoint
 from boat_rig import scenario as boat_scenario
 
+from companion.core.geo import LatLon, LocalFrame
 from companion.estimation import estimator, fixing, water_speed, yaw_model
-from companion.geo import LatLon, LocalFrame
 from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
-from sitl.drive import Thruster
-from sitl.sail import Sailing
-from sitl.scenario import load_scenario
-from sitl.sensors import (
+from sitl.run.sail import Sailing
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.drive import Thruster
+from sitl.world.sensors import (
     CompassSettings,
     GnssSettings,
     SensorFault,
@@ -24,9 +24,9 @@ from sitl.sensors import (
     SimSonar,
     SonarSettings,
 )
-from sitl.sensors.gnss import stated_accuracy_m
-from sitl.sensors.sampling import generator
-from sitl.shore import Shore
+from sitl.world.sensors.gnss import stated_accuracy_m
+from sitl.world.sensors.sampling import generator
+from sitl.world.shore import Shore
 
 DT_S = 0.02
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -7,9 +7,9 @@ from boat_rig import Rig, waypoint
 
 from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HullReading
-from sitl.faults.catalogue import FaultSetting
-from sitl.faults.parts import LeakPart, ThermometerPart
-from sitl.sensors import HullSensorSettings, SimHull
+from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.faults.parts import LeakPart, ThermometerPart
+from sitl.world.sensors import HullSensorSettings, SimHull
 
 
 def sailing(*settings: str) -> Rig:

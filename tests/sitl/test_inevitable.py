@@ -7,11 +7,11 @@ import pytest
 from boat_rig import scenario
 from numpy.typing import NDArray
 
-from sitl.campaign.inevitable import inevitable, left_speed_m_s, survives
-from sitl.faults.catalogue import FaultSetting
-from sitl.sail import Sailing
-from sitl.scenario import Scenario
-from sitl.world import Truth
+from sitl.experiments.campaign.inevitable import inevitable, left_speed_m_s, survives
+from sitl.run.sail import Sailing
+from sitl.scenarios.scenario import Scenario
+from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.world import Truth
 
 DEAD = FaultSetting(what="motor_left", at_s=10.0)
 WATER = [[-100.0, -100.0], [100.0, -100.0], [100.0, 100.0], [-100.0, 100.0]]

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from companion.config import load_config
+from companion.config.boat_config import load_config
 from companion.hal.l298n import L298N
-from sitl.drive import Thruster
-from sitl.scenario import Scenario, load_scenario
-from sitl.world import World
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.drive import Thruster
+from sitl.world.world import World
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")

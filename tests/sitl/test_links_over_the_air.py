@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
-from companion.hal.memory import MemoryPort, memory_pair
-from sitl.air import Air, AirLink, AirPort
-from sitl.channel import WHOLE, Quality
-from sitl.computer import Computer
-from sitl.link import LinkSettings
-from sitl.scenario import load_scenario
+from companion.core.errors import ConfigError
+from companion.links.memory import MemoryPort, memory_pair
+from sitl.radio.air import Air, AirLink, AirPort
+from sitl.radio.channel import WHOLE, Quality
+from sitl.radio.link import LinkSettings
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.computer import Computer
 
 
 class Line:

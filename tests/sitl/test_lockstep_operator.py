@@ -2,7 +2,7 @@
 
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from sitl.sail import Sailing
+from sitl.run.sail import Sailing
 
 LOST = "Failsafe: Operator lost for 5 s"
 

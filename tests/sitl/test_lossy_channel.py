@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.channel import Channel, Quality
+from sitl.radio.channel import Channel, Quality
 
 qualities = st.builds(
     Quality,

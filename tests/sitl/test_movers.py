@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
-from sitl.movers import Mover, Movers, MoverSettings
-from sitl.scenario import load_scenario
-from sitl.world import World
+from companion.core.errors import ConfigError
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.movers import Mover, Movers, MoverSettings
+from sitl.world.world import World
 
 DT_S = 0.02
 places = st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from sitl.hull import VesselParameters
-from sitl.vessel import Vessel
+from sitl.world.hull import VesselParameters
+from sitl.world.vessel import Vessel
 
 MASS_KG, LENGTH_M, BEAM_M, GRAVITY = 55.0, 2.0, 1.08, 9.81
 TOP_M_S = 6.0 * 0.5144

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.battery import BatteryParameters
-from sitl.drive import MotorParameters, PropellerParameters, Thruster, ThrusterParameters
-from sitl.pack import CELL_V, CLIFF, Pack
+from sitl.world.battery import BatteryParameters
+from sitl.world.drive import MotorParameters, PropellerParameters, Thruster, ThrusterParameters
+from sitl.world.pack import CELL_V, CLIFF, Pack
 
 
 def test_a_full_pack_at_rest_shows_its_cells_less_the_idle_drop() -> None:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from companion.geo import distance_m
+from companion.core.geo import distance_m
 from companion.mavlink.dialect import dialect
 from sitl.cli.paper import paper
-from sitl.paper import table
-from sitl.paper.conditions import CASES, MAX_CURRENT_M_S, Method, conditions, seeds
-from sitl.paper.helmsman import HeadingPid, OnOff
-from sitl.paper.step_response import GAIN_SETS, step_responses
-from sitl.paper.trial import Trial, planned, sail_trial
+from sitl.experiments.paper import table
+from sitl.experiments.paper.conditions import CASES, MAX_CURRENT_M_S, Method, conditions, seeds
+from sitl.experiments.paper.helmsman import HeadingPid, OnOff
+from sitl.experiments.paper.step_response import GAIN_SETS, step_responses
+from sitl.experiments.paper.trial import Trial, planned, sail_trial
 
 TRIAL = Trial("5", str(Method.ON_OFF), 1, 0.005, 0.8, True, 20.0, 0.9, 0, 0.02)
 

@@ -5,12 +5,12 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.errors import ConfigError
-from companion.geo import distance_m
-from sitl.faults.catalogue import FaultSetting
-from sitl.missions import plan_mission
-from sitl.random_world import RandomWater, random_world
-from sitl.scenario import Scenario, load_scenario
+from companion.core.errors import ConfigError
+from companion.core.geo import distance_m
+from sitl.scenarios.missions import plan_mission
+from sitl.scenarios.random_world import RandomWater, random_world
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.faults.catalogue import FaultSetting
 
 
 def world(seed: int, *overrides: str) -> Scenario:

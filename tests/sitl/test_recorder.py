@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 import shapely
 
-from companion.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps.chart import build_chart
-from sitl.recorder import Recorder
-from sitl.shore import Shore
-from sitl.world import Truth
+from sitl.run.recorder import Recorder
+from sitl.world.shore import Shore
+from sitl.world.world import Truth
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 SEA = Shore(build_chart("sea", FRAME, None, ()), 1.0)

@@ -9,20 +9,20 @@ import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 from msgspec import structs
 
-from companion.errors import ConfigError
+from companion.core.errors import ConfigError
 from sitl.__main__ import run_program
-from sitl.campaign.campaign import Campaign
-from sitl.campaign.expect import Expectation
-from sitl.campaign.ledger import Ledger
-from sitl.campaign.run import Outcome, Run, sail_run
+from sitl.experiments.campaign.campaign import Campaign
+from sitl.experiments.campaign.expect import Expectation
+from sitl.experiments.campaign.ledger import Ledger
+from sitl.experiments.campaign.run import Outcome, Run, sail_run
 from sitl.reports.campaign_page import again, campaign_page
 from sitl.reports.campaign_pictures import draw_expectation
 from sitl.reports.labels import label, labelled
 from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
 from sitl.reports.run_pictures import brakes, draw_panels, draw_track_chart, fault_spans
-from sitl.run_record import RunRecord, load_record
-from sitl.sail import Sailing
+from sitl.run.run_record import RunRecord, load_record
+from sitl.run.sail import Sailing
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 

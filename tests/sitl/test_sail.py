@@ -4,11 +4,11 @@ import pytest
 from asked_figures import ASKED
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from companion.geo import LatLon
+from companion.core.geo import LatLon
 from companion.mavlink.items import MissionItem
-from sitl.missions import fence_along, plan_mission, wire_items
-from sitl.orders import SailError
-from sitl.sail import Sailing
+from sitl.run.operator import SailError
+from sitl.run.sail import Sailing
+from sitl.scenarios.missions import fence_along, plan_mission, wire_items
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 

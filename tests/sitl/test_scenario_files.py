@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 import shapely
 
-from companion.errors import ConfigError
-from companion.geo import LatLon, Point
+from companion.core.errors import ConfigError
+from companion.core.geo import LatLon, Point
 from mission_tools.errors import MissionToolsError
-from mission_tools.planning import PlanSettings, plan
-from sitl.layers import merge, parse_overrides
-from sitl.scenario import load_scenario, scenario_names
+from mission_tools.planning.planner import PlanSettings, plan
+from sitl.scenarios.layers import merge, parse_overrides
+from sitl.scenarios.scenario import load_scenario, scenario_names
 
 SCENARIOS = Path(__file__).parents[2] / "sitl" / "scenarios"
 BOATS = Path(__file__).parents[2] / "sitl" / "boats"

@@ -6,9 +6,9 @@ import statistics
 import pytest
 import shapely
 
-from companion.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import build_chart
-from sitl.sensors import (
+from sitl.world.sensors import (
     BatteryMonitorSettings,
     CompassSettings,
     GnssSettings,
@@ -18,7 +18,7 @@ from sitl.sensors import (
     SimSonar,
     SonarSettings,
 )
-from sitl.shore import Shore
+from sitl.world.shore import Shore
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 BASIN = Shore(build_chart("basin", FRAME, shapely.box(-3.0, -2.0, 3.0, 2.0), ()), reach_m=4.0)

@@ -7,14 +7,14 @@ from boat_rig import scenario
 from fake_clock import FakeClock
 from patience import MOMENT_S
 
-from companion.config import BoatConfig
-from companion.errors import LinkError
+from companion.config.boat_config import BoatConfig
+from companion.core.errors import LinkError
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from sitl.craft import Berth, Craft
-from sitl.pace import Pace
-from sitl.serve import Server, stretched
+from sitl.run.craft import Berth, Craft
+from sitl.run.pace import Pace
+from sitl.run.serve import Server, stretched
 
 
 @pytest.mark.parametrize("speedup", [0.5, 1.0, 10.0])

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from companion.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
-from sitl.shore import Shore
+from sitl.world.shore import Shore
 
 REAL_SHORES = Path(__file__).parents[3] / "shared" / "maps" / "shore"
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -7,11 +7,11 @@ import statistics
 import pytest
 import shapely
 
-from companion.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon, LocalFrame
 from companion.hal.interfaces import Compass, Gnss, Sonar
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
 from mission_tools.maps.chart import build_chart
-from sitl.sensors import (
+from sitl.world.sensors import (
     CompassSettings,
     GnssSettings,
     SimCompass,
@@ -21,7 +21,7 @@ from sitl.sensors import (
     generator,
     sweep_bearings_rad,
 )
-from sitl.shore import Shore
+from sitl.world.shore import Shore
 
 DT_S = 0.02
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -7,7 +7,7 @@ from asked_figures import ASKED
 
 from sitl.__main__ import run_program
 from sitl.cli.arguments import with_json_told_apart
-from sitl.world import Truth
+from sitl.world.world import Truth
 
 EXTRA = {"scenario", "seed", "completed", "groundings", "waypoints"}
 

@@ -7,11 +7,11 @@ import pytest
 from boat_rig import scenario
 from fake_clock import FakeClock
 
-from companion.errors import StorageError
-from companion.vehicle.modes import Mode
-from sitl.craft import Berth, Craft
-from sitl.serve import Server
-from sitl.state_folder import StateInUseError, hold, usual_folder
+from companion.core.errors import StorageError
+from companion.core.modes import Mode
+from sitl.run.craft import Berth, Craft
+from sitl.run.serve import Server
+from sitl.run.state_folder import StateInUseError, hold, usual_folder
 
 
 @pytest.fixture(autouse=True)

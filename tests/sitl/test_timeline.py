@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from companion.vehicle.modes import Mode
-from sitl.beliefs import EVERY_S, Belief
-from sitl.lockstep import Lockstep
-from sitl.sail import Sailing
-from sitl.timeline import MOST_EVENTS, Timeline
+from companion.core.modes import Mode
+from sitl.reports.estimate_overlay import EVERY_S, Belief
+from sitl.run.lockstep import Lockstep
+from sitl.run.sail import Sailing
+from sitl.run.timeline import MOST_EVENTS, Timeline
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 WALLED = (

@@ -9,19 +9,19 @@ from statistics import fmean
 import pytest
 from msgspec import structs
 
-from companion.config import BoatConfig
-from companion.params import Parameters
-from companion.params_table import ROWS
-from companion.storage import MemoryStorage
+from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Parameters
+from companion.persistence.storage import MemoryStorage
 from sitl.__main__ import run_program
-from sitl.campaign.figures import Figures
-from sitl.campaign.run import Outcome, Run
-from sitl.scenario import load_scenario
-from sitl.sensors import generator
-from sitl.tuning.gains import TUNED, Gains, drawn_around, gains_of, parameter_file, settings_of
-from sitl.tuning.search import search
-from sitl.tuning.trial import FAILED, Trials
-from sitl.tuning.verdict import judge
+from sitl.experiments.campaign.figures import Figures
+from sitl.experiments.campaign.run import Outcome, Run
+from sitl.experiments.tuning.gains import TUNED, Gains, drawn_around, gains_of, parameter_file, settings_of
+from sitl.experiments.tuning.search import search
+from sitl.experiments.tuning.trial import FAILED, Trials
+from sitl.experiments.tuning.verdict import judge
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.sensors import generator
 
 POOL = load_scenario("open", ["boat.model=pool"])
 WANTED = {"heading.kp": 9.0, "heading.ki": 1.0, "heading.kd": 2.5, "speed.kp": 3.0, "speed.ki": 1.0}

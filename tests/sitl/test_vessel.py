@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from sitl.hull import VesselParameters
-from sitl.scenario import load_scenario
-from sitl.vessel import Vessel
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.hull import VesselParameters
+from sitl.world.vessel import Vessel
 
 DT_S = 0.02
 LAKE = load_scenario("open").hull

@@ -5,9 +5,9 @@ import statistics
 
 import pytest
 
-from sitl.environment import Environment, Waves
-from sitl.scenario import load_scenario
-from sitl.world import Truth, World
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.environment import Environment, Waves
+from sitl.world.world import Truth, World
 
 DT_S = 0.02
 SEA = Environment(wave_height_m=0.3, wave_period_s=2.5, wave_from_deg=0.0)

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.environment import Environment, Wind
-from sitl.environment.wind import PEAK_FACTOR
-from sitl.hull import WindageParameters
-from sitl.scenario import load_scenario
-from sitl.windage import AIR_KG_M3, Windage
-from sitl.world import Truth, World
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.environment import Environment, Wind
+from sitl.world.environment.wind import PEAK_FACTOR
+from sitl.world.hull import WindageParameters
+from sitl.world.windage import AIR_KG_M3, Windage
+from sitl.world.world import Truth, World
 
 DT_S = 0.02
 SPEED = st.floats(-15.0, 15.0)

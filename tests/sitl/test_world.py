@@ -7,10 +7,10 @@ import pytest
 import shapely
 
 from companion.hal.interfaces import Battery, Motors
-from sitl.recorder import Recorder
-from sitl.scenario import load_scenario
-from sitl.sim_hal import SimBattery, SimMotors
-from sitl.world import Truth, World
+from sitl.run.recorder import Recorder
+from sitl.run.simulated_hardware import SimBattery, SimMotors
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import Truth, World
 
 DT_S = 0.02
 

@@ -17,7 +17,7 @@ from patience import MOMENT_S
 from station_client import OpenClient, StationClient
 from vehicle_line import PERFECT, Line, LiveLine, SimulatedLine
 
-from sitl.channel import Quality
+from sitl.radio.channel import Quality
 
 
 @pytest.fixture(scope="module")

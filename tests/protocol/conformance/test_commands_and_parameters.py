@@ -7,7 +7,7 @@ from client_habits import CLIENTS, MAVSDK, PATIENT, QGC_50, Habits
 from pymavlink.dialects.v20 import all as dialect
 from station_client import OpenClient
 
-from sitl.channel import Quality
+from sitl.radio.channel import Quality
 
 pytest_plugins = ("conformance_fixtures",)
 

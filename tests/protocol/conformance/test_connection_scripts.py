@@ -8,7 +8,7 @@ from script_player import play
 from station_client import OpenClient
 from vehicle_line import PERFECT
 
-from sitl.channel import Quality
+from sitl.radio.channel import Quality
 
 pytest_plugins = ("conformance_fixtures",)
 

@@ -8,7 +8,7 @@ from pymavlink.dialects.v20 import all as dialect
 from station_client import Item, OpenClient, StationClient
 from vehicle_line import Who
 
-from sitl.channel import Quality
+from sitl.radio.channel import Quality
 
 pytest_plugins = ("conformance_fixtures",)
 

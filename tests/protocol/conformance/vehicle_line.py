@@ -14,7 +14,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.boat import TICK_S
 from companion.hal.interfaces import Link
-from sitl.channel import Channel, Quality
+from sitl.radio.channel import Channel, Quality
 
 Message = Any
 PERFECT = Quality()

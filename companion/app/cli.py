@@ -1,0 +1,117 @@
+"""The commands of boat-companion, the program on the boat."""
+
+import contextlib
+import logging
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from companion import __version__
+from companion.app.composition import check_config, run_boat
+from companion.app.links_view import watch
+from companion.app.restart import restart_program
+from companion.app.shutdown import Shutdown
+from companion.app.status_file import find_status, read_status
+from companion.config.boat_config import BoatConfig, load_config
+from companion.config.parameter_page import parameter_page
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import Parameters
+from companion.core.command_line import HELP_NAMES, Version, busy_port_explained, run_app
+from companion.core.errors import BoatError
+from companion.persistence.storage import MemoryStorage
+
+PROGRAM = "boat-companion"
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings=HELP_NAMES,
+    help="The vehicle: drives the boat and speaks MAVLink to every ground station.",
+)
+
+ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
+
+
+@app.callback()
+def options(
+    debug: Annotated[bool, typer.Option("--debug", help="A traceback with every error.")] = False,
+    version: Version = False,
+) -> None:
+    """What goes before the command; --debug is looked for where errors end."""
+
+
+@app.command()
+def run(
+    config: ConfigFile,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say more in the log.")] = False,
+) -> None:
+    """Run the boat until Ctrl-C or SIGTERM. The motors are off before the first and after the last tick.
+
+    Example:  boat-companion run --config /etc/mavboat/boat.toml
+    """
+    logging.basicConfig(
+        level=logging.DEBUG if verbose else logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
+    )
+    shutdown = Shutdown()
+    shutdown.install()
+    with busy_port_explained(f"change links in {config}"):
+        boat = run_boat(load_config(config), shutdown)
+    if boat.wants_restart and not shutdown():
+        restart_program()
+
+
+@app.command()
+def check(config: ConfigFile) -> None:
+    """Read a configuration and say what is wrong with it, without touching any hardware."""
+    tree = load_config(config)
+    check_config(tree)
+    typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
+
+
+@app.command()
+def links(
+    config: ConfigFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the figures once, as JSON.")] = False,
+) -> None:
+    """Show the running boat's links, second by second, until Ctrl-C.
+
+    Example:  boat-companion links --config /etc/mavboat/boat.toml
+    """
+    path = find_status(load_config(config))
+    if as_json:
+        typer.echo(msgspec.json.format(msgspec.json.encode(read_status(path))).decode())
+        return
+    with contextlib.suppress(KeyboardInterrupt):
+        watch(path, Console())
+
+
+@app.command()
+def params(
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print docs/parameters.md.")] = False,
+) -> None:
+    """List every parameter with its default, unit and meaning."""
+    if markdown:
+        typer.echo(parameter_page(), nl=False)
+        return
+    table = Table("name", "default", "unit", "meaning", box=None)
+    parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
+    for row in ROWS:
+        table.add_row(row.name, f"{parameters.value(row):g}", row.unit, row.text)
+    Console().print(table)
+
+
+@app.command()
+def version() -> None:
+    """Print the version."""
+    typer.echo(__version__)
+
+
+def run_program(arguments: list[str]) -> int:
+    """Run the program; returns its exit code."""
+    return run_app(app, PROGRAM, arguments, expected=(BoatError,))

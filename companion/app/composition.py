@@ -1,0 +1,248 @@
+"""The composition root: the only file of the companion that picks concrete drivers."""
+
+import logging
+import os
+from collections.abc import Callable, Collection, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from companion.app import garbage_collection as garbage
+from companion.app.clock import SystemClock
+from companion.app.runner import Runner
+from companion.app.status_file import StatusFile, status_path
+from companion.boat import TICK_S, Boat
+from companion.config.boat_config import BoatConfig, LinkConfig
+from companion.config.parts import CompassPart
+from companion.config.rc import Rc
+from companion.core.errors import ConfigError
+from companion.hal.absent import Absent
+from companion.hal.battery import open_ina219
+from companion.hal.compass import open_bno055, open_nmea_compass
+from companion.hal.gnss import open_nmea_gnss
+from companion.hal.hull import open_hull
+from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Port, Sonar
+from companion.hal.l298n import open_l298n
+from companion.hal.rc_receiver import open_rc_receiver
+from companion.hal.ultrasonic import open_ultrasonic
+from companion.hal.watched_motors import WatchedMotors
+from companion.links.port_url import open_port, parse_port_url
+from companion.log.logbook import Logbook, open_logbook
+from companion.mavlink.framing import begins_with_frame
+from companion.mavlink.signing_key import read_key_file
+from companion.persistence.storage import FolderStorage, MemoryStorage, Storage
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
+from companion.sensors.external import Use
+
+logger = logging.getLogger(__name__)
+
+Now = Callable[[], float]
+
+_MEMORY_EVERY = 50  # ticks between two looks at the computer's memory
+
+# where stale frames are to be dropped they wait in the channel, which knows their age, not in the driver
+_SHORT_QUEUE_BYTES = 512
+
+
+def check_config(config: BoatConfig) -> None:
+    """What can be said of a configuration without touching hardware.
+
+    Raises:
+        ConfigError: names the key.
+    """
+    for number, link in enumerate(config.link_settings):
+        policy_of(link, f"links[{number}]")
+        if link.signing != "off" and link.key_file:
+            read_key_file(Path(link.key_file).expanduser())
+    if not config.links:
+        raise ConfigError("links: a boat without a link cannot be reached; expected at least one")
+    parts, external = config.parts, config.external
+    if parts.motors.driver == "none":
+        raise ConfigError("parts.motors.driver: the boat cannot sail without; expected a driver")
+    for name, driver, use in (
+        ("gnss", parts.gnss.driver, external.position),
+        ("compass", parts.compass.driver, external.heading),
+    ):
+        if driver == "none" and use == Use.NEVER:
+            raise ConfigError(
+                f"parts.{name}.driver: the boat cannot sail without; expected a driver, or [external] instead"
+            )
+    check_channels(config.rc)
+
+
+def check_channels(setting: Rc) -> None:
+    """No two things on one channel of the transmitter.
+
+    Raises:
+        ConfigError: names the key.
+    """
+    taken: dict[int, str] = {}
+    for key in ("steering_channel", "throttle_channel", "arm_channel", "mode_channel"):
+        channel = getattr(setting, key)
+        if channel and channel in taken:
+            raise ConfigError(f"rc.{key} = {channel}: expected another than rc.{taken[channel]}")
+        taken[channel] = key
+
+
+def policy_of(link: LinkConfig, key: str) -> Policy:
+    """The rules of one link.
+
+    Raises:
+        ConfigError: names the url, or the key with a message that does not exist.
+    """
+    url = parse_port_url(link.url)
+    is_loopback = url.place in ("localhost", "::1") or url.place.startswith("127.")
+    baud = url.number if url.kind == "serial" else 0
+    return Policy(link, key, baud, is_loopback, hears_anybody=url.kind == "udpin")
+
+
+def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
+    """Open every link of a configuration, or none.
+
+    Raises:
+        ConfigError, LinkError: names the url.
+    """
+    with ExitStack() as undo:
+        ports: list[Port] = []
+        for number, link in enumerate(links):
+            setting = LinkConfig(url=link) if isinstance(link, str) else link
+            policy = policy_of(setting, f"links[{number}]")
+            queue_bytes = _SHORT_QUEUE_BYTES if policy.stale_s else None
+            ports.append(ConfiguredPort(open_port(setting.url, now, queue_bytes, begins_with_frame), policy))
+            undo.callback(ports[-1].close)
+        undo.pop_all()
+    return ports
+
+
+def open_hardware(config: BoatConfig, now: Now) -> Hardware:
+    """Open every part that the configuration names; the motors first, so that they are off from the start.
+
+    Raises:
+        HardwareError: names the part that does not answer; those already open are closed again.
+    """
+    parts = config.parts
+    with ExitStack() as undo:
+        motors = WatchedMotors(open_l298n(parts.motors, now), now, config.motors.command_timeout_s)
+        undo.callback(motors.close)
+        motors.start()
+        gnss: Gnss = Absent() if parts.gnss.driver == "none" else open_nmea_gnss(parts.gnss, now)
+        undo.callback(gnss.close)
+        compass = open_compass(parts.compass, now)
+        undo.callback(compass.close)
+        sonar: Sonar | None = None
+        if parts.sonar.driver != "none":
+            sonar = open_ultrasonic(parts.sonar, now)
+            undo.callback(sonar.close)
+        battery: Battery | None = None
+        if parts.battery.driver != "none":
+            battery = open_ina219(parts.battery, now)
+            undo.callback(battery.close)
+        hull = None if parts.hull.driver == "none" else open_hull(parts.hull, now)
+        if hull is not None:
+            undo.callback(hull.close)
+        rc = None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
+        undo.pop_all()
+    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors)
+
+
+def open_compass(part: CompassPart, now: Now) -> Compass:
+    """Open the heading sensor that the configuration names.
+
+    Raises:
+        HardwareError: it does not answer.
+    """
+    match part.driver:
+        case "bno055":
+            return open_bno055(part, now)
+        case "nmea":
+            return open_nmea_compass(part, now)
+        case "none":
+            return Absent()
+
+
+def open_storage(folder: str) -> Storage:
+    """Memory that survives, or memory that does not when no folder is named.
+
+    Raises:
+        StorageError: the folder cannot be used.
+    """
+    return FolderStorage(Path(folder).expanduser()) if folder else MemoryStorage()
+
+
+def open_log(config: BoatConfig, folder: str) -> Logbook | None:
+    """The boat's logbook beside what it stores; none when no folder is named.
+
+    Raises:
+        StorageError: the folder cannot be used.
+    """
+    setting = config.log
+    if not folder:
+        return None
+    return open_logbook(
+        Path(folder).expanduser(),
+        quota_mb=setting.quota_mb,
+        min_free_mb=setting.min_free_mb,
+        keeps_telemetry=setting.tlog,
+    )
+
+
+def run_boat(
+    config: BoatConfig,
+    should_stop: Callable[[], bool],
+    clock: SystemClock | None = None,
+    open_parts: Callable[[BoatConfig, Now], Hardware] = open_hardware,
+) -> Boat:
+    """Run the boat until told to stop, or until it `wants_restart`.
+
+    Whatever happens, the motors are off when this returns or raises.
+
+    Raises:
+        ConfigError, HardwareError, LinkError, StorageError: the boat could not be put together.
+    """
+    check_config(config)
+    clock = clock or SystemClock()
+    with ExitStack() as undo:
+        hardware = open_parts(config, clock.now_s)
+        undo.callback(hardware.close)
+        storage = open_storage(config.storage.folder)
+        undo.callback(storage.close)
+        ports = open_ports(config.links, clock.now_s)
+        for port in ports:
+            undo.callback(port.close)
+            logger.info("listening on %s", port.name)
+        logbook = open_log(config, config.storage.folder)
+        boat = Boat(config, hardware, ports, storage, clock.unix_offset_s(), logbook)
+        undo.callback(boat.close)
+        boat.endpoint.keep_journal()
+        path = status_path(config)
+        status = StatusFile(path, boat.channels) if path is not None else None
+        if status is not None:
+            undo.callback(status.close)
+
+        def step(number: int) -> None:
+            boat.load = runner.load
+            if number % _MEMORY_EVERY == 0:
+                boat.free_memory_bytes = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGESIZE")
+            now_s = clock.now_s()
+            boat.step(now_s)
+            if status is not None:
+                status.tick(now_s, runner.ticks, runner.load)
+
+        def receive(ready: Collection[int]) -> int:
+            return boat.receive(clock.now_s(), ready)
+
+        runner = Runner(
+            clock,
+            TICK_S,
+            step,
+            receive,
+            boat.channels.filenos,
+            has_more=lambda: boat.channels.has_more,
+        )
+        if logbook is not None and logbook.onboard is not None:
+            logbook.onboard.timing = runner.ticks
+        garbage.settle()
+        runner.run(lambda: should_stop() or boat.wants_restart)
+        ticks = runner.ticks
+        logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)
+    return boat

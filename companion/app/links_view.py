@@ -1,0 +1,41 @@
+"""`boat-companion links`: the running boat's links as a table."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+
+from companion.app.status_file import BoatStatus, read_status
+
+_REFRESH_S = 1.0
+_COLUMNS = ("link", "heard", "in/s", "out/s", "frames in", "out", "forwarded", "lost", "bad", "dropped")
+
+
+def draw(status: BoatStatus) -> Table:
+    """The table."""
+    links = status.links
+    late = f"{status.late_ticks} of {status.ticks} ticks late, worst {1e3 * status.worst_late_s:.1f} ms"
+    routed = f"{links.repeats} repeats, {links.unreachable} for nobody, {links.reboots} reboots"
+    table = Table(title=f"load {status.load:.0%}; {late}", caption=routed)
+    for name in _COLUMNS:
+        table.add_column(name, justify="left" if name in _COLUMNS[:2] else "right")
+    for link in links.links:
+        rates = (f"{link.in_bytes_s:.0f} B", f"{link.out_bytes_s:.0f} B")
+        counts = (link.frames_in, link.frames_out, link.forwarded, link.lost, link.bad, link.dropped)
+        table.add_row(link.name, " ".join(link.heard), *rates, *(str(count) for count in counts))
+    return table
+
+
+def watch(path: Path, console: Console, pause: Callable[[float], None] = time.sleep) -> None:
+    """Draw the links again and again, until interrupted or the boat ends.
+
+    Raises:
+        StorageError: the boat does not run.
+    """
+    with Live(draw(read_status(path)), console=console, auto_refresh=False) as live:
+        while True:
+            pause(_REFRESH_S)
+            live.update(draw(read_status(path)), refresh=True)

@@ -1,0 +1,103 @@
+"""The running boat's status in a small file, once a second, for `boat-companion links`.
+
+Written by a thread, because a medium may take its time and the control loop must not wait; aside and renamed,
+so that a reader finds the old content or the new; not flushed, because nothing depends on its survival.
+"""
+
+import os
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+
+import msgspec
+
+from companion.app.runner import TickCount
+from companion.config.boat_config import BoatConfig
+from companion.core.errors import ConfigError, StorageError
+from companion.router.channels import Channels
+from companion.router.status import LinksStatus, Reporter
+
+PERIOD_S = 1.0
+
+
+class BoatStatus(msgspec.Struct, frozen=True):
+    """What the file holds. load is the share of the tick used; late ticks began more than 5 ms late."""
+
+    process: int
+    load: float
+    ticks: int
+    late_ticks: int
+    skipped_ticks: int
+    worst_late_s: float
+    links: LinksStatus
+
+
+class StatusFile:
+    """Writes a status at most once a second, and none while the one before is still under way."""
+
+    def __init__(self, path: Path, channels: Channels) -> None:
+        self._path = path
+        self._reporter = Reporter(channels)
+        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="status")
+        self._writing: Future[None] | None = None
+        self._due_s = 0.0
+
+    def tick(self, now_s: float, ticks: TickCount, load: float) -> None:
+        """To be called every tick. A medium that cannot be written to is left alone."""
+        if now_s < self._due_s or (self._writing is not None and not self._writing.done()):
+            return
+        self._due_s = now_s + PERIOD_S
+        status = BoatStatus(
+            process=os.getpid(),
+            load=load,
+            ticks=ticks.run,
+            late_ticks=ticks.late,
+            skipped_ticks=ticks.skipped,
+            worst_late_s=ticks.worst_s,
+            links=self._reporter.report(now_s),
+        )
+        self._writing = self._worker.submit(_write, self._path, status)
+
+    def close(self) -> None:
+        """Wait for what is under way, and take the file away: nobody runs any more. May be called twice."""
+        self._worker.shutdown(wait=True)
+        self._path.unlink(missing_ok=True)
+
+
+def status_path(config: BoatConfig) -> Path | None:
+    """Where a boat of this configuration writes its status; None if it writes none."""
+    storage = config.storage
+    if storage.status_file:
+        return Path(storage.status_file).expanduser()
+    return Path(storage.folder).expanduser() / "status.json" if storage.folder else None
+
+
+def find_status(config: BoatConfig) -> Path:
+    """The same, for who wants to read it.
+
+    Raises:
+        ConfigError: it writes none.
+    """
+    path = status_path(config)
+    if path is None:
+        raise ConfigError("storage.folder: the boat keeps no status; set it, or storage.status_file")
+    return path
+
+
+def read_status(path: Path) -> BoatStatus:
+    """The status of the boat that runs.
+
+    Raises:
+        StorageError: there is no such file, or it is none of ours.
+    """
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=BoatStatus)
+    except FileNotFoundError:
+        raise StorageError(f"{path}: no such file; does the boat run?") from None
+    except (OSError, msgspec.MsgspecError) as error:
+        raise StorageError(f"{path}: cannot be read: {error}") from None
+
+
+def _write(path: Path, status: BoatStatus) -> None:
+    aside = path.with_name(path.name + ".new")
+    aside.write_bytes(msgspec.json.encode(status))
+    aside.replace(path)

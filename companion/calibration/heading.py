@@ -1,0 +1,153 @@
+"""The heading's autotune: relay feedback, a model from what it shows, gains from the model.
+
+At cruise speed, steering is thrown from one side to the other whenever the bow has passed the heading by a
+little (K. J. Åström and T. Hägglund, *Automatic tuning of simple regulators with specifications on phase and
+amplitude margins*, Automatica 20, 1984): a swing that stays small whatever the boat. Two hystereses by turns
+make it swing at two periods, from which `yaw_model.py` tells gain, lag and delay. What wind and unequal
+motors do to one side is met by an offset of the throw, moved until both half-periods are alike.
+
+The gains are those of S. Skogestad, *Simple analytic rules for model reduction and PID controller tuning*,
+J. Process Control 13, 2003, for an integrating process with a lag, in the parallel form:
+
+    Kc = 1 / (K (τc + θ))     Td = τ     Ti = 4 (τc + θ)     Kp = Kc (1 + Td / Ti)     Kd = Kc Td
+
+τc is θ, or longer: a twelfth of the swing's period, for the motors' own slowness is not in θ, and as long as
+the gyro's noise takes to move the steering by no more than _TREMOR.
+
+The integral is left far slower, at _INTEGRAL periods of the swing, for it has nothing fast to do: wind and
+unequal motors change slowly, guidance looks after the drift, and each turn would leave something in it.
+"""
+
+from statistics import median
+from typing import Final
+
+from companion.calibration.runs import go_to_edge, has_room, opposite
+from companion.calibration.trial import Finding, Routine, Sight, Step, TrialError, aim, come_back
+from companion.calibration.yaw_model import YawFit, YawModel, yaw_model
+from companion.core.intent import Drive, HoldHeading
+from companion.core.units import clamp, wrap_pi
+
+_THROW: Final = 0.3
+_LEAST_THROW: Final = 0.1
+_HYSTERESES_RAD: Final = (0.02, 0.08)
+_CYCLES: Final = 4  # of each hysteresis, wanted,
+_FEWEST: Final = 2  # and enough after _LEGS
+_LEGS: Final = 8
+_SETTLING: Final = 3  # half-periods at the start of a leg that do not count
+_EASE: Final = 0.5  # of what the half-periods say the offset lacks
+_MOST_OFFSET: Final = 0.7  # of the throw
+_LONGEST_HALF_S: Final = 30.0
+_OFF_RAD: Final = 1.0  # off the heading, and the boat is not under control
+_INTEGRAL: Final = 4.0
+_TREMOR: Final = 0.015  # of full steering, one standard deviation, from the gyro's noise times Kd
+_TIGHTEST: Final = 1.0 / 12.0  # of the swing's period: τc, or θ if that is longer
+
+
+class Swing:
+    """The relay of one leg: `steering` goes to and fro about `offset`. `periods_s` are those that count."""
+
+    __slots__ = (
+        "_half_s",
+        "_halves",
+        "_hysteresis_rad",
+        "_throw",
+        "_turned_s",
+        "offset",
+        "periods_s",
+        "steering",
+    )
+
+    def __init__(self, throw: float, hysteresis_rad: float, offset: float, now_s: float) -> None:
+        self.periods_s: list[float] = []
+        self.offset = offset
+        self.steering = offset + throw
+        self._throw = throw
+        self._hysteresis_rad = hysteresis_rad
+        self._turned_s = now_s
+        self._half_s = 0.0
+        self._halves = 0
+
+    def update(self, off_rad: float, now_s: float) -> None:
+        """off_rad: how far the bow is to starboard of the heading.
+
+        Raises:
+            TrialError: the bow does not swing.
+        """
+        side = 1.0 if self.steering > self.offset else -1.0
+        if side * off_rad > self._hysteresis_rad:
+            self._throw_over(-side, now_s)
+        elif now_s - self._turned_s > _LONGEST_HALF_S or abs(off_rad) > _OFF_RAD:
+            raise TrialError("the bow does not swing about the heading")
+
+    def _throw_over(self, side: float, now_s: float) -> None:
+        half_s, before_s = now_s - self._turned_s, self._half_s
+        self._turned_s, self._half_s = now_s, half_s
+        self._halves += 1
+        if side > 0.0 and self._halves > _SETTLING:
+            self.periods_s.append(half_s + before_s)
+            # The half that ends was steered to port; the side that takes longer is the weaker one.
+            lacking = _EASE * self._throw * (before_s - half_s) / (before_s + half_s)
+            most = _MOST_OFFSET * self._throw
+            self.offset = clamp(self.offset + lacking, -most, most)
+        self.steering = self.offset + side * self._throw
+
+
+def tune_heading(sight: Sight) -> Routine:
+    """Swing about a heading out and back, until there are cycles enough.
+
+    Raises:
+        TrialError: the bow does not swing, or there is too little room.
+    """
+    config, heading, offset = sight.config, sight.nav.heading_rad, 0.0
+    throw = min(_THROW, 1.0 - config.speed.cruise_throttle)
+    if throw < _LEAST_THROW:
+        raise TrialError("cruise speed leaves no thrust to steer with")
+    periods: dict[float, list[float]] = {one: [] for one in _HYSTERESES_RAD}
+    stretches: list[YawFit] = []
+    for _ in range(_LEGS):
+        lacking = [one for one in _HYSTERESES_RAD if len(periods[one]) < _CYCLES]
+        if not lacking:
+            break
+        sight = yield from go_to_edge(sight, heading)
+        sight = yield from aim(sight, heading, config.speed.cruise_m_s)
+        swing, stretch = Swing(throw, lacking[0], offset, sight.now_s), YawFit()
+        wanted = _CYCLES - len(periods[lacking[0]])
+        sight = yield from _swing(sight, heading, swing, stretch, wanted)
+        heading, offset = opposite(heading), swing.offset
+        periods[lacking[0]] += swing.periods_s
+        if swing.periods_s:
+            stretches.append(stretch)
+    if min(len(found) for found in periods.values()) < _FEWEST:
+        raise TrialError("too little room to swing")
+    model = yaw_model(stretches)
+    if model is None:
+        raise TrialError("the swings do not tell how the bow answers")
+    yield from come_back(sight, config.guidance.station_radius_m)
+    return gains(model, median(periods[_HYSTERESES_RAD[0]]))
+
+
+def _swing(sight: Sight, heading_rad: float, swing: Swing, stretch: YawFit, wanted: int) -> Step:
+    """Gather way, then throw the steering to and fro."""
+    config = sight.config
+    until_s = sight.now_s + config.estimation.surge_time_s
+    intent = HoldHeading(heading_rad, config.speed.cruise_m_s)
+    while sight.now_s < until_s:
+        sight = yield intent
+    while len(swing.periods_s) < wanted and has_room(sight, heading_rad) and not sight.is_slowed:
+        swing.update(wrap_pi(sight.nav.heading_rad - heading_rad), sight.now_s)
+        sight = yield Drive(config.speed.cruise_throttle, swing.steering)
+        stretch.add(0.5 * (sight.command.left - sight.command.right), sight.nav.yaw_rate_rad_s)
+    return sight
+
+
+def gains(model: YawModel, period_s: float) -> list[Finding]:
+    """Kp, Ki and Kd: see the text above."""
+    calm_s = model.time_s * model.noise_rad_s / (model.gain_rad_s * _TREMOR)
+    answer_s = max(max(model.delay_s, _TIGHTEST * period_s) + model.delay_s, calm_s)
+    gain = 1.0 / (model.gain_rad_s * answer_s)
+    kp = gain * (1.0 + model.time_s / (4.0 * answer_s))
+    return [
+        Finding("HDG_KP", kp),
+        Finding("HDG_KI", kp / (_INTEGRAL * period_s)),
+        Finding("HDG_KD", gain * model.time_s),
+    ]

@@ -1,0 +1,109 @@
+"""Pulses of one thruster on a boat at rest: from what command on it turns the boat, and how well.
+
+A train is silence and thrust by turns. Thrust shows as a jagged line in the turn rate, over the smooth one,
+here a cubic, that wind and the hull's own swing make of it: a regression tells the two apart. Thrust grows
+about as the square of what a command has over the dead band, and somewhat less as the load slows the motor.
+So with s the root of a pulse's answer and s₁ the largest, the command is taken as
+
+    c = dead band + slope × (s + BEND s² / s₁)
+"""
+
+import math
+from typing import Final, NamedTuple
+
+from companion.calibration.fitting import Fit
+from companion.calibration.trial import Sight, Step, come_back, rest
+from companion.core.intent import Drive, Stop
+
+LEVELS: Final = (0.08, 0.12, 0.16, 0.2, 0.25, 0.31, 0.4, 0.5)
+BEND: Final = 0.4
+_STOP: Final = Stop()
+_HALF_S: Final = 1.5  # of silence, then of thrust
+_HALVES: Final = 5
+_LAG_S: Final = 0.15  # until the shaft turns, or has stopped
+_SIGNAL: Final = 4.0  # times its own deviation: less is taken for weather
+_FEWEST: Final = 3
+_AWAY_SHARE: Final = 0.3  # of the radius
+
+
+class Thruster(NamedTuple):
+    """One side, one way: 1 ahead, −1 astern."""
+
+    left: float
+    right: float
+
+    def drive(self, level: float) -> Drive:
+        """A command of so much to this one alone."""
+        return Drive(0.5 * (self.left + self.right) * level, 0.5 * (self.left - self.right) * level)
+
+    @property
+    def turn(self) -> float:
+        """Which way it turns the boat."""
+        return self.left - self.right
+
+
+LEFT_AHEAD, RIGHT_AHEAD = Thruster(1.0, 0.0), Thruster(0.0, 1.0)
+LEFT_ASTERN, RIGHT_ASTERN = Thruster(-1.0, 0.0), Thruster(0.0, -1.0)
+THRUSTERS = (LEFT_AHEAD, RIGHT_AHEAD, LEFT_ASTERN, RIGHT_ASTERN)
+
+
+class Curve(NamedTuple):
+    """c of the text above; sigma is one standard deviation of the dead band."""
+
+    dead_band: float
+    slope: float
+    root_max: float
+    sigma: float
+
+    def over(self, root: float) -> float:
+        """What a command must have over the dead band for an answer with this root."""
+        return self.slope * (root + BEND * root * root / self.root_max)
+
+
+class Pulses:
+    """`sail` gives them; `curve` then says what came of it."""
+
+    def __init__(self) -> None:
+        self._answers: dict[Thruster, list[tuple[float, float, float]]] = {one: [] for one in THRUSTERS}
+
+    def sail(self, sight: Sight) -> Step:
+        """All levels of all four."""
+        for level in LEVELS:
+            for one in THRUSTERS:
+                if sight.off_m > _AWAY_SHARE * sight.radius_m:
+                    sight = yield from come_back(sight, sight.config.guidance.station_radius_m)
+                    sight = yield from rest(sight, 1.0)
+                sight = yield from self._train(sight, one, level)
+        return sight
+
+    def _train(self, sight: Sight, one: Thruster, level: float) -> Step:
+        fit, driven_s, drive = Fit(5), 0.0, one.drive(level)
+        began_s = now_s = sight.now_s
+        while now_s - began_s < _HALVES * _HALF_S:
+            is_on = bool(int((now_s - began_s) / _HALF_S) & 1)
+            sight = yield drive if is_on else _STOP
+            if ((sight.now_s - began_s - _LAG_S) // _HALF_S) % 2.0:
+                driven_s += sight.now_s - now_s
+            now_s = sight.now_s
+            t = (now_s - began_s) / (_HALVES * _HALF_S)
+            fit.add((driven_s, 1.0, t, t * t, t * t * t), one.turn * sight.nav.yaw_rate_rad_s)
+        if (solved := fit.solve()) is not None:
+            self._answers[one].append((level, solved[0][0], solved[1]))
+        return sight
+
+    def curve(self, one: Thruster) -> Curve | None:
+        """None where its thrust is not to be told from the weather."""
+        told = [
+            (level, math.sqrt(answer), sigma)
+            for level, answer, sigma in self._answers[one]
+            if answer > _SIGNAL * sigma
+        ]
+        if len(told) < _FEWEST:
+            return None
+        top, fit = max(root for _, root, _ in told), Fit(2)
+        for level, root, sigma in told:
+            fit.add((1.0, root + BEND * root * root / top), level, (root / sigma) ** 2)
+        solved = fit.solve()
+        if solved is None or not solved[0][1] > 0.0:
+            return None
+        return Curve(max(solved[0][0], 0.0), solved[0][1], top, solved[1])

@@ -1,0 +1,252 @@
+"""Straight runs out and back over the same water, and hard turns from them.
+
+Half the difference of two velocities over ground on opposite headings is the speed through the water,
+whatever current is about; what wind does to throttle and steering on the way out, it does the other way
+round on the way back, so that the mean is right to the first order.
+"""
+
+import math
+from typing import Final, NamedTuple
+
+from companion.calibration.fitting import Fit
+from companion.calibration.trial import Sight, Step, TrialError, aim
+from companion.core.geo import Point
+from companion.core.intent import Drive, FollowLeg, HoldHeading
+from companion.core.units import wrap_pi
+from companion.estimation.water_speed import WaterSpeed
+
+START_SHARE: Final = 0.6  # of the radius: where a run begins
+END_SHARE: Final = 0.88  # of it: where a boat that has ended a run, and turns about, is to stop
+_GOING_S: Final = 180.0
+_LONGEST_S: Final = 120.0
+_STEADY_SHARE: Final = 0.4  # of a run, its last part
+_SETTLED: Final = 3.0  # of the surge's time constant: a run that spray cuts short is not worth less
+_RISING: Final = 0.06  # of the speed, over that part: more, and it was not steady yet
+_FIXES: Final = 2000
+_BRAKED: Final = 2.0  # times the way it takes to stop, the fence's brake begins
+_LATENCY_S: Final = 0.1  # of a receiver
+_MODEL_S: Final = 0.1
+_SEARCHES: Final = 24
+_TURN_S: Final = 2.25
+_TURNING_S: Final = 0.5  # of it, its last part, is looked at
+
+
+class Run(NamedTuple):
+    """One crossing. north_m_s, east_m_s: over ground, in its steady part, as left and right: commands.
+
+    samples: time since the start, speed over ground along the heading, and the mean of both commands since
+    the last one. is_steady: it did not gain speed any more.
+    """
+
+    heading_rad: float
+    north_m_s: float
+    east_m_s: float
+    left: float
+    right: float
+    samples: tuple[tuple[float, float, float], ...]
+    is_steady: bool
+
+
+class Crossing:
+    """Sails one; `run` is there afterwards, unless the boat was slowed before it had reached its speed."""
+
+    def __init__(self, heading_rad: float, speed_m_s: float) -> None:
+        self.run: Run | None = None
+        self._heading_rad = heading_rad
+        self._speed_m_s = speed_m_s
+        self._fixes: list[tuple[float, float, float, float]] = []
+        self._commands: list[tuple[float, float, float]] = []
+
+    def sail(self, sight: Sight) -> Step:
+        """From the near edge to as far as the boat can still stop in."""
+        intent = HoldHeading(self._heading_rad, self._speed_m_s)
+        sight = yield from aim(sight, self._heading_rad)
+        began_s, pushed, ticks = sight.now_s, 0.0, 0
+        while (
+            not sight.is_slowed and sight.now_s - began_s < _LONGEST_S and has_room(sight, self._heading_rad)
+        ):
+            sight = yield intent
+            left, right = sight.command.left, sight.command.right
+            self._commands.append((sight.now_s - began_s, left, right))
+            pushed, ticks = pushed + 0.5 * (left + right), ticks + 1
+            if sight.fix is not None and len(self._fixes) < _FIXES:
+                self._fixes.append((sight.fix.time_s - began_s, *over_ground(sight), pushed / ticks))
+                pushed, ticks = 0.0, 0
+        length_s = sight.now_s - began_s
+        if not sight.is_slowed:
+            self.run = self._result(length_s)
+        elif length_s > _SETTLED * sight.config.estimation.surge_time_s:
+            run = self._result(length_s)
+            self.run = run if run.is_steady else None
+        return sight
+
+    def _result(self, length_s: float) -> Run:
+        since_s = (1.0 - _STEADY_SHARE) * length_s
+        fixes = [fix for fix in self._fixes if fix[0] >= since_s]
+        commands = [one for one in self._commands if one[0] >= since_s]
+        if len(fixes) < 3:
+            raise TrialError("too little room, or too few fixes, for a run")
+        c, s = math.cos(self._heading_rad), math.sin(self._heading_rad)
+        rising = Fit(2)
+        for t, n, e, _ in fixes:
+            rising.add((t, 1.0), c * n + s * e)
+        solved = rising.solve()
+        north, east = (sum(fix[axis] for fix in fixes) / len(fixes) for axis in (1, 2))
+        gained = 0.0 if solved is None else solved[0][0] * _STEADY_SHARE * length_s
+        return Run(
+            self._heading_rad,
+            north,
+            east,
+            sum(one[1] for one in commands) / len(commands),
+            sum(one[2] for one in commands) / len(commands),
+            tuple([(t, c * n + s * e, push) for t, n, e, push in self._fixes]),
+            gained < _RISING * math.hypot(north, east),
+        )
+
+
+def over_ground(sight: Sight) -> tuple[float, float]:
+    """North and east: as the receiver says, or else as the boat reckons."""
+    fix, nav = sight.fix, sight.nav
+    if fix is None or fix.north_m_s is None or fix.east_m_s is None:
+        return nav.north_m_s, nav.east_m_s
+    return fix.north_m_s, fix.east_m_s
+
+
+def has_room(sight: Sight, heading_rad: float) -> bool:
+    """Whether the boat can go on that way, and still stop well within the radius."""
+    nav, c, s = sight.nav, math.cos(heading_rad), math.sin(heading_rad)
+    north, east = nav.north_m - sight.centre.north_m, nav.east_m - sight.centre.east_m
+    along, across = c * north + s * east, c * east - s * north
+    room_m = math.sqrt(max((END_SHARE * sight.radius_m) ** 2 - across**2, 0.0)) - along
+    speed = max(c * nav.north_m_s + s * nav.east_m_s, 0.0)
+    handling, guidance = sight.config.handling, sight.config.guidance
+    stop_m = speed * handling.surge_time_s + speed * speed / (2.0 * guidance.accel_m_s2)
+    return room_m > (_BRAKED if sight.is_fenced else 1.0) * stop_m
+
+
+def go_to_edge(sight: Sight, heading_rad: float) -> Step:
+    """Sail to where a run on this heading begins.
+
+    Raises:
+        TrialError: it is not reached.
+    """
+    off_m = -START_SHARE * sight.radius_m
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    edge = Point(sight.centre.north_m + off_m * c, sight.centre.east_m + off_m * s)
+    leg = FollowLeg(sight.nav.point, edge, sight.config.speed.cruise_m_s)
+    until_s = sight.now_s + _GOING_S
+    while math.hypot(*(a - b for a, b in zip(sight.nav.point, edge, strict=True))) > max(
+        sight.config.guidance.waypoint_radius_m, 0.1 * sight.radius_m
+    ):
+        if sight.now_s > until_s:
+            raise TrialError("the boat does not reach the start of a run")
+        sight = yield leg
+    return sight
+
+
+class Pair(NamedTuple):
+    """A run out and the one back."""
+
+    out: Run
+    back: Run
+
+    @property
+    def speed_m_s(self) -> float:
+        """Through the water."""
+        out, back = self.out, self.back
+        return 0.5 * math.hypot(out.north_m_s - back.north_m_s, out.east_m_s - back.east_m_s)
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether both had reached their speed."""
+        return self.out.is_steady and self.back.is_steady
+
+    @property
+    def left(self) -> float:
+        """Mean command."""
+        return 0.5 * (self.out.left + self.back.left)
+
+    @property
+    def right(self) -> float:
+        """Mean command."""
+        return 0.5 * (self.out.right + self.back.right)
+
+    def set_along_m_s(self, run: Run) -> float:
+        """What the water adds to a run's speed over ground."""
+        north = 0.5 * (self.out.north_m_s + self.back.north_m_s)
+        east = 0.5 * (self.out.east_m_s + self.back.east_m_s)
+        return math.cos(run.heading_rad) * north + math.sin(run.heading_rad) * east
+
+
+class Turn:
+    """Full steering to one side from a straight run; rate_rad_s is what it comes to in two seconds."""
+
+    def __init__(self, heading_rad: float, drive: Drive) -> None:
+        self.rate_rad_s = 0.0
+        self._heading_rad = heading_rad
+        self._drive = drive
+
+    def sail(self, sight: Sight) -> Step:
+        """Gather way up to the centre, then turn."""
+        nav, cruise_m_s = sight.nav, sight.config.speed.cruise_m_s
+        sight = yield from aim(sight, self._heading_rad)
+        intent, c, s = (
+            HoldHeading(self._heading_rad, cruise_m_s),
+            math.cos(self._heading_rad),
+            math.sin(self._heading_rad),
+        )
+        while True:
+            nav = sight.nav
+            along = c * (nav.north_m - sight.centre.north_m) + s * (nav.east_m - sight.centre.east_m)
+            if along > 0.0 or not has_room(sight, self._heading_rad):
+                break
+            sight = yield intent
+        began_s, turned, ticks = sight.now_s, 0.0, 0
+        while sight.now_s - began_s < _TURN_S:
+            sight = yield self._drive
+            if sight.now_s - began_s > _TURN_S - _TURNING_S:
+                turned, ticks = turned + sight.nav.yaw_rate_rad_s, ticks + 1
+        self.rate_rad_s = abs(turned) / max(ticks, 1)
+        return sight
+
+
+def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle: float) -> float:
+    """The time constant with which the estimator's own model follows both runs best: golden section."""
+    low, high = math.log(0.1), math.log(30.0)
+    golden = 0.5 * (math.sqrt(5.0) - 1.0)
+    throttle = cruise_throttle * top_m_s / cruise_m_s  # at which the model's top speed is the boat's
+    for _ in range(_SEARCHES):
+        first, second = high - golden * (high - low), low + golden * (high - low)
+        costs = [
+            sum(
+                _misfit(run, pair.set_along_m_s(run), throttle, cruise_m_s, cruise_throttle, math.exp(at))
+                for run in pair
+            )
+            for at in (first, second)
+        ]
+        if costs[0] < costs[1]:
+            high = second
+        else:
+            low = first
+    return math.exp(0.5 * (low + high))
+
+
+def _misfit(
+    run: Run, set_m_s: float, throttle: float, cruise_m_s: float, cruise_throttle: float, time_s: float
+) -> float:
+    """The sum of squares between a run and the model. throttle: what the steady part's commands come to."""
+    model, now_s, sum_ = WaterSpeed(), 0.0, 0.0
+    model.surge_m_s = run.samples[0][1] - set_m_s
+    scale = 2.0 * throttle / max(run.left + run.right, 1e-3)
+    for t, speed, push in run.samples:
+        share = scale * push
+        while now_s + 0.5 * _MODEL_S < t - _LATENCY_S:
+            model.update(share, share, 0.0, cruise_m_s, cruise_throttle, time_s, _MODEL_S)
+            now_s += _MODEL_S
+        sum_ += (model.surge_m_s + set_m_s - speed) ** 2
+    return sum_
+
+
+def opposite(heading_rad: float) -> float:
+    """The way back."""
+    return wrap_pi(heading_rad + math.pi)

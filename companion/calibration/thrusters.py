@@ -1,0 +1,149 @@
+"""The thruster calibration: pulses on the spot, runs at full throttle and at cruise speed, hard turns."""
+
+import math
+from typing import Final
+
+from msgspec.structs import replace
+
+from companion.calibration.pulses import (
+    LEFT_AHEAD,
+    LEFT_ASTERN,
+    RIGHT_AHEAD,
+    RIGHT_ASTERN,
+    Curve,
+    Pulses,
+)
+from companion.calibration.runs import Crossing, Pair, Run, Turn, go_to_edge, opposite, surge_time_s
+from companion.calibration.trial import Finding, Routine, Sight, Step, TrialError, come_back
+from companion.config.boat_config import BoatConfig
+from companion.config.thrusters import Thrusters
+from companion.control.thruster_trim import share_of, told
+from companion.core.intent import Drive
+from companion.core.units import clamp
+
+_FULL: Final = 3.0  # times the top speed that is known so far: more than any boat can do
+_TRIES: Final = 5  # of a run that spray on the sonar slows
+_SHORT: Final = 0.9  # of cruise speed, and less: the boat does not reach it
+_BANDS: Final = (
+    ("MOT_L_MIN_FWD", "left_ahead", LEFT_AHEAD),
+    ("MOT_L_MIN_REV", "left_astern", LEFT_ASTERN),
+    ("MOT_R_MIN_FWD", "right_ahead", RIGHT_AHEAD),
+    ("MOT_R_MIN_REV", "right_astern", RIGHT_ASTERN),
+)
+_MOST_DEAD: Final = 0.5
+_LEAST_GAIN: Final = 0.25
+
+
+def calibrate(sight: Sight) -> Routine:
+    """All of it. The motors must be driven bare meanwhile.
+
+    Raises:
+        TrialError: the boat does not do what it is asked to.
+    """
+    pulses = Pulses()
+    sight = yield from pulses.sail(sight)
+    curves = {one: pulses.curve(one) for _, _, one in _BANDS}
+    setting = sight.config.thrusters
+    findings = []
+    for name, field, one in _BANDS:
+        curve = curves[one]
+        if curve is not None:
+            band = min(curve.dead_band, _MOST_DEAD)
+            setting = replace(setting, **{field: band})
+            findings.append(Finding(name, 100.0 * band))
+    asymmetry = _asymmetry(
+        [(curves[LEFT_AHEAD], curves[LEFT_ASTERN]), (curves[RIGHT_AHEAD], curves[RIGHT_ASTERN])]
+    )
+    if asymmetry is not None:
+        setting = replace(setting, asymmetry=asymmetry)
+        findings.append(Finding("MOT_THST_ASYM", asymmetry))
+
+    sight = yield from come_back(sight, sight.config.guidance.station_radius_m)
+    heading, config = sight.nav.heading_rad, sight.config
+    full: list[Pair] = []
+    sight = yield from _out_and_back(sight, heading, _FULL * config.handling.top_speed_m_s, full)
+    cruising: list[Pair] = []
+    sight = yield from _out_and_back(sight, heading, config.speed.cruise_m_s, cruising)
+    setting = _balanced(setting, [*full, *cruising])
+    findings += [
+        Finding("MOT_L_GAIN", setting.left_gain),
+        Finding("MOT_R_GAIN", setting.right_gain),
+        *_speeds(setting, full[0], cruising[0], config),
+    ]
+
+    rates = []
+    for side in (1.0, -1.0):
+        sight = yield from go_to_edge(sight, heading)
+        turn = Turn(heading, _steered(setting, side * config.heading.max_steering))
+        sight = yield from turn.sail(sight)
+        rates.append(turn.rate_rad_s)
+    findings.append(Finding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
+    yield from come_back(sight, config.guidance.station_radius_m)
+    return findings
+
+
+def _out_and_back(sight: Sight, heading_rad: float, speed_m_s: float, pairs: list[Pair]) -> Step:
+    runs: list[Run] = []
+    for course in (heading_rad, opposite(heading_rad)):
+        for _ in range(_TRIES):
+            sight = yield from go_to_edge(sight, course)
+            crossing = Crossing(course, speed_m_s)
+            sight = yield from crossing.sail(sight)
+            if crossing.run is not None:
+                runs.append(crossing.run)
+                break
+        else:
+            raise TrialError("something is in the way of every run")
+    pairs.append(Pair(*runs))
+    return sight
+
+
+def _asymmetry(sides: list[tuple[Curve | None, Curve | None]]) -> float | None:
+    """Command astern over command ahead for the same thrust, above the dead bands, mean of both sides."""
+    ratios = []
+    for ahead, astern in sides:
+        if ahead is not None and astern is not None:
+            root = min(ahead.root_max, astern.root_max)
+            ratios.append(astern.over(root) / ahead.over(root))
+    return clamp(sum(ratios) / len(ratios), 1.0, 10.0) if ratios else None
+
+
+def _balanced(setting: Thrusters, pairs: list[Pair]) -> Thrusters:
+    """With the gains of left and right for which the boat went straight."""
+    ratios = []
+    for pair in pairs:
+        left, right = (
+            share_of(pair.left, setting.left_ahead, 1.0),
+            share_of(pair.right, setting.right_ahead, 1.0),
+        )
+        if not (left > 0.0 and right > 0.0):
+            raise TrialError("one motor does not pull")
+        ratios.append(left / right)
+    ratio = sum(ratios) / len(ratios)
+    if not _LEAST_GAIN <= ratio <= 1.0 / _LEAST_GAIN:
+        raise TrialError("the motors are too unequal")
+    return replace(setting, left_gain=min(ratio, 1.0), right_gain=min(1.0 / ratio, 1.0))
+
+
+def _speeds(setting: Thrusters, full: Pair, cruising: Pair, config: BoatConfig) -> list[Finding]:
+    findings, cruise_m_s, top_m_s = [], config.speed.cruise_m_s, full.speed_m_s
+    if full.is_steady:
+        findings.append(Finding("HND_TOP_SPEED", top_m_s))
+    if cruising.speed_m_s < _SHORT * cruise_m_s:
+        return findings
+    throttle = 0.5 * (
+        share_of(cruising.left, setting.left_ahead, setting.left_gain)
+        + share_of(cruising.right, setting.right_ahead, setting.right_gain)
+    )
+    throttle = min(throttle * cruise_m_s / cruising.speed_m_s, 1.0)
+    findings.append(Finding("CRUISE_THROTTLE", 100.0 * throttle))
+    if full.is_steady:
+        findings.append(Finding("EST_SURGE_TIME", surge_time_s(full, top_m_s, cruise_m_s, throttle)))
+    return findings
+
+
+def _steered(setting: Thrusters, steering: float) -> Drive:
+    """What the bare motors must be told for steering alone."""
+    left = told(steering, setting.left_ahead, setting.left_astern, setting.left_gain, setting.asymmetry)
+    right = told(-steering, setting.right_ahead, setting.right_astern, setting.right_gain, setting.asymmetry)
+    return Drive(0.5 * (left + right), 0.5 * (left - right))

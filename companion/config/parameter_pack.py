@@ -1,0 +1,126 @@
+"""The packed parameter file `@PARAM/param.pck`: all parameters in a few blocks of a file transfer.
+
+Format after the MAVLink guide, "Parameters over MAVLink FTP". A header of three 16-bit numbers (magic,
+entries that follow, parameters that there are; in an upload the file's length instead), then an entry each:
+
+    type and flags | shared and new length of the name | new part of the name | value | default
+
+The type is the low half of its byte, the flag "a default follows" bit 4. The shared length is the low half of
+the second byte, the new length less one the high half. Zeros before an entry are padding, put there so that a
+value never lies across two blocks.
+"""
+
+import struct
+from collections.abc import Iterable, Sequence
+from itertools import takewhile
+from typing import NamedTuple
+
+from companion.config.parameters import Kind, Parameters
+
+BLOCK_BYTES = 239  # of a file transfer; padding is for blocks of this size
+NAME_BYTES = 16
+MAX_ENTRIES = 0xFFFF
+_HEADER = struct.Struct("<HHH")
+_MAGIC, _MAGIC_DEFAULTS = 0x671B, 0x671C
+_HAS_DEFAULT = 0x10
+_SHARED_MAX = 15
+# ArduPilot's own numbers of types, not MAV_PARAM_TYPE
+_TYPES = {Kind.INT8: 1, Kind.INT16: 2, Kind.INT32: 3, Kind.REAL32: 4}
+_VALUES = {1: struct.Struct("<b"), 2: struct.Struct("<h"), 3: struct.Struct("<i"), 4: struct.Struct("<f")}
+
+
+class PackError(ValueError):
+    """What is no packed parameter file; says where and why."""
+
+
+class Entry(NamedTuple):
+    """One parameter of a file."""
+
+    name: str
+    kind: Kind
+    value: float
+    default: float
+
+
+def entries_of(parameters: Parameters) -> list[Entry]:
+    """All parameters as they are now, in the order of their indexes."""
+    return [
+        Entry(row.name, row.kind, parameters.value(row), parameters.default(row)) for row in parameters.rows
+    ]
+
+
+def pack(entries: Sequence[Entry], total: int, *, with_defaults: bool = False) -> bytes:
+    """The file of these entries; total is how many parameters there are. A default equal to its value is left
+    out, which stands for just that."""
+    file = bytearray(_HEADER.pack(_MAGIC_DEFAULTS if with_defaults else _MAGIC, len(entries), total))
+    last = ""
+    for name, kind, value, default in entries:
+        number = _TYPES[kind]
+        coding = _VALUES[number]
+        has_default = with_defaults and default != value
+        shared = min(_common(last, name), len(name) - 1, _SHARED_MAX)
+        new = name[shared:].encode("ascii")
+        entry = bytes((number | (_HAS_DEFAULT if has_default else 0), shared | (len(new) - 1) << 4)) + new
+        values = [value, default] if has_default else [value]
+        entry += b"".join(coding.pack(_fitting(kind, one)) for one in values)
+        tail = len(values) * coding.size
+        beyond = (len(file) + len(entry)) % BLOCK_BYTES
+        if 0 < beyond < tail:
+            file += bytes(tail - beyond)
+        file += entry
+        last = name
+    return bytes(file)
+
+
+def _common(one: str, other: str) -> int:
+    """How many characters two names begin with alike."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
+
+
+def _fitting(kind: Kind, value: float) -> float:
+    """What the type can hold: a configuration may go beyond it, and one value must not cost all others."""
+    if kind is Kind.REAL32:
+        return value
+    limit = {Kind.INT8: 0x7F, Kind.INT16: 0x7FFF, Kind.INT32: 0x7FFFFFFF}[kind]
+    return max(-limit, min(round(value), limit))
+
+
+def unpack_upload(file: bytes) -> list[tuple[str, float]]:
+    """Names and values of a file that a station sends to set many at once.
+
+    Raises:
+        PackError: cut short, of another length than its header says, or with an entry that cannot be.
+    """
+    if len(file) < _HEADER.size:
+        raise PackError(f"{len(file)} bytes are too few for a parameter file")
+    magic, count, length = _HEADER.unpack_from(file)
+    if magic != _MAGIC:
+        raise PackError(f"magic {magic:#06x}, expected {_MAGIC:#06x}")
+    if length != len(file):
+        raise PackError(f"{len(file)} bytes, but the header says {length}")
+    values = list(_entries(file))
+    if len(values) != count:
+        raise PackError(f"{len(values)} entries, but the header says {count}")
+    return values
+
+
+def _entries(file: bytes) -> Iterable[tuple[str, float]]:
+    at, end, last = _HEADER.size, len(file), b""
+    while at < end:
+        if file[at] == 0:
+            at += 1
+            continue
+        coding = _VALUES.get(file[at])  # an upload has no flags
+        if coding is None:
+            raise PackError(f"byte {at}: {file[at]:#04x} is no type of value")
+        lengths = file[at + 1] if at + 1 < end else 0
+        shared, new = lengths & 0x0F, (lengths >> 4) + 1
+        name = last[:shared] + file[at + 2 : at + 2 + new]
+        value_at = at + 2 + new
+        if value_at + coding.size > end:
+            raise PackError(f"byte {at}: an entry is cut short")
+        if shared > len(last) or len(name) > NAME_BYTES or not name.isascii():
+            raise PackError(f"byte {at}: {name!r} is no name of a parameter")
+        (value,) = coding.unpack_from(file, value_at)
+        yield name.decode("ascii"), float(value)
+        at, last = value_at + coding.size, name

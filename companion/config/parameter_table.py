@@ -1,0 +1,223 @@
+"""The one table of parameters. Everything else about them (list, file, documentation) is made from it."""
+
+import math
+
+from companion.config import parameter_values as names
+from companion.config.parameter_values import Names
+from companion.config.parameters import Choice, Kind, Row
+
+_DEG = 180.0 / math.pi
+_REAL, _I8, _I16, _I32 = Kind.REAL32, Kind.INT8, Kind.INT16, Kind.INT32
+
+
+def _tuning() -> list[Row]:
+    """Parameters that change how the boat sails."""
+    return [
+        Row("SYSID_THISMAV", _I16, "MAVLink system id of the boat", "identity.system_id", low=1, high=255, needs_restart=True),
+        Row("SYSID_MYGCS", _I16, "System id of the operator, 0 takes any ground station; says whose silence counts and who may hold the sticks", "identity.operator_system_id", low=0, high=255),
+        Row("SYSID_ENFORCE", _I8, "Only the operator SYSID_MYGCS may arm, command, upload and set parameters", "identity.only_operator", low=0, high=1, values=names.DISABLED_ENABLED),
+        Row("LOG_BACKEND_TYPE", _I8, "Onboard log", "log.onboard", low=0, high=1, values=names.LOG_BACKENDS),
+        Row("LOG_DISARMED", _I8, "When the onboard log records", "log.disarmed", low=0, high=1, values=names.LOG_TIMES),
+        Row("LOG_FILE_RATEMAX", _REAL, "How often motion is logged", "log.motion_hz", unit="Hz", low=0.1, high=50),
+        Row("HDG_KP", _REAL, "Heading PID: share of full steering per radian of error", "heading.kp", low=0, high=50),
+        Row("HDG_KI", _REAL, "Heading PID: integral gain, Kp/Ti", "heading.ki", low=0, high=50),
+        Row("HDG_KD", _REAL, "Heading PID: derivative gain on the measured yaw rate, Kp Td", "heading.kd", low=0, high=50),
+        Row("HDG_SLOW_GAIN", _REAL, "Heading PID: its gains at rest, times those at cruise speed", "heading.slow_gain", low=0.2, high=5),
+        Row("HDG_STR_MAX", _REAL, "Largest share of differential thrust for steering", "heading.max_steering", low=0, high=1),
+        Row("CRUISE_SPEED", _REAL, "Speed over ground in AUTO, GUIDED and RTL", "speed.cruise_m_s", unit="m/s", low=0.001, high=20),
+        Row("CRUISE_THROTTLE", _REAL, "Throttle that holds cruise speed in still water", "speed.cruise_throttle", scale=100.0, unit="%", low=0, high=100),
+        Row("WP_SPEED", _REAL, "The same as CRUISE_SPEED, under the name of ArduPilot Rover", "speed.cruise_m_s", unit="m/s", low=0.001, high=20),
+        Row("WPNAV_SPEED", _REAL, "The same as CRUISE_SPEED, in cm/s under the name of ArduCopter: QGroundControl's speed slider ends there", "speed.cruise_m_s", scale=100.0, unit="cm/s", low=0.1, high=2000),
+        Row("ATC_SPEED_P", _REAL, "Speed loop: share of full throttle per m/s of error", "speed.kp", low=0, high=50),
+        Row("ATC_SPEED_I", _REAL, "Speed loop: integral gain", "speed.ki", low=0, high=50),
+        Row("MOT_THR_MAX", _I16, "Largest throttle", "speed.max_throttle", scale=100.0, unit="%", low=0, high=100),
+        Row("MOT_THR_MIN", _I16, "Commands below this are not sent: the propeller would only hum", "motors.deadband", scale=100.0, unit="%", low=0, high=20),
+        Row("MOT_L_MIN_FWD", _REAL, "Dead band of the left motor ahead; the thruster calibration sets it, as all MOT_L_ and MOT_R_", "thrusters.left_ahead", scale=100.0, unit="%", low=0, high=60),
+        Row("MOT_L_MIN_REV", _REAL, "Dead band of the left motor astern", "thrusters.left_astern", scale=100.0, unit="%", low=0, high=60),
+        Row("MOT_R_MIN_FWD", _REAL, "Dead band of the right motor ahead", "thrusters.right_ahead", scale=100.0, unit="%", low=0, high=60),
+        Row("MOT_R_MIN_REV", _REAL, "Dead band of the right motor astern", "thrusters.right_astern", scale=100.0, unit="%", low=0, high=60),
+        Row("MOT_L_GAIN", _REAL, "Share of its command that the left motor gets, so that both pull alike", "thrusters.left_gain", low=0.2, high=1),
+        Row("MOT_R_GAIN", _REAL, "Share of its command that the right motor gets", "thrusters.right_gain", low=0.2, high=1),
+        Row("MOT_THST_ASYM", _REAL, "How many times more command the same thrust takes astern; calibrated", "thrusters.asymmetry", low=1, high=10),
+        Row("HND_TOP_SPEED", _REAL, "Speed through the water at full throttle; calibrated", "handling.top_speed_m_s", unit="m/s", low=0.001, high=20),
+        Row("HND_TURN_RATE", _REAL, "Turn rate that full steering reaches under way; calibrated", "handling.turn_rate_rad_s", scale=_DEG, unit="deg/s", low=0.1, high=360),
+        Row("HND_YAW_TIME", _REAL, "Time until the bow follows the heading that is asked for", "handling.yaw_time_s", unit="s", low=0.01, high=20),
+        Row("HND_SURGE_TIME", _REAL, "Time until throttle taken back shows in the speed", "handling.surge_time_s", unit="s", low=0.01, high=100),
+        Row("HND_SLIP", _REAL, "A turning hull slides outward by this times its turn rate", "handling.slip_m", unit="m", low=0, high=20),
+        Row("MOT_SLEWRATE", _I16, "Largest change of motor command", "motors.slew_per_s", scale=100.0, unit="%/s", low=1, high=5000),
+        Row("WP_RADIUS", _REAL, "A waypoint counts as reached within this distance", "guidance.waypoint_radius_m", unit="m", low=0.001, high=100),
+        Row("WP_ACCEL", _REAL, "Deceleration planned for corners and stops", "guidance.accel_m_s2", unit="m/s/s", low=0.0001, high=20),
+        Row("WP_PIVOT_ANGLE", _I16, "Heading error beyond which the boat turns on the spot", "guidance.pivot_angle_rad", scale=_DEG, unit="deg", low=1, high=180),
+        Row("LOS_LOOKAHEAD", _REAL, "Lookahead of the line-of-sight guidance", "guidance.lookahead_m", unit="m", low=0.001, high=100),
+        Row("LOS_TURN_RATE", _REAL, "Turn rate of full steering under way; arcs are laid by it", "handling.turn_rate_rad_s", scale=_DEG, unit="deg/s", low=1, high=360),
+        Row("LOS_TOP_SPEED", _REAL, "Speed through the water at full throttle", "handling.top_speed_m_s", unit="m/s", low=0.001, high=20),
+        Row("LOS_YAW_TIME", _REAL, "Time until the bow follows the heading asked for", "handling.yaw_time_s", unit="s", low=0.01, high=10),
+        Row("LOS_SLIP", _REAL, "A turning hull slides outward by this times its turn rate", "handling.slip_m", unit="m", low=0, high=10),
+        Row("ATC_TURN_MAX_G", _REAL, "Hardest turn at a corner", "guidance.corner_accel_m_s2", scale=1.0 / 9.80665, unit="gravities", low=0.00001, high=10),
+        Row("WP_SPEED_MIN", _REAL, "Slowest speed with steerage way", "guidance.min_speed_m_s", unit="m/s", low=0.001, high=20),
+        Row("LOIT_RADIUS", _REAL, "Station keeping acts outside this distance", "guidance.station_radius_m", unit="m", low=0.001, high=20),
+        Row("RTL_SPEED", _REAL, "Speed in RTL, 0 takes CRUISE_SPEED", "mission.rtl_speed_m_s", unit="m/s", low=0, high=20),
+        Row("MIS_DONE_BEHAVE", _I8, "What follows the last mission item", "mission.done_behave", low=0, high=1, values=names.MISSION_ENDS),
+        Row("ACRO_TURN_RATE", _REAL, "Turn rate of full stick in ACRO", "modes.turn_rate_rad_s", scale=_DEG, unit="deg/s", low=1, high=360),
+        Row("SIMPLE_TYPE", _I8, "Direction that the stick's ahead means in SIMPLE", "modes.simple_type", low=0, high=1, values=names.SIMPLE_DIRECTIONS),
+        Row("CIRC_RADIUS", _REAL, "Radius of CIRCLE", "modes.circle_radius_m", unit="m", low=0.1, high=1000),
+        Row("CIRC_SPEED", _REAL, "Speed in CIRCLE, 0 takes CRUISE_SPEED", "modes.circle_speed_m_s", unit="m/s", low=0, high=20),
+        Row("CIRC_DIR", _I8, "Direction of CIRCLE", "modes.circle_direction", low=0, high=1, values=names.TURN_DIRECTIONS),
+        Row("SRTL_ACCURACY", _REAL, "How far SMART_RTL's track may be from the one sailed", "modes.trail_accuracy_m", unit="m", low=0.01, high=10),
+        Row("SRTL_POINTS", _I16, "Points that SMART_RTL's track may have", "modes.trail_points", low=10, high=5000),
+        Row("GUID_TIMEOUT", _REAL, "A velocity or attitude in GUIDED goes stale after this", "modes.set_point_timeout_s", unit="s", low=0.1, high=60),
+        Row("FOLL_ENABLE", _I8, "FOLLOW can always be chosen", default=1.0, read_only=True, values=((1, "Enabled"),)),
+        Row("FOLL_SYSID", _I16, "Whom to follow, 0 the first vehicle heard", "follow.system_id", low=0, high=255),
+        Row("FOLL_DIST_MAX", _REAL, "Distance beyond which nobody is followed, 0 none", "follow.max_distance_m", unit="m", low=0, high=10000),
+        Row("FOLL_OFS_TYPE", _I8, "Axes of FOLL_OFS_X and FOLL_OFS_Y", "follow.offset_type", low=0, high=1, values=names.OFFSET_AXES),
+        Row("FOLL_OFS_X", _REAL, "Offset north or ahead, negative astern", "follow.offset_x_m", unit="m", low=-1000, high=1000),
+        Row("FOLL_OFS_Y", _REAL, "Offset east or to starboard", "follow.offset_y_m", unit="m", low=-1000, high=1000),
+        Row("FOLL_POS_P", _REAL, "Speed added for each metre behind", "follow.gain_per_s", unit="1/s", low=0.01, high=1),
+        Row("FOLL_TIMEOUT", _REAL, "Silence of whom is followed that ends following", "follow.timeout_s", unit="s", low=0.5, high=60),
+        Row("AVOID_ENABLE", _I8, "What the boat keeps clear of", "avoidance.enable", low=0, high=7, bits=names.AVOIDED),
+        Row("AVOID_MARGIN", _REAL, "Distance that the boat keeps from what its rangers see", "avoidance.margin_m", unit="m", low=0.01, high=50),
+        Row("AVOID_SIGHT", _I8, "When the speed is limited to what the boat can stop from within the water that its rangers see", "avoidance.by_sight", low=0, high=2, values=names.SIGHT_LIMITS),
+        Row("AVOID_DETOUR", _REAL, "A longer way round is given up", "avoidance.detour_m", unit="m", low=0, high=10000),
+        Row("AVOID_RETRY", _REAL, "Time until the next try where there was no way round", "avoidance.retry_s", unit="s", low=1, high=3600),
+        Row("OA_TYPE", _I8, "What the boat does about an obstacle ahead", "avoidance.goes_round", low=0, high=1, values=names.OBSTACLE_ACTIONS),
+        Row("OA_BR_LOOKAHEAD", _REAL, "What is farther off is left alone", "avoidance.lookahead_m", unit="m", low=0.1, high=100),
+        Row("FS_GCS_ENABLE", _I8, "Failsafe when the operator falls silent", "failsafe.gcs_enabled", low=0, high=1, values=names.DISABLED_ENABLED),
+        Row("FS_GCS_TIMEOUT", _REAL, "Silence of the operator that sets it off", "failsafe.gcs_timeout_s", unit="s", low=2, high=600),
+        Row("FS_ACTION", _I8, "Operator or RC lost", "failsafe.action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_LONG_TIMEOUT", _REAL, "Operator, planner or RC still lost so long after FS_ACTION, 0 never", "failsafe.long_timeout_s", unit="s", low=0, high=3600),
+        Row("FS_LONG_ACTN", _I8, "Action after FS_LONG_TIMEOUT", "failsafe.long_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_THR_ENABLE", _I8, "Failsafe when the transmitter, or sticks that steer, are lost", "failsafe.rc_enabled", low=0, high=2, values=names.RC_FAILSAFES),
+        Row("FS_THR_VALUE", _I16, "A throttle pulse below this is a receiver that has lost its transmitter, 0 never", "rc.failsafe_us", unit="us", low=0, high=1100),
+        Row("FS_TIMEOUT", _REAL, "Transmitter lost, or sticks stale, for so long sets it off", "failsafe.rc_timeout_s", unit="s", low=0, high=100),
+        Row("FS_PLAN_TIMEOUT", _REAL, "Silence of a planner that steers in GUIDED or a hand-over that sets its failsafe off, 0 never", "failsafe.planner_timeout_s", unit="s", low=0, high=600),
+        Row("FS_PLAN_ACT", _I8, "Planner lost", "failsafe.planner_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_POS_ACT", _I8, "Position lost; LOITER then holds the bow into the current by dead reckoning", "failsafe.position_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_DR_TIMEOUT", _REAL, "Position lost for so long after FS_POS_ACT: HOLD, 0 never", "failsafe.dead_reckoning_s", unit="s", low=0, high=3600),
+        Row("FS_HDG_ACT", _I8, "Heading lost", "failsafe.heading_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_GPS_ACT", _I8, "GPS silent, frozen or jumping, while dead reckoning goes on", "failsafe.gnss_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_COMP_ACT", _I8, "Compass lost or off, while the estimate goes on", "failsafe.compass_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_SONAR_ACT", _I8, "Sonar lost", "failsafe.sonar_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_SONAR_TIMEOUT", _REAL, "Silence of the sonar that sets it off", "failsafe.sonar_timeout_s", unit="s", low=0.5, high=600),
+        Row("FENCE_ENABLE", _I8, "The fence holds the boat in", "fence.enabled", low=0, high=1, values=names.DISABLED_ENABLED),
+        Row("FENCE_TYPE", _I8, "What the fence is made of", "fence.kinds", low=0, high=7, bits=names.FENCE_PARTS),
+        Row("FENCE_RADIUS", _REAL, "Radius of the circle round home", "fence.radius_m", unit="m", low=1, high=10000),
+        Row("FENCE_MARGIN", _REAL, "The boat stops so far before a line", "fence.margin_m", unit="m", low=0, high=50),
+        Row("FENCE_ACTION", _I8, "Outside the fence; LOITER is on the nearest water inside", "failsafe.fence_action", low=0, high=6, values=names.ACTIONS),
+        Row("RALLY_INCL_HOME", _I8, "RTL may also go home where there are rally points", "fence.rally_includes_home", low=0, high=1, values=names.NO_YES),
+        Row("FS_STEER_ACT", _I8, "Steering does not turn the boat, a motor runs the wrong way", "failsafe.steering_action", low=0, high=8, values=names.MOTOR_ACTIONS),
+        Row("FS_MOT_ACT", _I8, "A motor does not pull", "failsafe.motor_action", low=0, high=8, values=names.MOTOR_ACTIONS),
+        Row("FS_STUCK_ACT", _I8, "Something holds the boat", "failsafe.stuck_action", low=0, high=7, values=names.STUCK_ACTIONS),
+        Row("FS_GRND_ACT", _I8, "The water presses the boat against the shore", "failsafe.aground_action", low=0, high=9, values=names.GROUND_ACTIONS),
+        Row("FS_CLEAR_TRIES", _I8, "How often the propellers are cleared before the boat goes home", "failsafe.clearing_tries", low=1, high=10),
+        Row("FS_WAY_ACT", _I8, "No headway against the water", "failsafe.headway_action", low=0, high=6, values=names.ACTIONS),
+        Row("CRASH_ANGLE", _REAL, "Roll or pitch of a capsized boat, 0 off", "failsafe.capsize_rad", scale=_DEG, unit="deg", low=0, high=180),
+        Row("FS_CAPS_ACT", _I8, "Capsized", "failsafe.capsize_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_LEAK_ACT", _I8, "Water in the hull", "failsafe.leak_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_TEMP_MAX", _REAL, "Temperature of hull or computer that sets its failsafe off, 0 never", "failsafe.max_temperature_c", unit="degC", low=0, high=150),
+        Row("FS_TEMP_ACT", _I8, "Too hot", "failsafe.temperature_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_LOAD_ACT", _I8, "Control loop overloaded", "failsafe.overrun_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_DISK_ACT", _I8, "Logs or settings cannot be written", "failsafe.storage_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_RANGE_ACT", _I8, "Charge left no longer takes the boat home", "failsafe.range_action", low=0, high=6, values=names.ACTIONS),
+        Row("FS_RANGE_MARGIN", _REAL, "Times the charge for the way home that must be left", "failsafe.range_margin", low=1, high=10),
+        Row("FS_RESUME", _I8, "Mission cut by a power loss", "failsafe.resume", low=0, high=2, values=names.RESUMPTIONS),
+        Row("EST_DR_TIME", _REAL, "Dead reckoning lasts so long, then the position is lost", "estimation.dead_reckoning_s", unit="s", low=0, high=3600, needs_restart=True),
+        Row("EST_SD_MAX", _REAL, "A position less certain than this is lost", "estimation.lost_sigma_m", unit="m", low=0.01, high=1000, needs_restart=True),
+        Row("EST_SURGE_TIME", _REAL, "How fast the hull takes up a change of thrust at cruise speed", "estimation.surge_time_s", unit="s", low=0.05, high=100, needs_restart=True),
+        Row("RC_OVERRIDE_TIME", _REAL, "MANUAL_CONTROL and RC override go stale after this", "failsafe.manual_timeout_s", unit="s", low=0.1, high=120),
+        Row("HDG_TRIM", _REAL, "Added to what the compass says; FIXED_MAG_CAL_YAW sets it", "trim.heading_rad", scale=_DEG, unit="deg", low=-180, high=180),
+        Row("INS_GYROFFS_Z", _REAL, "Bias of the yaw gyro; the gyro calibration sets it", "trim.gyro_bias_rad_s", unit="rad/s", low=-0.2, high=0.2, decimals=5),
+        Row("EXT_POSITION", _I8, "Position over MAVLink", "external.position", low=0, high=2, values=names.EXTERNAL_USES),
+        Row("EXT_HEADING", _I8, "Heading over MAVLink", "external.heading", low=0, high=2, values=names.EXTERNAL_USES),
+        Row("EXT_OBSTACLES", _I8, "Obstacles over MAVLink", "external.obstacles", low=0, high=1, values=names.OBSTACLE_USES),
+        Row("EXT_TIMEOUT", _REAL, "Either source is silent after this", "external.timeout_s", unit="s", low=0.1, high=10),
+        Row("EXT_YAW", _REAL, "Where the x axis of external poses points, clockwise from north", "external.north_rad", scale=_DEG, unit="deg", low=-180, high=180),
+        Row("BATT_CAPACITY", _I32, "Capacity of the pack", "battery.capacity_mah", unit="mAh", low=1, high=1000000),
+        Row("BATT_LOW_VOLT", _REAL, "Voltage of the battery failsafe, 0 off", "failsafe.battery_low_v", unit="V", low=0, high=100),
+        Row("BATT_LOW_TIMER", _REAL, "Time below BATT_LOW_VOLT that sets it off", "failsafe.battery_low_s", unit="s", low=0.1, high=120),
+        Row("BATT_FS_LOW_ACT", _I8, "Action of the battery failsafe", "failsafe.battery_action", low=0, high=6, values=names.ACTIONS),
+        Row("BATT_CRT_VOLT", _REAL, "Voltage of the critical battery failsafe, 0 off", "failsafe.battery_critical_v", unit="V", low=0, high=100),
+        Row("BATT_FS_CRT_ACT", _I8, "Action of the critical battery failsafe", "failsafe.battery_critical_action", low=0, high=6, values=names.ACTIONS),
+        Row("BATT_ARM_VOLT", _REAL, "Voltage needed to arm", "arming.battery_min_v", unit="V", low=0, high=100),
+        Row("ARMING_CHECK", _I32, "Arming checks", "arming.check", low=0, high=1, bits=names.ARMING_CHECKS),
+        Row("GPS_HDOP_GOOD", _I16, "HDOP above which the boat does not arm", "arming.max_hdop", scale=100.0, unit="1/100", low=1, high=900),
+    ]  # fmt: skip
+
+
+def _radio() -> list[Row]:
+    """The transmitter's sticks and switches, and RC override's."""
+    rows = [
+        Row("RCMAP_ROLL", _I8, "Channel that steers", "rc.steering_channel", low=1, high=4),
+        Row("RCMAP_THROTTLE", _I8, "Channel of the throttle", "rc.throttle_channel", low=1, high=4),
+        Row("RCMAP_PITCH", _I8, "Unused; stations that calibrate the transmitter write it", default=2.0, low=1, high=16),
+        Row("RCMAP_YAW", _I8, "Unused; stations that calibrate the transmitter write it", default=4.0, low=1, high=16),
+        Row("COMPASS_CAL_FIT", _REAL, "Unused; stations write it while they calibrate the compass", default=16.0, low=0, high=1000),
+        Row("RC_FS_TIMEOUT", _REAL, "Without a good frame for so long the transmitter is lost, and its sticks count no longer", "rc.timeout_s", unit="s", low=0.1, high=10),
+        Row("RC_ARM_CH", _I8, "Channel of the switch that arms and disarms, 0 none", "rc.arm_channel", low=0, high=18),
+        Row("MODE_CH", _I8, "Channel of the mode switch, 0 none", "rc.mode_channel", low=0, high=18),
+    ]  # fmt: skip
+    for position in range(1, 7):
+        text = "Mode of this position of the mode switch"
+        rows.append(
+            Row(f"MODE{position}", _I8, text, f"rc.mode_{position}", low=0, high=15, values=names.MODES)
+        )
+    for number in range(5, 17):
+        text = "What the switch on this channel does; RC_ARM_CH is the channel that arms"
+        option = Choice(number, names.ARM_DISARM)
+        rows.append(
+            Row(
+                f"RC{number}_OPTION",
+                _I16,
+                text,
+                "rc.arm_channel",
+                low=0,
+                high=names.ARM_DISARM,
+                values=names.SWITCHES,
+                choice=option,
+            )
+        )
+    for number in range(1, 5):
+        name, path = f"RC{number}", f"rc.channel_{number}"
+        rows += [
+            Row(f"{name}_MIN", _I16, "Pulse of the stick at its lower end", f"{path}.min_us", unit="us", low=800, high=2200),
+            Row(f"{name}_TRIM", _I16, "Pulse of the stick at rest", f"{path}.trim_us", unit="us", low=800, high=2200),
+            Row(f"{name}_MAX", _I16, "Pulse of the stick at its upper end", f"{path}.max_us", unit="us", low=800, high=2200),
+            Row(f"{name}_DZ", _I16, "So far to either side of its trim a stick counts as at rest", f"{path}.dead_us", unit="us", low=0, high=200),
+            Row(f"{name}_REVERSED", _I8, "The stick works the other way round", f"{path}.is_reversed", low=0, high=1, values=names.NO_YES),
+        ]  # fmt: skip
+    return rows
+
+
+def _constants() -> list[Row]:
+    """What QGroundControl's setup pages for Rover ask for, as this boat's documented constants.
+
+    A missing one is a pop-up "Parameters are missing from firmware".
+    """
+    fixed: list[tuple[str, Kind, float, str, Names]] = [
+        ("FRAME_CLASS", _I8, 2.0, "Boat", names.FRAME_CLASSES),
+        ("FRAME_TYPE", _I8, 0.0, "Undefined", ((0, "Undefined"),)),
+        ("ARMING_REQUIRE", _I8, 1.0, "Arming is needed before the motors turn", ((1, "Yes"),)),
+        ("BATT_MONITOR", _I8, 4.0, "Voltage and current", ((4, "Voltage and current"),)),
+        ("AHRS_ORIENTATION", _I8, 0.0, "HDG_TRIM sets how the heading sensor is mounted", ((0, "None"),)),
+        ("COMPASS_AUTODEC", _I8, 0.0, "The heading sensor reports true heading", ((0, "Disabled"),)),
+        ("COMPASS_DEC", _REAL, 0.0, "The heading sensor reports true heading", ()),
+        ("FS_CRASH_CHECK", _I8, 0.0, "FS_STUCK_ACT, FS_GRND_ACT and FS_CAPS_ACT replace it", ((0, "Disabled"),)),
+        ("INS_ACCOFFS_X", _REAL, 0.001, "No accelerometer to calibrate", ()),
+        ("INS_ACCOFFS_Y", _REAL, 0.001, "No accelerometer to calibrate", ()),
+        ("INS_ACCOFFS_Z", _REAL, 0.001, "No accelerometer to calibrate", ()),
+    ]  # fmt: skip
+    for number, compass, is_used in ((1, "", True), (2, "2", False), (3, "3", False)):
+        device_id = 1.0 if is_used else 0.0
+        fixed.append((f"COMPASS_DEV_ID{compass}", _I32, device_id, "Heading sensor", ()))
+        fixed.append((f"COMPASS_PRIO{number}_ID", _I32, device_id, "Heading sensor of this priority", ()))
+        fixed.append((f"COMPASS_USE{compass}", _I8, device_id, "Heading sensor is used", names.NO_YES))
+        offset = 0.001 if is_used else 0.0
+        fixed += [
+            (f"COMPASS_OFS{compass}_{axis}", _REAL, offset, "Calibrated in the part", ()) for axis in "XYZ"
+        ]
+    return [
+        Row(name, kind, text, default=value, read_only=True, values=values)
+        for name, kind, value, text, values in fixed
+    ]
+
+
+ROWS: tuple[Row, ...] = tuple(sorted([*_tuning(), *_radio(), *_constants()], key=lambda row: row.name))

@@ -1,0 +1,271 @@
+"""MAVLink parameters: rows over the configuration tree.
+
+One table (`params_table.py`) names every parameter. A row either stands for a field of the configuration,
+with a scale where Rover's unit differs, or is kept for the ground stations' sake: a constant that
+QGroundControl insists on, or a value that it writes and reads back. Names are ArduPilot Rover's where the
+meaning is the same.
+
+Values that differ from their defaults are kept as text, one `NAME VALUE` a line, which QGroundControl,
+MAVProxy and Mission Planner read as a parameter file.
+"""
+
+import logging
+import math
+import struct
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from operator import attrgetter
+from typing import NamedTuple
+
+from companion.config.boat_config import BoatConfig, with_value
+from companion.config.parameter_values import Names
+from companion.core.errors import ConfigError
+from companion.persistence.storage import Saving, Storage
+
+logger = logging.getLogger(__name__)
+
+_FILE = "params.parm"
+_LONGEST_TOLD = 40  # characters of a line that cannot be read
+_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
+
+
+class Kind(IntEnum):
+    """MAV_PARAM_TYPE, as far as the table uses it."""
+
+    INT8 = 2
+    INT16 = 4
+    INT32 = 6
+    REAL32 = 9
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A parameter that selects one setting of a field: it is `value` while the field is `setting`, else 0."""
+
+    setting: int
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One parameter. `path` is a field of the configuration; without one the row keeps `default` itself.
+
+    value = field × scale. read_only rows are documented constants. values: all that it may be, where it is a
+    choice. bits: of a sum of bits. decimals: that stations show of a REAL32. needs_restart: a change holds
+    from the next start of the program on.
+    """
+
+    name: str
+    kind: Kind
+    text: str
+    path: str = ""
+    default: float = 0.0
+    scale: float = 1.0
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    read_only: bool = False
+    values: Names = ()
+    bits: Names = ()
+    decimals: int = 3
+    needs_restart: bool = False
+    choice: Choice | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 < len(self.name) <= 16:
+            raise ConfigError(f"parameter name {self.name!r} must have 1 to 16 characters")
+
+
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """A parameter over something outside the configuration: `turn` is called with each new value."""
+
+    row: Row
+    turn: Callable[[float], None]
+
+
+class Stored(NamedTuple):
+    """A save has ended. values: of what was changed with it, as saved; counts: how often each was changed;
+    error: why the save failed, or empty."""
+
+    values: dict[str, float]
+    counts: Counter[str]
+    error: str
+
+
+class Parameters:
+    """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
+
+    def __init__(
+        self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage, knobs: Sequence[Knob] = ()
+    ) -> None:
+        """knobs: further parameters, which the hardware brings along."""
+        if knobs:
+            rows = tuple(sorted((*rows, *(knob.row for knob in knobs)), key=lambda row: row.name))
+        self.config = config
+        self.rows = rows
+        self._knobs = {knob.row.name: knob.turn for knob in knobs}
+        self._storage = storage
+        self._index = {row.name: index for index, row in enumerate(rows)}
+        self._kept = {row.name: row.default for row in rows if not row.path}
+        self.loss = ""  # what of the stored values is lost, and what is in use instead
+        self._savings: list[tuple[Saving, dict[str, float], Counter[str]]] = []  # oldest first; see Stored
+        self._defaults = [self.value(row) for row in rows]
+        self._load()
+
+    def index_of(self, name: str) -> int | None:
+        """Where a parameter stands in the list, None when there is no such one."""
+        return self._index.get(name)
+
+    def sharing(self, name: str) -> list[int]:
+        """Where this parameter stands, and the others over the same field, which change with it."""
+        path = self.rows[self._index[name]].path if name in self._index else ""
+        return [
+            index for index, row in enumerate(self.rows) if row.name == name or (path and row.path == path)
+        ]
+
+    def value(self, row: Row) -> float:
+        """The value as stations see it: a whole number or a 32-bit float, which is all the wire carries."""
+        if not row.path:
+            return _as_float32(self._kept[row.name])
+        if row.choice is not None:
+            is_chosen = attrgetter(row.path)(self.config) == row.choice.setting
+            return float(row.choice.value) if is_chosen else 0.0
+        value = float(attrgetter(row.path)(self.config)) * row.scale
+        return _as_float32(value if row.kind is Kind.REAL32 else round(value))
+
+    def default(self, row: Row) -> float:
+        """The value before any station has changed it: the configuration file's."""
+        return self._defaults[self._index[row.name]]
+
+    def set(self, name: str, value: float) -> str:
+        """Change a parameter and begin to keep it. Returns why not, in words for the operator; empty when it
+        has changed."""
+        reason = self._change(name, value)
+        if not reason:
+            self._save([self.rows[index].name for index in self.sharing(name)])
+        return reason
+
+    def set_many(self, values: Iterable[tuple[str, float]]) -> list[str]:
+        """Change several and keep them with one save; those that do not exist are passed over. Returns why
+        not for each that was refused."""
+        before = self._values()
+        reasons = [self._change(name, value) for name, value in values if name in self._index]
+        self._save(self._changed_since(before))
+        return [reason for reason in reasons if reason]
+
+    def reset(self) -> None:
+        """Go back to the defaults, and keep that."""
+        before = self._values()
+        for row, default in zip(self.rows, self._defaults, strict=True):
+            if not row.read_only and self.value(row) != default:
+                self._change(row.name, default)
+        self._save(self._changed_since(before))
+
+    def is_unsaved(self, name: str) -> bool:
+        """Whether the medium does not have the present value yet; `take_stored` will name it."""
+        return any(name in values and not saving.is_done() for saving, values, _ in self._savings)
+
+    def take_stored(self) -> list[Stored]:
+        """The saves that have ended since the last call. To be asked every tick."""
+        ended: list[Stored] = []
+        while self._savings and self._savings[0][0].is_done():
+            saving, values, counts = self._savings.pop(0)
+            ended.append(Stored(values, counts, saving.error()))
+        return ended
+
+    def _values(self) -> list[float]:
+        return [self.value(row) for row in self.rows]
+
+    def _changed_since(self, before: list[float]) -> list[str]:
+        return [
+            row.name for row, old, new in zip(self.rows, before, self._values(), strict=True) if new != old
+        ]
+
+    def _change(self, name: str, value: float) -> str:
+        index = self._index.get(name)
+        if index is None:
+            return f"{name}: no such parameter"
+        row = self.rows[index]
+        if row.read_only:
+            return "" if value == self.value(row) else f"{name} is fixed at {self.value(row):g}"
+        if not abs(value) <= _LARGEST:
+            return f"{name}: not a number that fits 32 bits"
+        if not row.low <= value <= row.high:
+            return f"{name}: {value:g} is outside {row.low:g}..{row.high:g}"
+        if row.kind is not Kind.REAL32:
+            value = float(round(value))
+        if row.values and value not in [number for number, _ in row.values]:
+            return f"{name}: {value:g} is none of {', '.join(str(number) for number, _ in row.values)}"
+        if not row.path:
+            self._kept[name] = value
+            if name in self._knobs:
+                self._knobs[name](value)
+            return ""
+        try:
+            self.config = with_value(self.config, row.path, self._field_value(row, value))
+        except ConfigError as error:
+            return f"{name}: {error}"
+        return ""
+
+    def _field_value(self, row: Row, value: float) -> object:
+        current = attrgetter(row.path)(self.config)
+        if row.choice is not None:
+            if value != 0.0:
+                return row.choice.setting
+            return 0 if current == row.choice.setting else current
+        if isinstance(current, bool):
+            return value != 0.0
+        if isinstance(current, int):
+            return round(value / row.scale)
+        # 0.1 arrives as 0.10000000149: the shortest decimal with the same 32 bits is what was meant
+        return float(shortest(value)) / row.scale
+
+    def _save(self, names: list[str]) -> None:
+        lines = [
+            f"{row.name} {shortest(self.value(row))}"
+            for row, default in zip(self.rows, self._defaults, strict=True)
+            if self.value(row) != default
+        ]
+        saving = self._storage.save(_FILE, ("\n".join(lines) + "\n").encode())
+        if not self._savings or self._savings[-1][0] is not saving:  # else one write is for both
+            self._savings.append((saving, {}, Counter()))
+        _, values, counts = self._savings[-1]
+        values.update({name: self.value(self.rows[self._index[name]]) for name in names})
+        counts.update(names)
+
+    def _load(self) -> None:
+        content = self._storage.load(_FILE)
+        self.loss = self._storage.damage(_FILE)
+        refused: list[str] = []
+        for number, line in enumerate(content.decode(errors="replace").splitlines(), 1):
+            words = line.replace(",", " ").split()
+            if not words or words[0].startswith("#"):
+                continue
+            try:
+                reason = self._change(words[0], float(words[1]))
+            except (IndexError, ValueError):
+                reason = f"{line[:_LONGEST_TOLD]!r} is not 'NAME VALUE'"
+            if reason:
+                logger.warning("%s line %d ignored: %s", _FILE, number, reason)
+                refused.append(reason)
+        if refused and not self.loss:
+            more = f", and {len(refused) - 1} more" if len(refused) > 1 else ""
+            self.loss = f"in {_FILE}, {refused[0]}{more}; the defaults are in use"
+
+
+def _as_float32(value: float) -> float:
+    value = max(-_LARGEST, min(value, _LARGEST))  # a scale may lead beyond
+    result: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return result
+
+
+def shortest(value: float) -> str:
+    """The shortest decimal that reads back as the same 32-bit float."""
+    for digits in range(1, 10):
+        short = float(f"{value:.{digits}g}")
+        if _as_float32(short) == _as_float32(value):
+            return repr(short).removesuffix(".0")
+    return repr(value)

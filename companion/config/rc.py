@@ -1,0 +1,69 @@
+"""The radio control receiver: how it is connected, and what each channel of the transmitter means."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from companion.config.section import Positive, Section
+
+Pulse = Annotated[int, Meta(ge=800, le=2200)]
+StickChannel = Annotated[int, Meta(ge=1, le=4)]
+SwitchChannel = Annotated[int, Meta(ge=0, le=18)]
+ModeNumber = Literal[0, 1, 3, 4, 5, 6, 7, 9, 10, 11, 12, 15]
+
+
+class RcChannel(Section, frozen=True):
+    """A stick's channel, in µs of its pulse: both ends, where it rests, and how far off that counts as rest.
+
+    A throttle without reverse rests at its minimum.
+    """
+
+    min_us: Pulse = 1000
+    trim_us: Pulse = 1500
+    max_us: Pulse = 2000
+    dead_us: Annotated[int, Meta(ge=0, le=200)] = 30
+    is_reversed: bool = False
+
+
+class Rc(Section, frozen=True):
+    """A receiver on a UART, and the transmitter's sticks and switches. Channels count from 1; 0: none.
+
+    failsafe_us: a throttle pulse below this is a receiver that has lost its transmitter; 0: it never is.
+    """
+
+    driver: Literal["crsf", "ibus", "sbus", "none"] = "none"
+    port: str = "/dev/ttyAMA4"
+    timeout_s: Positive = 0.5  # without a good frame for so long, the transmitter is lost
+    failsafe_us: Annotated[int, Meta(ge=0, le=1100)] = 910
+    steering_channel: StickChannel = 1
+    throttle_channel: StickChannel = 3
+    channel_1: RcChannel = RcChannel()
+    channel_2: RcChannel = RcChannel()
+    channel_3: RcChannel = RcChannel()
+    channel_4: RcChannel = RcChannel()
+    arm_channel: SwitchChannel = 0  # up arms, down disarms
+    mode_channel: SwitchChannel = 0
+    mode_1: ModeNumber = 0  # Rover's numbers, for the six positions of the mode switch
+    mode_2: ModeNumber = 4
+    mode_3: ModeNumber = 5
+    mode_4: ModeNumber = 10
+    mode_5: ModeNumber = 11
+    mode_6: ModeNumber = 15
+
+    @property
+    def steering(self) -> RcChannel:
+        """The steering stick's channel."""
+        return self._stick(self.steering_channel)
+
+    @property
+    def throttle(self) -> RcChannel:
+        """The throttle stick's channel."""
+        return self._stick(self.throttle_channel)
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """The modes of the switch's six positions."""
+        return (self.mode_1, self.mode_2, self.mode_3, self.mode_4, self.mode_5, self.mode_6)
+
+    def _stick(self, number: int) -> RcChannel:
+        return (self.channel_1, self.channel_2, self.channel_3, self.channel_4)[number - 1]

@@ -1,0 +1,41 @@
+"""What is wrong with the estimate, in words for the operator, and whether it may be sailed by."""
+
+from typing import Final
+
+from companion.core.state import EstimateFault, NavState
+
+FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
+    (EstimateFault.POSITION_LOST, "Position lost"),
+    (EstimateFault.HEADING_LOST, "Heading lost"),
+    (EstimateFault.GNSS_LOST, "GPS lost: dead reckoning"),
+    (EstimateFault.GNSS_FROZEN, "GPS frozen: dead reckoning"),
+    (EstimateFault.GNSS_JUMPING, "GPS jumping: not believed"),
+    (EstimateFault.COMPASS_LOST, "Compass lost: gyro and course"),
+    (EstimateFault.COMPASS_OFF, "Compass off: gyro and course"),
+    (EstimateFault.GNSS_LATE, "GPS late: reckoned with"),
+    (EstimateFault.COMPASS_LATE, "Compass late: steering stands in"),
+)
+"""Worst first; each fits one STATUSTEXT with room for a prefix."""
+
+# Plain numbers: an IntFlag's arithmetic costs microseconds
+_POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
+_HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
+
+
+def fault_texts(faults: int) -> list[str]:
+    """A line for each bit of EstimateFault that is set, worst first; empty when nothing is wrong."""
+    return [text for fault, text in FAULT_TEXTS if faults & fault] if faults else []
+
+
+def lacks_position(nav: NavState, timeout_s: float) -> bool:
+    """Whether the position is too old or too uncertain to sail by. While the estimator reckons on, it is
+    not: it lets the age stand still until it gives up.
+    """
+    return bool(nav.faults & _POSITION_LOST) or not nav.position_age_s <= timeout_s
+
+
+def lacks_heading(nav: NavState, timeout_s: float) -> bool:
+    """Whether nothing says where the bow points. The course made good alone does not: a boat cannot be held
+    on a heading by it.
+    """
+    return bool(nav.faults & _HEADING_LOST) or not nav.heading_age_s <= timeout_s

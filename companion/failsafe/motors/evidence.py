@@ -1,0 +1,264 @@
+"""How much speaks for each hypothesis about the motors, and against healthy ones: one CUSUM for each.
+
+For every measurement of turn rate, speed and current, each hypothesis has a residual with a known variance;
+so have healthy motors in a wind that may push and turn the hull as it likes, within its rate of change. The
+sum of the log likelihood ratios of a hypothesis against healthy motors, never below zero, is E. S. Page's
+CUSUM (*Continuous inspection schemes*, Biometrika 41, 1954; M. Basseville, I. V. Nikiforov, *Detection of
+Abrupt Changes*, 1993, chapter 2): it stays near zero while motors are healthy and climbs from the moment of
+the fault. Three things allow for models that are wrong: no single measurement counts for more than
+MOST_SQUARE, neighbouring samples, whose errors are alike, count for WEIGHT of independent ones, and evidence
+fades by DRIFT_S.
+"""
+
+import math
+from typing import Final
+
+from companion.config.boat_config import BoatConfig
+from companion.core.state import EstimateFault, NavState
+from companion.failsafe.motors.current import MotorCurrent
+from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
+from companion.failsafe.motors.motion_filter import MotionFilter
+from companion.sensors.readings import BatteryReading, GnssFix
+
+# Tuned on sample seeds 101 and 102 of examples/campaigns/motors_*.toml
+WEIGHT: Final = 0.5
+VAGUE: Final = 0.5
+MOST_SQUARE: Final = 25.0  # five standard deviations: beyond, no hypothesis explains it
+DRIFT_S: Final = (
+    0.5  # nats/s by which evidence fades that nothing adds to: what is odd for a while is no fault
+)
+_LEARNING: Final = 5.0  # more evidence than this against the motors, and nothing is learned of healthy ones
+
+_SHAFT_S: Final = 0.1  # lag of the thrust behind the command,
+_SPIN_S: Final = 0.2  # and of the shaft's speed, as the current shows it (sampled ten times a second)
+_ADVANCE: Final = 0.4  # of the duty that holds cruise speed: below it the propeller brakes at that speed
+_LEAST_THROTTLE: Final = 0.05  # at cruise speed; below this it is not a measured one
+_ASTERN: Final = 0.7  # of the thrust ahead (0.6 to 0.8 for fixed propellers)
+# Of the stall current, at full command, that weed costs more: its drag is a friction, whatever the speed
+WEED: Final = 0.1
+_DRIVEN: Final = 0.1  # of command: less says nothing about the current
+_RESTING_RATE_S: Final = 0.5  # decay of the turn rate of a hull at rest, 1/s (Nomoto: 0.8 to 2 s),
+_CRUISING_RATE_S: Final = 0.3  # and what cruise speed adds
+_RESTING_SPEED_S, _CRUISING_SPEED_S = 0.05, 0.2  # the same for the speed ahead
+# The estimator takes thrust that is missing for a set within seconds, so its set of some time ago counts
+_SET_S: Final = 15.0
+# rad/s² per √s that wind adds to the turn: maximum likelihood over healthy runs in gusts of 7 to 12 m/s
+_TURN_WANDER: Final = 0.08
+_TURN_SIGMA: Final = 0.0055  # rad/s: of the gyro
+_SPEED_WANDER: Final = 0.025  # the same for the speed ahead, in cruise speeds
+_SPEED_SIGMA: Final = 0.06  # m/s: of the receiver
+_TURN_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering,
+_SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong set make look slower
+
+# Plain numbers: an IntFlag's arithmetic costs microseconds
+_NO_COMPASS: Final = int(
+    EstimateFault.COMPASS_LOST
+    | EstimateFault.COMPASS_OFF
+    | EstimateFault.COMPASS_LATE
+    | EstimateFault.HEADING_LOST
+)
+_NO_GNSS: Final = int(
+    EstimateFault.GNSS_LOST
+    | EstimateFault.GNSS_FROZEN
+    | EstimateFault.GNSS_JUMPING
+    | EstimateFault.GNSS_LATE
+    | EstimateFault.POSITION_LOST
+)
+
+
+class MotorEvidence:
+    """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
+
+    __slots__ = (
+        "_advance_s_m",
+        "_battery_s",
+        "_changes_ahead",
+        "_changes_turn",
+        "_cruise_m_s",
+        "_current",
+        "_current_a",
+        "_duties",
+        "_fix_s",
+        "_set_east_m_s",
+        "_set_north_m_s",
+        "_shafts",
+        "_since_battery_s",
+        "_since_fix_s",
+        "_speed",
+        "_spins",
+        "_turn",
+        "against",
+        "has_current",
+    )  # fmt: skip
+
+    def __init__(self, config: BoatConfig) -> None:
+        speed, handling = config.speed, config.handling
+        count = len(HYPOTHESES)
+        self.against = [0.0] * count
+        self.has_current = False
+        self._cruise_m_s = cruise_m_s = speed.cruise_m_s
+        self._advance_s_m = _ADVANCE * speed.cruise_throttle / cruise_m_s
+        # At cruise speed a drag ∝ u² decays with 2 drag / u; thrust and drag are equal there.
+        push = 2.0 * (1.0 - _ADVANCE) * max(speed.cruise_throttle, _LEAST_THROTTLE) ** 2
+        ahead = 0.5 * cruise_m_s / (config.estimation.surge_time_s * push)
+        turning = handling.turn_rate_rad_s * (_RESTING_RATE_S + _CRUISING_RATE_S) / (1.0 + _ASTERN)
+        self._turn = MotionFilter(count, turning, _TURN_PRIOR, _TURN_WANDER, _TURN_SIGMA)
+        self._speed = MotionFilter(count, ahead, _SPEED_PRIOR, _SPEED_WANDER * cruise_m_s, _SPEED_SIGMA)
+        self._current = MotorCurrent()
+        self._changes_turn, self._changes_ahead = [0.0] * count, [0.0] * count
+        self._duties = (0.0, 0.0)
+        self._shafts, self._spins = [0.0, 0.0], [0.0, 0.0]
+        self._battery_s = self._fix_s = -math.inf
+        self._current_a = math.nan
+        self._set_north_m_s = self._set_east_m_s = 0.0
+        self._since_battery_s = self._since_fix_s = 0.0
+
+    def restart(self) -> None:
+        """Judge anew, as after something that is not modelled; what was learned of the boat stays."""
+        self._turn.restart()
+        self._speed.restart()
+        self.acquit()
+
+    def acquit(self) -> None:
+        """Drop all evidence: whatever has happened so far, no motor had failed."""
+        for at in range(len(HYPOTHESES)):
+            self.against[at] = 0.0
+            self._turn.forget(at)
+            self._speed.forget(at)
+
+    def update(
+        self,
+        left: float,
+        right: float,
+        nav: NavState,
+        fix: GnssFix | None,
+        battery: BatteryReading | None,
+        asymmetry: float,
+        dt_s: float,
+    ) -> None:
+        """Take the commands that have held for dt_s until now, and what has come of them.
+
+        asymmetry: by which commands astern are enlarged for the thrust that is lost there.
+        """
+        self._spin(left, right, dt_s)
+        water_m_s = nav.surge_m_s - nav.set_along_m_s(nav.heading_rad)
+        share = min(dt_s / _SET_S, 1.0)
+        self._set_north_m_s += share * (nav.set_north_m_s - self._set_north_m_s)
+        self._set_east_m_s += share * (nav.set_east_m_s - self._set_east_m_s)
+        astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
+        self._predict(water_m_s, astern, dt_s)
+        is_learning = max(self.against) < _LEARNING
+        gained = [0.0] * len(HYPOTHESES)
+        if nav.faults & _NO_COMPASS:
+            self._turn.restart()
+        elif self._turn.correct(nav.yaw_rate_rad_s, dt_s, is_learning=is_learning):
+            _weigh(self._turn, gained)
+        self._take_fix(fix, nav, gained, is_learning, dt_s)
+        self._take_current(battery, water_m_s, gained, is_learning, dt_s)
+        against = self.against
+        for at, gain in enumerate(gained):
+            against[at] += WEIGHT * gain - DRIFT_S * dt_s
+            if not against[at] > 0.0:
+                against[at] = 0.0
+                self._turn.forget(at)
+                self._speed.forget(at)
+
+    def _spin(self, left: float, right: float, dt_s: float) -> None:
+        """The shafts follow the commands of the last time."""
+        thrust_lag = 1.0 - math.exp(-dt_s / _SHAFT_S)
+        spin_lag = 1.0 - math.exp(-dt_s / _SPIN_S)
+        for side, duty in enumerate(self._duties):
+            self._shafts[side] += thrust_lag * (duty - self._shafts[side])
+            self._spins[side] += spin_lag * (duty - self._spins[side])
+        self._duties = (left, right)
+
+    def _push(self, shaft: float, water_m_s: float, astern: float) -> float:
+        """Thrust of one propeller, in shares of what full command gives at rest."""
+        push = abs(shaft) * (shaft - self._advance_s_m * water_m_s)
+        return push if push > 0.0 else astern * push
+
+    def _predict(self, water_m_s: float, astern: float, dt_s: float) -> None:
+        pushes = [self._push(shaft, water_m_s, astern) for shaft in self._shafts]
+        for at, hypothesis in enumerate(HYPOTHESES):
+            side = 0 if hypothesis.is_left else 1
+            if hypothesis.fault is Fault.REVERSED:
+                change = self._push(-self._shafts[side], water_m_s, astern) - pushes[side]
+            else:
+                change = (hypothesis.thrust - 1.0) * pushes[side]
+            self._changes_ahead[at] = change
+            self._changes_turn[at] = change if hypothesis.is_left else -change
+        cruising = abs(water_m_s) / self._cruise_m_s
+        turn_s = _RESTING_RATE_S + _CRUISING_RATE_S * cruising
+        speed_s = _RESTING_SPEED_S + _CRUISING_SPEED_S * cruising
+        self._turn.predict(turn_s, pushes[0] - pushes[1], self._changes_turn, dt_s)
+        self._speed.predict(speed_s, pushes[0] + pushes[1], self._changes_ahead, dt_s)
+
+    def _take_fix(
+        self, fix: GnssFix | None, nav: NavState, gained: list[float], is_learning: bool, dt_s: float
+    ) -> None:
+        """The speed through the water, from each new velocity over ground less the set."""
+        self._since_fix_s += dt_s
+        if fix is None or nav.faults & (_NO_GNSS | _NO_COMPASS):
+            self._speed.restart()
+            return
+        if fix.time_s == self._fix_s or fix.north_m_s is None or fix.east_m_s is None:
+            return
+        self._fix_s = fix.time_s
+        cos, sin = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        ahead_m_s = (fix.north_m_s - self._set_north_m_s) * cos + (fix.east_m_s - self._set_east_m_s) * sin
+        if self._speed.correct(ahead_m_s, self._since_fix_s, is_learning=is_learning):
+            _weigh(self._speed, gained)
+        self._since_fix_s = 0.0
+
+    def _take_current(
+        self,
+        battery: BatteryReading | None,
+        water_m_s: float,
+        gained: list[float],
+        is_learning: bool,
+        dt_s: float,
+    ) -> None:
+        """A reading that repeats the one before is that of a monitor that hangs: it tells nothing."""
+        self._since_battery_s += dt_s
+        if battery is None or battery.current_a is None or not math.isfinite(battery.current_a):
+            self.has_current = False
+            return
+        if battery.time_s == self._battery_s or battery.current_a == self._current_a:
+            self.has_current = self.has_current and self._since_battery_s < 2.0
+            return
+        self._battery_s, self._current_a = battery.time_s, battery.current_a
+        elapsed_s, self._since_battery_s = self._since_battery_s, 0.0
+        self.has_current = True
+        current = self._current
+        current.compare(self._duties, self._spins, water_m_s, battery.current_a)
+        residual, variance = current.residual_a, current.variance
+        healthy = 0.5 * min(residual * residual / variance, MOST_SQUARE)
+        is_driven = abs(self._duties[0]) > _DRIVEN or abs(self._duties[1]) > _DRIVEN
+        if is_learning or not (is_driven and current.is_learned):
+            current.learn(elapsed_s, is_driven=is_driven)
+        if not current.is_learned:
+            return
+        for at, hypothesis in enumerate(HYPOTHESES):
+            side = 0 if hypothesis.is_left else 1
+            drawn = current.drawn[side]
+            duty = self._duties[side]
+            change, spread = (hypothesis.load - 1.0) * drawn, hypothesis.spread * drawn
+            if hypothesis.fault is Fault.REVERSED:
+                change = 2.0 * current.water_a * duty * water_m_s
+            elif hypothesis.fault is Fault.FOULED:
+                change = WEED * current.stall_a * abs(duty)
+                spread = hypothesis.spread * change
+            wider = variance + spread * spread
+            other = residual - change
+            cost = 0.5 * (other * other / wider + math.log(wider / variance))
+            gained[at] += healthy - min(cost, 0.5 * MOST_SQUARE)
+
+
+def _weigh(motion: MotionFilter, gained: list[float]) -> None:
+    """Add each hypothesis's log likelihood ratio against healthy motors."""
+    variance = motion.variance
+    healthy = min(motion.residual * motion.residual / variance, MOST_SQUARE)
+    for at, residual in enumerate(motion.residuals):
+        gain = 0.5 * (healthy - min(residual * residual / variance, MOST_SQUARE))
+        # How much thrust weed leaves is known to half of what it takes
+        gained[at] += VAGUE * gain if HYPOTHESES[at].fault is Fault.FOULED else gain

@@ -1,0 +1,204 @@
+"""Whether the motors do what they are told, and whether the boat gets on."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from companion.config.boat_config import BoatConfig
+from companion.core.state import NavState
+from companion.failsafe.motors.evidence import MotorEvidence
+from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
+from companion.sensors.readings import BatteryReading, GnssFix
+
+if TYPE_CHECKING:
+    from companion.failsafe.inputs import Signs
+
+MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
+CLEARED_S: Final = 180.0  # for which a trial that has found both motors well stands
+# Without a break: a shaft that is thrown into reverse draws as a blocked one does at first
+PROVED_S: Final = 0.8
+# A motor that runs the wrong way makes the heading loop steer hard, for nothing, within seconds. Wind does so
+# too; in 96 healthy runs the evidence for a reversal was 6 nats at most meanwhile.
+HELPLESS_REVERSAL: Final = 12.0
+_STEERED: Final = 0.5  # of one motor's thrust, between the two: with more, a hull without wind turns,
+_TURNS_RAD_S: Final = 0.05  # like this at least
+_HELPLESS_S: Final = 1.0
+_TRIAL_S: Final = 6.0  # of the same, for boats without a measured current
+_SMOOTH_S: Final = 1.0
+_WITHOUT_CURRENT: Final = (Fault.DEAD, Fault.REVERSED)
+
+NO_HEADWAY, STUCK, AGROUND = 1, 2, 3  # guidance's verdicts
+
+
+class MotorWatch:
+    """Which motor has failed, and how: decided by `MotorEvidence`.
+
+    verdict: the hypothesis that has won, until evidence for healthy motors has used up all that spoke for it.
+    """
+
+    __slots__ = (
+        "_cleared_until_s",
+        "_evidence",
+        "_helpless_s",
+        "_proved_s",
+        "_steered",
+        "_suspect",
+        "_turn_rad_s",
+        "verdict",
+    )
+
+    def __init__(self, config: BoatConfig) -> None:
+        self._evidence = MotorEvidence(config)
+        self._cleared_until_s = -math.inf
+        self.verdict: Hypothesis | None = None
+        self._steered = self._turn_rad_s = self._helpless_s = self._proved_s = 0.0
+        self._suspect: Hypothesis | None = None
+
+    @property
+    def needs_trial(self) -> bool:
+        """Whether only a trial can tell if both motors pull.
+
+        A motor that gives no thrust and a wind against it look alike to a boat that measures no current,
+        while the commands stand still.
+        """
+        return self._helpless_s >= _TRIAL_S and not self._evidence.has_current
+
+    @property
+    def fault(self) -> str:
+        """A motor that does not pull as it should, in words."""
+        verdict = self.verdict
+        return "" if verdict is None or verdict.fault is Fault.REVERSED else verdict.text
+
+    @property
+    def reversal(self) -> str:
+        """A motor that runs the wrong way, in words."""
+        verdict = self.verdict
+        return "" if verdict is None or verdict.fault is not Fault.REVERSED else verdict.text
+
+    @property
+    def has_lost(self) -> str:
+        """ "left" or "right": the motor that gives no thrust; else empty."""
+        verdict = self.verdict
+        if verdict is None or verdict.fault not in (Fault.DEAD, Fault.BLOCKED):
+            return ""
+        return "left" if verdict.is_left else "right"
+
+    def reset(self) -> None:
+        """Judge anew; what was learned of the boat stays."""
+        self.verdict = None
+        self.pause()
+
+    def rearm(self) -> None:
+        """The boat is disarmed: the next voyage begins without a verdict, and no trial counts any more."""
+        self.reset()
+        self._cleared_until_s = -math.inf
+
+    def pause(self) -> None:
+        """The motors do something else for a while. A verdict stands."""
+        self._evidence.restart()
+        self._steered = self._turn_rad_s = self._helpless_s = self._proved_s = 0.0
+        self._suspect = None
+
+    def clear(self, now_s: float) -> None:
+        """A trial has found both motors well: that outweighs what is inferred under way, for CLEARED_S."""
+        self.reset()
+        self._cleared_until_s = now_s + CLEARED_S
+
+    def update(
+        self,
+        left: float,
+        right: float,
+        nav: NavState | None,
+        fix: GnssFix | None,
+        battery: BatteryReading | None,
+        config: BoatConfig,
+        now_s: float,
+        dt_s: float,
+    ) -> None:
+        """Take the commands of the last dt_s and what has come of them, and decide."""
+        if nav is None:
+            return
+        evidence = self._evidence
+        evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s)
+        if now_s < self._cleared_until_s:
+            evidence.acquit()
+            self._helpless_s = 0.0
+            return
+        against = evidence.against
+        if self.verdict is not None:
+            at = HYPOTHESES.index(self.verdict)
+            against[at] = min(against[at], self.verdict.threshold)
+            if against[at] <= 0.0:
+                self.verdict = None
+                evidence.acquit()
+            return
+        self._watch_steering(left, right, nav.yaw_rate_rad_s, dt_s)
+        suspect, before = self._decide(), self._suspect
+        self._suspect = suspect
+        self._proved_s = 0.0 if suspect is None or suspect is not before else self._proved_s + dt_s
+        if self._proved_s >= PROVED_S:
+            self.verdict = suspect
+
+    def _decide(self) -> Hypothesis | None:
+        """The hypothesis that is proved, and ahead of every other."""
+        evidence, best, lead = self._evidence, None, 0.0
+        for at, hypothesis in enumerate(HYPOTHESES):
+            if evidence.has_current or hypothesis.fault in _WITHOUT_CURRENT:
+                against = evidence.against[at]
+                if against > lead:
+                    best, lead = hypothesis, against
+        if best is None or lead < self._threshold(best):
+            return None
+        for at, hypothesis in enumerate(HYPOTHESES):
+            is_rival = evidence.has_current or hypothesis.fault in _WITHOUT_CURRENT
+            if hypothesis is not best and is_rival and lead - evidence.against[at] < MARGIN:
+                return None
+        return best
+
+    def _threshold(self, hypothesis: Hypothesis) -> float:
+        """Evidence that proves it."""
+        is_helpless = self._helpless_s >= _HELPLESS_S and hypothesis.fault is Fault.REVERSED
+        return HELPLESS_REVERSAL if is_helpless else hypothesis.threshold
+
+    def _watch_steering(self, left: float, right: float, turn_rad_s: float, dt_s: float) -> None:
+        """How long the boat has been steered hard without turning that way."""
+        blend = min(dt_s / _SMOOTH_S, 1.0)
+        self._steered += blend * (left * abs(left) - right * abs(right) - self._steered)
+        self._turn_rad_s += blend * (turn_rad_s - self._turn_rad_s)
+        is_turning = self._turn_rad_s * math.copysign(1.0, self._steered) >= _TURNS_RAD_S
+        is_helpless = abs(self._steered) > _STEERED and not is_turning
+        self._helpless_s = self._helpless_s + dt_s if is_helpless else 0.0
+
+
+def motor_failing(signs: "Signs") -> str:
+    """A motor gives no thrust, or too little for its current."""
+    return signs.lame or signs.motors.fault
+
+
+def steering_lost(signs: "Signs") -> str:
+    """A motor runs the wrong way."""
+    return signs.motors.reversal
+
+
+def no_headway(signs: "Signs") -> str:
+    """Full ahead, and the water is as fast as the boat."""
+    return "No headway: the water is as fast as the boat" if signs.headway == NO_HEADWAY else ""
+
+
+def stuck(signs: "Signs") -> str:
+    """Full ahead, and something holds the boat."""
+    return "Stuck: something holds the boat" if signs.headway == STUCK else ""
+
+
+def aground(signs: "Signs") -> str:
+    """Close to a line, driven hard, and held."""
+    return "Aground: held at the shore" if signs.headway == AGROUND else ""
+
+
+def capsized(signs: "Signs") -> str:
+    """Keel up, or nearly; told by a heading sensor that also gives roll and pitch."""
+    reading, limit_rad = signs.heading, signs.config.failsafe.capsize_rad
+    if reading is None or limit_rad <= 0.0 or reading.roll_rad is None or reading.pitch_rad is None:
+        return ""
+    if not max(abs(reading.roll_rad), abs(reading.pitch_rad)) > limit_rad:
+        return ""
+    return f"Capsized: roll {math.degrees(reading.roll_rad):.0f}, pitch {math.degrees(reading.pitch_rad):.0f}"

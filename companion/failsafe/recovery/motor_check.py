@@ -1,0 +1,164 @@
+"""Trying the motors one by one: which of them answers, and which runs the wrong way round.
+
+Each in turn is driven ahead and then astern, and the turn rate r is fitted by what the motors were given,
+
+    r' = k_l u_l |u_l| − k_r u_r |u_r| − r / τ + b
+
+where τ damps the turn and b is what wind and swing do. The gain of a motor without thrust is nearly nought,
+that of one that runs the wrong way round is negative. What a hull that touches ground does, the fit leaves
+over.
+"""
+
+import math
+
+from companion.calibration.fitting import Fit
+from companion.core.intent import Drive, Intent, Stop
+from companion.core.state import NavState
+
+_STOP = Stop()
+_SETTLE_S = 1.5
+_PULSE_S = 1.0
+_REST_S = 0.5
+_HALF = 0.45  # throttle and steering of this much drive one motor alone at twice as much
+_PULSES = (  # of the left motor and of the right, ahead and astern: when it begins, and what is driven
+    (_SETTLE_S, Drive(_HALF, _HALF)),
+    (_SETTLE_S + _PULSE_S, Drive(-_HALF, -_HALF)),
+    (_SETTLE_S + 2.0 * _PULSE_S + _REST_S, Drive(_HALF, -_HALF)),
+    (_SETTLE_S + 3.0 * _PULSE_S + _REST_S, Drive(-_HALF, _HALF)),
+)
+_LENGTH_S = _SETTLE_S + 4.0 * _PULSE_S + _REST_S
+_AGAIN_S = 60.0  # a motor that did not pull is tried again after this,
+_SLACK_S = 1e-6
+_SOON_S = 25.0  # or after this, where there is room to drift meanwhile; twice as long after each try
+_LONGEST_S = 120.0
+_SAMPLE_S = 0.1
+_DEAD_SHARE = 0.2  # of the better motor's answer
+_FAINT_RAD_S2 = 0.05  # at full drive: less than this from both tells nothing
+_UNEXPLAINED = 0.8  # of the turning's squares: with more left over, something else turned the boat
+
+
+class MotorProbe:
+    """left and right: 1 a motor that answers, −1 one that runs the wrong way round and is driven the other
+    way for it, 0 one that does not pull. It steers in place of the mode for as long as it `is_running`.
+    """
+
+    __slots__ = (
+        "_again_s",
+        "_began_s",
+        "_fit",
+        "_last",
+        "_soon_s",
+        "_wait_s",
+        "is_running",
+        "is_unclear",
+        "left",
+        "right",
+    )
+
+    def __init__(self) -> None:
+        self.is_running = False
+        self.is_unclear = False  # the last try has taught nothing
+        self.left = self.right = 1
+        self._began_s = 0.0
+        self._wait_s = _SOON_S
+        self._soon_s = self._again_s = 0.0  # it is tried again: with room to drift, without
+        self._fit = Fit(4)
+        self._last = (math.nan, 0.0)  # when the present sample began, and the turn rate then
+
+    @property
+    def is_lame(self) -> bool:
+        """Whether only one motor is left to steer and sail with."""
+        return self.left * self.right == 0
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether one is driven the other way round."""
+        return self.left < 0 or self.right < 0
+
+    def reset(self) -> None:
+        """Both are thought to be well."""
+        self.stop()
+        self.left = self.right = 1
+
+    def is_due(self, now_s: float, *, has_room: bool) -> bool:
+        """Whether it is time to see if a dead motor pulls again. has_room: to drift meanwhile."""
+        return self.is_lame and now_s > (self._soon_s if has_room else self._again_s)
+
+    def presume(self, is_left: bool, now_s: float) -> None:
+        """There is no room to try: a motor is taken to be dead until there is."""
+        self.is_running = False
+        self.left, self.right = (0, self.right or 1) if is_left else (self.left or 1, 0)
+        self._soon_s, self._again_s = now_s + _SOON_S, now_s + _AGAIN_S
+
+    def begin(self, now_s: float) -> None:
+        """Start, or start anew."""
+        self.is_running, self._began_s = True, now_s
+        self._soon_s, self._again_s = now_s + self._wait_s, now_s + _AGAIN_S
+        self._wait_s = min(2.0 * self._wait_s, _LONGEST_S)
+        self._fit, self._last = Fit(4), (math.nan, 0.0)
+
+    def stop(self) -> None:
+        """Break off, with nothing learned."""
+        self.is_running = False
+
+    def intent(self, nav: NavState | None, left: float, right: float, now_s: float) -> Intent:
+        """What the motors are to do now; ends by itself. left, right: what they were given meanwhile."""
+        at_s = now_s - self._began_s + _SLACK_S
+        if nav is None or not at_s >= 0.0:
+            self.stop()
+            return _STOP
+        self._sample(nav.yaw_rate_rad_s, left, right, now_s)
+        if at_s >= _LENGTH_S:
+            self._judge()
+            return _STOP
+        for begins_s, drive in _PULSES:
+            if begins_s <= at_s < begins_s + _PULSE_S:
+                return drive
+        return _STOP
+
+    def _sample(self, rate_rad_s: float, left: float, right: float, now_s: float) -> None:
+        began_s, first_rad_s = self._last
+        lasted_s = now_s - began_s
+        if lasted_s >= _SAMPLE_S - _SLACK_S:
+            turning = 0.5 * (first_rad_s + rate_rad_s)
+            push = left * abs(left), -right * abs(right)
+            regressors = (push[0] * lasted_s, push[1] * lasted_s, turning * lasted_s, lasted_s)
+            self._fit.add(regressors, rate_rad_s - first_rad_s)
+        if not lasted_s < _SAMPLE_S - _SLACK_S:
+            self._last = now_s, rate_rad_s
+
+    def _judge(self) -> None:
+        """Both motors ahead turn the boat away from their own side."""
+        self.is_running = False
+        solved = self._fit.solve()
+        self.is_unclear = solved is None
+        if solved is None:
+            return
+        found, _ = solved
+        left, right = found[0], found[1]
+        most = max(abs(left), abs(right))
+        is_faint = most < _FAINT_RAD_S2
+        self.is_unclear = is_faint or self._fit.residual(found) > _UNEXPLAINED * self._fit.square
+        if self.is_unclear:
+            return
+        self.left = _answer(left / most) * (self.left or 1)
+        self.right = _answer(right / most) * (self.right or 1)
+        if not self.is_lame:
+            self._wait_s = _SOON_S
+
+    def fault(self) -> str:
+        """Which motor does not pull; empty when both do."""
+        return "" if not self.is_lame else f"{'Right' if self.left else 'Left'} motor does not pull"
+
+    def found(self) -> str:
+        """The outcome, in words."""
+        if self.is_unclear:
+            return "Motors tried: their answer is not clear"
+        words = {1: "pulls", 0: "does not pull", -1: "is reversed: turned round"}
+        return f"Left motor {words[self.left]}, right {words[self.right]}"
+
+
+def _answer(share: float) -> int:
+    if abs(share) < _DEAD_SHARE:
+        return 0
+    return 1 if share > 0.0 else -1

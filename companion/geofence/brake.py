@@ -1,0 +1,170 @@
+"""Slowing down before the fence, so that the boat stops inside it by itself, whoever steers."""
+
+import math
+
+from companion.config.boat_config import BoatConfig
+from companion.control.speed import feed_forward
+from companion.core.geo import Point
+from companion.core.intent import Drive, FollowCircle, FollowLeg, HoldCourse, Intent, KeepStation, Stop
+from companion.core.state import Demand, NavState
+from companion.core.status_text import Notice, Severity
+from companion.core.units import clamp
+from companion.geofence.fence import Fence
+from companion.guidance.speed_profile import REACTION_S, braking_speed_m_s
+
+_AVOID_FENCE = 1  # of avoidance.enable
+_GAIN_M_S = 0.5  # speed that the boat may have won before the next look
+_GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
+_SET_S = 2.0  # the water carries the boat on for so long before they hold against it
+_UNDER_WAY_M_S = 0.1  # slower, the course made good is mostly noise
+_BACK_PER_S = 0.4  # speed astern for each metre too near
+_STOPPED_S = 0.5  # so long held below steerage way, and the boat is taken to have been stopped
+
+
+class FenceBrake:
+    """Lets no more speed toward a line through than the boat can lose before it.
+
+    Looked at are the course that the boat makes good and the one that is asked for, with the set of the water
+    in it. A line that lies abeam or astern, however near, slows nobody. What sails by itself and has been
+    stopped keeps station there until it is asked for something else, for without steerage way the water would
+    carry it over, and says so in `notices`. Without a fresh position everything goes through.
+    """
+
+    __slots__ = ("_notices", "_station", "_stopped", "_stopped_s")
+
+    def __init__(self, notices: list[Notice]) -> None:
+        self._notices = notices
+        self._stopped: Intent | None = None  # what was asked for as the boat came to a stop
+        self._stopped_s = 0.0
+        self._station: KeepStation | None = None
+
+    def hold(self, intent: Intent) -> Intent:
+        """What to sail instead of this: a station, where this has led to the line."""
+        if self._stopped is not None and intent != self._stopped:
+            self._stopped, self._stopped_s, self._station = None, 0.0, None
+        return intent if self._station is None else self._station
+
+    def limit(
+        self,
+        steered: Demand | Drive | Stop,
+        intent: Intent,
+        nav: NavState | None,
+        fence: Fence,
+        config: BoatConfig,
+        dt_s: float,
+    ) -> Demand | Drive | Stop:
+        """The same, braked. intent is what was asked for, before `hold`."""
+        if not fence.is_active or nav is None or isinstance(steered, Stop):
+            return steered
+        if not config.avoidance.enable & _AVOID_FENCE:
+            return steered
+        reach_m = _reach_m(math.hypot(nav.north_m_s, nav.east_m_s) + _GAIN_M_S, config)
+        if not fence.is_near(nav.point, reach_m) or nav.position_age_s > config.motors.estimate_timeout_s:
+            return steered
+        ahead = _Ahead(nav, fence, reach_m, config)
+        if isinstance(steered, Drive):
+            return ahead.drive(steered)
+        braked = ahead.demand(steered)
+        if self._station is None and isinstance(intent, FollowLeg | HoldCourse | FollowCircle):
+            is_barred = ahead.is_slow and _leads_over(intent, nav, fence, reach_m)
+            self._watch(is_barred, intent, nav, fence, config, dt_s)
+        return braked
+
+    def _watch(
+        self, is_barred: bool, intent: Intent, nav: NavState, fence: Fence, config: BoatConfig, dt_s: float
+    ) -> None:
+        """Whether the boat has been stopped for long enough to keep station."""
+        if not is_barred or fence.is_outside(nav.point):
+            self._stopped, self._stopped_s = None, 0.0
+            return
+        self._stopped = intent
+        self._stopped_s += dt_s
+        if self._stopped_s >= _STOPPED_S:
+            margin_m = config.fence.margin_m + config.guidance.station_radius_m
+            self._station = KeepStation(fence.inside(nav.point, margin_m))
+            self._notices.append(Notice(Severity.WARNING, "Fence ahead: keeping station before it"))
+
+
+def _leads_over(
+    intent: FollowLeg | HoldCourse | FollowCircle, nav: NavState, fence: Fence, reach_m: float
+) -> bool:
+    """Whether what is asked for, sailed on, leads over a line."""
+    if isinstance(intent, FollowLeg):
+        return fence.crosses(nav.point, intent.end)
+    if isinstance(intent, HoldCourse):
+        return fence.room_m(nav.point, intent.course_rad, reach_m) < reach_m
+    return fence.room_m(nav.point, math.atan2(nav.east_m_s, nav.north_m_s), reach_m) < reach_m
+
+
+class _Ahead:
+    """What lies ahead this tick. is_slow: no steerage way is left."""
+
+    __slots__ = ("_config", "_fence", "_nav", "_point", "_reach_m", "is_slow")
+
+    def __init__(self, nav: NavState, fence: Fence, reach_m: float, config: BoatConfig) -> None:
+        self._nav = nav
+        self._fence = fence
+        self._reach_m = reach_m
+        self._config = config
+        self._point: Point = nav.point
+        self.is_slow = False
+
+    def demand(self, demand: Demand) -> Demand:
+        """A demand with less speed, or a little astern where the boat is too near already."""
+        wanted = demand.speed_m_s
+        speed = self._along(demand.heading_rad, wanted)
+        if speed == wanted:
+            return demand
+        return Demand(
+            demand.heading_rad, speed, demand.cross_track_m, demand.distance_m, demand.yaw_rate_rad_s
+        )
+
+    def drive(self, drive: Drive) -> Drive:
+        """By hand the throttle is held back to what keeps the speed that is left."""
+        nav, setting = self._nav, self._config.speed
+        top = setting.cruise_m_s / max(setting.cruise_throttle, 0.05)
+        wanted = drive.throttle * top if drive.throttle else nav.surge_m_s
+        speed = self._along(nav.heading_rad, wanted)
+        if speed == wanted:
+            return drive
+        set_m_s = nav.set_along_m_s(nav.heading_rad)
+        most = feed_forward(speed - set_m_s, setting) + setting.kp * (speed - nav.surge_m_s)
+        throttle = min(drive.throttle, most) if wanted > 0.0 else max(drive.throttle, most)
+        return Drive(clamp(throttle, -1.0, 1.0), drive.steering)
+
+    def _along(self, heading_rad: float, wanted_m_s: float) -> float:
+        """What is left of a speed along a heading, negative astern."""
+        nav = self._nav
+        c, s = math.cos(heading_rad), math.sin(heading_rad)
+        aside_m_s = nav.set_east_m_s * c - nav.set_north_m_s * s
+        speed = abs(wanted_m_s)
+        side = 1.0 if wanted_m_s >= 0.0 else -1.0
+        allowed = self._towards(c * wanted_m_s - s * aside_m_s, s * wanted_m_s + c * aside_m_s)
+        along_m_s = side * (nav.north_m_s * c + nav.east_m_s * s)
+        if along_m_s > _UNDER_WAY_M_S:
+            allowed = min(allowed, max(self._towards(nav.north_m_s, nav.east_m_s), 0.0))
+        self.is_slow = allowed <= self._config.guidance.min_speed_m_s
+        if allowed >= speed:
+            return wanted_m_s
+        if allowed < 0.0:
+            allowed = -min(-allowed, max(self._towards(-side * c, -side * s), 0.0))
+        return side * allowed
+
+    def _towards(self, north_m_s: float, east_m_s: float) -> float:
+        """The speed allowed the way of a velocity: infinite with no line ahead, negative too near to one."""
+        room_m = self._fence.room_m(self._point, math.atan2(east_m_s, north_m_s), self._reach_m)
+        if room_m >= self._reach_m:
+            return math.inf
+        nav, setting = self._nav, self._config.guidance
+        speed_m_s = math.hypot(north_m_s, east_m_s)
+        set_m_s = (nav.set_north_m_s * north_m_s + nav.set_east_m_s * east_m_s) / max(speed_m_s, 1e-9)
+        room_m -= self._config.fence.margin_m + max(set_m_s, 0.0) * _SET_S
+        if room_m < 0.0:
+            return max(_BACK_PER_S * room_m, -setting.min_speed_m_s)
+        return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, setting)
+
+
+def _reach_m(speed_m_s: float, config: BoatConfig) -> float:
+    """The room in which the brake begins to bind at this speed, margin and set included."""
+    braking_m = speed_m_s * REACTION_S + speed_m_s * speed_m_s / (2.0 * config.guidance.accel_m_s2)
+    return config.fence.margin_m + speed_m_s * _SET_S + braking_m / _GENTLE_SHARE

@@ -1,0 +1,242 @@
+"""The fence: where the boat may be, and how far it is to the line.
+
+The allowed water is inside every inclusion area and outside every exclusion area, as in ArduPilot; where the
+setting asks for it, also inside a circle round home. The areas come as places on the globe and are laid into
+the local frame once. Far from every line a question costs one distance: the margin found last, less the way
+made since, is a bound.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from companion.config.fence import AREAS_KIND, CIRCLE_KIND, FenceSetting
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.geofence.fence_lines import Area, Disc, Ring
+
+_PROJECTIONS = 20
+_SLACK_M = 1e-3
+_ON_LINE_M = 1e-6
+_ANCHORED_M = 1.0  # so far from the place where the margin was found last it is not looked for again
+_STEP_M = 0.5  # ahead, to see whether a course leads back
+
+
+@dataclass(frozen=True, slots=True)
+class FencePolygon:
+    """A polygon as it was uploaded, three or more vertices."""
+
+    vertices: tuple[LatLon, ...]
+    is_inclusion: bool
+
+
+@dataclass(frozen=True, slots=True)
+class FenceCircle:
+    """A circle as it was uploaded."""
+
+    centre: LatLon
+    radius_m: float
+    is_inclusion: bool
+
+
+FenceArea = FencePolygon | FenceCircle
+
+
+class Fence:
+    """is_active: whether there is any line that counts; without one, every question is answered at once.
+
+    version grows whenever the lines change.
+    """
+
+    __slots__ = (
+        "_anchor_e",
+        "_anchor_m",
+        "_anchor_n",
+        "_frame",
+        "_home",
+        "_laid",
+        "_setting",
+        "_uploaded",
+        "areas",
+        "is_active",
+        "version",
+    )
+
+    def __init__(self) -> None:
+        self.areas: tuple[Area, ...] = ()
+        self.is_active = False
+        self.version = 0
+        self._uploaded: tuple[FenceArea, ...] = ()
+        self._laid: tuple[FenceArea, ...] | None = None
+        self._frame: LocalFrame | None = None
+        self._home: LatLon | None = None
+        self._setting: FenceSetting | None = None
+        self._anchor_n = self._anchor_e = math.nan
+        self._anchor_m = math.nan  # the margin there
+
+    @property
+    def uploaded(self) -> tuple[FenceArea, ...]:
+        """As the stations have it."""
+        return self._uploaded
+
+    def take(self, areas: Sequence[FenceArea]) -> None:
+        """Replace the uploaded areas; they count from the next `lay` on."""
+        self._uploaded = tuple(areas)
+
+    def lay(self, frame: LocalFrame | None, home: LatLon | None, setting: FenceSetting) -> None:
+        """Bring the lines up to date. Costs nothing unless something has changed."""
+        if (
+            self._laid is self._uploaded
+            and self._frame is frame
+            and self._setting is setting
+            and (self._home is home or not setting.kinds & CIRCLE_KIND)
+        ):
+            return
+        self._laid, self._frame, self._setting, self._home = self._uploaded, frame, setting, home
+        areas: list[Area] = []
+        if frame is not None and setting.enabled:
+            if setting.kinds & AREAS_KIND:
+                areas += [_laid(area, frame) for area in self._uploaded]
+            if setting.kinds & CIRCLE_KIND and home is not None:
+                areas.append(Disc(frame.to_local(home), setting.radius_m, is_inclusion=True))
+        self.areas = tuple(areas)
+        self.is_active = bool(areas)
+        self.version += 1
+        self._anchor_n = math.nan
+
+    def margin_m(self, point: Point) -> float:
+        """Signed distance to the nearest line, positive in the allowed water; infinite without a fence.
+
+        Outside, it is how far the boat is beyond the line that it is furthest beyond.
+        """
+        margin_m = self._margin_m(point.north_m, point.east_m)
+        self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
+        return margin_m
+
+    def allows(self, point: Point) -> bool:
+        """Whether a place is in the allowed water."""
+        north_m, east_m = point
+        return all(area.contains(north_m, east_m) is area.is_inclusion for area in self.areas)
+
+    def inside(self, point: Point, margin_m: float) -> Point:
+        """The nearest place with so much margin, or with as much as is found; the point itself if it has it.
+
+        From the line that leaves the least, straight into the water, then from the next (the method of
+        successive projection, L. M. Bregman, Soviet Mathematics 6, 1965). What turns up is the nearest place
+        where one line is in the way, and close to it in a corner.
+        """
+        best, most = point, self._margin_m(point.north_m, point.east_m)
+        at = point
+        for _ in range(_PROJECTIONS if self.is_active else 0):
+            if most >= margin_m:
+                break
+            at = _moved_inside(self._tightest(at), at, margin_m + _SLACK_M)
+            if (found := self._margin_m(at.north_m, at.east_m)) > most:
+                best, most = at, found
+        return best
+
+    def _tightest(self, point: Point) -> Area:
+        """The area that leaves the least margin."""
+        tightest, least = self.areas[0], math.inf
+        for area in self.areas:
+            distance_m = area.distance_m(point.north_m, point.east_m)
+            inside = area.contains(point.north_m, point.east_m) is area.is_inclusion
+            if (signed := distance_m if inside else -distance_m) < least:
+                tightest, least = area, signed
+        return tightest
+
+    def margin_within_m(self, north_m: float, east_m: float, limit_m: float) -> float:
+        """As `margin_m`, but lines further off than limit_m are left out: no result is beyond ± that."""
+        return self._margin_m(north_m, east_m, limit_m)
+
+    def _margin_m(self, north_m: float, east_m: float, limit_m: float = math.inf) -> float:
+        beyond, nearest = -1.0, limit_m
+        for area in self.areas:
+            if not area.is_inclusion and not _may_be_within(area, north_m, east_m, nearest):
+                continue
+            if area.contains(north_m, east_m) is not area.is_inclusion:
+                beyond = max(beyond, area.distance_m(north_m, east_m, limit_m))
+            elif beyond < 0.0 and _may_be_within(area, north_m, east_m, nearest):
+                nearest = area.distance_m(north_m, east_m, nearest)
+        return nearest if beyond < 0.0 else -beyond
+
+    def is_outside(self, point: Point) -> bool:
+        """Whether the boat is beyond a line."""
+        if not self.is_active:
+            return False
+        way_m = math.hypot(point.north_m - self._anchor_n, point.east_m - self._anchor_e)
+        if way_m < abs(self._anchor_m):
+            return self._anchor_m < 0.0
+        return not self.allows(point)
+
+    def is_near(self, point: Point, reach_m: float) -> bool:
+        """Whether some line may be nearer than reach_m. Never False wrongly, seldom True wrongly."""
+        if not self.is_active:
+            return False
+        way_m = math.hypot(point.north_m - self._anchor_n, point.east_m - self._anchor_e)
+        if self._anchor_m - way_m >= reach_m:  # never so while the anchor is not a number
+            return False
+        if way_m < _ANCHORED_M:
+            return True
+        margin_m = self._margin_m(point.north_m, point.east_m, 2.0 * reach_m + _ANCHORED_M)
+        self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
+        return margin_m < reach_m
+
+    def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
+        """How far one can go along a course before the line, at most reach_m.
+
+        Outside, there is reach_m of room on a course that leads nearer to the allowed water, else none.
+        """
+        if not self.is_near(point, reach_m):
+            return reach_m
+        ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
+        if self.is_outside(point):
+            ahead_m = self._margin_m(point.north_m + _STEP_M * ahead_n, point.east_m + _STEP_M * ahead_e)
+            return reach_m if ahead_m > self.margin_m(point) else 0.0
+        room_m = reach_m
+        for area in self.areas:
+            if _may_be_within(area, point.north_m, point.east_m, room_m):
+                room_m = area.crossing_m(point, ahead_n, ahead_e, room_m)
+        return room_m
+
+    def is_clear(self, start: Point, end: Point, margin_m: float) -> bool:
+        """Whether the straight way between two points keeps so far from every line, from which side ever."""
+        return not any(area.is_near_way(start, end, margin_m) for area in self.areas)
+
+    def crosses(self, start: Point, end: Point) -> bool:
+        """Whether the straight way between two points of the allowed water leaves it."""
+        north, east = end.north_m - start.north_m, end.east_m - start.east_m
+        length_m = math.hypot(north, east)
+        if length_m == 0.0:
+            return False
+        ahead_n, ahead_e = north / length_m, east / length_m
+        return any(area.crossing_m(start, ahead_n, ahead_e, length_m) < length_m for area in self.areas)
+
+
+def _moved_inside(area: Area, at: Point, margin_m: float) -> Point:
+    """From the nearest point of its line straight into the allowed water."""
+    line = area.nearest(at.north_m, at.east_m)
+    north, east = at.north_m - line.north_m, at.east_m - line.east_m
+    away_m = math.hypot(north, east)
+    if away_m < _ON_LINE_M:  # which way is inside cannot be seen from here
+        bearings = [math.pi * eighth / 4.0 for eighth in range(8)]
+        around = [
+            Point(at.north_m + math.cos(b) * _SLACK_M, at.east_m + math.sin(b) * _SLACK_M) for b in bearings
+        ]
+        insides = [near for near in around if area.contains(near.north_m, near.east_m) is area.is_inclusion]
+        return max(insides, key=lambda near: area.distance_m(near.north_m, near.east_m), default=at)
+    side = margin_m if area.contains(at.north_m, at.east_m) is area.is_inclusion else -margin_m
+    return Point(line.north_m + side * north / away_m, line.east_m + side * east / away_m)
+
+
+def _may_be_within(area: Area, north_m: float, east_m: float, reach_m: float) -> bool:
+    """Whether an area's box is so near that its line may be."""
+    return (
+        area.south_m - reach_m < north_m < area.north_m + reach_m
+        and area.west_m - reach_m < east_m < area.east_m + reach_m
+    )
+
+
+def _laid(area: FenceArea, frame: LocalFrame) -> Area:
+    if isinstance(area, FenceCircle):
+        return Disc(frame.to_local(area.centre), area.radius_m, area.is_inclusion)
+    return Ring([frame.to_local(vertex) for vertex in area.vertices], area.is_inclusion)

@@ -1,0 +1,38 @@
+"""Whether the boat is beyond the fence, and how often it has been."""
+
+from companion.config.boat_config import Motors
+from companion.core.health import lacks_position
+from companion.core.state import NavState
+from companion.geofence.fence import Fence
+
+
+class FenceWatch:
+    """beyond_m: how far outside, 0 inside. breaches: how often since boot, the last one at breached_s.
+
+    A boat that no longer knows where it is stays where it was last seen.
+    """
+
+    __slots__ = ("beyond_m", "breached_s", "breaches", "is_active")
+
+    def __init__(self) -> None:
+        self.is_active = False
+        self.beyond_m = 0.0
+        self.breaches = 0
+        self.breached_s = 0.0
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether it is beyond."""
+        return self.beyond_m > 0.0
+
+    def update(self, fence: Fence, nav: NavState | None, setting: Motors, now_s: float) -> None:
+        """Look once."""
+        self.is_active = fence.is_active
+        if not fence.is_active:
+            self.beyond_m = 0.0
+        elif nav is not None and not lacks_position(nav, setting.estimate_timeout_s):
+            was_outside = self.beyond_m > 0.0
+            self.beyond_m = max(-fence.margin_m(nav.point), 0.0) if fence.is_outside(nav.point) else 0.0
+            if self.beyond_m > 0.0 and not was_outside:
+                self.breaches += 1
+                self.breached_s = now_s

@@ -1,0 +1,85 @@
+"""A straight line under way, and when its end counts as reached."""
+
+from companion.core.geo import Line, Point, distance_m
+from companion.core.intent import FollowLeg
+from companion.core.state import NavState
+from companion.core.units import wrap_pi
+from companion.guidance.fillet import PASSED_RADII, SHARP_RAD
+
+_LEVEL_M = 1e-6  # after a leg straight back the two are equal, but for rounding
+_LEFT_RADII = 1.25  # from the end: a boat that was nearer than one, and is now farther than this, has left it
+
+
+class Leg:
+    """From where it began to `end`.
+
+    next_end: where the leg after it leads, None when the boat is to stop. radius_m: how near is near enough,
+    0 the boat's own waypoint radius. onward: the corners from next_end on, where they lie close together.
+    """
+
+    __slots__ = ("_intent", "_line", "_next_line", "_was_near", "end", "next_end", "onward", "radius_m")
+
+    def __init__(
+        self,
+        start: Point,
+        end: Point,
+        next_end: Point | None = None,
+        radius_m: float = 0.0,
+        onward: tuple[Point, ...] = (),
+    ) -> None:
+        self._line = Line(start, end)
+        self._next_line = None if next_end is None else Line(end, next_end)
+        self._intent: FollowLeg | None = None
+        self._was_near = False
+        self.end = end
+        self.next_end = next_end
+        self.radius_m = radius_m
+        self.onward = onward
+
+    @property
+    def start(self) -> Point:
+        """Where it begins; elsewhere than at first, once the boat has been swept past the end."""
+        return self._line.start
+
+    def turn_onto(self, next_end: Point | None) -> None:
+        """The leg after it has become another one."""
+        self.next_end, self._intent = next_end, None
+        self._next_line = None if next_end is None else Line(self.end, next_end)
+
+    def has_ended(self, nav: NavState, own_radius_m: float) -> bool:
+        """Whether the boat has been within the radius of the end, or has passed it within twice that.
+
+        A corner is sailed to its middle, where the next leg is as near as this one, unless the boat leaves
+        the radius before. A boat that was swept past further off aims at the end again, on a new line from
+        where it is.
+        """
+        radius_m = self.radius_m or own_radius_m
+        along_m, cross_m = self._line.along_and_cross_track_m(nav.point)
+        to_go_m = self._line.length_m - along_m
+        away_m = distance_m(nav.point, self.end)
+        if self._next_line is None:
+            if away_m <= radius_m:
+                return True
+        elif away_m <= PASSED_RADII * radius_m:
+            self._was_near = self._was_near or away_m <= radius_m
+            beyond_m, _ = self._next_line.along_and_cross_track_m(nav.point)
+            turn_rad = abs(wrap_pi(self._next_line.course_rad - self._line.course_rad))
+            inside_m = radius_m if turn_rad > SHARP_RAD else PASSED_RADII * radius_m
+            is_over = to_go_m <= inside_m and beyond_m >= to_go_m - _LEVEL_M
+            return is_over or (self._was_near and away_m > _LEFT_RADII * radius_m)
+        if to_go_m > 0.0:
+            return False
+        if abs(cross_m) <= PASSED_RADII * radius_m:
+            return True
+        self._line, self._intent = Line(nav.point, self.end), None
+        return False
+
+    def intent(self, speed_m_s: float) -> FollowLeg:
+        """Sail it at this speed over ground."""
+        intent = self._intent
+        if intent is None or intent.speed_m_s != speed_m_s:
+            start = self._line.start
+            self._intent = intent = FollowLeg(
+                start, self.end, speed_m_s, self.next_end, self.radius_m, self.onward
+            )
+        return intent

@@ -1,0 +1,124 @@
+"""Port urls, the forms that people know from ground stations, and the ports they stand for.
+
+    udpout:HOST:PORT        send to one station; also its broadcast address
+    udpin:HOST:PORT         wait for stations (also udp:HOST:PORT)
+    tcpin:HOST:PORT         serve stations
+    tcpout:HOST:PORT        connect to a server (also tcp:HOST:PORT)
+    serial:DEVICE:BAUD      a radio or UART (also DEVICE,BAUD or DEVICE:BAUD)
+
+`kind://…` is taken as well, an IPv6 host stands in brackets, and the host of a waiting port may be empty.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from companion.core.errors import ConfigError
+from companion.hal.interfaces import Port
+from companion.links.serial_port import SerialPort
+from companion.links.tcp import TcpInPort, TcpOutPort
+from companion.links.udp import UdpInPort, UdpOutPort
+
+DEFAULT_BAUD = 57600
+_KINDS = {
+    "udpin": "udpin",
+    "udp": "udpin",
+    "udpout": "udpout",
+    "udpbcast": "udpout",
+    "tcpin": "tcpin",
+    "tcpout": "tcpout",
+    "tcp": "tcpout",
+}
+_FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcpin:HOST:PORT, tcpout:HOST:PORT or serial:DEVICE:BAUD"
+
+
+@dataclass(frozen=True, slots=True)
+class PortUrl:
+    """A port url taken apart. `place` is the host or the device, `number` the port or the baud rate."""
+
+    kind: str
+    place: str
+    number: int
+
+
+def parse_port_url(url: str) -> PortUrl:
+    """Take a url apart.
+
+    Raises:
+        ConfigError: names the url and what is expected.
+    """
+    text = url.strip()
+    if text.startswith("/"):
+        return _serial(url, text)
+    kind, colon, rest = text.partition(":")
+    if not colon:
+        raise ConfigError(f"port {url!r}: expected {_FORMS}")
+    kind = kind.lower()
+    rest = rest.removeprefix("//") if kind != "serial" or rest.startswith("///") else rest
+    if kind == "serial":
+        return _serial(url, rest)
+    if kind not in _KINDS:
+        raise ConfigError(f"port {url!r}: unknown kind {kind!r}; expected {_FORMS}")
+    return _internet(url, _KINDS[kind], rest)
+
+
+def open_port(
+    url: str,
+    now: Callable[[], float],
+    queue_bytes: int | None = None,
+    is_call: Callable[[bytes], bool] = bool,
+) -> Port:
+    """Open the port that a url stands for. `now` is the boat's clock, in seconds.
+
+    queue_bytes: how much may wait in a stream for a far side that is slow; None: as its driver sees fit.
+    is_call: whether a datagram of an address not heard before makes a link; any that is not empty, unless
+    given.
+
+    Raises:
+        ConfigError: the url cannot be read.
+        LinkError: the system refuses.
+    """
+    parsed = parse_port_url(url)
+    queue = {} if queue_bytes is None else {"queue_bytes": queue_bytes}
+    if parsed.kind == "serial":
+        if queue_bytes is None:
+            return SerialPort(parsed.place, parsed.number, now)
+        return SerialPort(parsed.place, parsed.number, now, queue_bytes)
+    if parsed.kind == "udpin":
+        return UdpInPort(parsed.place, parsed.number, now, is_call=is_call)
+    if parsed.kind == "udpout":
+        return UdpOutPort(parsed.place, parsed.number)
+    if parsed.kind == "tcpin":
+        return TcpInPort(parsed.place, parsed.number, **queue)
+    return TcpOutPort(parsed.place, parsed.number, now, **queue)
+
+
+def _internet(url: str, kind: str, rest: str) -> PortUrl:
+    host, colon, number = rest.rpartition(":")
+    form = f"{kind}:HOST:PORT"
+    if not colon:
+        raise ConfigError(f"port {url!r}: expected {form}, such as {kind}:127.0.0.1:14550")
+    if host.startswith("[") and host.endswith("]"):
+        host = host[1:-1]
+    elif ":" in host:
+        raise ConfigError(f"port {url!r}: expected {form}; an IPv6 host stands in brackets")
+    if not host and kind.endswith("out"):
+        raise ConfigError(f"port {url!r}: expected {form}; the host is missing")
+    lowest = 1 if kind.endswith("out") else 0
+    if not (_is_number(number) and lowest <= int(number) <= 65535):
+        raise ConfigError(f"port {url!r}: {number!r} is not a port number, {lowest} to 65535")
+    return PortUrl(kind, host or "0.0.0.0", int(number))  # noqa: S104
+
+
+def _serial(url: str, rest: str) -> PortUrl:
+    separator = "," if "," in rest else ":"
+    device, colon, baud = rest.partition(separator)
+    baud = baud if colon else str(DEFAULT_BAUD)
+    if not device:
+        raise ConfigError(f"port {url!r}: expected serial:DEVICE:BAUD, such as serial:/dev/ttyUSB0:57600")
+    if not (_is_number(baud) and int(baud) > 0):
+        raise ConfigError(f"port {url!r}: {baud!r} is not a baud rate, such as {DEFAULT_BAUD}")
+    return PortUrl("serial", device, int(baud))
+
+
+def _is_number(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) <= 9

@@ -1,0 +1,136 @@
+"""MAVLink, or any other bytes, over a serial line: a radio, a USB adapter, the Pi's own UART."""
+
+import contextlib
+import os
+import stat
+import termios
+from collections.abc import Callable
+from typing import NamedTuple
+
+import serial
+
+from companion.core.errors import LinkError
+from companion.hal.interfaces import Link
+from companion.links.backoff import Backoff
+from companion.links.stream import StreamLink
+
+_QUEUE_BYTES = 8192
+_VMIN, _VTIME = 1, 0
+
+# What a device that is pulled out while it is set up may raise; termios.error is no OSError, and pyserial
+# lets it through.
+_REFUSALS = (serial.SerialException, termios.error, ValueError, OSError)
+
+
+class Line(NamedTuple):
+    """How bytes are framed on the wire. With a parity, bytes that arrive with a wrong one are dropped."""
+
+    parity: str = serial.PARITY_NONE
+    stop_bits: int = serial.STOPBITS_ONE
+
+
+LINE_8N1 = Line()
+LINE_8E2 = Line(serial.PARITY_EVEN, serial.STOPBITS_TWO)
+
+
+class SerialPort:
+    """`serial:DEVICE:BAUD`: one link at a time, and a new one when the device is plugged in again.
+
+    pyserial sets the line up; bytes then move through the descriptor itself, which never blocks.
+
+    Raises:
+        LinkError: the device is not there, not ours to open, or in use by another program.
+    """
+
+    def __init__(
+        self,
+        device: str,
+        baud: int,
+        now: Callable[[], float],
+        queue_bytes: int = _QUEUE_BYTES,
+        line: Line = LINE_8N1,
+    ) -> None:
+        self._device = device
+        self._line = line
+        self._baud = baud
+        self._now = now
+        self._queue_bytes = queue_bytes
+        self._name = f"serial:{device}:{baud}"
+        self._backoff = Backoff(longest_s=2.0)
+        self._is_closed = False
+        self._link = self._open()
+        self._fresh: list[Link] = [self._link]
+
+    @property
+    def name(self) -> str:
+        """The url."""
+        return self._name
+
+    def accept(self) -> list[Link]:
+        """The link at first, and a new one after each time the device has come back."""
+        if self._link.is_closed and not self._is_closed:
+            now_s = self._now()
+            if self._backoff.is_due(now_s):
+                self._backoff.failed(now_s)
+                try:
+                    self._link = self._open()
+                except LinkError:
+                    pass
+                else:
+                    self._fresh.append(self._link)
+        fresh, self._fresh = self._fresh, []
+        return fresh
+
+    def fileno(self) -> int:
+        """−1: a device that comes back is looked for by `accept`."""
+        return -1
+
+    def close(self) -> None:
+        """Let the device go. May be called twice."""
+        self._is_closed = True
+        self._link.close()
+
+    def _open(self) -> StreamLink:
+        line: serial.Serial | None = None
+        try:
+            line = serial.Serial(
+                self._device,
+                self._baud,
+                parity=self._line.parity,
+                stopbits=self._line.stop_bits,
+                timeout=0,
+                write_timeout=0,
+                exclusive=True,
+            )
+            descriptor = self._set_up(line)
+        except _REFUSALS as error:
+            if line is not None:
+                with contextlib.suppress(OSError):
+                    line.close()
+            raise LinkError(f"{self._name}: {self._reason(error)}") from None
+        self._backoff.succeeded()
+        return StreamLink(self._name, descriptor, line.close, self._queue_bytes)
+
+    def _set_up(self, line: serial.Serial) -> int:
+        descriptor: int = line.fileno()
+        os.set_blocking(descriptor, False)
+        # With VMIN 1 an idle line says "try again" and only an unplugged one reads as ended.
+        attributes = termios.tcgetattr(descriptor)
+        attributes[6][termios.VMIN], attributes[6][termios.VTIME] = _VMIN, _VTIME
+        if self._line.parity != serial.PARITY_NONE:
+            attributes[0] |= termios.INPCK | termios.IGNPAR
+        termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
+        return descriptor
+
+    def _reason(self, error: Exception) -> str:
+        try:
+            mode = os.stat(self._device).st_mode
+        except OSError:  # it may vanish at any moment
+            return f"there is no device {self._device}; is it plugged in?"
+        if not stat.S_ISCHR(mode):
+            return f"{self._device} is not a serial device"
+        if not os.access(self._device, os.R_OK | os.W_OK):
+            return f"no permission for {self._device}; add the user to the group 'dialout'"
+        if "exclusively lock" in str(error):
+            return f"{self._device} is in use by another program"
+        return f"cannot be opened: {error.args[-1] if error.args else error}"

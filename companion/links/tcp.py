@@ -1,0 +1,186 @@
+"""MAVLink over TCP: a server for many stations, and a client that comes back."""
+
+import select
+import socket
+from collections.abc import Callable
+
+from companion.core.errors import LinkError
+from companion.hal.interfaces import Link
+from companion.links.backoff import Backoff
+from companion.links.internet import resolve, show
+from companion.links.stream import StreamLink
+
+MAX_CLIENTS = 128  # a bound on descriptors; which links stay is decided by `router/admission.py`
+_QUEUE_BYTES = 256 * 1024
+_CONNECT_TIMEOUT_S = 5.0
+_ACCEPTS_PER_CALL = 16
+_BACKLOG = 128  # a station is not turned away by the system because strangers called in the same moment
+
+
+class TcpInPort:
+    """`tcpin:HOST:PORT`: listens, and every client is a link.
+
+    Port 0 lets the system choose; `name` shows the choice. Beyond max_clients at a time, newcomers are
+    turned away.
+
+    Raises:
+        LinkError: the address is in use or not ours.
+    """
+
+    def __init__(
+        self, host: str, port: int, max_clients: int = MAX_CLIENTS, queue_bytes: int = _QUEUE_BYTES
+    ) -> None:
+        address = resolve("tcpin", host, port)
+        self._socket = socket.socket(address.family, socket.SOCK_STREAM)
+        self._socket.setblocking(False)
+        # A boat that restarts takes its port back at once, though old connections linger in TIME_WAIT.
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            self._socket.bind(address.sockaddr)
+            self._socket.listen(_BACKLOG)
+        except OSError as error:
+            self._socket.close()
+            where = show(host, port)
+            raise LinkError(f"tcpin:{where}: cannot listen on {where}: {error.strerror}") from None
+        self._name = f"tcpin:{show(host, self._socket.getsockname()[1])}"
+        self._max_clients = max_clients
+        self._queue_bytes = queue_bytes
+        self._links: list[StreamLink] = []
+
+    @property
+    def name(self) -> str:
+        """The url with the real port."""
+        return self._name
+
+    def accept(self) -> list[Link]:
+        """Links to the clients that have connected since the last call."""
+        fresh: list[Link] = []
+        for _ in range(_ACCEPTS_PER_CALL):
+            try:
+                connection, _ = self._socket.accept()
+            except OSError:  # nobody there, gone again, or out of descriptors
+                break
+            self._links = [link for link in self._links if not link.is_closed]
+            link = _link_over(connection, self._queue_bytes)
+            if link is None or len(self._links) >= self._max_clients:
+                connection.close()
+                continue
+            self._links.append(link)
+            fresh.append(link)
+        return fresh
+
+    def fileno(self) -> int:
+        """The listening socket, −1 once closed."""
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        """Stop listening and close every link. May be called twice."""
+        self._socket.close()
+        for link in self._links:
+            link.close()
+        self._links.clear()
+
+
+class TcpOutPort:
+    """`tcpout:HOST:PORT`: connects, and connects again with growing waits whenever the server is gone.
+
+    Every connection is a new link. `accept` drives the attempts, none of which blocks.
+
+    Raises:
+        LinkError: the host is not known.
+    """
+
+    def __init__(
+        self, host: str, port: int, now: Callable[[], float], queue_bytes: int = _QUEUE_BYTES
+    ) -> None:
+        self._address = resolve("tcpout", host, port)
+        self._name = f"tcpout:{show(host, port)}"
+        self._now = now
+        self._queue_bytes = queue_bytes
+        self._backoff = Backoff()
+        self._dialling: socket.socket | None = None
+        self._give_up_s = 0.0
+        self._link: StreamLink | None = None
+        self._is_closed = False
+
+    @property
+    def name(self) -> str:
+        """The url."""
+        return self._name
+
+    def accept(self) -> list[Link]:
+        """A new link whenever a connection has come about."""
+        now_s = self._now()
+        if self._link is not None:
+            if not self._link.is_closed:
+                return []
+            self._link = None
+            self._backoff.failed(now_s)
+        if self._is_closed:
+            return []
+        if self._dialling is None:
+            if self._backoff.is_due(now_s):
+                self._dial(now_s)
+            if self._dialling is None:
+                return []
+        self._link = self._finish_dialling(self._dialling, now_s)
+        return [] if self._link is None else [self._link]
+
+    def fileno(self) -> int:
+        """−1: a connection under way is looked after by `accept`."""
+        return -1
+
+    def close(self) -> None:
+        """Hang up and dial no more. May be called twice."""
+        self._is_closed = True
+        if self._dialling is not None:
+            self._dialling.close()
+            self._dialling = None
+        if self._link is not None:
+            self._link.close()
+
+    def _dial(self, now_s: float) -> None:
+        connection = socket.socket(self._address.family, socket.SOCK_STREAM)
+        connection.setblocking(False)
+        self._give_up_s = now_s + _CONNECT_TIMEOUT_S
+        self._dialling = connection
+        connection.connect_ex(
+            self._address.sockaddr
+        )  # what it says comes again as SO_ERROR or a lack of peer
+
+    def _finish_dialling(self, connection: socket.socket, now_s: float) -> StreamLink | None:
+        poll = select.poll()
+        poll.register(connection, select.POLLOUT)
+        if not poll.poll(0):
+            if now_s < self._give_up_s:
+                return None
+        elif connection.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) == 0:
+            link = _link_over(connection, self._queue_bytes)
+            if link is not None:
+                self._dialling = None
+                self._backoff.succeeded()
+                return link
+        connection.close()
+        self._dialling = None
+        self._backoff.failed(now_s)
+        return None
+
+
+def _link_over(connection: socket.socket, queue_bytes: int) -> StreamLink | None:
+    """A link over a connected socket; None if its far side has gone already."""
+    try:
+        peer = connection.getpeername()
+        if peer == connection.getsockname():
+            return None  # dialling a free local port can, by chance, meet itself
+        connection.setblocking(False)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        # A station that lost its radio is noticed within about half a minute.
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 10)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 5)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, 4)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, 30_000)
+    except OSError:
+        return None
+    name = f"tcp:{show(peer[0], peer[1])}"
+    return StreamLink(name, connection.fileno(), connection.close, queue_bytes, peer[0])

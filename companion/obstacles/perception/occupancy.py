@@ -1,0 +1,185 @@
+"""What lies in the water around the boat: a local map of evidence that fades.
+
+A sparse occupancy grid (A. Elfes, *Using Occupancy Grids for Mobile Robot Perception and Navigation*, IEEE
+Computer 22(6), 1989), with small whole numbers in place of log odds. An echo says that something stands
+somewhere on the arc across its beam at that range, and adds one look to each cell of the arc; a beam that
+reaches beyond a cell takes looks away from it. One look makes a suspect, a second one, of the same cell or
+of its neighbour, makes it solid: an echo of spray comes only once. Evidence leaks away with time, so that
+what is out of sight is believed the longer the more often it was seen. Free water is not stored, hence open
+water costs nothing.
+"""
+
+import math
+
+from companion.core.geo import Point
+
+SOLID = 1.5  # looks, after what has leaked away
+SUSPECT = 0.5
+_MOST_LOOKS = 4.0
+_DOUBTS = -1.0  # what a cell that was seen through goes on with before it is forgotten
+_THROUGH = 1.0  # looks that an echo from beyond takes away
+_SILENCE = 0.5  # and a beam without an echo: a smooth wall met at an angle sends none back
+_CORE = 0.7  # of the beam: at its edges it is weak
+_SECOND_LOOK_S = 3.0  # what stands there is seen again in the next sweep or two
+MAX_CELLS = 600
+
+
+class Cell:
+    """A square of water. looks: evidence as of seen_s."""
+
+    __slots__ = ("east_m", "looks", "north_m", "seen_s")
+
+    def __init__(self, north_m: float, east_m: float, looks: float, seen_s: float) -> None:
+        self.north_m = north_m
+        self.east_m = east_m
+        self.looks = looks
+        self.seen_s = seen_s
+
+
+class Beam:
+    """One look: where from, which way (from north), how wide, and how far it reached.
+
+    range_m: to the nearest thing, infinite when nothing answered within reach_m.
+    """
+
+    __slots__ = ("bearing_rad", "east_m", "north_m", "range_m", "reach_m", "time_s", "width_rad")
+
+    def __init__(
+        self,
+        time_s: float,
+        at: Point,
+        bearing_rad: float,
+        width_rad: float,
+        range_m: float,
+        reach_m: float,
+    ) -> None:
+        self.time_s = time_s
+        self.north_m, self.east_m = at
+        self.bearing_rad = bearing_rad
+        self.width_rad = width_rad
+        self.range_m = range_m
+        self.reach_m = reach_m
+
+
+class Occupancy:
+    """The cells that something was ever seen in, at most MAX_CELLS; `version` grows when they change."""
+
+    __slots__ = ("_cells", "_fade_s", "cell_m", "version")
+
+    def __init__(self, cell_m: float, memory_s: float) -> None:
+        """memory_s: how long what was seen often is believed out of sight."""
+        self.cell_m = cell_m
+        self.version = 0
+        self._fade_s = memory_s / (_MOST_LOOKS - SOLID)  # in which one look leaks away
+        self._cells: dict[tuple[int, int], Cell] = {}
+
+    def __len__(self) -> int:
+        """How many cells are remembered."""
+        return len(self._cells)
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._cells.clear()
+        self.version += 1
+
+    def add(self, beam: Beam) -> None:
+        """Take a look."""
+        if self._cells:
+            self._look_through(beam)
+        if beam.range_m <= beam.reach_m:
+            self._mark(beam)
+
+    def looks(self, point: Point, now_s: float) -> float | None:
+        """The evidence for something at a place, negative where it was seen through; None: none ever."""
+        cell = self._cells.get(
+            (math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m))
+        )
+        return None if cell is None else self._left(cell, now_s)
+
+    def things(self, now_s: float, least: float = SOLID) -> list[Point]:
+        """The centres of the cells that at least so many looks speak for."""
+        if not self._cells:
+            return []
+        fade_s = self._fade_s
+        return [
+            Point(cell.north_m, cell.east_m)
+            for cell in self._cells.values()
+            if cell.looks - (now_s - cell.seen_s) / fade_s >= least
+        ]
+
+    def is_near(self, at: Point, reach_m: float) -> bool:
+        """Whether anything at all was seen within reach_m to either side of a place."""
+        north_m, east_m = at
+        for cell in self._cells.values():
+            if abs(cell.north_m - north_m) < reach_m and abs(cell.east_m - east_m) < reach_m:
+                return True
+        return False
+
+    def forget(self, at: Point, reach_m: float, now_s: float) -> None:
+        """Drop what has faded, and what lies farther than reach_m from a place."""
+        gone = [
+            key
+            for key, cell in self._cells.items()
+            if abs(cell.north_m - at.north_m) > reach_m
+            or abs(cell.east_m - at.east_m) > reach_m
+            or abs(cell.looks) <= (now_s - cell.seen_s) / self._fade_s
+            or (cell.looks < SOLID and now_s - cell.seen_s > _SECOND_LOOK_S)
+        ]
+        for key in gone:
+            del self._cells[key]
+        self.version += bool(gone)
+
+    def _left(self, cell: Cell, now_s: float) -> float:
+        leaked = (now_s - cell.seen_s) / self._fade_s
+        return max(cell.looks - leaked, 0.0) if cell.looks > 0.0 else min(cell.looks + leaked, 0.0)
+
+    def _look_through(self, beam: Beam) -> None:
+        """What stands well before the echo, in the core of the beam, was seen through."""
+        is_echo = beam.range_m <= beam.reach_m
+        clear_m = (beam.range_m if is_echo else beam.reach_m) - self.cell_m
+        if clear_m <= 0.0:
+            return
+        taken = _THROUGH if is_echo else _SILENCE
+        ahead_n, ahead_e = math.cos(beam.bearing_rad), math.sin(beam.bearing_rad)
+        edge = math.cos(0.5 * _CORE * beam.width_rad)
+        for cell in self._cells.values():
+            north, east = cell.north_m - beam.north_m, cell.east_m - beam.east_m
+            along = north * ahead_n + east * ahead_e
+            if 0.0 < along < clear_m:
+                distance = math.sqrt(north * north + east * east)
+                if distance < clear_m and along > edge * distance:
+                    cell.looks = max(self._left(cell, beam.time_s) - taken, _DOUBTS)
+                    cell.seen_s = beam.time_s
+                    self.version += 1
+
+    def _mark(self, beam: Beam) -> None:
+        """One look more for each cell on the arc."""
+        cells, side = self._cells, self.cell_m
+        width_rad = _CORE * beam.width_rad
+        across = max(1, math.ceil(beam.range_m * width_rad / side))
+        for step in range(across + 1):
+            bearing = beam.bearing_rad + width_rad * (step / across - 0.5)
+            row = math.floor((beam.north_m + beam.range_m * math.cos(bearing)) / side)
+            column = math.floor((beam.east_m + beam.range_m * math.sin(bearing)) / side)
+            cell = cells.get((row, column))
+            if cell is not None and cell.seen_s == beam.time_s and cell.looks > 0.0:
+                continue  # the arc has been here
+            looks = min(self._seen_before(row, column, beam.time_s) + 1.0, _MOST_LOOKS)
+            if cell is None:
+                if len(cells) >= MAX_CELLS:
+                    del cells[next(iter(cells))]
+                centre_n, centre_e = (row + 0.5) * side, (column + 0.5) * side
+                cells[row, column] = Cell(centre_n, centre_e, looks, beam.time_s)
+            else:
+                cell.looks, cell.seen_s = looks, beam.time_s
+        self.version += 1
+
+    def _seen_before(self, row: int, column: int, now_s: float) -> float:
+        """The evidence of earlier looks for a cell or, since ranges and positions are noisy, a neighbour."""
+        best = 0.0
+        for near_row in (row - 1, row, row + 1):
+            for near_column in (column - 1, column, column + 1):
+                cell = self._cells.get((near_row, near_column))
+                if cell is not None and cell.seen_s != now_s:
+                    best = max(best, self._left(cell, now_s))
+        return best

@@ -1,0 +1,168 @@
+"""The look-out: makes of pings, and of where the boat was when it sent them, what lies and what moves around
+it.
+
+Pings that cannot be (not a number, no direction, from another time) are dropped and counted. A ranger of the
+boat's own that talks nonsense is not believed, and what it has said is forgotten.
+"""
+
+import math
+from collections.abc import Sequence
+
+from companion.config.avoidance import Avoidance
+from companion.core.geo import Point
+from companion.core.state import NavState
+from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
+from companion.obstacles.perception.sonar_noise import Babble
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector, is_puzzling
+from companion.obstacles.perception.track import Track
+from companion.obstacles.perception.tracks import Tracks
+from companion.sensors.readings import SonarReading
+
+CELLS_A_MARGIN = 5.0  # the map is as fine as the distance that is kept asks for
+MAX_AGE_S = 1.0  # a later ping tells nothing of now, an earlier one nothing at all
+STALE_POSE_S = 2.0  # a boat that does not know where it is cannot say where an echo came from
+_TIDY_S = 1.0
+_REMEMBERED_REACHES = 3.0
+_MAX_TURNS_RAD = 20.0
+
+
+class Lookout:
+    """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used.
+    sector: where the boat's own ranger is to look.
+    """
+
+    __slots__ = (
+        "_babble",
+        "_setting",
+        "_silence",
+        "_tidy_s",
+        "dropped",
+        "heard_s",
+        "occupancy",
+        "reach_m",
+        "sector",
+        "tracks",
+    )  # fmt: skip
+
+    def __init__(self, setting: Avoidance) -> None:
+        self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
+        self.tracks = Tracks(setting.margin_m)
+        self.dropped = 0
+        self._babble = Babble()
+        self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
+        self.heard_s = -math.inf
+        self.sector: Sector = ALL_ROUND
+        self._silence: SonarReading | None = None  # the ping before, if it was not looked at closer
+        self._setting = setting
+        self._tidy_s = 0.0
+
+    @property
+    def is_babbling(self) -> bool:
+        """Whether the boat's own ranger talks nonsense."""
+        return self._babble.is_babbling
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing at all is known to be there. What moves leaves its echoes on the map as well."""
+        return len(self.occupancy) == 0
+
+    def is_near(self, at: Point) -> bool:
+        """Whether anything is known to be within sight of a place."""
+        return not self.is_empty and self.occupancy.is_near(at, self.reach_m + self._setting.margin_m)
+
+    def take(
+        self,
+        pings: Sequence[tuple[SonarReading, float | None]],
+        nav: NavState | None,
+        setting: Avoidance,
+        now_s: float,
+    ) -> None:
+        """Take the tick's pings, each with the width of its beam in rad; None is the boat's own ranger's."""
+        if setting is not self._setting:
+            self._change(setting)
+        is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > STALE_POSE_S
+        for ping, width_rad in pings:
+            if width_rad is None and self._is_nonsense(ping):
+                self.dropped += 1
+                continue
+            if ping.range_m is None and self.is_empty and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
+                reach_m = min(ping.max_range_m, setting.lookahead_m)  # silence over open water, as mostly
+                if reach_m > 0.0 and not is_lost:
+                    self.reach_m, self.heard_s = reach_m, ping.time_s
+                    self._silence = ping if width_rad is None else None
+                    continue
+            beam = None
+            if nav is not None and not is_lost:
+                if self._silence is not None:
+                    self._add(_beam(self._silence, setting.beam_rad, nav, setting, now_s))
+                    self._silence = None
+                beam = _beam(ping, width_rad or setting.beam_rad, nav, setting, now_s)
+            if beam is None:
+                self.dropped += 1
+                continue
+            self.reach_m, self.heard_s = beam.reach_m, beam.time_s
+            self._add(beam)
+        if nav is not None and setting.is_looking_out:
+            is_open = self.is_empty or not self.occupancy.things(now_s)
+            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, is_open=is_open)
+        if nav is not None and now_s >= self._tidy_s and not self.is_empty:
+            self._tidy_s = now_s + _TIDY_S
+            self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
+
+    def solid(self, now_s: float) -> list[Point]:
+        """What surely lies there, as cells' centres. What moves is there as well, as it was seen."""
+        return self.occupancy.things(now_s)
+
+    def suspects(self, now_s: float) -> list[Point]:
+        """The same with what was seen only once."""
+        return self.occupancy.things(now_s, SUSPECT)
+
+    def movers(self, now_s: float) -> list[Track]:
+        """What is known to move."""
+        return self.tracks.movers(now_s)
+
+    def is_puzzled(self, now_s: float) -> bool:
+        """Whether it looks closer at something that may turn out to move."""
+        return any(is_puzzling(track, now_s) for track in self.tracks.all)
+
+    def _add(self, beam: Beam | None) -> None:
+        if beam is not None:
+            self.occupancy.add(beam)
+            self.tracks.add(beam, self.occupancy)
+
+    def _is_nonsense(self, ping: SonarReading) -> bool:
+        was_babbling = self._babble.is_babbling
+        self._babble.update(ping.range_m, ping.max_range_m)
+        if self._babble.is_babbling and not was_babbling:
+            self._forget()
+        return self._babble.is_babbling
+
+    def _change(self, setting: Avoidance) -> None:
+        is_other = (setting.margin_m, setting.memory_s) != (self._setting.margin_m, self._setting.memory_s)
+        self._setting = setting
+        if is_other:
+            self._forget()
+
+    def _forget(self) -> None:
+        setting = self._setting
+        self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
+        self.tracks = Tracks(setting.margin_m)
+
+
+def _beam(
+    ping: SonarReading, width_rad: float, nav: NavState, setting: Avoidance, now_s: float
+) -> Beam | None:
+    """The ping in the local frame, from where the boat was at its time; None if it cannot be."""
+    age_s = now_s - ping.time_s
+    reach_m = min(ping.max_range_m, setting.lookahead_m)
+    is_sane = -0.1 <= age_s <= MAX_AGE_S and abs(ping.bearing_rad) <= _MAX_TURNS_RAD
+    if not is_sane or not reach_m > 0.0 or not 0.0 < width_rad <= math.tau:
+        return None
+    range_m = math.inf if ping.range_m is None else ping.range_m
+    if not range_m > 0.0:
+        return None
+    at = Point(nav.north_m - nav.north_m_s * age_s, nav.east_m - nav.east_m_s * age_s)
+    heading_rad = nav.heading_rad - nav.yaw_rate_rad_s * age_s
+    return Beam(
+        ping.time_s, at, heading_rad + ping.bearing_rad, width_rad, max(range_m, ping.min_range_m), reach_m
+    )

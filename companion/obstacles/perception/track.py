@@ -1,0 +1,245 @@
+"""One thing in the water, followed from look to look, and whether it moves.
+
+Its place is known well along the beam and badly across it, and so it is filtered: constant velocity with
+white acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and Navigation*,
+2001, section 6.3.2), in north and east together, each look taken in as two scalar measurements along and
+across the beam.
+
+The paper's terms: dR0 (its equation 1) is `Track.distance_m`; a thing is static or dynamic (`is_mover`), and
+a dynamic one approaches or recedes (`closing_m_s`). What is said to move must do so beyond doubt, three
+standard deviations, and must either come towards the boat, alone in free water, or have been seen through
+where it was: the place along a shore that echoes best goes along with the boat, though nothing moves.
+"""
+
+import math
+from collections import deque
+from itertools import pairwise
+
+from companion.core.geo import Point
+from companion.obstacles.perception.occupancy import Occupancy
+
+SURE_SIGMAS = 3.0
+DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is within this of nothing
+LIKELY_SIGMAS = 1.5  # enough to turn aside for a moment, too little to say so
+LEAST_LOOKS = 2
+ALONE_LOOKS, ALONE_SIGMAS = 3, 2.0  # for what has free water on either side
+_SLIDES = 2.0  # of the least pace
+LEAST_GONE = 2  # places
+_LATELY_S = 1.0
+_AT_A_STRETCH_S = 1.5  # the looks that tell a pace; after longer it may be another thing
+_STEADY_LOOKS, _STEADY_SHARE = 4, 0.4
+_YOUNG_S = 2.0  # what has lain there for longer does not set out just now
+FASTEST = 12.0  # of the least pace: what seems faster is one thing taken for another
+_TRAIL = 8
+_ANYWHERE_M2 = 100.0
+_ANY_PACE_M2_S2 = 0.5
+_SEEN_THROUGH = 0.0
+
+
+class Track:
+    """One thing. Position and velocity over ground in the local frame; `number` is its own for good."""
+
+    __slots__ = (
+        "_beam_e",
+        "_beam_n",
+        "_covariance",
+        "_state",
+        "_time_s",
+        "_trail",
+        "alone",
+        "begun_s",
+        "is_cut_off",
+        "is_likely",
+        "is_mover",
+        "looks",
+        "number",
+        "radius_m",
+        "seen_s",
+    )
+
+    def __init__(self, number: int, seen_s: float, at: Point, radius_m: float) -> None:
+        """Begin at rest, with all doubt; the first look is taken in by `correct` as every other."""
+        self.number = number
+        self.begun_s = self.seen_s = self._time_s = seen_s
+        self.radius_m = radius_m
+        self.looks = 1
+        self.alone = 0  # looks that have heard free water on either side of it
+        self.is_cut_off = False  # the last look has not passed over both its edges
+        self.is_mover = False
+        self.is_likely = False  # it moves, or most likely does
+        self._beam_n = self._beam_e = 0.0
+        self._state = [at.north_m, at.east_m, 0.0, 0.0]
+        place, pace = _ANYWHERE_M2, _ANY_PACE_M2_S2
+        self._covariance = [
+            [place, 0.0, 0.0, 0.0],
+            [0.0, place, 0.0, 0.0],
+            [0.0, 0.0, pace, 0.0],
+            [0.0, 0.0, 0.0, pace],
+        ]
+        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=_TRAIL)
+
+    @property
+    def north_m_s(self) -> float:
+        """Velocity over ground."""
+        return self._state[2]
+
+    @property
+    def east_m_s(self) -> float:
+        """Velocity over ground."""
+        return self._state[3]
+
+    @property
+    def speed_m_s(self) -> float:
+        """Speed over ground."""
+        return math.hypot(self._state[2], self._state[3])
+
+    @property
+    def speed_sigma_m_s(self) -> float:
+        """One standard deviation of the speed, along the velocity."""
+        north, east, p = self._state[2], self._state[3], self._covariance
+        speed = math.hypot(north, east)
+        if speed < 1e-6:
+            return math.sqrt(max(p[2][2], p[3][3]))
+        return self.pace_sigma_m_s(north / speed, east / speed)
+
+    def pace_sigma_m_s(self, north: float, east: float) -> float:
+        """One standard deviation of its velocity along a direction."""
+        p = self._covariance
+        variance = north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]
+        return math.sqrt(max(variance, 0.0))
+
+    def sigma_m(self, now_s: float) -> float:
+        """One standard deviation of where it is now, along the worse axis."""
+        p, ahead_s = self._covariance, max(now_s - self._time_s, 0.0)
+        return math.sqrt(
+            max(
+                p[0][0] + ahead_s * (2.0 * p[0][2] + ahead_s * p[2][2]),
+                p[1][1] + ahead_s * (2.0 * p[1][3] + ahead_s * p[3][3]),
+                0.0,
+            )
+        )
+
+    def point(self, now_s: float) -> Point:
+        """Where it is, or will be; what is not known to move is where it was seen."""
+        ahead_s, state = now_s - self._time_s if self.is_likely else 0.0, self._state
+        return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
+
+    def distance_m(self, boat: Point, now_s: float) -> float:
+        """The paper's dR0."""
+        at = self.point(now_s)
+        return math.hypot(at.north_m - boat.north_m, at.east_m - boat.east_m)
+
+    def closing_m_s(self, boat: Point, north_m_s: float, east_m_s: float, now_s: float) -> float:
+        """How fast dR0 shrinks for a boat of this velocity: positive approaches, negative recedes."""
+        at = self.point(now_s)
+        north, east = at.north_m - boat.north_m, at.east_m - boat.east_m
+        distance = max(math.hypot(north, east), 1e-6)
+        return ((north_m_s - self._state[2]) * north + (east_m_s - self._state[3]) * east) / distance
+
+    def was_at(self, place: Point, within_m: float) -> bool:
+        """Whether it was seen so near to a place of late, or is there."""
+        for _, at in self._trail:
+            if abs(at.north_m - place.north_m) < within_m and abs(at.east_m - place.east_m) < within_m:
+                return True
+        return False
+
+    # What Tracks does with it
+
+    def predict(self, now_s: float, accel_m_s2: float) -> None:
+        """Carry the state on."""
+        dt = now_s - self._time_s
+        if dt <= 0.0:
+            return
+        x, p = self._state, self._covariance
+        x[0] += dt * x[2]
+        x[1] += dt * x[3]
+        for j in range(4):
+            p[0][j] += dt * p[2][j]
+            p[1][j] += dt * p[3][j]
+        for i in range(4):
+            p[i][0] += dt * p[i][2]
+            p[i][1] += dt * p[i][3]
+        q = (accel_m_s2 * dt) ** 2
+        for axis in (0, 1):
+            p[axis][axis] += 0.25 * q * dt * dt
+            p[axis][axis + 2] += 0.5 * q * dt
+            p[axis + 2][axis] += 0.5 * q * dt
+            p[axis + 2][axis + 2] += q
+        self._time_s = now_s
+
+    def surprise(self, at: Point, north: float, east: float, sigma_m: float) -> float:
+        """How far off a place is along a direction, in standard deviations of what was to be expected."""
+        p = self._covariance
+        variance = north * north * p[0][0] + 2.0 * north * east * p[0][1] + east * east * p[1][1]
+        off = (at.north_m - self._state[0]) * north + (at.east_m - self._state[1]) * east
+        return abs(off) / math.sqrt(variance + sigma_m * sigma_m)
+
+    def correct(self, at: Point, north: float, east: float, sigma_m: float) -> None:
+        """Take a place in, along one direction."""
+        x, p = self._state, self._covariance
+        cross = [row[0] * north + row[1] * east for row in p]
+        variance = cross[0] * north + cross[1] * east + sigma_m * sigma_m
+        off = (at.north_m - x[0]) * north + (at.east_m - x[1]) * east
+        for i in range(4):
+            gain = cross[i] / variance
+            x[i] += gain * off
+            for j in range(4):
+                p[i][j] -= gain * cross[j]
+
+    def keep(self, radius_m: float, beam_n: float, beam_e: float, *, is_alone: bool = True) -> None:
+        """A look is complete; the beam's direction is from the boat to the thing. is_alone: the beams on
+        either side of it have heard free water.
+        """
+        self.looks += 1
+        self.alone += is_alone
+        self.seen_s = self._time_s
+        self.radius_m = max(radius_m, 0.8 * self.radius_m)
+        self._beam_n, self._beam_e = beam_n, beam_e
+        self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
+
+    def judge(self, occupancy: Occupancy, least_m_s: float, now_s: float, *, is_small: bool = True) -> None:
+        """Decide whether it moves. is_small: its near side is about where its middle is."""
+        speed, sigma = self.speed_m_s, self.speed_sigma_m_s
+        if self.is_mover:
+            self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
+        elif speed < FASTEST * least_m_s and self.alone:
+            self.is_mover = self._must_move(occupancy, speed, least_m_s, now_s, is_small=is_small)
+        is_fast = max(LIKELY_SIGMAS * sigma, _SLIDES * least_m_s) < speed < FASTEST * least_m_s
+        is_alone = is_small and self.alone >= LEAST_LOOKS and now_s - self.begun_s < _YOUNG_S
+        self.is_likely = self.is_mover or (is_alone and is_fast)
+
+    def _must_move(
+        self, occupancy: Occupancy, speed_m_s: float, least_m_s: float, now_s: float, *, is_small: bool
+    ) -> bool:
+        sigma = self.speed_sigma_m_s
+        if self.alone >= LEAST_LOOKS and self._comes_surely(least_m_s):
+            return True
+        if is_small and self.alone >= ALONE_LOOKS and self._goes_steadily(speed_m_s, now_s):
+            return speed_m_s > max(ALONE_SIGMAS * sigma, _SLIDES * least_m_s)
+        is_sure = self.looks > LEAST_LOOKS and speed_m_s > max(SURE_SIGMAS * sigma, least_m_s)
+        return is_sure and self._has_left(occupancy, now_s)
+
+    def _goes_steadily(self, speed_m_s: float, now_s: float) -> bool:
+        """Whether each of the last looks found it farther on its way: a rock taken for another leaps once."""
+        last = list(self._trail)[-_STEADY_LOOKS:]
+        if len(last) < _STEADY_LOOKS or now_s - last[0][0] > _AT_A_STRETCH_S or speed_m_s <= 0.0:
+            return False
+        ahead_n, ahead_e = self._state[2] / speed_m_s, self._state[3] / speed_m_s
+        for (from_s, start), (to_s, end) in pairwise(last):
+            on_m = (end.north_m - start.north_m) * ahead_n + (end.east_m - start.east_m) * ahead_e
+            if on_m < _STEADY_SHARE * speed_m_s * (to_s - from_s):
+                return False
+        return True
+
+    def _comes_surely(self, least_m_s: float) -> bool:
+        """Whether it comes towards the boat over ground."""
+        north, east = self._beam_n, self._beam_e
+        towards = -(self._state[2] * north + self._state[3] * east)
+        return towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)
+
+    def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
+        """Whether it was seen through in most of the places where it has been."""
+        places = [place for time_s, place in self._trail if now_s - time_s >= _LATELY_S]
+        looks = [occupancy.looks(place, now_s) for place in places]
+        gone = sum(1 for left in looks if left is not None and left <= 0.0)
+        return gone >= LEAST_GONE and 2 * gone > len(places)

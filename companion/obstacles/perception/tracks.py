@@ -1,0 +1,186 @@
+"""Things told apart: small groups of echoes, followed from sweep to sweep.
+
+Echoes of neighbouring beams at about one range are one thing. A long one is shore, and is left to the map
+(`occupancy.py`); a small one is looked for among the tracks by its distance in standard deviations, along the
+beam and across it. One that stands alone, with free water heard on either side of it, is told apart from one
+that may be the end of something longer: the end of a shore that is seen slides along with the boat.
+"""
+
+import math
+
+from companion.core.geo import Point
+from companion.obstacles.perception.occupancy import Beam, Occupancy
+from companion.obstacles.perception.track import Track
+
+MAX_TRACKS = 16
+LOST_S = 4.0  # not seen for so long: forgotten. A sweep goes to and fro in 1.4 s
+_GATE_SIGMAS = 3.0
+_CORRELATED = 1.5  # where in the beam the echo comes from is no fresh chance at each look
+_SAME_PASS_S = 0.4  # echoes of neighbouring beams come within this
+_FREE_BESIDE = 1.5  # of the scale: an echo from farther off is not of something that reaches to here
+_SAME_THING = 0.6  # of the scale: nearer in range to its neighbour is the same thing
+_LONGEST = 2.0  # of the scale: what is longer is shore
+_AGAIN_S = 0.4  # what may move is heard again within this, for it is looked at
+_RANGE_SIGMA = 0.05  # of the scale, per look: the boat's own position is no better known
+_ACCEL = 0.25  # of the scale, m/s²: what moves about on a water changes its ways slowly
+_SMALL = 0.75  # of the scale, its radius: the near side of something larger slides along as a boat goes past
+_LEAST_PACE = 0.12  # of the scale, m/s: slower is a thing that swings at its anchor
+_MAX_GROUP = 32
+
+
+class Tracks:
+    """What is followed. scale_m: the distance that the boat keeps, which says what is small and what is
+    slow.
+    """
+
+    __slots__ = ("_before", "_group", "_has_turned_back", "_last", "_next_number", "_scale_m", "all")
+
+    def __init__(self, scale_m: float) -> None:
+        self.all: list[Track] = []
+        self._scale_m = scale_m
+        self._group: list[Beam] = []  # echoes of the thing that the sweep is passing over
+        self._before: Beam | None = None  # the beam beside its first one
+        self._last: Beam | None = None
+        self._has_turned_back = False  # the group before it was cut off by that
+        self._next_number = 1
+
+    def add(self, beam: Beam, occupancy: Occupancy) -> None:
+        """Take a look, in the order of time."""
+        group = self._group
+        self._has_turned_back = False
+        if group and not (_is_echo(beam) and self._is_of_group(beam)):
+            self._end_group(beam, occupancy)
+        if _is_echo(beam):
+            if not self._group:
+                self._before = None if self._has_turned_back else self._last
+            self._group.append(beam)
+        self._last = beam
+
+    def known(self, now_s: float) -> list[Track]:
+        """What was seen of late, and more than once."""
+        if not self.all:
+            return []
+        if any(now_s - track.seen_s > LOST_S for track in self.all):
+            self.all = [track for track in self.all if now_s - track.seen_s <= LOST_S]
+        return [track for track in self.all if track.looks > 1]
+
+    def movers(self, now_s: float) -> list[Track]:
+        """What is known to move."""
+        return [track for track in self.known(now_s) if track.is_mover] if self.all else []
+
+    def likely(self, now_s: float) -> list[Track]:
+        """What moves, or most likely does: what only seems to and is not heard again was a ghost."""
+        return [
+            track
+            for track in self.known(now_s)
+            if track.is_mover or (track.is_likely and now_s - track.seen_s < _AGAIN_S)
+        ]
+
+    def _is_of_group(self, beam: Beam) -> bool:
+        """Whether an echo is of the thing that the sweep passes over: the next beam the same way, ranges
+        alike.
+        """
+        group = self._group
+        last = group[-1]
+        if len(group) >= _MAX_GROUP or not _is_beside(last, beam):
+            return False
+        if len(group) > 1 and _turned_rad(group[-2], last) * _turned_rad(last, beam) < 0.0:
+            return False
+        return abs(beam.range_m - last.range_m) < _SAME_THING * self._scale_m
+
+    def _is_free(self, edge: Beam, beside: Beam | None) -> bool:
+        """Whether the beam beside a thing's edge has heard that the water there is free."""
+        if beside is None or not _is_beside(edge, beside):
+            return False
+        if not _is_echo(beside):
+            return True
+        turned = _turned_rad(edge, beside)
+        a, b = edge.range_m, beside.range_m
+        apart_m = math.sqrt(max(a * a + b * b - 2.0 * a * b * math.cos(turned), 0.0))
+        return b > a and apart_m > _FREE_BESIDE * self._scale_m
+
+    def _end_group(self, after: Beam, occupancy: Occupancy) -> None:
+        """The sweep has passed over a thing, or has turned back."""
+        group, self._group = self._group, []
+        first, last = group[0], group[-1]
+        self._has_turned_back = (
+            len(group) > 1 and _turned_rad(group[-2], last) * _turned_rad(last, after) < 0.0
+        )
+        before = self._before
+        is_whole = not self._has_turned_back and before is not None and _is_beside(before, first)
+        is_alone = is_whole and self._is_free(last, after) and self._is_free(first, before)
+        turned = abs(_turned_rad(first, last))
+        range_m, along_m = min(beam.range_m for beam in group), _RANGE_SIGMA * self._scale_m
+        extent_m = range_m * max(turned, 0.5 * first.width_rad)
+        if turned * range_m > _LONGEST * self._scale_m:
+            return
+        nearest = min(group, key=_range_m)
+        bearing = first.bearing_rad + 0.5 * _turned_rad(first, last)  # it may be wider than one beam
+        ahead_n, ahead_e = math.cos(bearing), math.sin(bearing)
+        at = Point(nearest.north_m + range_m * ahead_n, nearest.east_m + range_m * ahead_e)
+        across_m = max(_CORRELATED * range_m * first.width_rad / math.sqrt(12.0), along_m)
+        track = self._find(at, nearest.time_s, (ahead_n, ahead_e), along_m, across_m)
+        radius_m = min(max(0.5 * extent_m, 0.3 * self._scale_m), self._scale_m)
+        is_new = track is None
+        if track is None:
+            track = self._begin(nearest.time_s, at, radius_m)
+        track.correct(at, ahead_n, ahead_e, along_m)
+        if is_new or is_whole:  # of what is cut off, nobody knows where the middle is
+            track.correct(at, -ahead_e, ahead_n, across_m)
+        track.is_cut_off = not is_whole
+        if is_new:
+            track.alone = int(is_alone)
+            return
+        track.keep(radius_m, ahead_n, ahead_e, is_alone=is_alone)
+        is_small = track.radius_m < _SMALL * self._scale_m
+        track.judge(occupancy, _LEAST_PACE * self._scale_m, nearest.time_s, is_small=is_small)
+
+    def _find(
+        self, at: Point, time_s: float, ahead: tuple[float, float], along_m: float, across_m: float
+    ) -> Track | None:
+        """The track that this is most likely of, carried on to now; None if there is none within the gate."""
+        north, east = ahead
+        found, least = None, _GATE_SIGMAS
+        for track in self.all:
+            track.predict(time_s, _ACCEL * self._scale_m)
+            size_m = 0.5 * track.radius_m
+            surprise = math.hypot(
+                track.surprise(at, north, east, math.hypot(along_m, size_m)),
+                track.surprise(at, -east, north, math.hypot(across_m, size_m)),
+            )
+            if surprise < least:
+                found, least = track, surprise
+        return found
+
+    def _begin(self, time_s: float, at: Point, radius_m: float) -> Track:
+        if len(self.all) >= MAX_TRACKS:
+            self.all.remove(min(self.all, key=_last_look_s))
+        track = Track(self._next_number, time_s, at, radius_m)
+        self.all.append(track)
+        self._next_number += 1
+        return track
+
+
+def _is_echo(beam: Beam) -> bool:
+    return beam.range_m <= beam.reach_m
+
+
+def _range_m(beam: Beam) -> float:
+    return beam.range_m
+
+
+def _turned_rad(first: Beam, then: Beam) -> float:
+    return math.remainder(then.bearing_rad - first.bearing_rad, math.tau)
+
+
+def _is_beside(first: Beam, then: Beam) -> bool:
+    """Whether two beams lie side by side, one soon after the other."""
+    turned = abs(_turned_rad(first, then))
+    return (
+        0.1 * then.width_rad < turned < 1.5 * then.width_rad
+        and abs(then.time_s - first.time_s) < _SAME_PASS_S
+    )
+
+
+def _last_look_s(track: Track) -> float:
+    return track.seen_s

@@ -1,0 +1,291 @@
+"""Avoidance: keeps the boat clear of what its look-out has seen, by changing what it is to sail.
+
+It stands between the vehicle, whose intent it takes, and the pilot, to whom it hands on that intent or
+another one: a course round something, or a station to wait at. Speed is held to what the boat can stop from
+before the thing. Decisions are made a few times a second, about as often as the ranger pings; a tick in open
+water costs two comparisons.
+"""
+
+import math
+from enum import IntEnum
+
+from companion.config.boat_config import BoatConfig
+from companion.core.intent import (
+    FollowLeg,
+    HoldCourse,
+    HoldHeading,
+    HoldTurn,
+    Intent,
+    KeepStation,
+    Stop,
+)
+from companion.core.state import NavState
+from companion.core.status_text import Notice, Severity
+from companion.core.units import wrap_pi
+from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.planning.breadcrumbs import Wake
+from companion.obstacles.planning.clearance import Bounds
+from companion.obstacles.planning.detour import STARBOARD, Detour
+from companion.obstacles.planning.detour_history import Tries
+from companion.obstacles.planning.passing import Passing, choose_passing
+from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop
+from companion.obstacles.planning.scene import HULL, Scene
+
+PERIOD_S = 0.09  # between decisions, at least
+_FREE = 1.1  # times the margin must be free on the way for a detour to end
+_MEMORIES = 3.0  # of the sight: how far ahead a detour's end is looked for
+_LEAVES = 1.0  # sights must be free for that
+_BACKS_S = 4.0  # longest time astern
+_PUZZLES = 1.0  # margins of room: no side is chosen before it is known whether the thing moves
+_CRASH_STOP = 0.4  # of the slowest speed with steerage way: faster than that the boat stops with all it has
+_ASIDE_M_S2 = 0.5  # a detour is turned onto within the margin by this much lateral acceleration
+_HALTS = 0.25  # margins from the distance to keep, the boat has stopped
+
+
+class Stage(IntEnum):
+    """What avoidance is doing."""
+
+    CLEAR = 0
+    ROUND = 1  # sails round something
+    BACK = 2  # goes astern from it
+    BLOCKED = 3  # keeps station: there is no way round, or it is not to look for one
+    PASSING = 4  # turns aside from something that moves, or lets it pass
+
+
+class Avoidance:
+    """stage says what it does, safe_speed how fast the boat may go; what is to be said goes to `notices`."""
+
+    __slots__ = (
+        "_back_s",
+        "_detour",
+        "_due_s",
+        "_given",
+        "_has_told",
+        "_instead",
+        "_notices",
+        "_passing",
+        "_retry_s",
+        "_station",
+        "_tries",
+        "_wake",
+        "safe_speed",
+        "stage",
+    )
+
+    def __init__(self, notices: list[Notice]) -> None:
+        self.stage = Stage.CLEAR
+        self.safe_speed = SafeSpeed()
+        self._notices = notices
+        self._detour: Detour | None = None
+        self._tries = Tries()
+        self._wake = Wake()
+        self._given: Intent | None = None
+        self._instead: Intent | None = None
+        self._due_s = 0.0
+        self._passing: Passing | None = None
+        self._has_told = False
+        self._back_s = 0.0
+        self._retry_s = 0.0
+        self._station: KeepStation | None = None  # while it is blocked
+
+    def reset(self) -> None:
+        """Forget what it was doing."""
+        self.stage = Stage.CLEAR
+        self.safe_speed.forget()
+        self._detour = self._given = self._instead = self._passing = None
+        self._tries.forget()
+
+    def update(
+        self,
+        intent: Intent,
+        nav: NavState | None,
+        config: BoatConfig,
+        lookout: Lookout,
+        bounds: Bounds,
+        *,
+        is_by_hand: bool,
+        now_s: float,
+    ) -> Intent:
+        """What to sail instead of an intent; most of the time the intent itself."""
+        setting = config.avoidance
+        if lookout.is_empty and self.stage is Stage.CLEAR and not self._is_wary(setting.by_sight, nav):
+            self.safe_speed.free()
+            return intent
+        is_off = not setting.is_looking_out or (is_by_hand and not setting.by_hand)
+        if nav is None or is_off or isinstance(intent, Stop):
+            if self._given is not None:
+                self.reset()
+            return intent
+        is_far = self.stage is Stage.CLEAR and not lookout.is_near(nav.point)
+        if is_far and not self._is_wary(setting.by_sight, nav):
+            self.safe_speed.free()
+            return intent
+        if now_s >= self._due_s or type(intent) is not type(self._given):
+            self._due_s = now_s + PERIOD_S
+            if not _is_same_goal(intent, self._given):
+                self._tries.forget()
+                self._detour, self.stage = None, Stage.CLEAR
+            self._given = intent
+            scene = Scene(intent, nav, config, lookout, bounds, now_s)
+            self.safe_speed.look(scene, lookout)
+            self._instead = None if is_by_hand else self._let_pass(scene, lookout, self._decide(scene))
+        return intent if self._instead is None else self._instead
+
+    # How
+
+    def _is_wary(self, by_sight: int, nav: NavState | None) -> bool:
+        return by_sight > 0 and nav is not None and self.safe_speed.goes_by_sight(by_sight, nav.point)
+
+    def _decide(self, scene: Scene) -> Intent | None:
+        """What to sail instead of an intent, None for nothing else."""
+        self._wake.keep(scene.here, scene.margin_m)
+        if self.stage is Stage.BLOCKED:
+            return self._wait(scene)
+        if self._detour is not None:
+            return self._go_on(scene, self._detour)
+        guidance = scene.config.guidance
+        slow_m = scene.way_m(scene.things)
+        if slow_m < math.inf:
+            allowed = scene.stopping_m_s(slow_m)
+            self.safe_speed.lower(max(allowed, guidance.min_speed_m_s))
+        free_m = scene.way_m(scene.solid)
+        if free_m == math.inf:
+            is_shut_in = scene.motion_m() < math.inf
+            return scene.stop() if is_shut_in and scene.must_stop_to_turn(scene.wanted(None)[0]) else None
+        if not scene.config.avoidance.goes_round or isinstance(scene.intent, HoldTurn):
+            return self._halt(scene, free_m)
+        if scene.is_puzzling and free_m > _PUZZLES * scene.margin_m:
+            self.safe_speed.lower(guidance.min_speed_m_s)
+            return None
+        return self._begin(scene)
+
+    def _let_pass(self, scene: Scene, lookout: Lookout, instead: Intent | None) -> Intent | None:
+        """Of what lies still the boat keeps clear already; now what moves."""
+        if scene.movers:
+            course, speed = scene.wanted(instead)
+            if self._is_wary(scene.config.avoidance.by_sight, scene.nav):
+                speed = min(speed, scene.sighted_m_s(lookout))
+            self._passing = choose_passing(scene, course, speed, self._passing)
+        else:
+            self._passing = None
+        if self._passing is None:
+            if self.stage is Stage.PASSING:
+                self.stage = Stage.CLEAR
+            return instead
+        if self.stage is Stage.CLEAR:
+            self.stage = Stage.PASSING
+            self._has_told = False
+        if any(mover.is_mover for mover in scene.movers):  # what only may move may be a ghost
+            self.safe_speed.meet(scene.here)
+            if not self._has_told:
+                self._has_told = True
+                self._tell(Severity.INFO, "Obstacle moves: letting it pass")
+        turn, speed = self._passing
+        if speed > 0.0:
+            self.safe_speed.allow(speed)
+            return HoldCourse(wrap_pi(course + turn), speed)
+        if scene.nav.surge_m_s > _CRASH_STOP * scene.config.guidance.min_speed_m_s:
+            return crash_stop(scene.nav, scene.config)
+        return HoldHeading(scene.nav.heading_rad, speed) if speed < 0.0 else scene.stop()
+
+    def _begin(self, scene: Scene) -> Intent | None:
+        """The way is shut: choose a side to pass on."""
+        told = self._tries.last_side
+        detour = self._tries.begin(scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m)
+        if detour is None:
+            return self._give_up(scene)
+        if detour.side != told:
+            self._tell(Severity.INFO, f"Obstacle: going round to {_name(detour.side)}")
+        self._detour, self.stage = detour, Stage.ROUND
+        return self._sail_round(scene, detour)
+
+    def _go_on(self, scene: Scene, detour: Detour) -> Intent | None:
+        """Under way round something."""
+        here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
+        detour.advance(here, margin_m)
+        if scene.solid and detour.length_m > margin_m:  # of a ghost nothing is left by then
+            self.safe_speed.meet(here)
+        free_m = scene.way_m(scene.things, _FREE, _MEMORIES)
+        if free_m > _LEAVES * scene.sight_m and detour.has_gained(here, free_m, margin_m):
+            if scene.must_stop_to_turn(scene.wanted(None)[0]):
+                return scene.stop()
+            self._tries.roamed_m += detour.length_m
+            self.stage, self._detour = Stage.CLEAR, None
+            return None
+        if self._tries.roamed_m + detour.length_m > setting.detour_m or detour.is_round(here, 2.0 * margin_m):
+            return self._give_up(scene)
+        if not detour.steer(here, scene.things, scene.water, scene.sight_m):
+            if self._tries.has_taken(-detour.side):
+                return self._give_up(scene)
+            detour.turn_back()
+            self._tries.take(here, detour.side, detour.goal)
+            if not detour.steer(here, scene.things, scene.water, scene.sight_m):
+                return self._give_up(scene)
+            self._tell(Severity.INFO, f"Obstacle: turns to {_name(detour.side)}")
+        return self._sail_round(scene, detour)
+
+    def _sail_round(self, scene: Scene, detour: Detour) -> Intent:
+        """The detour's course; astern where something is right ahead; stopped before a sharp turn."""
+        nav, guidance = scene.nav, scene.config.guidance
+        ahead_m = scene.nearest_m(nav.heading_rad)
+        is_backing = self.stage is Stage.BACK and ahead_m < scene.margin_m and scene.now_s < self._back_s
+        if not is_backing and self.stage is Stage.ROUND and ahead_m < HULL * scene.margin_m:
+            self._back_s, is_backing = scene.now_s + _BACKS_S, True
+        if is_backing and self.safe_speed.astern_m_s > 0.0:
+            self.stage = Stage.BACK
+            return HoldHeading(nav.heading_rad, -guidance.min_speed_m_s)
+        self.stage = Stage.ROUND
+        if (away_rad := scene.away_rad()) is not None:
+            return HoldCourse(away_rad, guidance.min_speed_m_s)
+        speed = min(scene.asked_m_s(), math.sqrt(2.0 * _ASIDE_M_S2 * scene.margin_m))
+        if scene.must_stop_to_turn(scene.heading_for_rad(detour.course_rad, speed)):
+            return scene.stop()
+        return HoldCourse(detour.course_rad, speed)
+
+    def _wait(self, scene: Scene) -> Intent | None:
+        """No way round was found: until the way is open, or it is time for the next try."""
+        is_open = scene.way_m(scene.things, _FREE, _MEMORIES) == math.inf
+        if not is_open and scene.now_s < self._retry_s:
+            least_m_s = scene.config.guidance.min_speed_m_s
+            self.safe_speed.lower(least_m_s)
+            is_going_for_it = scene.speed_m_s > least_m_s and scene.motion_m() < math.inf
+            return scene.stop() if is_going_for_it else self._station
+        self._tell(Severity.INFO, "Obstacle: the way is open" if is_open else "Obstacle: tries again")
+        self._tries.forget()
+        self.stage, self._detour = Stage.CLEAR, None
+        return None
+
+    def _give_up(self, scene: Scene) -> Intent | None:
+        """No way round: keep station where there was room, tell, and try again later."""
+        self.stage, self._detour = Stage.BLOCKED, None
+        self._retry_s = scene.now_s + scene.config.avoidance.retry_s
+        self._tell(Severity.NOTICE, "Obstacle: no way round, keeping station")
+        self._station = KeepStation(self._wake.roomy(scene.here, scene.things, scene.margin_m))
+        return self._wait(scene)
+
+    def _halt(self, scene: Scene, free_m: float) -> Intent | None:
+        """Not to go round: brake, and keep station before it until the way is open."""
+        self.safe_speed.meet(scene.here)
+        self.safe_speed.lower(scene.stopping_m_s(free_m))
+        if free_m > _HALTS * scene.margin_m:
+            return None
+        self.stage, self._retry_s = Stage.BLOCKED, math.inf
+        self._tell(Severity.NOTICE, "Obstacle ahead: keeping station before it")
+        self._station = KeepStation(scene.here)
+        return self._station
+
+    def _tell(self, severity: int, text: str) -> None:
+        self._notices.append(Notice(severity, text))
+
+
+def _name(side: int) -> str:
+    return "starboard" if side == STARBOARD else "port"
+
+
+def _is_same_goal(intent: Intent, last: Intent | None) -> bool:
+    """Whether what was learned on the way still holds."""
+    if isinstance(intent, FollowLeg) and isinstance(last, FollowLeg):
+        return intent.end == last.end
+    if isinstance(intent, KeepStation) and isinstance(last, KeepStation):
+        return intent.point == last.point
+    return type(intent) is type(last)

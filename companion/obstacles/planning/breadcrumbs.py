@@ -1,0 +1,30 @@
+"""Where the boat has come along, so that it knows a place with room to wait at."""
+
+from collections import deque
+from collections.abc import Sequence
+
+from companion.core.geo import Point, distance_m
+
+_POINTS = 24
+_STEP = 0.5  # of the margin
+
+
+class Wake:
+    """The last places, half a margin apart."""
+
+    __slots__ = ("_places",)
+
+    def __init__(self) -> None:
+        self._places: deque[Point] = deque(maxlen=_POINTS)
+
+    def keep(self, here: Point, margin_m: float) -> None:
+        """The boat has come here."""
+        if not self._places or distance_m(self._places[-1], here) > _STEP * margin_m:
+            self._places.append(here)
+
+    def roomy(self, here: Point, things: Sequence[Point], margin_m: float) -> Point:
+        """The last place that has the margin around it; here if there is none."""
+        for place in reversed(self._places):
+            if all(distance_m(place, thing) > margin_m for thing in things):
+                return place
+        return here

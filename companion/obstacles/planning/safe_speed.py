@@ -1,0 +1,97 @@
+"""How fast the boat may go among what it sees, whatever it sails: it can stop before what it is going for.
+
+By sight it also keeps to what it can stop from in the water that it has looked at: always, or for a while
+after something was in its way that was on no map, for where one thing is others are.
+"""
+
+import math
+from typing import Final
+
+from msgspec.structs import replace
+
+from companion.config.boat_config import BoatConfig
+from companion.control.speed import feed_forward
+from companion.core.geo import Point, distance_m
+from companion.core.intent import Drive, Stop
+from companion.core.state import Demand, NavState
+from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.planning.scene import Scene
+
+ALWAYS, AFTER_MEETING = 1, 2  # AVOID_SIGHT
+_SURPRISE: Final = 0.9  # of the slowest speed with steerage way: so much too fast is an emergency
+_STEADIES, _LEAST_STEERING = 0.5, 0.2
+WARY_M: Final = 40.0  # from where something was met
+
+
+def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
+    """Both propellers astern with all they have, the bow held where it points."""
+    steering = min(max(-_STEADIES * nav.yaw_rate_rad_s, -_LEAST_STEERING), _LEAST_STEERING)
+    return Drive(-config.speed.max_throttle, steering)
+
+
+class SafeSpeed:
+    """ahead_m_s and astern_m_s: the limits, infinite for none."""
+
+    __slots__ = ("_met", "_solid_m_s", "ahead_m_s", "astern_m_s")
+
+    def __init__(self) -> None:
+        self.ahead_m_s = self.astern_m_s = math.inf
+        self._met: Point | None = None
+        self._solid_m_s = math.inf  # from which the boat stops before what surely is there
+
+    def free(self) -> None:
+        """Nothing is near: no limit."""
+        self.ahead_m_s = self.astern_m_s = self._solid_m_s = math.inf
+
+    def forget(self) -> None:
+        """Nothing was ever met."""
+        self.free()
+        self._met = None
+
+    def meet(self, here: Point) -> None:
+        """Something is in the way that was on no map."""
+        self._met = here
+
+    def goes_by_sight(self, by_sight: int, here: Point) -> bool:
+        """Whether to keep to what is seen."""
+        if by_sight == AFTER_MEETING and self._met is not None:
+            return distance_m(here, self._met) < WARY_M
+        return by_sight == ALWAYS
+
+    def lower(self, limit_m_s: float) -> None:
+        """No faster ahead than that either."""
+        self.ahead_m_s = min(self.ahead_m_s, limit_m_s)
+
+    def allow(self, speed_m_s: float) -> None:
+        """As fast ahead as that: what moves comes nearer while the boat is slow."""
+        self.ahead_m_s = max(self.ahead_m_s, speed_m_s)
+
+    def look(self, scene: Scene, lookout: Lookout) -> None:
+        """Set the limits anew."""
+        heading = scene.nav.heading_rad
+        is_by_sight = self.goes_by_sight(scene.config.avoidance.by_sight, scene.here)
+        room_m = min(scene.motion_m(), scene.room_m(heading))
+        self._solid_m_s = scene.stopping_m_s(room_m) if room_m < math.inf else math.inf
+        self.ahead_m_s = min(scene.sighted_m_s(lookout) if is_by_sight else math.inf, self._solid_m_s)
+        astern_m = scene.room_m(heading + math.pi)
+        self.astern_m_s = math.inf if astern_m == math.inf else scene.stopping_m_s(astern_m)
+
+    def limited(
+        self, steered: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig
+    ) -> Demand | Drive | Stop:
+        """The same, no faster than the boat may go."""
+        limit = self.ahead_m_s
+        if limit == math.inf and self.astern_m_s == math.inf:
+            return steered
+        if isinstance(steered, Demand):
+            if (
+                nav is not None
+                and nav.surge_m_s > self._solid_m_s + _SURPRISE * config.guidance.min_speed_m_s
+            ):
+                return crash_stop(nav, config)
+            speed = max(min(steered.speed_m_s, limit), -self.astern_m_s)
+            return steered if speed == steered.speed_m_s else replace(steered, speed_m_s=speed)
+        if isinstance(steered, Drive) and nav is not None and steered.throttle > 0.0 and limit < math.inf:
+            most = feed_forward(limit, config.speed) + config.speed.kp * (limit - nav.surge_m_s)
+            return Drive(max(min(steered.throttle, most), -1.0), steered.steering)
+        return steered

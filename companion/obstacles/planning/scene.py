@@ -1,0 +1,206 @@
+"""What avoidance decides on: the boat, what it is to sail, and what lies around, at one moment."""
+
+import math
+from collections.abc import Sequence
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point, bearing_rad, distance_m
+from companion.core.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, Intent, KeepStation
+from companion.core.state import NavState
+from companion.core.units import wrap_pi
+from companion.guidance.speed_profile import braking_speed_m_s
+from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.track import Track
+from companion.obstacles.planning.clearance import Bounds, ClearWater, clear_m
+from companion.obstacles.planning.way_ahead import way_ahead
+
+WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new beginning
+HULL = 0.6  # of the margin: nearer than this ahead the boat stops
+_DRIFT_S = 0.8  # a boat that turns is carried along by the water for so long before it holds against it
+_STILL_SHARE = 0.4  # of the slowest speed with steerage way: a set as small as that is none
+_FAR_M = 1000.0  # where a course leads to
+_LOOK_S = 0.8  # until the sweep comes by again
+_TURNS_S = 2.0  # what a sharp turn takes
+_HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
+_SPREAD = 0.6  # of the margin: so far from a mover its echoes lie on the map
+_IN_VIEW_S = 1.0  # unseen for longer, a mover's echoes are all that is known of it
+_CONE = 0.7  # cosine of 45°
+_GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
+
+
+class Scene:
+    """solid is what surely lies there, things what may as well; movers what moves, or most likely does;
+    is_puzzling: it will be known in a moment whether something moves. margin_m is the distance to keep, more
+    in water that sets; sight_m how far the boat sees.
+    """
+
+    __slots__ = (
+        "_bounds",
+        "_water",
+        "config",
+        "here",
+        "intent",
+        "is_puzzling",
+        "margin_m",
+        "movers",
+        "nav",
+        "now_s",
+        "sight_m",
+        "solid",
+        "speed_m_s",
+        "things",
+    )
+
+    def __init__(
+        self,
+        intent: Intent,
+        nav: NavState,
+        config: BoatConfig,
+        lookout: Lookout,
+        bounds: Bounds,
+        now_s: float,
+    ) -> None:
+        setting = config.avoidance
+        self.intent = intent
+        self.nav = nav
+        self.here = nav.point
+        self.config = config
+        self.now_s = now_s
+        self.sight_m = lookout.reach_m or setting.lookahead_m
+        self.margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        self.speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
+        self.movers: Sequence[Track] = lookout.tracks.likely(now_s)
+        self.solid = self._still(lookout.solid(now_s))
+        self.things = self._still(lookout.suspects(now_s))
+        self.is_puzzling = lookout.is_puzzled(now_s)
+        self._bounds = bounds
+        self._water: ClearWater | None = None
+
+    def _still(self, things: list[Point]) -> list[Point]:
+        """What lies still: without the echoes that movers have left on the map."""
+        movers = [mover for mover in self.movers if mover.is_mover and self.now_s - mover.seen_s < _IN_VIEW_S]
+        if not movers:
+            return things
+        spread_m = _SPREAD * self.config.avoidance.margin_m
+        return [
+            thing
+            for thing in things
+            if not any(mover.was_at(thing, mover.radius_m + spread_m) for mover in movers)
+        ]
+
+    @property
+    def water(self) -> ClearWater:
+        """The courses open to a detour."""
+        if self._water is None:
+            self._water = ClearWater(self.here, self.things, WIDER * self.margin_m, self.sight_m)
+            self._water.keep_within(self._bounds, self.config.fence.margin_m)
+        return self._water
+
+    def way_m(self, things: Sequence[Point], share: float = 1.0, reaches: float = 1.0) -> float:
+        """How far the way ahead is clear of things by a share of the margin, looking so many sights ahead."""
+        reach_m = reaches * self.sight_m
+        way = way_ahead(self.intent, self.nav, self.config, reach_m)
+        return clear_m(way, things, share * self.margin_m, reach_m)
+
+    def heading_for_rad(self, course_rad: float, speed_m_s: float) -> float:
+        """Where the bow must point for a course and speed over ground, with the set of the water."""
+        nav = self.nav
+        return math.atan2(
+            speed_m_s * math.sin(course_rad) - nav.set_east_m_s,
+            speed_m_s * math.cos(course_rad) - nav.set_north_m_s,
+        )
+
+    def stopping_m_s(self, room_m: float) -> float:
+        """The speed that the boat can lose in some room."""
+        return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, self.config.guidance)
+
+    def must_stop_to_turn(self, heading_rad: float) -> bool:
+        """Whether to take the way off first: turning on the spot leaves no thrust to brake with."""
+        nav, guidance = self.nav, self.config.guidance
+        turn = abs(wrap_pi(heading_rad - nav.heading_rad))
+        return turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s
+
+    def stop(self) -> HoldHeading:
+        """Take the way off. Where the water sets, only a bow that points into the set can hold against it."""
+        nav, set_m_s = self.nav, math.hypot(self.nav.set_north_m_s, self.nav.set_east_m_s)
+        if set_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s:
+            return HoldHeading(nav.heading_rad, 0.0)
+        return HoldHeading(math.atan2(-nav.set_east_m_s, -nav.set_north_m_s), 0.0)
+
+    def away_rad(self) -> float | None:
+        """The course straight away from what is too near; None while nothing is."""
+        nearest = min(self.things, key=self._distance_m, default=None)
+        if nearest is None or self._distance_m(nearest) > HULL * self.margin_m:
+            return None
+        return bearing_rad(nearest, self.here)
+
+    def _distance_m(self, thing: Point) -> float:
+        return distance_m(self.here, thing)
+
+    def motion_m(self) -> float:
+        """How far the boat could go on as it goes now before its hull comes too near; infinite at rest."""
+        nav = self.nav
+        if self.speed_m_s < 0.25 * self.config.guidance.min_speed_m_s:
+            return math.inf
+        return self.room_m(math.atan2(nav.east_m_s, nav.north_m_s))
+
+    def room_m(self, course_rad: float) -> float:
+        """How far the hull has room along a course; infinite for as far as the boat sees."""
+        reach_m = self.sight_m
+        end = Point(
+            self.here.north_m + reach_m * math.cos(course_rad),
+            self.here.east_m + reach_m * math.sin(course_rad),
+        )
+        return clear_m([self.here, end], self.solid, HULL * self.margin_m, reach_m)
+
+    def nearest_m(self, bearing_rad: float) -> float:
+        """Distance to the nearest thing within 45° of a bearing; infinite for none."""
+        nearest, ahead_n, ahead_e = math.inf, math.cos(bearing_rad), math.sin(bearing_rad)
+        for thing in self.things:
+            north, east = thing.north_m - self.here.north_m, thing.east_m - self.here.east_m
+            distance = math.sqrt(north * north + east * east)
+            if distance < nearest and north * ahead_n + east * ahead_e > _CONE * distance:
+                nearest = distance
+        return nearest
+
+    def goal(self) -> Point:
+        """Where the boat wants to get to."""
+        if isinstance(self.intent, FollowLeg):
+            return self.intent.end
+        reach_m = _FAR_M if isinstance(self.intent, HoldCourse | HoldHeading) else self.sight_m
+        return way_ahead(self.intent, self.nav, self.config, reach_m)[-1]
+
+    def wanted(self, instead: Intent | None) -> tuple[float, float]:
+        """Course and speed over ground that the boat would hold now. instead: of the intent, if not None."""
+        intent = self.intent if instead is None else instead
+        if isinstance(intent, HoldCourse):
+            return intent.course_rad, intent.speed_m_s
+        if isinstance(intent, FollowLeg) and intent.line.length_m > 0.0:
+            _, cross_m = intent.line.along_and_cross_track_m(self.here)
+            back_rad = math.atan2(cross_m, self.config.guidance.lookahead_m)
+            return wrap_pi(intent.line.course_rad - back_rad), self.asked_m_s()
+        way = way_ahead(intent, self.nav, self.config, self.sight_m)
+        if len(way) < 2 or (isinstance(intent, KeepStation) and distance_m(way[0], way[1]) < self.margin_m):
+            return self.nav.heading_rad, 0.0
+        return bearing_rad(way[0], way[1]), self.asked_m_s()
+
+    def asked_m_s(self) -> float:
+        """The speed asked for."""
+        if isinstance(self.intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading):
+            return abs(self.intent.speed_m_s)
+        return self.config.speed.cruise_m_s
+
+    def sighted_m_s(self, lookout: Lookout) -> float:
+        """The speed from which the boat stops in the water that it sees.
+
+        v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by
+        what a following water carries the boat on while it turns.
+        """
+        config, nav = self.config, self.nav
+        accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
+        seen_m = lookout.reach_m if self.now_s - lookout.heard_s <= _HEARD_S else 0.0
+        ahead_n, ahead_e = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        along_m_s = nav.set_north_m_s * ahead_n + nav.set_east_m_s * ahead_e
+        room_m = max(seen_m - self.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)
+        delayed = accel * (1.0 + _LOOK_S)
+        return max(math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed, least_m_s)

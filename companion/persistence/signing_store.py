@@ -1,0 +1,164 @@
+"""What signing must remember over a restart: the boat's key, and how far our timestamps have come.
+
+Timestamps are kept ahead of their use: what is on the medium is the first one that has certainly not been
+used, so that a crash at any moment repeats none. The date may be wrong or missing at the next start; the
+count goes on all the same.
+"""
+
+import json
+import logging
+from pathlib import Path
+
+from companion.mavlink.signing import NEVER, TICKS_PER_S, Signatory, Stamps, timestamp_at
+from companion.mavlink.signing_key import SigningKey, parse_key, read_key_file
+from companion.persistence.signing_floors import KeyFloors
+from companion.persistence.storage import Saving, Storage
+
+logger = logging.getLogger(__name__)
+
+KEY_FILE = "signing.key"
+STAMPS_FILE = "signing.json"
+AHEAD = 60 * TICKS_PER_S  # of the time; a restart runs on from there
+_AHEAD_OF_LAST = TICKS_PER_S  # where restarts have taken us ahead of the time, the frames of a while
+
+
+class SigningStore:
+    """The keys of all links, and the timestamps that they share.
+
+    unix_s is the date as far as it is known, 0 where it is not.
+    """
+
+    def __init__(self, storage: Storage, unix_s: float = 0.0) -> None:
+        self._storage = storage
+        self.losses: dict[str, str] = {}  # by file: what of it is lost, and what is in use instead
+        first, seen, self._floors = self._load_stamps()
+        self.stamps = Stamps(first, seen, limit=first)
+        self.stamps.clock = timestamp_at(unix_s)
+        key = self._load_key()
+        self.boat = Signatory(key, self.stamps, self._floors.of(key))
+        self._of_files: dict[str, Signatory] = {}
+        self._saving: Saving | None = None
+        self._reserved = first
+        self._key_saving: Saving | None = None
+        self._is_closed = False
+        self.is_active = self.boat.key is not None  # whether there is any key, and so anything to do
+        self._keep_ahead()
+
+    def signatory(self, key_file: str) -> Signatory:
+        """Who signs with the key in a file; without a file's name, with the boat's own.
+
+        Raises:
+            ConfigError: the file holds no key, or others may read it.
+        """
+        if not key_file:
+            return self.boat
+        if key_file not in self._of_files:
+            key = read_key_file(Path(key_file).expanduser())
+            self._of_files[key_file] = Signatory(key, self.stamps, self._floors.of(key))
+            self.is_active = True
+            self._keep_ahead()
+        return self._of_files[key_file]
+
+    def change_key(self, key: SigningKey | None, first: int) -> None:
+        """Another key for the boat, or none, and the timestamp that its holders have come to.
+
+        The count starts afresh, because somebody's clock may have run ahead; but never below what was proved
+        under the same key, or under those of other links.
+        """
+        if key != self.boat.key:
+            self._floors.keep(self.boat.key, self.boat.proved)
+            self.boat.change_key(key, self._floors.of(key))
+            self.stamps.seen = max(one.proved for one in (self.boat, *self._of_files.values()))
+        self.stamps.follow(first)
+        self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
+        self.is_active = key is not None or bool(self._of_files)
+        self._saving = self._save()  # what was proved under the old key, at once
+        self._keep_ahead()
+
+    def key_saved(self) -> str | None:
+        """What became of a change of key, told once: "" when the medium has it, or why not; None: no news."""
+        if self._key_saving is None or not self._key_saving.is_done():
+            return None
+        saving, self._key_saving = self._key_saving, None
+        return saving.error()
+
+    def tick(self, unix_s: float) -> None:
+        """Time goes by."""
+        if self.is_active:
+            self.stamps.clock = timestamp_at(unix_s)
+            self._keep_ahead()
+
+    def close(self) -> None:
+        """Put down where we are, before the storage is closed. May be called twice."""
+        if not self._is_closed and (self.stamps.last or self.stamps.seen):
+            self._save()
+        self._is_closed = True
+
+    def _keep_ahead(self) -> None:
+        if not self.is_active:
+            return
+        stamps = self.stamps
+        if self._saving is not None:
+            self._finish()
+        elif stamps.now > stamps.limit - AHEAD // 2 or stamps.last > stamps.limit - _AHEAD_OF_LAST // 2:
+            self._reserved = min(max(stamps.now + AHEAD, stamps.last + _AHEAD_OF_LAST), NEVER)
+            self._saving = self._save()
+            self._finish()
+
+    def _save(self) -> Saving:
+        for one in (self.boat, *self._of_files.values()):
+            self._floors.keep(one.key, one.proved)
+        tree = {"first": self._reserved, "seen": self.stamps.seen, "proved": self._floors.to_tree()}
+        return self._storage.save(STAMPS_FILE, json.dumps(tree).encode())
+
+    def _finish(self) -> None:
+        if self._saving is None or not self._saving.is_done():
+            return
+        if error := self._saving.error():
+            # A boat that falls silent is worse than one whose stations may have to hear it twice
+            logger.error("signing timestamps are not kept over a restart: %s", error)
+        self._saving = None
+        self.stamps.limit = self._reserved
+
+    def _load_stamps(self) -> tuple[int, int, KeyFloors]:
+        content = self._storage.load(STAMPS_FILE)
+        loss = self._storage.damage(STAMPS_FILE)
+        first, seen, floors = 1, 0, KeyFloors()
+        if content:
+            try:
+                first, seen, floors = _parse_stamps(content)
+            except (ValueError, KeyError, TypeError, RecursionError) as error:
+                logger.warning("%s ignored: %s", STAMPS_FILE, error)
+                loss = f"{STAMPS_FILE} cannot be read, none is in use"
+            else:
+                # The generation that is damaged was written when this one's lead was half used up
+                first = min(max(first, 1) + (AHEAD if loss else 0), NEVER - 1)
+        if loss:
+            self.losses["signing timestamps"] = loss
+        return first, seen, floors
+
+    def _load_key(self) -> SigningKey | None:
+        content = self._storage.load(KEY_FILE)
+        loss = self._storage.damage(KEY_FILE)
+        key = None
+        if content:
+            try:
+                key = parse_key(content)
+            except ValueError as error:
+                logger.warning("%s ignored: %s", KEY_FILE, error)
+                loss = f"{KEY_FILE} cannot be read, none is in use"
+        if loss:
+            self.losses["signing key"] = loss
+        return key
+
+
+def _parse_stamps(content: bytes) -> tuple[int, int, KeyFloors]:
+    tree = json.loads(content)
+    first, seen = tree["first"], tree["seen"]
+    if not (_is_stamp(first) and _is_stamp(seen)):
+        raise ValueError("no timestamps in it")
+    return first, seen, KeyFloors.from_tree(tree.get("proved"), seen)
+
+
+def _is_stamp(value: object) -> bool:
+    return isinstance(value, int) and 0 <= value < NEVER

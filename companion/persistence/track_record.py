@@ -1,0 +1,131 @@
+"""SMART_RTL's track on disk, so that the way back survives a power cut.
+
+It is written when the track has turned, or gone on for a while: no more often than every ten seconds, and no
+more than a kilobyte a second on average, which an SD card bears for years. So after a cut the end of the
+track is known to about 45 m at 2 m/s; from there to where the boat is found the way is taken to be straight.
+"""
+
+import logging
+import math
+from collections.abc import Sequence
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, Struct
+
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.units import deg_to_e7, e7_to_deg
+from companion.persistence.storage import Saving, Storage
+from companion.vehicle.modes.track import MOST_POINTS, Trail
+
+logger = logging.getLogger(__name__)
+
+FILE = "trail.json"
+SOONEST_S = 10.0
+BYTES_S = 1000.0
+ON_M = 25.0  # so far on from the last record is worth a new one, though the track has not turned
+
+_Place = tuple[
+    Annotated[int, Meta(ge=-900_000_000, le=900_000_000)],
+    Annotated[int, Meta(ge=-1_800_000_000, le=1_800_000_000)],
+]
+
+
+class _Record(Struct, frozen=True, forbid_unknown_fields=True):
+    """voyage: which it belongs to. places: latitude and longitude in 1e-7 degrees, oldest first."""
+
+    voyage: int
+    places: Annotated[tuple[_Place, ...], Meta(max_length=MOST_POINTS + 1)]
+
+
+class TrailRecord:
+    """Keeps the trail of an armed boat; hands over what was kept once it is known where that lies."""
+
+    __slots__ = ("_due_s", "_kept", "_laid", "_places", "_saving", "_sign", "_storage", "_trail", "loss")
+
+    def __init__(self, storage: Storage, trail: Trail, cut_voyage: int | None) -> None:
+        """cut_voyage: the voyage that a power cut ended; None: what is on the medium is over."""
+        self._storage = storage
+        self._trail = trail
+        self._kept: tuple[_Place, ...] = ()
+        self.loss = ""  # what of the stored track is lost, and what is in use instead
+        if cut_voyage is not None:
+            self._kept, self.loss = _load(storage, cut_voyage)
+        self._laid: list[Point] = []  # the points whose places are known,
+        self._places: list[_Place] = []  # and these
+        self._sign: tuple[int, Point | None] = (-1, None)
+        self._due_s = -math.inf
+        self._saving: Saving | None = None
+
+    def leads_home(self, at: Point | None) -> bool:
+        """Whether a boat that is armed here goes on with the track from before the cut."""
+        return bool(self._kept) or (at is not None and self._trail.goes_on_from(at))
+
+    def take_up(self, frame: LocalFrame | None, armed: bool) -> None:
+        """Hand over the track from before the cut. An armed boat has begun another."""
+        if not self._kept or (frame is None and not armed):
+            return
+        if frame is not None and not armed:
+            self._trail.take_up(
+                [frame.to_local(LatLon(e7_to_deg(lat), e7_to_deg(lon))) for lat, lon in self._kept]
+            )
+        self._kept = ()
+
+    def keep(self, voyage: int, frame: LocalFrame, now_s: float) -> None:
+        """Write the track of an armed boat if that is worth it. voyage: which one this is."""
+        if self._saving is not None:
+            if not self._saving.is_done():
+                return
+            if self._saving.error():
+                self._sign = (-1, None)
+            self._saving = None
+        if now_s < self._due_s or not self._is_news():
+            return
+        trail = self._trail
+        points = [] if trail.is_lost else [*trail.points]
+        if points and trail.latest is not None and trail.latest != points[-1]:
+            points.append(trail.latest)
+        content = msgspec.json.encode(_Record(voyage, self._placed(points, frame)))
+        self._sign = (len(trail.points), points[-1] if points else None)
+        self._due_s = now_s + max(SOONEST_S, len(content) / BYTES_S)
+        self._saving = self._storage.save(FILE, content)
+
+    def begin(self) -> None:
+        """Another voyage begins: its first record is due at once."""
+        self._due_s, self._sign = -math.inf, (-1, None)
+
+    def _is_news(self) -> bool:
+        trail, (count, end) = self._trail, self._sign
+        if len(trail.points) != count or end is None:
+            return len(trail.points) != count
+        latest = trail.latest
+        return latest is not None and distance_m(latest, end) >= ON_M
+
+    def _placed(self, points: Sequence[Point], frame: LocalFrame) -> tuple[_Place, ...]:
+        """The points' places; only those that are new are worked out."""
+        same = 0
+        for old, new in zip(self._laid, points, strict=False):
+            if old is not new:
+                break
+            same += 1
+        del self._laid[same:], self._places[same:]
+        for point in points[same:]:
+            place = frame.to_global(point)
+            self._laid.append(point)
+            self._places.append((deg_to_e7(place.lat_deg), deg_to_e7(place.lon_deg)))
+        return tuple(self._places)
+
+
+def _load(storage: Storage, voyage: int) -> tuple[tuple[_Place, ...], str]:
+    """The track, and what of it is lost."""
+    content = storage.load(FILE)
+    loss = storage.damage(FILE)
+    if not content:
+        return (), loss
+    try:
+        record = msgspec.json.decode(content, type=_Record)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        logger.warning("%s ignored: %s", FILE, error)
+        return (), f"{FILE} cannot be read, none is in use"
+    # Written before the voyage's own record, it may already be the next one's, which goes on with this
+    return record.places if record.voyage in (voyage, voyage + 1) else (), loss

@@ -1,0 +1,43 @@
+"""What a channel's pulse means: a stick's deflection, the position of a switch."""
+
+from typing import Final
+
+from companion.config.rc import RcChannel
+
+SHORTEST_US: Final = 800  # a pulse outside these two is none
+LONGEST_US: Final = 2200
+LOW, MIDDLE, HIGH = 0, 1, 2
+_LOW_US, _HIGH_US = 1200, 1800
+_MODE_US: Final = (1231, 1361, 1491, 1621, 1750)  # where the second to the sixth position begin
+
+
+def is_pulse(pulse_us: int) -> bool:
+    """Whether a receiver can mean this."""
+    return SHORTEST_US <= pulse_us <= LONGEST_US
+
+
+def deflection(pulse_us: int, channel: RcChannel, dead_us: int) -> float:
+    """A stick's deflection from its trim, −1..1, with dead_us to either side of it that count as none.
+
+    A throttle that does not go astern has its trim at its minimum.
+    """
+    off_us = pulse_us - channel.trim_us
+    span_us = (channel.max_us - channel.trim_us if off_us > 0 else channel.trim_us - channel.min_us) - dead_us
+    beyond_us = abs(off_us) - dead_us
+    if beyond_us <= 0 or span_us <= 0:
+        return 0.0
+    share = min(beyond_us / span_us, 1.0)
+    return share if (off_us > 0) is not channel.is_reversed else -share
+
+
+def switch_position(pulse_us: int) -> int:
+    """LOW, MIDDLE or HIGH, as ArduPilot reads a switch."""
+    return LOW if pulse_us < _LOW_US else HIGH if pulse_us > _HIGH_US else MIDDLE
+
+
+def mode_position(pulse_us: int) -> int:
+    """Which of the six positions of a mode switch this is, 0 to 5, by ArduPilot's bands."""
+    position = 0
+    for begins_us in _MODE_US:
+        position += pulse_us >= begins_us
+    return position

@@ -1,0 +1,90 @@
+"""The transmitter in the operator's hand, by what its receiver says: its sticks, and whether it is there."""
+
+import math
+
+from companion.config.rc import Rc
+from companion.rc.noise import RcNoise
+from companion.rc.pulses import deflection, is_pulse
+from companion.sensors.readings import RcReading
+
+_AT_REST = 0.05  # a throttle nearer to its trim is low enough to arm
+
+
+class Radio:
+    """steering and throttle, −1..1, are those of the last good frame.
+
+    latest: the last frame, good or bad. is_heard: there has been a good one since boot; before that nobody is
+    missed. is_fitted: there is a receiver aboard. calibrated_until_s: a station has every stick and switch
+    moved to its ends until then, which is not to arm the boat.
+    """
+
+    __slots__ = (
+        "_fault",
+        "_good_s",
+        "_noise",
+        "calibrated_until_s",
+        "is_fitted",
+        "is_heard",
+        "latest",
+        "steering",
+        "throttle",
+    )
+
+    def __init__(self) -> None:
+        self.is_fitted = False
+        self.is_heard = False
+        self.latest: RcReading | None = None
+        self.steering = 0.0
+        self.throttle = 0.0
+        self.calibrated_until_s = -math.inf
+        self._noise = RcNoise()
+        self._good_s = -math.inf
+        self._fault = ""  # of the last frame
+
+    def hear(self, reading: RcReading, setting: Rc) -> bool:
+        """Take the next frame; whether it is a good one."""
+        self.latest = reading
+        self._noise.update(reading.channels_us)
+        self._fault = self._fault_of(reading, setting)
+        if self._fault or self._noise.leaps:
+            return False
+        channels_us = reading.channels_us
+        steering, throttle = setting.steering, setting.throttle
+        self.steering = deflection(channels_us[setting.steering_channel - 1], steering, steering.dead_us)
+        self.throttle = deflection(channels_us[setting.throttle_channel - 1], throttle, throttle.dead_us)
+        self._good_s = reading.time_s
+        self.is_heard = True
+        return True
+
+    def _fault_of(self, reading: RcReading, setting: Rc) -> str:
+        if reading.is_failsafe:
+            return "the receiver has lost the transmitter"
+        if self._noise.is_noisy:
+            return "the receiver talks nonsense"
+        channels_us, steering, throttle = (
+            reading.channels_us,
+            setting.steering_channel,
+            setting.throttle_channel,
+        )
+        if len(channels_us) < max(steering, throttle):
+            return "the receiver has too few channels"
+        if channels_us[throttle - 1] < setting.failsafe_us:
+            return "throttle below FS_THR_VALUE"
+        if not (is_pulse(channels_us[steering - 1]) and is_pulse(channels_us[throttle - 1])):
+            return "no pulse on a stick's channel"
+        return ""
+
+    def is_fresh(self, setting: Rc, now_s: float) -> bool:
+        """Whether the sticks are where they are said to be."""
+        return now_s - self._good_s <= setting.timeout_s
+
+    def fault(self, setting: Rc, now_s: float) -> str:
+        """Why a transmitter that was there is no longer; empty while it is, or has never been."""
+        if not self.is_heard or self.is_fresh(setting, now_s):
+            return ""
+        return self._fault or "the receiver is silent"
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether the throttle is low enough to arm."""
+        return abs(self.throttle) <= _AT_REST

@@ -1,0 +1,95 @@
+"""What the boat perceives: its parts and what stands in for them over MAVLink, read once a tick."""
+
+from companion.config.boat_config import BoatConfig
+from companion.core.state import STOPPED, MotorCommand
+from companion.hal.interfaces import Hardware
+from companion.obstacles.perception.sonar_scan import Sweep
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
+from companion.sensors.external import ExternalSensors
+from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.readings import (
+    BatteryReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    RcReading,
+    SonarReading,
+)
+from companion.sensors.trim import trimmed
+
+
+class Senses:
+    """The readings of now. compass is as the part gave it; heading is what to steer by."""
+
+    __slots__ = (
+        "_hardware",
+        "_sector",
+        "battery",
+        "compass",
+        "external",
+        "fix",
+        "gauge",
+        "heading",
+        "hull",
+        "is_fix_own",
+        "pings",
+        "rc",
+        "sonar",
+        "sweep",
+    )
+
+    def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
+        self.external = external
+        self.sweep = Sweep()
+        self.gauge = FuelGauge()
+        self.fix: GnssFix | None = None
+        self.is_fix_own = True  # from the boat's own receiver, not over MAVLink
+        self.compass: HeadingReading | None = None
+        self.heading: HeadingReading | None = None
+        self.battery: BatteryReading | None = None
+        self.sonar: SonarReading | None = None  # the latest ping
+        self.hull: HullReading | None = None
+        self.rc: RcReading | None = None  # the latest frame of the transmitter
+        self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
+        self._hardware = hardware
+        self._sector: Sector = ALL_ROUND
+
+    @property
+    def consumed_mah(self) -> float:
+        """Charge taken from the pack since boot, or since it was changed."""
+        return self.gauge.consumed_mah
+
+    def look(self, sector: Sector) -> None:
+        """Have the boat's own ranger sweep between these bearings."""
+        if sector != self._sector and self._hardware.sonar is not None:
+            self._sector = sector
+            self._hardware.sonar.look(sector.port_rad, sector.starboard_rad)
+
+    def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
+        """Take what there is. command: what the motors are given."""
+        hardware, external = self._hardware, self.external
+        own_fix = hardware.gnss.read()
+        self.fix = external.choose_fix(own_fix, config.external, now_s)
+        self.is_fix_own = self.fix is own_fix
+        self.compass = hardware.compass.read()
+        self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
+        if hardware.battery is not None:
+            battery = hardware.battery.read()
+            if battery is not None and battery is not self.battery:
+                self.battery = battery
+                self.gauge.update(battery, config.battery, command)
+        if hardware.hull is not None:
+            self.hull = hardware.hull.read()
+        if hardware.rc is not None:
+            self.rc = hardware.rc.read()
+        if self.pings:
+            self.pings.clear()
+        if hardware.sonar is not None and (pings := hardware.sonar.read()):
+            self.sonar = pings[-1]
+            for ping in pings:
+                self.sweep.add(ping)
+                self.pings.append((ping, None))
+        while external.pings:
+            ping, beam_rad = external.pings.popleft()
+            self.sweep.add(ping, beam_rad)
+            self.pings.append((ping, beam_rad))

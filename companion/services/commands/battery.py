@@ -1,0 +1,39 @@
+"""BATTERY_RESET: a pack that was changed or charged while the program runs."""
+
+from collections.abc import Callable
+
+from companion.core.status_text import Notice, Severity
+from companion.mavlink.dialect import dialect
+from companion.sensors.fuel_gauge import FuelGauge
+from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
+from companion.services.commands.vehicle import Tell
+from companion.vehicle.vehicle import Vehicle
+
+_FIRST_PACK = 1
+
+
+class BatteryCommands:
+    """Sets the fuel gauge, and ends the failsafes that the old pack has set off."""
+
+    def __init__(self, vehicle: Vehicle, gauge: FuelGauge, tell: Tell) -> None:
+        self._vehicle = vehicle
+        self._gauge = gauge
+        self._tell = tell
+        self.table: dict[int, Callable[[Command], int]] = {dialect.MAV_CMD_BATTERY_RESET: self._reset}
+
+    def _reset(self, command: Command) -> int:
+        """param1: bits of packs, of which the boat has the first; param2: percent of charge that it has."""
+        packs, percent = command.whole(0), command.p[1]
+        if packs is None or packs < 0 or not 0.0 <= percent <= 100.0:
+            return DENIED
+        if not packs & _FIRST_PACK or self._vehicle.battery is None:
+            return self._say(FAILED, Severity.ERROR, "Battery: there is no such monitor")
+        if self._vehicle.armed:
+            return self._say(REJECTED_FOR_NOW, Severity.ERROR, "Battery: disarm first")
+        self._gauge.reset(percent / 100.0)
+        self._vehicle.failsafes.renew_pack(percent / 100.0)
+        return self._say(ACCEPTED, Severity.NOTICE, f"Battery set to {percent:.0f} %")
+
+    def _say(self, result: int, severity: int, text: str) -> int:
+        self._tell([Notice(severity, text)])
+        return result

@@ -1,0 +1,110 @@
+"""A command as a station gives it, whichever of the two messages carried it."""
+
+import math
+from collections.abc import Callable
+
+from msgspec import Struct
+
+from companion.core.geo import LatLon
+from companion.core.units import e7_to_deg
+from companion.mavlink.dialect import Message, dialect
+from companion.services.missions.items import HIGHEST_M
+from companion.services.outbox import Origin
+
+ACCEPTED: int = dialect.MAV_RESULT_ACCEPTED
+REJECTED_FOR_NOW: int = dialect.MAV_RESULT_TEMPORARILY_REJECTED
+DENIED: int = dialect.MAV_RESULT_DENIED
+UNSUPPORTED: int = dialect.MAV_RESULT_UNSUPPORTED
+FAILED: int = dialect.MAV_RESULT_FAILED
+IN_PROGRESS: int = dialect.MAV_RESULT_IN_PROGRESS
+CANCELLED = 6  # MAV_RESULT_CANCELLED, newer than the dialect
+
+_GLOBAL_FRAMES = frozenset(
+    {
+        dialect.MAV_FRAME_GLOBAL,
+        dialect.MAV_FRAME_GLOBAL_INT,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+    }
+)
+
+
+SendLater = Callable[[int, Message], None]
+"""Takes a channel and a message that follows the command's COMMAND_ACK."""
+
+
+class Command(Struct, frozen=True):
+    """p is param1..param4; x and y are degrees, NaN where not given. They are also param5 and param6, as
+    COMMAND_LONG has them: what is no position there is had from `fifth` and `sixth`."""
+
+    number: int
+    p: tuple[float, float, float, float]
+    x: float
+    y: float
+    frame: int
+    origin: Origin
+    now_s: float
+    fifth: float = 0.0
+    sixth: float = 0.0
+    altitude_m: float = math.nan  # which is: not given, and of no use to a boat
+
+    def whole(self, index: int) -> int | None:
+        """A parameter as a whole number, None where it is not one."""
+        value = self.p[index]
+        return int(value) if math.isfinite(value) and value == int(value) else None
+
+    def position(self) -> LatLon | None:
+        """Where the command points, None when that is not a place on a global frame."""
+        if self.frame not in _GLOBAL_FRAMES or (self.x == 0.0 and self.y == 0.0):
+            return None
+        if abs(self.altitude_m) > HIGHEST_M:
+            return None
+        try:
+            return LatLon(self.x, self.y)
+        except ValueError:
+            return None
+
+    def is_same_as(self, other: "Command") -> bool:
+        """Whether the same sender asks the same; parameters that are no number are all alike."""
+        return (
+            self.number == other.number
+            and self.origin.address == other.origin.address
+            and self.frame == other.frame
+            and all(map(_alike, (*self.p, self.x, self.y), (*other.p, other.x, other.y)))
+        )
+
+
+def _alike(a: float, b: float) -> bool:
+    return a == b or (math.isnan(a) and math.isnan(b))
+
+
+def from_long(message: Message, origin: Origin, now_s: float) -> Command:
+    """COMMAND_LONG carries a position as floats in param5 and param6."""
+    return Command(
+        message.command,
+        (message.param1, message.param2, message.param3, message.param4),
+        message.param5,
+        message.param6,
+        dialect.MAV_FRAME_GLOBAL,
+        origin,
+        now_s,
+        message.param5,
+        message.param6,
+        message.param7,
+    )
+
+
+def from_int(message: Message, origin: Origin, now_s: float) -> Command:
+    """COMMAND_INT carries a position as 1e7 integers."""
+    return Command(
+        message.command,
+        (message.param1, message.param2, message.param3, message.param4),
+        e7_to_deg(message.x),
+        e7_to_deg(message.y),
+        message.frame,
+        origin,
+        now_s,
+        float(message.x),
+        float(message.y),
+        message.z,
+    )

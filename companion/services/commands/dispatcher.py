@@ -1,0 +1,213 @@
+"""COMMAND_LONG and COMMAND_INT: one table of commands, and an immediate answer to every one.
+
+Silence is what costs a ground station time, so a command that is not in the table is refused at once. What a
+station sends again because the answer was lost is not done a second time where that would make a difference.
+"""
+
+import math
+from collections.abc import Callable
+
+from companion.calibration.motor_test import MotorTest
+from companion.calibration.trials import Trials
+from companion.hal.interfaces import FaultInjector
+from companion.mavlink.dialect import Message, dialect
+from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.readings import HeadingReading
+from companion.services.commands.battery import BatteryCommands
+from companion.services.commands.calibration_runs import TrialCommands
+from companion.services.commands.command import (
+    ACCEPTED,
+    CANCELLED,
+    DENIED,
+    FAILED,
+    IN_PROGRESS,
+    UNSUPPORTED,
+    Command,
+    from_int,
+    from_long,
+)
+from companion.services.commands.faults import FaultCommands
+from companion.services.commands.maintenance import UpkeepCommands
+from companion.services.commands.messages import MessageCommands
+from companion.services.commands.vehicle import Tell, VehicleCommands
+from companion.services.external_pose import ExternalPoseService
+from companion.services.outbox import Origin, Outbox
+from companion.services.parameters import ParameterService
+from companion.services.telemetry.service import TelemetryService
+from companion.vehicle.vehicle import Vehicle
+
+RESEND_S = 2.0
+_PROGRESS_S = 1.0
+
+# Done twice, these are not what they are done once; all others leave the boat as the first time left it
+_NOT_TWICE = frozenset(
+    (
+        dialect.MAV_CMD_DO_MOTOR_TEST,
+        dialect.MAV_CMD_DO_PAUSE_CONTINUE,
+        dialect.MAV_CMD_DO_SET_MISSION_CURRENT,
+        dialect.MAV_CMD_MISSION_START,
+    )
+)
+
+_HARMLESS = (dialect.MAV_CMD_DO_SEND_BANNER, dialect.MAV_CMD_RUN_PREARM_CHECKS)
+
+
+class CommandService:
+    """Carries out commands and acknowledges each to its sender alone."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        telemetry: TelemetryService,
+        outbox: Outbox,
+        motor_test: MotorTest,
+        parameters: ParameterService,
+        tell: Tell,
+        pose: ExternalPoseService,
+        trials: Trials,
+        gauge: FuelGauge,
+        faults: FaultInjector | None = None,
+    ) -> None:
+        self._vehicle = vehicle
+        self._outbox = outbox
+        self._motor_test = motor_test
+        self._later: list[tuple[int, Message]] = []  # what follows the answer
+        self._upkeep = UpkeepCommands(vehicle, motor_test, parameters, tell, self._send_later)
+        self._trials = TrialCommands(trials, parameters, tell)
+        self._questions = MessageCommands(telemetry, self._send_later).table
+        self._table: dict[int, Callable[[Command], int]] = {
+            **self._questions,
+            **self._upkeep.table,
+            **BatteryCommands(vehicle, gauge, tell).table,
+            **self._trials.table,
+            **VehicleCommands(vehicle, parameters, tell).table,
+            **FaultCommands(faults, tell).table,
+            dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
+        }
+        self.questions = frozenset((*self._questions, *_HARMLESS))
+        """Commands that change nothing."""
+        self._done: Command | None = None  # the latest of those not to be done twice
+        self._left_behind: tuple[object, ...] = ()  # what it made of the vehicle
+        self._slow: Command | None = None  # whose calibration or trial is under way
+        self._progress_s = math.inf
+
+    @property
+    def restart_due_s(self) -> float:
+        """When the program is to start anew; infinite unless a station has asked for it."""
+        return self._upkeep.restart_due_s
+
+    def on_long(self, message: Message, origin: Origin, now_s: float) -> None:
+        """COMMAND_LONG."""
+        self.handle(from_long(message, origin, now_s))
+
+    def on_int(self, message: Message, origin: Origin, now_s: float) -> None:
+        """COMMAND_INT."""
+        self.handle(from_int(message, origin, now_s))
+
+    def on_set_mode(self, message: Message, origin: Origin) -> None:
+        """SET_MODE, the old way; acknowledged like the command, as ArduPilot does."""
+        p = (float(message.base_mode), float(message.custom_mode), 0.0, 0.0)
+        self.handle(Command(dialect.MAV_CMD_DO_SET_MODE, p, math.nan, math.nan, 0, origin, 0.0))
+
+    def on_version_request(self, origin: Origin, now_s: float) -> None:
+        """AUTOPILOT_VERSION_REQUEST, the old way; ArduPilot answers it with the message alone."""
+        asked = (float(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION), 0.0, 0.0, 0.0)
+        self._questions[dialect.MAV_CMD_REQUEST_MESSAGE](
+            Command(dialect.MAV_CMD_REQUEST_MESSAGE, asked, 0.0, 0.0, 0, origin, now_s)
+        )
+        self._send_what_follows()
+
+    def hear(self, origin: Origin, now_s: float) -> None:
+        """Anything from a station: it is still there."""
+        if self._motor_test.is_running:
+            self._upkeep.hear(origin, now_s)
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone."""
+        self._upkeep.forget(channel)
+
+    def handle(self, command: Command) -> None:
+        """Carry out one command and answer it; then send what has been asked for."""
+        self._handle(command)
+        self._send_what_follows()
+
+    def _handle(self, command: Command) -> None:
+        carry_out = self._table.get(command.number)
+        if carry_out is None:
+            self._answer(command, UNSUPPORTED)
+            return
+        if self._is_resent(command):
+            self._answer(command, ACCEPTED)
+            return
+        if command.number not in self._questions and command.number != dialect.MAV_CMD_DO_MOTOR_TEST:
+            self._motor_test.stop()
+        result = carry_out(command)
+        if result == IN_PROGRESS:
+            self._slow, self._progress_s = command, command.now_s + _PROGRESS_S
+        elif result == CANCELLED:
+            slow, self._slow = self._slow or command, None
+            self._answer(slow, CANCELLED)
+            return
+        if result == ACCEPTED and command.number in _NOT_TWICE:
+            self._done, self._left_behind = command, self._situation()
+        self._answer(command, result)
+
+    def tick(self, heading: HeadingReading | None, now_s: float) -> None:
+        """Go on with what takes time. heading: as the part gave it."""
+        result = self._upkeep.tick(heading, now_s)
+        if result is None:
+            result = self._trials.tick()
+        slow = self._slow
+        if slow is None:
+            return
+        if result is not None:
+            self._slow = None
+            self._answer(slow, result)
+        elif now_s >= self._progress_s:
+            job, percent = self._upkeep.calibration, self._trials.progress_percent(now_s)
+            if job is not None:
+                percent = job.progress_percent(now_s)
+            if percent is not None:
+                self._progress_s = now_s + _PROGRESS_S
+                self._answer(slow, IN_PROGRESS, percent)
+
+    def _situation(self) -> tuple[object, ...]:
+        return self._vehicle.mode, self._vehicle.armed, self._motor_test.is_running
+
+    def _is_resent(self, command: Command) -> bool:
+        """Whether this is the command just done once more, and the vehicle is still as it left it."""
+        done = self._done
+        return (
+            done is not None
+            and 0.0 <= command.now_s - done.now_s <= RESEND_S
+            and command.is_same_as(done)
+            and self._situation() == self._left_behind
+        )
+
+    def _send_later(self, channel: int, message: Message) -> None:
+        self._later.append((channel, message))
+
+    def _send_what_follows(self) -> None:
+        for channel, message in self._later:
+            self._outbox.send(channel, message)
+        self._later.clear()
+
+    def _answer(self, command: Command, result: int, progress_percent: int = 0) -> None:
+        self._outbox.send(
+            command.origin.channel,
+            dialect.MAVLink_command_ack_message(
+                command.number,
+                result,
+                progress=progress_percent,
+                result_param2=0,
+                target_system=command.origin.address.system,
+                target_component=command.origin.address.component,
+            ),
+        )
+
+
+def _set_origin(pose: ExternalPoseService, command: Command) -> int:
+    place = command.position()
+    if place is None:
+        return DENIED
+    return ACCEPTED if pose.set_origin(place) else FAILED

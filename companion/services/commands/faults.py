@@ -1,0 +1,30 @@
+"""MAV_CMD_INJECT_FAILURE: breaks a part on purpose, where the hardware lets itself be broken."""
+
+from collections.abc import Callable
+
+from companion.core.status_text import Notice, Severity
+from companion.hal.interfaces import FaultInjector
+from companion.mavlink.dialect import dialect
+from companion.services.commands.command import ACCEPTED, DENIED, UNSUPPORTED, Command
+from companion.services.commands.vehicle import Tell
+
+
+class FaultCommands:
+    """Hands the command on. Hardware that cannot be broken on purpose leaves the table empty."""
+
+    def __init__(self, injector: FaultInjector | None, tell: Tell) -> None:
+        self._injector = injector
+        self._tell = tell
+        self.table: dict[int, Callable[[Command], int]] = {}
+        if injector is not None:
+            self.table[dialect.MAV_CMD_INJECT_FAILURE] = self._inject
+
+    def _inject(self, command: Command) -> int:
+        unit, failure, instance = command.whole(0), command.whole(1), command.whole(2)
+        if self._injector is None or unit is None or failure is None or instance is None:
+            return DENIED
+        done = self._injector.inject(unit, failure, instance)
+        if done is None:
+            return UNSUPPORTED
+        self._tell([Notice(Severity.WARNING, f"Fault: {done}")])
+        return ACCEPTED

@@ -1,0 +1,227 @@
+"""Commands of the workshop: calibration, motor test, stored settings, restart."""
+
+import math
+from collections.abc import Callable
+
+from companion import __version__
+from companion.calibration.motor_test import MotorTest, TestedMotor
+from companion.core.status_text import Notice, Severity
+from companion.core.units import wrap_pi
+from companion.mavlink.dialect import dialect
+from companion.sensors.readings import HeadingReading
+from companion.services.commands.command import (
+    ACCEPTED,
+    CANCELLED,
+    DENIED,
+    FAILED,
+    IN_PROGRESS,
+    REJECTED_FOR_NOW,
+    UNSUPPORTED,
+    Command,
+    SendLater,
+)
+from companion.services.commands.gyro_calibration import GyroCalibration
+from companion.services.commands.vehicle import Tell
+from companion.services.outbox import Origin
+from companion.services.parameters import ParameterService
+from companion.vehicle.vehicle import Vehicle
+
+_RESTART_AFTER_S = 0.3  # the ACK must get out first
+_RESTART_LATEST_S = 5.0  # a program that still runs then, such as that of an emulated fleet, does not restart
+_PERCENT, _PWM = 0, 1  # MOTOR_TEST_THROTTLE_TYPE
+_RADIO_S = 600.0  # a station that never says that it has calibrated the transmitter
+_SELF_CALIBRATING = "Compass: calibrates itself while it is turned; Fast Calibration aligns it with the bow"
+_NOTHING_TO_CALIBRATE = (  # param2 to param6 of PREFLIGHT_CALIBRATION
+    _SELF_CALIBRATING,
+    "Pressure: this boat has no barometer",
+    "RC: this boat has no receiver",
+    "Accelerometer: the heading sensor calibrates itself",
+    "Compass: interference of the motors is not measured",
+)
+_TRIM, _BIAS = "HDG_TRIM", "INS_GYROFFS_Z"
+
+
+class UpkeepCommands:
+    """The boat must be disarmed for all of them."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        motor_test: MotorTest,
+        parameters: ParameterService,
+        tell: Tell,
+        send_later: SendLater,
+    ) -> None:
+        self.restart_due_s = math.inf
+        self.calibration: GyroCalibration | None = None  # under way, or just ended
+        self._heading: HeadingReading | None = None
+        self._vehicle = vehicle
+        self._motor_test = motor_test
+        self._parameters = parameters
+        self._tell = tell
+        self._send_later = send_later
+        self._tester: Origin | None = None  # who has asked for the motor test
+        self._tester_heard_s = -math.inf
+        self.table: dict[int, Callable[[Command], int]] = {
+            dialect.MAV_CMD_DO_CANCEL_MAG_CAL: lambda _: ACCEPTED,
+            dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
+            dialect.MAV_CMD_DO_MOTOR_TEST: self._test_motor,
+            dialect.MAV_CMD_DO_SEND_BANNER: self._send_banner,
+            dialect.MAV_CMD_DO_SET_RELAY: lambda _: self._has_no("Relay"),
+            dialect.MAV_CMD_DO_SET_SERVO: lambda _: self._has_no("Servo"),
+            dialect.MAV_CMD_FIXED_MAG_CAL_YAW: self._trim_compass,
+            dialect.MAV_CMD_PREFLIGHT_CALIBRATION: self._calibrate,
+            dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._restart,
+            dialect.MAV_CMD_PREFLIGHT_STORAGE: self._store,
+        }
+
+    def tick(self, heading: HeadingReading | None, now_s: float) -> int | None:
+        """Go on with what takes time. The result of a calibration that has just ended, else None."""
+        self._heading = heading
+        if self._motor_test.is_running:
+            self._watch_tester(now_s)
+        if now_s > self.restart_due_s + _RESTART_LATEST_S:
+            self.restart_due_s, self._vehicle.is_restarting = math.inf, False
+            self._say(FAILED, "Reboot: this program does not restart")
+        job = self.calibration
+        if job is None:
+            return None
+        if self._vehicle.armed:
+            return self.cancel()
+        job.update(heading, now_s)
+        if job.result is None:
+            return None
+        self.calibration = None
+        if job.result == ACCEPTED and (reason := self._parameters.keep(_BIAS, job.bias_rad_s)):
+            return self._say(FAILED, reason)
+        return self._say(job.result, job.notice.text, job.notice.severity)
+
+    def cancel(self) -> int:
+        """Give up a calibration that is under way."""
+        self.calibration = None
+        return CANCELLED
+
+    def hear(self, origin: Origin, now_s: float) -> None:
+        """Anything from a station."""
+        if self._tester == origin:
+            self._tester_heard_s = now_s
+
+    def forget(self, channel: int) -> None:
+        """A channel has gone, and a motor test that was asked for on it ends."""
+        if self._motor_test.is_running and self._tester is not None and self._tester.channel == channel:
+            self._end_test("its link has closed")
+
+    def _watch_tester(self, now_s: float) -> None:
+        """Who watches the propellers must still be there: as long as an operator may be silent, no longer."""
+        if now_s - self._tester_heard_s > self._vehicle.config.failsafe.gcs_timeout_s:
+            self._end_test("its station is silent")
+
+    def _end_test(self, why: str) -> None:
+        self._motor_test.stop()
+        self._tell([Notice(Severity.WARNING, f"Motor test: ended, {why}")])
+
+    def _say(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
+        self._tell([Notice(severity, text)])
+        return result
+
+    def _has_no(self, part: str) -> int:
+        return self._say(UNSUPPORTED, f"{part}: this boat has none")
+
+    def _test_motor(self, command: Command) -> int:
+        motor, kind = command.whole(0), command.whole(1)
+        value, duration_s = command.p[2], command.p[3]
+        if motor not in tuple(TestedMotor) or kind not in (_PERCENT, _PWM):
+            return DENIED
+        share = value / 100.0 if kind == _PERCENT else (value - 1500.0) / 500.0
+        if not (abs(share) <= 1.0 and 0.0 <= duration_s < math.inf):
+            return DENIED
+        if share == 0.0 or duration_s == 0.0:
+            self._motor_test.stop()
+            return ACCEPTED
+        if reason := self._motor_test.start(TestedMotor(motor), share, duration_s, command.now_s):
+            return self._say(FAILED, f"Motor test: {reason}")
+        self._tester, self._tester_heard_s = command.origin, command.now_s
+        name = TestedMotor(motor).name.lower()
+        return self._say(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
+
+    def _calibrate(self, command: Command) -> int:
+        """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero
+        ends what is under way.
+        """
+        radio = self._vehicle.conduct.sticks.radio
+        wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
+        if not any(wanted):
+            radio.calibrated_until_s = -math.inf
+            if self.calibration is None:
+                return ACCEPTED
+            return self.cancel()
+        if wanted[3] and radio.is_fitted and not any(wanted[:3] + wanted[4:]):
+            return self._calibrate_radio(command.now_s)
+        for reason, is_wanted in zip(_NOTHING_TO_CALIBRATE, wanted[1:], strict=True):
+            if is_wanted:
+                return self._say(UNSUPPORTED, reason)
+        if command.p[0] != 1.0:
+            return UNSUPPORTED
+        if self._vehicle.armed:
+            return self._say(REJECTED_FOR_NOW, "Calibration: disarm first")
+        if self.calibration is None:
+            self.calibration = GyroCalibration(command.now_s)
+        return IN_PROGRESS
+
+    def _calibrate_radio(self, now_s: float) -> int:
+        if self._vehicle.armed:
+            return self._say(REJECTED_FOR_NOW, "Calibration: disarm first")
+        self._vehicle.conduct.sticks.radio.calibrated_until_s = now_s + _RADIO_S
+        return ACCEPTED
+
+    def _calibrate_compass(self, command: Command) -> int:
+        """The heading sensor calibrates itself. QGroundControl's page waits for a report, not for the answer:
+        one that says "failed" ends it and shows the reason.
+        """
+        numbers = [0.0] * 10  # fitness, offsets, diagonals, off-diagonals
+        report = dialect.MAVLink_mag_cal_report_message(0, 1, dialect.MAG_CAL_FAILED, 0, *numbers)
+        self._send_later(command.origin.channel, report)
+        return self._say(FAILED, _SELF_CALIBRATING)
+
+    def _trim_compass(self, command: Command) -> int:
+        """The bow points where param1 says (degrees, true): what the compass is off by becomes its trim."""
+        if self._vehicle.armed:
+            return self._say(REJECTED_FOR_NOW, "Compass: disarm first")
+        if not math.isfinite(command.p[0]):
+            return DENIED
+        if self._heading is None:
+            return self._say(FAILED, "Compass: no heading")
+        trim_deg = math.degrees(wrap_pi(math.radians(command.p[0]) - self._heading.heading_rad))
+        if reason := self._parameters.keep(_TRIM, trim_deg):
+            return self._say(FAILED, reason)
+        return self._say(ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
+
+    def _store(self, command: Command) -> int:
+        """Every change is stored as it is made; what is left is to go back to the configuration file's."""
+        match command.whole(0):
+            case 0 | 1:
+                return ACCEPTED
+            case 2 if self._vehicle.armed:
+                return self._say(REJECTED_FOR_NOW, "Parameters: disarm first")
+            case 2:
+                self._parameters.reset()
+                return self._say(ACCEPTED, "Parameters reset to the boat's file", Severity.NOTICE)
+            case _:
+                return DENIED
+
+    def _restart(self, command: Command) -> int:
+        """Only a restart: a boat that is shut down could not be reached again."""
+        match command.whole(0):
+            case 0:
+                return ACCEPTED
+            case 1 if self._vehicle.armed:
+                return self._say(FAILED, "Reboot: disarm first")
+            case 1:
+                self._vehicle.is_restarting = True
+                self.restart_due_s = min(self.restart_due_s, command.now_s + _RESTART_AFTER_S)
+                return self._say(ACCEPTED, "Rebooting", Severity.NOTICE)
+            case _:
+                return UNSUPPORTED
+
+    def _send_banner(self, command: Command) -> int:  # noqa: ARG002
+        return self._say(ACCEPTED, f"mavboat {__version__}, a boat with two motors", Severity.INFO)

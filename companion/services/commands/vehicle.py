@@ -1,0 +1,146 @@
+"""Commands that say where to sail and how: each is one request to the vehicle."""
+
+import math
+from collections.abc import Callable
+
+from companion.config.fence import CIRCLE_KIND
+from companion.core.modes import Mode
+from companion.core.requests import (
+    Arm,
+    ChangeMode,
+    ChangeSpeed,
+    Disarm,
+    GoTo,
+    Request,
+    SetCurrentItem,
+    SetHome,
+    StartMission,
+)
+from companion.core.status_text import Notice, Severity
+from companion.mavlink.dialect import dialect
+from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
+from companion.services.parameters import ParameterService
+from companion.vehicle.vehicle import Vehicle
+
+Tell = Callable[[list[Notice]], None]
+"""Lines for every station."""
+
+_DISARM_MAGIC = 21196
+_ARM_MAGIC = (2989, 21196)  # ArduPilot's own, and that of MAVLink's common set, which forces both ways
+_AIRSPEED_OR_GROUND = (0.0, 1.0)
+_NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
+
+
+class VehicleCommands:
+    """Asks the vehicle; why it refuses, the vehicle says itself."""
+
+    def __init__(self, vehicle: Vehicle, parameters: ParameterService, tell: Tell) -> None:
+        self._vehicle = vehicle
+        self._parameters = parameters
+        self._tell = tell
+        self._paused: Mode | None = None
+        self.table: dict[int, Callable[[Command], int]] = {
+            dialect.MAV_CMD_COMPONENT_ARM_DISARM: self._arm_disarm,
+            dialect.MAV_CMD_DO_CHANGE_SPEED: self._change_speed,
+            dialect.MAV_CMD_DO_FENCE_ENABLE: self._fence_enable,
+            dialect.MAV_CMD_DO_FLIGHTTERMINATION: self._terminate,
+            dialect.MAV_CMD_DO_PAUSE_CONTINUE: self._pause_continue,
+            dialect.MAV_CMD_DO_REPOSITION: self._reposition,
+            dialect.MAV_CMD_DO_SET_HOME: self._set_home,
+            dialect.MAV_CMD_DO_SET_MISSION_CURRENT: self._set_current,
+            dialect.MAV_CMD_DO_SET_MODE: self._set_mode,
+            dialect.MAV_CMD_MISSION_START: self._start_mission,
+            dialect.MAV_CMD_NAV_LOITER_UNLIM: lambda _: self._ask(ChangeMode(Mode.LOITER)),
+            dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: self._ask(ChangeMode(Mode.RTL)),
+            dialect.MAV_CMD_RUN_PREARM_CHECKS: self._check,
+        }
+
+    def _ask(self, request: Request) -> int:
+        return ACCEPTED if self._vehicle.request(request).accepted else FAILED
+
+    def _arm_disarm(self, command: Command) -> int:
+        arm, magic = command.whole(0), command.p[1]
+        if arm == 1:
+            return self._ask(Arm(force=magic in _ARM_MAGIC))
+        if arm == 0:
+            return self._ask(Disarm("by emergency stop" if magic == _DISARM_MAGIC else "by command"))
+        return DENIED
+
+    def _terminate(self, command: Command) -> int:
+        return self._ask(Disarm("by flight termination")) if command.whole(0) == 1 else DENIED
+
+    def _check(self, command: Command) -> int:  # noqa: ARG002
+        if self._vehicle.armed:
+            return REJECTED_FOR_NOW
+        faults = self._vehicle.arming_faults()
+        self._tell([Notice(Severity.CRITICAL, f"PreArm: {fault}") for fault in faults])
+        return ACCEPTED
+
+    def _set_mode(self, command: Command) -> int:
+        flags, number = command.whole(0), command.whole(1)
+        if flags is None or number is None or not flags & dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
+            return DENIED
+        return self._ask(ChangeMode(number))
+
+    def _start_mission(self, command: Command) -> int:
+        first = command.whole(0)
+        return DENIED if first is None or first < 0 else self._ask(StartMission(first or None))
+
+    def _pause_continue(self, command: Command) -> int:
+        """Pause keeps station (or drifts, without a position); continue goes back to what was paused."""
+        wanted, mode = command.whole(0), self._vehicle.mode
+        if wanted == 0:
+            goes_on = mode not in (Mode.LOITER, Mode.HOLD)
+            result = self._ask(ChangeMode(Mode.LOITER))
+            if result == ACCEPTED and goes_on:
+                self._paused = mode
+            return result
+        if wanted == 1:
+            paused, self._paused = self._paused, None
+            return self._ask(ChangeMode(paused or Mode.AUTO))
+        return DENIED
+
+    def _set_current(self, command: Command) -> int:
+        """seq −1 is the current item again; param2 = 1 starts the mission's jump counters afresh."""
+        seq = command.whole(0)
+        if seq is None or seq < -1:
+            return DENIED
+        is_beyond = seq > self._vehicle.progress.last_seq
+        result = self._ask(SetCurrentItem(None if seq == -1 else seq, reset=command.whole(1) == 1))
+        return DENIED if is_beyond else result
+
+    def _reposition(self, command: Command) -> int:
+        position = command.position()
+        if position is None:
+            return DENIED
+        speed_m_s = command.p[0] if math.isfinite(command.p[0]) and command.p[0] > 0.0 else None
+        change_mode = bool((command.whole(1) or 0) & dialect.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
+        return self._ask(GoTo(position, speed_m_s, change_mode))
+
+    def _change_speed(self, command: Command) -> int:
+        kind, speed_m_s = command.p[0], command.p[1]
+        if kind not in _AIRSPEED_OR_GROUND:
+            return DENIED
+        if speed_m_s == _NO_CHANGE:
+            return ACCEPTED
+        if speed_m_s == _BACK_TO_DEFAULT:
+            speed_m_s = self._vehicle.config.speed.cruise_m_s
+        if not math.isfinite(speed_m_s) or speed_m_s <= 0.0:
+            return DENIED
+        return self._ask(ChangeSpeed(speed_m_s))
+
+    def _set_home(self, command: Command) -> int:
+        if command.whole(0) == 1:
+            return self._ask(SetHome())
+        position = command.position()
+        return DENIED if position is None else self._ask(SetHome(position))
+
+    def _fence_enable(self, command: Command) -> int:
+        """As parameter FENCE_ENABLE; param1 = 2 takes only the floor away, which a boat has not."""
+        wanted = command.whole(0)
+        if wanted not in (0, 1):
+            return ACCEPTED if wanted == 2 else DENIED
+        if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
+            self._tell([Notice(Severity.ERROR, "Fence: none is uploaded")])
+            return FAILED
+        return FAILED if self._parameters.keep("FENCE_ENABLE", float(wanted)) else ACCEPTED

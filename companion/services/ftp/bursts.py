@@ -1,0 +1,80 @@
+"""Bursts: a file sent block by block without being asked for each, a share of the tick to every one."""
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+
+from companion.services.ftp.frames import DATA_BYTES, Code, Refusal, Request, ack, nak
+from companion.services.ftp.sessions import Burst, Session, Station, Stations
+from companion.services.ftp.tree import refusal_of
+
+BLOCKS_PER_TICK = 96  # of all stations together: a megabyte a second
+_BLOCKS_PER_BURST = 512
+
+Post = Callable[[Station, bytes], None]
+
+
+class Bursts:
+    """Sends blocks while there is room on the channel and the tick's share lasts.
+
+    A burst ends with the block that says so, after which the station asks for more, or with the refusal that
+    tells the file's end. When that is lost, the station asks again from where it is.
+    """
+
+    def __init__(
+        self, stations: Stations, worker: Executor, post: Post, has_room: Callable[[int], bool]
+    ) -> None:
+        self._blocks_left = BLOCKS_PER_TICK
+        self._stations = stations
+        self._worker = worker
+        self._post = post
+        self._has_room = has_room
+
+    def begin(self, station: Station, request: Request, session: Session, now_s: float) -> None:
+        """Start from an offset, in place of the burst so far; one that is asked for twice goes on."""
+        if session.burst is None or session.burst.request.raw != request.raw:
+            size = request.size or DATA_BYTES
+            session.burst = Burst(request, request.offset, request.sequence + 1, _BLOCKS_PER_BURST, size)
+        self._advance(station, session, self._blocks_left, now_s)
+
+    def tick(self, now_s: float) -> None:
+        """Go on with every burst."""
+        self._blocks_left = BLOCKS_PER_TICK
+        running = [(station, s) for station in self._stations for s in station.sessions.values() if s.burst]
+        for index, (station, session) in enumerate(running):
+            self._advance(station, session, self._blocks_left // (len(running) - index), now_s)
+
+    def _advance(self, station: Station, session: Session, blocks: int, now_s: float) -> None:
+        burst, reading, channel = session.burst, session.reading, station.origin.channel
+        while burst is not None and blocks > 0 and self._has_room(channel):
+            if not reading.has(burst.offset, burst.block_bytes) and not self._load(station, session, burst):
+                return
+            blocks -= 1
+            self._blocks_left -= 1
+            session.used_s = now_s
+            burst = session.burst = self._send(station, burst, reading.read(burst.offset, burst.block_bytes))
+
+    def _send(self, station: Station, burst: Burst, data: bytes) -> Burst | None:
+        """One block; what is left of the burst."""
+        request, offset, sequence = burst.request, burst.offset, burst.sequence
+        if not data:
+            self._post(station, nak(request, Refusal(Code.END_OF_FILE), offset=offset, sequence=sequence))
+            return None
+        burst.blocks_left -= 1
+        burst.offset += len(data)
+        burst.sequence += 1
+        is_over = burst.blocks_left == 0
+        self._post(station, ack(request, data, offset=offset, sequence=sequence, is_burst_over=is_over))
+        return None if is_over else burst
+
+    def _load(self, station: Station, session: Session, burst: Burst) -> bool:
+        """Have the burst's next part brought to hand; whether it is there now."""
+        reading = session.reading
+        if session.loading is None:
+            session.loading = self._worker.submit(reading.load, burst.offset)
+        if not session.loading.done():
+            return False
+        error, session.loading = session.loading.exception(), None
+        if isinstance(error, OSError):
+            session.burst = None
+            self._post(station, nak(burst.request, refusal_of(error), sequence=burst.sequence))
+        return error is None and reading.has(burst.offset, burst.block_bytes)

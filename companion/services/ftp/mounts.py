@@ -1,0 +1,74 @@
+"""What there is in the tree of files: parameters, metadata and version, and two folders of the disk."""
+
+import json
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from companion import __version__
+from companion.config.parameter_pack import entries_of, pack
+from companion.config.parameters import Parameters
+from companion.services import component_metadata as metadata
+from companion.services.ftp.folder import FolderMount
+from companion.services.ftp.tree import FileTree, Mount
+from companion.services.ftp.virtual import Options, VirtualFile, VirtualMount
+from companion.services.parameters import ParameterService
+
+_MB = 1_000_000
+
+
+class InlineExecutor(Executor):
+    """Does everything at once: for a boat without a disk, and for tests."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
+        """Do it; what it raises is the future's."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def build_tree(
+    parameters: Parameters, listings: ParameterService, folder: Path | None, quota_mb: float
+) -> FileTree:
+    """The tree of a boat. folder: where its files and logs live, None for a boat without a disk.
+    quota_mb: what stations may leave in `files` altogether; 0: they may only read."""
+    mounts: dict[str, Mount] = {
+        "@PARAM": VirtualMount({"param.pck": _packed_parameters(parameters, listings)}),
+        "@SYS": VirtualMount({"version.json": VirtualFile(lambda _: _version())}),
+        metadata.FOLDER: VirtualMount(
+            {
+                metadata.GENERAL: VirtualFile(lambda _: metadata.general_json()),
+                metadata.PARAMETERS: VirtualFile(lambda _: metadata.parameters_json()),
+            }
+        ),
+    }
+    if folder is None:
+        return FileTree(mounts)
+    logs = FolderMount(folder / "logs")
+    mounts["files"] = FolderMount(folder / "files", quota_bytes=round(quota_mb * _MB))
+    mounts["logs"] = logs
+    return FileTree(mounts, aliases={"@LOGS": logs})
+
+
+def open_worker(folder: Path | None) -> Executor:
+    """Who waits for the disk, where there is one."""
+    return InlineExecutor() if folder is None else ThreadPoolExecutor(1, thread_name_prefix="files")
+
+
+def _packed_parameters(parameters: Parameters, listings: ParameterService) -> VirtualFile:
+    def make(options: Options) -> bytes:
+        entries = entries_of(parameters)
+        start, count = options.whole("start"), options.whole("count")
+        if start >= len(entries):
+            raise options.wrong("start")
+        chosen = entries[start : start + count if count else None]
+        return pack(chosen, len(entries), with_defaults=options.whole("withdefaults") == 1)
+
+    return VirtualFile(make, listings.take_file)
+
+
+def _version() -> bytes:
+    return json.dumps({"name": "mavboat", "version": __version__}).encode("ascii")

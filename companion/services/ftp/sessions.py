@@ -1,0 +1,242 @@
+"""Who has which files open. A station is a channel and an address; each has sessions of its own."""
+
+import errno
+import math
+from collections import Counter, OrderedDict, deque
+from collections.abc import Iterator
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+
+from companion.services.ftp.frames import SESSION_AT, Code, Refusal, Request
+from companion.services.ftp.tree import Place, Reading
+from companion.services.outbox import Origin
+
+IDLE_S = 30.0  # a session that is not used for so long is closed
+MAX_STATIONS = 32
+MAX_SESSIONS = 8  # of one station
+MAX_UPLOAD_BYTES = 4 * 1024 * 1024
+MAX_UPLOADS_BYTES = 16 * 1024 * 1024  # of all stations together
+_REPEAT_S = 10.0  # a request that comes again within this is a repeat
+_REPEATS = 64
+
+
+class Upload:
+    """A file being written: in memory, until its session is closed."""
+
+    def __init__(self, place: Place, content: bytes) -> None:
+        self.place = place
+        self.content = bytearray(content)
+        self.is_written = False
+
+    def growth(self, end: int) -> int:
+        """How much longer the file becomes when it is written up to an offset.
+
+        Raises:
+            OSError: it would be too long.
+        """
+        if end > MAX_UPLOAD_BYTES:
+            raise OSError(errno.EFBIG, "too long")
+        return max(end - len(self.content), 0)
+
+    def write(self, offset: int, data: bytes) -> None:
+        """Put data at an offset; a gap before it holds zeros."""
+        end = offset + len(data)
+        if offset > len(self.content):
+            self.content.extend(bytes(offset - len(self.content)))
+        self.content[offset:end] = data
+        self.is_written = True
+
+    def save(self) -> None:
+        """Replace the file. Raises what its mount does."""
+        self.place.mount.save(self.place.names, bytes(self.content))
+
+
+@dataclass(slots=True)
+class Burst:
+    """A file on its way block by block, without being asked for each."""
+
+    request: Request
+    offset: int
+    sequence: int  # of the next reply
+    blocks_left: int
+    block_bytes: int
+
+
+@dataclass(slots=True)
+class Session:
+    """An open file: one that is read, or one that is written."""
+
+    number: int
+    file: Reading | Upload
+    on_disk: bool
+    used_s: float
+    burst: Burst | None = None
+    loading: Future[None] | None = None  # what the burst waits for
+
+    @property
+    def reading(self) -> Reading:
+        """The file that is read.
+
+        Raises:
+            Refusal: it is written.
+        """
+        if isinstance(self.file, Upload):
+            raise Refusal(Code.FILE_PROTECTED)
+        return self.file
+
+    @property
+    def upload(self) -> Upload | None:
+        """The file that is written, None where one is read."""
+        return self.file if isinstance(self.file, Upload) else None
+
+
+@dataclass(slots=True)
+class Answer:
+    """What a request was answered with, and which session it opened."""
+
+    reply: bytes
+    at_s: float
+    opened: int | None
+
+
+@dataclass(slots=True)
+class Station:
+    """One client."""
+
+    origin: Origin
+    is_gone: bool = False
+    sessions: dict[int, Session] = field(default_factory=dict)
+    waiting: set[bytes] = field(default_factory=set)  # requests whose answer is being worked on
+    queued: deque[Request] = field(default_factory=deque)  # and what came for the same sessions since
+    _answers: OrderedDict[bytes, Answer] = field(default_factory=OrderedDict)
+
+    def is_busy(self, number: int) -> bool:
+        """Whether a request for a session is being worked on: the next one has to wait for it."""
+        return any(raw[SESSION_AT] == number for raw in self.waiting)
+
+    def session(self, number: int, now_s: float) -> Session:
+        """An open session, in use now.
+
+        Raises:
+            Refusal: there is none of this number.
+        """
+        session = self.sessions.get(number)
+        if session is None:
+            raise Refusal(Code.INVALID_SESSION)
+        session.used_s = now_s
+        return session
+
+    def open(self, wanted: int, file: Reading | Upload, on_disk: bool, now_s: float) -> Session:
+        """A new session: of the number that the station wants, or the lowest free one where that is taken.
+
+        Raises:
+            Refusal: it has as many open as it may.
+        """
+        if len(self.sessions) >= MAX_SESSIONS or self.is_gone:
+            raise Refusal(Code.NO_SESSIONS_AVAILABLE)
+        number = wanted
+        if number in self.sessions:
+            number = next(free for free in range(256) if free not in self.sessions)
+        session = self.sessions[number] = Session(number, file, on_disk, now_s)
+        return session
+
+    def close(self, number: int) -> Session:
+        """Forget a session, and that it was ever opened.
+
+        Raises:
+            Refusal: there is none of this number.
+        """
+        session = self.sessions.pop(number, None)
+        if session is None:
+            raise Refusal(Code.INVALID_SESSION)
+        for raw in [raw for raw, answer in self._answers.items() if answer.opened == number]:
+            del self._answers[raw]
+        return session
+
+    def remember(self, request: Request, reply: bytes, now_s: float, opened: int | None = None) -> None:
+        """Keep an answer for when the request is repeated."""
+        self._answers[request.raw] = Answer(reply, now_s, opened)
+        if len(self._answers) > _REPEATS:
+            self._answers.popitem(last=False)
+
+    def repeated(self, request: Request, now_s: float) -> bytes | None:
+        """The answer of a moment ago; None for a request that is new."""
+        answer = self._answers.get(request.raw)
+        return answer.reply if answer is not None and now_s - answer.at_s < _REPEAT_S else None
+
+    def is_idle(self, now_s: float) -> bool:
+        """Whether nothing need be remembered of this station."""
+        newest_s = max((answer.at_s for answer in self._answers.values()), default=-math.inf)
+        return not self.sessions and not self.waiting and now_s - newest_s >= _REPEAT_S
+
+
+class Stations:
+    """All clients, and what they have open."""
+
+    def __init__(self) -> None:
+        self._stations: dict[Origin, Station] = {}
+        self._displaced: list[Session] = []
+
+    def __bool__(self) -> bool:
+        return bool(self._stations)
+
+    def __iter__(self) -> Iterator[Station]:
+        return iter(self._stations.values())
+
+    def get(self, origin: Origin) -> Station | None:
+        """The client at an origin; None where there are too many others.
+
+        The longest silent one without an open file makes way. Where all have files open, one makes way of the
+        channel that has most, for one of a channel that has fewer: addresses are easily made up, and must not
+        take the places of other links.
+        """
+        station = self._stations.pop(origin, None)
+        if station is None:
+            if len(self._stations) >= MAX_STATIONS and not self._make_way(origin.channel):
+                return None
+            station = Station(origin)
+        self._stations[origin] = station  # the dict's order is that of last use
+        return station
+
+    def _make_way(self, channel: int) -> bool:
+        idle = (one for one in self if not one.sessions and not one.waiting)
+        victim = next(idle, None)
+        if victim is None:
+            counts = Counter(one.origin.channel for one in self)
+            fullest, count = counts.most_common(1)[0]
+            if count <= counts[channel] + 1:
+                return False
+            victim = next(one for one in self if one.origin.channel == fullest)
+        del self._stations[victim.origin]
+        victim.is_gone = True
+        self._displaced += victim.sessions.values()
+        return True
+
+    def take_displaced(self) -> list[Session]:
+        """The sessions of those who had to make way since the last call."""
+        displaced, self._displaced = self._displaced, []
+        return displaced
+
+    def uploads_bytes(self) -> int:
+        """What all uploads hold in memory."""
+        uploads = (session.upload for station in self for session in station.sessions.values())
+        return sum(len(upload.content) for upload in uploads if upload is not None)
+
+    def expire(self, now_s: float) -> list[Session]:
+        """Sessions that nobody has used for long; they are forgotten, and so are stations without any."""
+        closed = []
+        for origin, station in list(self._stations.items()):
+            for number, session in list(station.sessions.items()):
+                if now_s - session.used_s > IDLE_S:
+                    closed.append(station.close(number))
+            if station.is_idle(now_s):
+                del self._stations[origin]
+        return closed
+
+    def forget(self, channel: int) -> list[Session]:
+        """A channel has gone: the sessions that were open on it."""
+        gone = [origin for origin in self._stations if origin.channel == channel]
+        stations = [self._stations.pop(origin) for origin in gone]
+        for station in stations:
+            station.is_gone = True
+        return [session for station in stations for session in station.sessions.values()]

@@ -1,0 +1,241 @@
+"""MAVLink mission items → the vehicle's steps. What a boat cannot do is refused, naming item and field."""
+
+import math
+from collections.abc import Callable, Sequence
+
+from companion.core.geo import LatLon, Point
+from companion.core.units import e7_to_deg
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import GLOBAL_FRAMES, Fault, MissionItem, MissionResult
+from companion.vehicle.mission.places import Offset, Place
+from companion.vehicle.mission.steps import (
+    AfterDelay,
+    GoRound,
+    HandOver,
+    Home,
+    Jump,
+    LimitHandOver,
+    MoveHome,
+    ReturnHome,
+    SetSpeed,
+    Skip,
+    Step,
+    Turn,
+    Wait,
+    Waypoint,
+    WithinDistance,
+)
+
+HIGHEST_M = 83_000.0  # ArduPilot's limit: the most that its 24 bits of centimetres hold
+_LOCAL_SCALE = 1e-4  # x and y of a local frame are whole tenths of a millimetre
+
+# Camera, mount and markers: a survey plan is sailed without them, and the operator is told
+IGNORED = frozenset(
+    {
+        dialect.MAV_CMD_DO_LAND_START,
+        dialect.MAV_CMD_DO_SET_ROI_LOCATION,
+        dialect.MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
+        dialect.MAV_CMD_DO_SET_ROI_NONE,
+        dialect.MAV_CMD_DO_SET_ROI_SYSID,
+        dialect.MAV_CMD_DO_CONTROL_VIDEO,
+        dialect.MAV_CMD_DO_SET_ROI,
+        dialect.MAV_CMD_DO_DIGICAM_CONFIGURE,
+        dialect.MAV_CMD_DO_DIGICAM_CONTROL,
+        dialect.MAV_CMD_DO_MOUNT_CONFIGURE,
+        dialect.MAV_CMD_DO_MOUNT_CONTROL,
+        dialect.MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+        dialect.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
+        dialect.MAV_CMD_SET_CAMERA_MODE,
+        dialect.MAV_CMD_IMAGE_START_CAPTURE,
+        dialect.MAV_CMD_IMAGE_STOP_CAPTURE,
+        dialect.MAV_CMD_VIDEO_START_CAPTURE,
+        dialect.MAV_CMD_VIDEO_STOP_CAPTURE,
+    }
+)
+
+# What the operator counts on must not be passed over in silence
+_REFUSED = {
+    dialect.MAV_CMD_DO_SET_REVERSE: "this boat does not sail its legs astern",
+    dialect.MAV_CMD_DO_SET_RELAY: "there is no relay",
+    dialect.MAV_CMD_DO_REPEAT_RELAY: "there is no relay",
+    dialect.MAV_CMD_DO_SET_SERVO: "there is no servo to set",
+    dialect.MAV_CMD_DO_REPEAT_SERVO: "there is no servo to set",
+}
+
+
+def command_name(command: int) -> str:
+    """A command for a person: its number, and its name where it has one."""
+    entry = dialect.enums["MAV_CMD"].get(command)
+    return f"command {command}" + (f" ({entry.name.removeprefix('MAV_CMD_')})" if entry else "")
+
+
+def to_step(seq: int, item: MissionItem) -> Step | Fault:
+    """One item of a mission as something to sail, or why not. Sequence 0 is home and never sailed."""
+    if seq == 0:
+        return Home()
+    if item.command in IGNORED:
+        return Skip()
+    translate = _TABLE.get(item.command)
+    if translate is None:
+        why = _REFUSED.get(item.command, "nothing this boat can do")
+        return Fault(MissionResult.UNSUPPORTED, f"{command_name(item.command)}: {why}")
+    return translate(item)
+
+
+def check_jumps(steps: Sequence[Step]) -> Fault | None:
+    """Jump targets can only be checked once the whole list is there."""
+    for seq, step in enumerate(steps):
+        if isinstance(step, Jump) and not 1 <= step.target < len(steps):
+            text = f"item {seq} jumps to {step.target}, the list ends at {len(steps) - 1}"
+            return Fault(MissionResult.INVALID_PARAM1, text)
+    return None
+
+
+def global_position(item: MissionItem) -> LatLon | Fault:
+    """The place on the globe that an item names, or what is wrong with it."""
+    if item.frame not in GLOBAL_FRAMES:
+        return Fault(MissionResult.UNSUPPORTED_FRAME, f"frame {item.frame} is not a global frame")
+    if item.x == 0 and item.y == 0:
+        return Fault(MissionResult.INVALID_PARAM5_X, "position 0, 0 is nowhere")
+    if not abs(item.x) <= 900_000_000:
+        return Fault(MissionResult.INVALID_PARAM5_X, f"latitude {e7_to_deg(item.x)} is outside ±90")
+    if fault := _altitude_fault(item):
+        return fault
+    if not abs(item.y) <= 1_800_000_000:
+        return Fault(MissionResult.INVALID_PARAM6_Y, f"longitude {e7_to_deg(item.y)} is outside ±180")
+    return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
+
+
+def _place(item: MissionItem) -> Place | Fault:
+    """MAV_FRAME_LOCAL_NED counts from the local frame's origin, as LOCAL_POSITION_NED does;
+    MAV_FRAME_LOCAL_OFFSET_NED from where the leg begins.
+    """
+    if fault := _altitude_fault(item):
+        return fault
+    if item.frame == dialect.MAV_FRAME_LOCAL_NED:
+        return Point(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
+    if item.frame == dialect.MAV_FRAME_LOCAL_OFFSET_NED:
+        return Offset(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
+    if item.frame not in GLOBAL_FRAMES:
+        text = f"frame {item.frame} is neither global nor LOCAL_NED (1) nor LOCAL_OFFSET_NED (7)"
+        return Fault(MissionResult.UNSUPPORTED_FRAME, text)
+    return global_position(item)
+
+
+def _altitude_fault(item: MissionItem) -> Fault | None:
+    """A boat has one altitude and looks at none; but a list with one that cannot be meant is damaged."""
+    if abs(item.z) <= HIGHEST_M:
+        return None
+    return Fault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is no altitude")
+
+
+def _waypoint(item: MissionItem) -> Step | Fault:
+    place = _place(item)
+    if isinstance(place, Fault):
+        return place
+    radius_m = item.param2 if 0.0 < item.param2 < math.inf else 0.0
+    hold_s = 0.0 if math.isnan(item.param1) else item.param1
+    return _not_negative(hold_s, "time", Waypoint(place, hold_s, radius_m))
+
+
+def _loiter_for_ever(item: MissionItem) -> Step | Fault:
+    place = _place(item)
+    return place if isinstance(place, Fault) else Waypoint(place, math.inf)
+
+
+def _loiter_for_a_time(item: MissionItem) -> Step | Fault:
+    place = _place(item)
+    if isinstance(place, Fault):
+        return place
+    hold_s = 0.0 if math.isnan(item.param1) else item.param1
+    return _not_negative(hold_s, "time", Waypoint(place, hold_s))
+
+
+def _loiter_turns(item: MissionItem) -> Step | Fault:
+    place = _place(item)
+    if isinstance(place, Fault):
+        return place
+    if not 0.0 < item.param1 < math.inf:
+        return Fault(MissionResult.INVALID_PARAM1, f"{item.param1} turns are no number of turns")
+    radius_m = 0.0 if math.isnan(item.param3) else item.param3
+    if math.isinf(radius_m):
+        return Fault(MissionResult.INVALID_PARAM3, f"radius {radius_m} m is not a radius")
+    return GoRound(place, item.param1, abs(radius_m), clockwise=radius_m >= 0.0)
+
+
+def _delay(item: MissionItem) -> Step | Fault:
+    if item.param1 == -1.0:
+        return Fault(MissionResult.INVALID_PARAM1, "delay -1, until a time of day, is not supported")
+    return _not_negative(item.param1, "delay", Wait(item.param1))
+
+
+def _speed(item: MissionItem) -> Step | Fault:
+    speed_m_s = item.param2
+    if not math.isfinite(speed_m_s):
+        return Fault(MissionResult.INVALID_PARAM2, f"speed {speed_m_s} is not a number")
+    return SetSpeed(max(speed_m_s, 0.0))  # −1 and −2 mean "as it is" and "the default"
+
+
+def _set_home(item: MissionItem) -> Step | Fault:
+    if item.param1 == 1.0:
+        return MoveHome(None)
+    place = global_position(item)
+    return place if isinstance(place, Fault) else MoveHome(place)
+
+
+def _turn(item: MissionItem) -> Step | Fault:
+    if not math.isfinite(item.param1):
+        return Fault(MissionResult.INVALID_PARAM1, f"heading {item.param1} is not a number")
+    is_relative = item.param4 == 1.0
+    side = -1.0 if is_relative and item.param3 < 0.0 else 1.0
+    return Turn(math.radians(side * item.param1), is_relative)
+
+
+def _limits(item: MissionItem) -> Step | Fault:
+    timeout_s = 0.0 if math.isnan(item.param1) else item.param1
+    distance_m = 0.0 if math.isnan(item.param4) else item.param4
+    if not 0.0 <= distance_m < math.inf:
+        return Fault(MissionResult.INVALID_PARAM4, f"distance {distance_m} m is not a distance")
+    return _not_negative(timeout_s, "time-out", LimitHandOver(timeout_s, distance_m))
+
+
+def _within(item: MissionItem) -> Step | Fault:
+    if not 0.0 <= item.param1 < math.inf:
+        return Fault(MissionResult.INVALID_PARAM1, f"distance {item.param1} m is not a distance")
+    return WithinDistance(item.param1)
+
+
+def _jump(item: MissionItem) -> Step | Fault:
+    for result, value in (
+        (MissionResult.INVALID_PARAM1, item.param1),
+        (MissionResult.INVALID_PARAM2, item.param2),
+    ):
+        if not math.isfinite(value) or value != int(value):
+            return Fault(result, f"jump parameter {value} is not a whole number")
+    return Jump(int(item.param1), int(item.param2))
+
+
+def _not_negative(seconds: float, name: str, step: Step) -> Step | Fault:
+    if not 0.0 <= seconds < math.inf:
+        return Fault(MissionResult.INVALID_PARAM1, f"{name} {seconds} s is not a time")
+    return step
+
+
+_TABLE: dict[int, Callable[[MissionItem], Step | Fault]] = {
+    dialect.MAV_CMD_NAV_WAYPOINT: _waypoint,
+    dialect.MAV_CMD_NAV_LOITER_UNLIM: _loiter_for_ever,
+    dialect.MAV_CMD_NAV_LOITER_TURNS: _loiter_turns,
+    dialect.MAV_CMD_NAV_LOITER_TIME: _loiter_for_a_time,
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: ReturnHome(),
+    dialect.MAV_CMD_NAV_GUIDED_ENABLE: lambda item: HandOver(item.param1 > 0.5),
+    dialect.MAV_CMD_NAV_DELAY: _delay,
+    dialect.MAV_CMD_CONDITION_DELAY: lambda item: _not_negative(
+        item.param1, "delay", AfterDelay(item.param1)
+    ),
+    dialect.MAV_CMD_CONDITION_DISTANCE: _within,
+    dialect.MAV_CMD_CONDITION_YAW: _turn,
+    dialect.MAV_CMD_DO_JUMP: _jump,
+    dialect.MAV_CMD_DO_CHANGE_SPEED: _speed,
+    dialect.MAV_CMD_DO_SET_HOME: _set_home,
+    dialect.MAV_CMD_DO_GUIDED_LIMITS: _limits,
+}

@@ -1,0 +1,166 @@
+"""One of the boat's lists (mission, fence, rally): what it holds, what is arriving, what is being written."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon
+from companion.core.units import deg_to_e7
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import Fault, MissionItem, MissionType
+from companion.mavlink.receiver import Receiver
+from companion.mavlink.sender import Sender
+from companion.mavlink.transfer import Completed
+from companion.mavlink.transfer_table import State
+from companion.persistence.mission_store import encode_item, load_items, save_lines
+from companion.persistence.storage import Saving, Storage
+from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
+from companion.services.missions.items import check_jumps, to_step
+from companion.vehicle.mission.steps import Home, Step
+
+_ITEM_RETRIES = 2  # times mavlink.retries: items are asked for twice as often, for as long
+
+
+class Entry(NamedTuple):
+    """An item, what the vehicle makes of it (Home in lists that are not sailed), and its line on disk."""
+
+    item: MissionItem
+    step: Step
+    line: bytes
+
+
+class Part(NamedTuple):
+    """Items that a station has asked for without a transfer, and that are still to be sent."""
+
+    partner: Address
+    next_seq: int
+    last_seq: int
+
+
+class MissionList:
+    """Its items are replaced whole, and only once the medium has the new ones."""
+
+    def __init__(self, own: Address, mission_type: MissionType, config: BoatConfig, storage: Storage) -> None:
+        self.type = mission_type
+        self.entries: tuple[Entry, ...] = ()
+        self.steps: tuple[Step, ...] = ()  # what the vehicle makes of them
+        self.upload_channel = 0
+        self.senders: dict[int, Sender] = {}
+        self.parts: dict[int, Part] = {}
+        self.saving: Saving | None = None
+        self.loss = ""  # what of the stored list is lost, and what is held instead
+        self.home: Callable[[], LatLon | None] = lambda: None  # the vehicle's to say
+        self._own = own
+        self._timers = config.mavlink
+        self._storage = storage
+        self._arriving: list[Entry] = []
+        self._arrived: tuple[Entry, ...] = ()
+        self.most = {
+            MissionType.MISSION: config.mission.max_items,
+            MissionType.FENCE: config.mission.max_fence_items,
+            MissionType.RALLY: config.mission.max_rally_items,
+        }[mission_type]
+        timers = config.mavlink
+        self.receiver = Receiver(
+            own, mission_type, timers.item_retry_s, _ITEM_RETRIES * timers.retries, self.most, self._check
+        )
+        self._load()
+
+    @property
+    def items(self) -> tuple[MissionItem, ...]:
+        """What it holds."""
+        return tuple([entry.item for entry in self.entries])
+
+    def offered(self) -> tuple[MissionItem, ...]:
+        """What stations are given: item 0 of a mission is the boat's home, as on ArduPilot, and not what a
+        station has put in its place."""
+        home = self.home() if self.type is MissionType.MISSION else None
+        return self.items if home is None else (_home_item(home), *self.items[1:])[: len(self.entries)]
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is under way that time could change."""
+        return not (self.senders or self.parts or self.saving) and self.receiver.state is State.IDLE
+
+    def sender(self, channel: int) -> Sender:
+        """The machine for downloads on a channel."""
+        if channel not in self.senders:
+            timers = self._timers
+            self.senders[channel] = Sender(
+                self._own, self.type, timers.retry_s, timers.retries, source=self.offered
+            )
+        return self.senders[channel]
+
+    def store(self, completed: Completed) -> Fault | None:
+        """Begin to write what has arrived, spliced in where it is a part. A Fault, and nothing changes, when
+        the list does not hold together."""
+        entries = tuple(self._arriving[: len(completed.items)])
+        self._arriving = []
+        if completed.first is not None:
+            after = completed.first + len(entries)
+            entries = self.entries[: completed.first] + entries + self.entries[after:]
+        if fault := self._check_whole(entries):
+            return fault
+        self._arrived = entries
+        self.saving = save_lines(self._storage, self.type, [entry.line for entry in entries])
+        return None
+
+    def swap_in(self) -> None:
+        """The medium has it: from now on it is the list."""
+        self.entries, self._arrived = self._arrived, ()
+        self.steps = tuple([entry.step for entry in self.entries])
+
+    def drop(self) -> None:
+        """The medium does not take it: the old list stays."""
+        self._arrived = ()
+
+    def clear(self) -> Saving:
+        """Begin to write an empty list, to be swapped in."""
+        self._arrived = ()
+        return save_lines(self._storage, self.type, ())
+
+    def _load(self) -> None:
+        items, self.loss = load_items(self._storage, self.type)
+        text = ""
+        for seq, item in enumerate(items):
+            if fault := self._check(seq, item):
+                text = f"item {seq}: {fault.text}"
+                break
+        else:
+            fault = self._check_whole(self._arriving)
+            text = fault.text if fault else ""
+        if text:
+            self.loss = f"{text}; none is in use"
+        else:
+            self._arrived = tuple(self._arriving)
+            self.swap_in()
+        self._arriving = []
+
+    def _check(self, seq: int, item: MissionItem) -> Fault | None:
+        """Look at an item as it arrives, and keep what it comes to."""
+        step: Step | Fault = Home()
+        if self.type is MissionType.MISSION:
+            step = to_step(seq, item)
+        else:
+            check = check_fence_item if self.type is MissionType.FENCE else check_rally_item
+            step = check(item) or step
+        if isinstance(step, Fault):
+            return step
+        del self._arriving[seq - self.receiver.first :]
+        self._arriving.append(Entry(item, step, encode_item(item)))
+        return None
+
+    def _check_whole(self, entries: Sequence[Entry]) -> Fault | None:
+        if self.type is MissionType.MISSION:
+            return check_jumps([entry.step for entry in entries])
+        return check_fence([entry.item for entry in entries]) if self.type is MissionType.FENCE else None
+
+
+def _home_item(home: LatLon) -> MissionItem:
+    return MissionItem(
+        frame=dialect.MAV_FRAME_GLOBAL,
+        command=dialect.MAV_CMD_NAV_WAYPOINT,
+        x=deg_to_e7(home.lat_deg),
+        y=deg_to_e7(home.lon_deg),
+    )

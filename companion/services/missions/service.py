@@ -1,0 +1,296 @@
+"""The mission protocol for mission, fence and rally: uploads, downloads, clearing, the current item.
+
+One upload of a kind runs at a time, whoever sends it; downloads run side by side, one a channel. A list
+that has come whole is written to disk, then swapped in, then acknowledged; so is a part of a list.
+"""
+
+import logging
+from typing import NamedTuple
+
+from companion.config.boat_config import BoatConfig
+from companion.core.requests import SetCurrentItem
+from companion.core.status_text import Notice, Severity
+from companion.mavlink.address import Address, is_named
+from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.items import MissionItem, MissionResult, MissionType
+from companion.mavlink.sender import Sender
+from companion.mavlink.transfer import Completed, Failed, Transfer
+from companion.mavlink.transfer_table import State
+from companion.persistence.storage import Saving, Storage
+from companion.services.guided import on_guided_item
+from companion.services.missions.area_items import fence_areas, rally_points
+from companion.services.missions.items import command_name
+from companion.services.missions.list import MissionList, Part
+from companion.services.outbox import Origin, Outbox
+from companion.services.telemetry.status_messages import mission_current
+from companion.services.telemetry.statustext import StatusTextService
+from companion.vehicle.mission.steps import Skip
+from companion.vehicle.vehicle import Vehicle
+
+logger = logging.getLogger(__name__)
+
+_ALL_TYPES = dialect.MAV_MISSION_TYPE_ALL
+_ITEM = frozenset({"MISSION_ITEM_INT", "MISSION_ITEM"})
+_OFFERS = frozenset({"MISSION_COUNT", "MISSION_CLEAR_ALL", "MISSION_WRITE_PARTIAL_LIST"})
+_UPLOAD = _OFFERS | _ITEM
+_DOWNLOAD = frozenset({"MISSION_REQUEST_LIST", "MISSION_REQUEST_INT", "MISSION_REQUEST"})
+_LIST_ITEM = 1  # MISSION_ITEM.current above it: ArduPilot's old go-to, an item of no list
+_PART_PER_TICK = 10
+_ITEM_BYTES = 50  # on the line
+_NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
+
+
+class _Clearing(NamedTuple):
+    """All lists are being emptied on the medium, for one station."""
+
+    origin: Origin
+    savings: list[Saving]
+
+
+class MissionService:
+    """Owns the three lists and keeps the vehicle's mission in step with the first."""
+
+    def __init__(
+        self,
+        own: Address,
+        vehicle: Vehicle,
+        config: BoatConfig,
+        storage: Storage,
+        outbox: Outbox,
+        texts: StatusTextService,
+    ) -> None:
+        self._own = own
+        self._vehicle = vehicle
+        self._outbox = outbox
+        self._texts = texts
+        self._clearing: _Clearing | None = None
+        self._current_said = 0
+        self._busy: list[MissionList] = []  # something is under way that time can change
+        self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
+        for one in self._lists.values():
+            if one.loss:
+                name = one.type.name.lower()
+                logger.warning("the stored %s is lost: %s", name, one.loss)
+                vehicle.losses.add(name, one.loss, f"Upload or clear the {_NAMES[one.type]}")
+        self._lists[MissionType.MISSION].home = lambda: vehicle.home
+        vehicle.take_mission(self._lists[MissionType.MISSION].steps)
+        vehicle.take_fence(fence_areas(self.items(MissionType.FENCE)))
+        vehicle.take_rally(rally_points(self.items(MissionType.RALLY)))
+
+    def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
+        """What the boat holds of a kind."""
+        return self._lists[mission_type].items
+
+    def handle(self, message: Message, origin: Origin, now_s: float) -> None:
+        """Take one message of the protocol."""
+        if not is_named(self._own, message.target_system, message.target_component):
+            return  # a list offered to every boat within reach is offered to none
+        for one in self._busy:
+            if one.upload_channel == origin.channel:
+                one.receiver.rest(origin.address)
+        name = message.get_type()
+        if name == "MISSION_SET_CURRENT":
+            self._vehicle.request(SetCurrentItem(message.seq))
+            self._tell_current()
+            return
+        if name in _ITEM and message.current > _LIST_ITEM:
+            self._acknowledge(origin, on_guided_item(message, self._vehicle), MissionType.MISSION)
+            return
+        if name == "MISSION_CLEAR_ALL" and message.mission_type == _ALL_TYPES:
+            self._clear_all(origin)
+            return
+        if message.mission_type not in self._lists:
+            self._acknowledge(origin, MissionResult.UNSUPPORTED, message.mission_type)
+            return
+        one = self._lists[MissionType(message.mission_type)]
+        if one not in self._busy:
+            self._busy.append(one)
+        if name in _UPLOAD or (name == "MISSION_ACK" and one.upload_channel == origin.channel):
+            self._receive(one, message, origin, now_s)
+        if name == "MISSION_REQUEST_PARTIAL_LIST":
+            self._request_part(one, message, origin)
+        elif name in _DOWNLOAD or name == "MISSION_ACK":
+            sender = one.sender(origin.channel)
+            sender.handle(message, origin.address, now_s)
+            self._post(sender, origin.channel)
+
+    def tick(self, now_s: float) -> None:
+        """Retries, time-outs, and lists whose writing has ended."""
+        if self._clearing is not None:
+            self._finish_clearing(self._clearing)
+        for one in self._busy:
+            self._tick_list(one, now_s)
+        if self._busy:
+            self._busy = [one for one in self._busy if not one.is_idle]
+        progress = self._vehicle.progress
+        if progress.reached:
+            for seq in progress.take_reached():
+                self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
+        if progress.current_seq != self._current_said:
+            self._tell_current()
+
+    def _tick_list(self, one: MissionList, now_s: float) -> None:
+        if one.saving is not None:
+            self._finish_saving(one, now_s)
+        if one.receiver.state is not State.IDLE:
+            one.receiver.tick(now_s)
+            self._after_receiver(one, now_s)
+        for channel, sender in list(one.senders.items()):
+            sender.tick(now_s)
+            self._post(sender, channel)
+            if sender.state is State.IDLE:
+                del one.senders[channel]
+        if one.parts:
+            self._send_parts(one)
+
+    def forget(self, channel: int, now_s: float) -> None:
+        """A channel has gone: an upload on it has broken off, and others need not wait for its time-out."""
+        for one in self._lists.values():
+            one.senders.pop(channel, None)
+            one.parts.pop(channel, None)
+            if one.upload_channel == channel:
+                one.receiver.cancel(now_s)
+                self._after_receiver(one, now_s)
+
+    def _tell_current(self) -> None:
+        self._current_said = self._vehicle.progress.current_seq
+        self._outbox.broadcast(mission_current(self._vehicle))
+
+    def _receive(self, one: MissionList, message: Message, origin: Origin, now_s: float) -> None:
+        # Two stations may well have the same ids: the channel tells them apart
+        busy = one.receiver.partner is not None and one.upload_channel != origin.channel
+        if busy or self._clearing is not None:
+            if message.get_type() in _OFFERS:
+                self._acknowledge(origin, MissionResult.DENIED, one.type)
+            return
+        one.upload_channel = origin.channel
+        if message.get_type() == "MISSION_WRITE_PARTIAL_LIST":
+            self._receive_part(one, message, origin, now_s)
+        else:
+            one.receiver.handle(message, origin.address, now_s)
+        self._after_receiver(one, now_s)
+
+    def _receive_part(self, one: MissionList, message: Message, origin: Origin, now_s: float) -> None:
+        """A part may begin at any item held, or right behind the last, and may reach beyond it."""
+        first, last = message.start_index, message.end_index
+        if not 0 <= first <= min(last, len(one.entries)):
+            self._acknowledge(origin, MissionResult.INVALID_SEQUENCE, one.type)
+        elif last >= one.most:
+            self._acknowledge(origin, MissionResult.NO_SPACE, one.type)
+        else:
+            one.receiver.take_part(first, last - first + 1, origin.address, now_s)
+
+    def _after_receiver(self, one: MissionList, now_s: float) -> None:
+        for event in one.receiver.take_events():
+            if isinstance(event, Completed):
+                self._store(one, event, now_s)
+            elif isinstance(event, Failed):
+                self._tell(Severity.WARNING, f"{_title(one)} upload failed: {event.text}")
+        self._post(one.receiver, one.upload_channel)
+
+    def _store(self, one: MissionList, completed: Completed, now_s: float) -> None:
+        fault = one.store(completed)
+        if fault is not None:
+            one.receiver.confirm(now_s, fault.result)
+            self._tell(Severity.WARNING, f"{_title(one)} refused: {fault.text}")
+            return
+        self._finish_saving(one, now_s)
+
+    def _finish_saving(self, one: MissionList, now_s: float) -> None:
+        saving = one.saving
+        if saving is None or not saving.is_done():
+            return
+        one.saving = None
+        if error := saving.error():
+            one.drop()
+            one.receiver.confirm(now_s, MissionResult.ERROR)
+            self._tell_not_stored(one, error)
+        else:
+            self._swap_in(one)
+            one.receiver.confirm(now_s)
+        self._post(one.receiver, one.upload_channel)
+
+    def _swap_in(self, one: MissionList) -> None:
+        one.swap_in()
+        self._vehicle.losses.end(one.type.name.lower())
+        if one.type is MissionType.FENCE:
+            self._vehicle.take_fence(fence_areas(one.items))
+            return
+        if one.type is MissionType.RALLY:
+            self._vehicle.take_rally(rally_points(one.items))
+            return
+        self._vehicle.take_mission(one.steps)
+        skipped = [seq for seq, step in enumerate(one.steps) if type(step) is Skip]
+        if skipped:
+            what = command_name(one.entries[skipped[0]].item.command)
+            more = f", and {len(skipped) - 1} more" if len(skipped) > 1 else ""
+            self._tell(Severity.WARNING, f"Mission: item {skipped[0]}, {what}, is ignored{more}")
+
+    def _clear_all(self, origin: Origin) -> None:
+        if self._clearing is not None or any(one.receiver.partner for one in self._lists.values()):
+            self._acknowledge(origin, MissionResult.DENIED, _ALL_TYPES)
+            return
+        self._clearing = _Clearing(origin, [one.clear() for one in self._lists.values()])
+        self._finish_clearing(self._clearing)
+
+    def _finish_clearing(self, clearing: _Clearing) -> None:
+        if not all(saving.is_done() for saving in clearing.savings):
+            return
+        self._clearing = None
+        result = MissionResult.ACCEPTED
+        for one, saving in zip(self._lists.values(), clearing.savings, strict=True):
+            if error := saving.error():
+                result = MissionResult.ERROR
+                self._tell_not_stored(one, error)
+            else:
+                self._swap_in(one)
+        self._acknowledge(clearing.origin, result, _ALL_TYPES)
+
+    def _request_part(self, one: MissionList, message: Message, origin: Origin) -> None:
+        """The items are sent as they are, a few a tick, and nothing is waited for: a station asks again for
+        what it misses. An end of −1 is the last item."""
+        held = len(one.entries)
+        first = message.start_index
+        last = held - 1 if message.end_index == -1 else message.end_index
+        if not 0 <= first <= last < held:
+            self._acknowledge(origin, MissionResult.INVALID_SEQUENCE, one.type)
+            return
+        one.parts[origin.channel] = Part(origin.address, first, last)
+
+    def _send_parts(self, one: MissionList) -> None:
+        items = one.offered()
+        for channel, part in list(one.parts.items()):
+            seq = part.next_seq
+            for _ in range(_PART_PER_TICK):
+                if seq > min(part.last_seq, len(one.entries) - 1) or not self._outbox.has_room(channel):
+                    break
+                message = items[seq].to_message(seq, part.partner, one.type)
+                self._outbox.send_bulk(channel, message, _ITEM_BYTES)
+                seq += 1
+            if seq > min(part.last_seq, len(one.entries) - 1):
+                del one.parts[channel]
+            else:
+                one.parts[channel] = part._replace(next_seq=seq)
+
+    def _post(self, machine: Transfer, channel: int) -> None:
+        for message in machine.take_outbox():
+            self._outbox.send(channel, message)
+        if isinstance(machine, Sender):
+            machine.take_events()  # a download that fails is the station's affair
+
+    def _acknowledge(self, origin: Origin, result: MissionResult, mission_type: int) -> None:
+        address = origin.address
+        self._outbox.send(
+            origin.channel,
+            dialect.MAVLink_mission_ack_message(address.system, address.component, result, mission_type),
+        )
+
+    def _tell_not_stored(self, one: MissionList, error: str) -> None:
+        self._tell(Severity.ERROR, f"{_title(one)} not stored: {error}")
+
+    def _tell(self, severity: int, text: str) -> None:
+        self._texts.tell([Notice(severity, text)])
+
+
+def _title(one: MissionList) -> str:
+    return one.type.name.capitalize()

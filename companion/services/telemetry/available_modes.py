@@ -1,0 +1,76 @@
+"""AVAILABLE_MODES, CURRENT_MODE and AVAILABLE_MODES_MONITOR: which modes there are, and which one is on."""
+
+from companion.core.modes import Mode
+from companion.mavlink.dialect import Message, dialect
+from companion.services.outbox import Outbox
+from companion.vehicle.vehicle import Vehicle
+
+PERIOD_S = 2.0
+
+_MODES = tuple(Mode)
+# None of Rover's modes promises all that a standard mode does, and ArduPilot does not say that one does
+_STANDARD: int = dialect.MAV_STANDARD_MODE_NON_STANDARD
+_ADVANCED = frozenset((Mode.ACRO, Mode.STEERING, Mode.SIMPLE, Mode.FOLLOW))
+
+
+def available_mode(index: int) -> Message | None:
+    """The mode with this index, from 1 on; None where there is no such index."""
+    if not 1 <= index <= len(_MODES):
+        return None
+    mode = _MODES[index - 1]
+    return dialect.MAVLink_available_modes_message(
+        number_modes=len(_MODES),
+        mode_index=index,
+        standard_mode=_STANDARD,
+        custom_mode=int(mode),
+        properties=dialect.MAV_MODE_PROPERTY_ADVANCED if mode in _ADVANCED else 0,
+        mode_name=mode.name.encode("ascii"),
+    )
+
+
+def available_modes(which: float) -> list[Message]:
+    """What REQUEST_MESSAGE's second parameter asks for: one mode, all of them for 0, none beyond."""
+    if not 0.0 <= which <= len(_MODES):
+        return []
+    indexes = range(1, len(_MODES) + 1) if which == 0.0 else (int(which),)
+    return [message for index in indexes if (message := available_mode(index)) is not None]
+
+
+def current_mode(vehicle: Vehicle) -> Message:
+    """The mode that is on. A mode that cannot be entered is refused, so none is ever only intended."""
+    message: Message = dialect.MAVLink_current_mode_message(_STANDARD, int(vehicle.mode), int(vehicle.mode))
+    return message
+
+
+def available_modes_monitor() -> Message:
+    """The list of modes never changes, nor does its number."""
+    message: Message = dialect.MAVLink_available_modes_monitor_message(0)
+    return message
+
+
+class ModesInfoService:
+    """Says which mode is on, every PERIOD_S and whenever it changes."""
+
+    def __init__(self, vehicle: Vehicle, outbox: Outbox) -> None:
+        self._vehicle = vehicle
+        self._outbox = outbox
+        self._due_s = 0.0
+        self._said = vehicle.mode
+
+    def tick(self, now_s: float) -> None:
+        """Send when due or changed."""
+        if now_s >= self._due_s:
+            self._due_s = now_s + PERIOD_S
+            self._outbox.broadcast(available_modes_monitor())
+            self._say()
+        else:
+            self.tell_change()
+
+    def tell_change(self) -> None:
+        """Send if the mode is not the one said last."""
+        if self._vehicle.mode is not self._said:
+            self._say()
+
+    def _say(self) -> None:
+        self._said = self._vehicle.mode
+        self._outbox.broadcast(current_mode(self._vehicle))

@@ -1,0 +1,89 @@
+"""Telemetry of the estimate: how well it stands, and how water and wind carry the boat."""
+
+from companion.core.state import EstimateFault
+from companion.mavlink.dialect import Message, dialect
+from companion.services.telemetry.snapshot import Snapshot
+
+_GNSS_BAD = EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
+_GLITCH = EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
+_SHAKEN = 0.8  # where stations turn a bar yellow: measured by something else than it should be
+_RELATIVE_FLAGS = dialect.EKF_VELOCITY_HORIZ | dialect.EKF_POS_HORIZ_REL | dialect.EKF_PRED_POS_HORIZ_REL
+_ABSOLUTE_FLAGS = dialect.EKF_POS_HORIZ_ABS | dialect.EKF_PRED_POS_HORIZ_ABS
+_SET_NAME = b"SET"
+
+
+def _health(now: Snapshot) -> tuple[int, float, float]:
+    """Flags, and how near position and heading are to being given up: 1 is there.
+
+    ESTIMATOR_STATUS_FLAGS and EKF_STATUS_FLAGS have the same bits up to EKF_PRED_POS_HORIZ_ABS.
+    """
+    nav, config = now.nav, now.config
+    if nav is None:
+        return 0, 1.0, 1.0
+    faults, timeout_s = nav.faults, config.motors.estimate_timeout_s
+    position = min(nav.position_age_s / timeout_s, 1.0)
+    position = max(position, min(nav.position_sigma_m / config.estimation.lost_sigma_m, 1.0))
+    heading = min(nav.heading_age_s / timeout_s, 1.0)
+    if faults & EstimateFault.POSITION_LOST:
+        position = 1.0
+    if faults & EstimateFault.HEADING_LOST:
+        heading = 1.0
+    elif faults & (EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF):
+        heading = max(heading, _SHAKEN)
+    flags = dialect.EKF_ATTITUDE if heading < 1.0 else 0
+    if position < 1.0:
+        flags |= _RELATIVE_FLAGS | _ABSOLUTE_FLAGS
+        if faults & _GNSS_BAD:
+            flags &= ~dialect.EKF_POS_HORIZ_ABS  # dead reckoning
+            position = max(position, _SHAKEN)
+    return flags, position, heading
+
+
+def ekf_status_report(now: Snapshot) -> Message:
+    """Which parts of the estimate may be relied on.
+
+    The variances are shares of what makes the boat give that part up, so that 1 is where stations (and the
+    gate) draw the line.
+    """
+    flags, position, heading = _health(now)
+    if now.frame is None:
+        flags |= dialect.EKF_UNINITIALIZED
+    elif now.nav is not None and now.nav.faults & _GLITCH:
+        flags |= dialect.EKF_GPS_GLITCHING
+    return dialect.MAVLink_ekf_status_report_message(flags, position, position, 0.0, heading, 0.0)
+
+
+def estimator_status(now: Snapshot) -> Message | None:
+    """The same for stations that ask the standard's way, with the position's accuracy in metres."""
+    nav = now.nav
+    if nav is None or now.frame is None:
+        return None
+    flags, position, heading = _health(now)
+    if nav.faults & _GLITCH:
+        flags |= dialect.ESTIMATOR_GPS_GLITCH
+    return dialect.MAVLink_estimator_status_message(
+        time_usec=now.boot_us,
+        flags=flags,
+        vel_ratio=position,
+        pos_horiz_ratio=position,
+        pos_vert_ratio=0.0,
+        mag_ratio=heading,
+        hagl_ratio=0.0,
+        tas_ratio=0.0,
+        pos_horiz_accuracy=nav.position_sigma_m,
+        pos_vert_accuracy=0.0,
+    )
+
+
+def water_set(now: Snapshot) -> Message | None:
+    """How water and wind carry the boat, m/s north and east.
+
+    MAVLink has messages for wind and none for current. WIND would put the water's motion where stations draw
+    the air's, so it goes as a named vector, which they list and plot.
+    """
+    nav = now.nav
+    if nav is None or now.frame is None:
+        return None
+    return dialect.MAVLink_debug_vect_message(
+        _SET_NAME, now.boot_us, nav.set_north_m_s, nav.set_east_m_s, 0.0
+    )

@@ -1,0 +1,71 @@
+"""HEARTBEAT: once a second, and at once whenever what it says has changed.
+
+A ground station waits 1.3 s for a new mode and 1.5 s for the armed bit; at 1 Hz alone it would sometimes
+report a failure that never was.
+"""
+
+from companion.calibration.motor_test import MotorTest
+from companion.core.modes import Mode
+from companion.mavlink.dialect import Message, dialect
+from companion.services.outbox import Outbox
+from companion.vehicle.vehicle import Vehicle
+
+_PERIOD_S = 1.0
+
+_BASE_MODE = {
+    mode: dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+    if mode.is_by_hand
+    else dialect.MAV_MODE_FLAG_GUIDED_ENABLED
+    for mode in Mode
+} | {Mode.HOLD: 0}
+
+
+class HeartbeatService:
+    """Announces the boat as an ArduPilot surface boat with Rover's modes."""
+
+    def __init__(self, vehicle: Vehicle, outbox: Outbox, motor_test: MotorTest) -> None:
+        self._vehicle = vehicle
+        self._outbox = outbox
+        self._motor_test = motor_test
+        self._due_s = 0.0
+        self._said = (vehicle.mode, vehicle.armed)
+
+    @property
+    def _is_armed(self) -> bool:
+        """Whether propellers may turn, a motor test included: as ArduPilot says it."""
+        return self._vehicle.armed or self._motor_test.is_running
+
+    def message(self) -> Message:
+        """The heartbeat of now."""
+        vehicle = self._vehicle
+        base_mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | _BASE_MODE[vehicle.mode]
+        if self._is_armed:
+            base_mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
+        # ACTIVE makes stations offer Return and go-to; a boat that holds is STANDBY so that they offer Disarm
+        is_active = vehicle.armed and vehicle.mode is not Mode.HOLD
+        return dialect.MAVLink_heartbeat_message(
+            type=dialect.MAV_TYPE_SURFACE_BOAT,
+            autopilot=dialect.MAV_AUTOPILOT_ARDUPILOTMEGA,
+            base_mode=base_mode,
+            custom_mode=int(vehicle.mode),
+            system_status=dialect.MAV_STATE_ACTIVE if is_active else dialect.MAV_STATE_STANDBY,
+            mavlink_version=3,
+        )
+
+    def tick(self, now_s: float) -> None:
+        """Send when due or changed."""
+        if now_s >= self._due_s:
+            self._due_s = now_s + _PERIOD_S
+            self._say()
+        else:
+            self.tell_change()
+
+    def tell_change(self) -> None:
+        """Send if mode or arming differ from what was said last."""
+        said, vehicle = self._said, self._vehicle
+        if vehicle.mode is not said[0] or self._is_armed is not said[1]:
+            self._say()
+
+    def _say(self) -> None:
+        self._said = (self._vehicle.mode, self._is_armed)
+        self._outbox.broadcast(self.message())

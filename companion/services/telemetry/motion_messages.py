@@ -1,0 +1,196 @@
+"""Telemetry of the boat's motion: one function per message, None while there is nothing true to say."""
+
+import math
+
+from companion.core.geo import LatLon, bearing_rad
+from companion.core.units import clamp, deg_to_e7, wrap_two_pi
+from companion.mavlink.dialect import Message, dialect
+from companion.services.telemetry.snapshot import Snapshot
+
+# POSITION_TARGET_TYPEMASK: height, vertical speed, accelerations and yaw rate mean nothing here
+_POSITION_AND_VELOCITY = 0b1001_1110_0100
+
+
+# What a field holds: a cold receiver reports any altitude and any accuracy
+_INT32_MAX, _UINT32_MAX = 0x7FFFFFFF, 0xFFFFFFFF
+
+
+def _int16(value: float) -> int:
+    return round(clamp(value, -32767.0, 32767.0))
+
+
+def _heading_cdeg(heading_rad: float) -> int:
+    return round(math.degrees(wrap_two_pi(heading_rad)) * 100.0) % 36000
+
+
+def attitude(now: Snapshot) -> Message | None:
+    """A boat's roll and pitch are not measured: both stay 0."""
+    if now.nav is None:
+        return None
+    return dialect.MAVLink_attitude_message(
+        now.boot_ms, 0.0, 0.0, now.nav.heading_rad, 0.0, 0.0, now.nav.yaw_rate_rad_s
+    )
+
+
+def attitude_quaternion(now: Snapshot) -> Message | None:
+    """The same as ATTITUDE, as a rotation."""
+    if now.nav is None:
+        return None
+    half_rad = 0.5 * now.nav.heading_rad
+    return dialect.MAVLink_attitude_quaternion_message(
+        now.boot_ms, math.cos(half_rad), 0.0, 0.0, math.sin(half_rad), 0.0, 0.0, now.nav.yaw_rate_rad_s
+    )
+
+
+def global_position_int(now: Snapshot) -> Message | None:
+    """The estimate, not the receiver's fix."""
+    nav, frame = now.nav, now.frame
+    if nav is None or frame is None:
+        return None
+    here = frame.to_global(nav.point)
+    return dialect.MAVLink_global_position_int_message(
+        now.boot_ms,
+        deg_to_e7(here.lat_deg),
+        deg_to_e7(here.lon_deg),
+        0,
+        0,
+        _int16(nav.north_m_s * 100.0),
+        _int16(nav.east_m_s * 100.0),
+        0,
+        _heading_cdeg(nav.heading_rad),
+    )
+
+
+def local_position_ned(now: Snapshot) -> Message | None:
+    """Relative to the frame's origin, which is where the first fix was."""
+    nav = now.nav
+    if nav is None or now.frame is None:
+        return None
+    return dialect.MAVLink_local_position_ned_message(
+        now.boot_ms, nav.north_m, nav.east_m, 0.0, nav.north_m_s, nav.east_m_s, 0.0
+    )
+
+
+def global_origin(origin: LatLon, time_us: int = 0) -> Message:
+    """Where local positions are measured from."""
+    return dialect.MAVLink_gps_global_origin_message(
+        deg_to_e7(origin.lat_deg), deg_to_e7(origin.lon_deg), 0, time_us
+    )
+
+
+def gps_global_origin(now: Snapshot) -> Message | None:
+    """LOCAL_POSITION_NED's origin, once it is laid."""
+    return None if now.frame is None else global_origin(now.frame.origin, now.boot_us)
+
+
+def position_target_global_int(now: Snapshot) -> Message | None:
+    """Where the boat is heading, and how fast; silent while it steers for no place."""
+    target, demand = now.vehicle.active_position(), now.demand
+    if target is None or demand is None:
+        return None
+    north_m_s = demand.speed_m_s * math.cos(demand.heading_rad)
+    east_m_s = demand.speed_m_s * math.sin(demand.heading_rad)
+    return dialect.MAVLink_position_target_global_int_message(
+        time_boot_ms=now.boot_ms,
+        coordinate_frame=dialect.MAV_FRAME_GLOBAL,
+        type_mask=_POSITION_AND_VELOCITY,
+        lat_int=deg_to_e7(target.lat_deg),
+        lon_int=deg_to_e7(target.lon_deg),
+        alt=0.0,
+        vx=north_m_s,
+        vy=east_m_s,
+        vz=0.0,
+        afx=0.0,
+        afy=0.0,
+        afz=0.0,
+        yaw=demand.heading_rad,
+        yaw_rate=0.0,
+    )
+
+
+def vfr_hud(now: Snapshot) -> Message | None:
+    """Ground speed, heading and throttle for the instrument panel."""
+    nav = now.nav
+    if nav is None:
+        return None
+    speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
+    throttle = round(50.0 * abs(now.command.left + now.command.right))
+    heading_deg = round(math.degrees(wrap_two_pi(nav.heading_rad))) % 360
+    return dialect.MAVLink_vfr_hud_message(speed_m_s, speed_m_s, heading_deg, throttle, 0.0, 0.0)
+
+
+def gps_raw_int(now: Snapshot) -> Message | None:
+    """The receiver's fix as it came; "no fix" while there is none, so that stations show why."""
+    fix = now.fix
+    if fix is None:
+        return dialect.MAVLink_gps_raw_int_message(
+            now.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFF
+        )
+    if fix.north_m_s is None or fix.east_m_s is None:
+        speed_cm_s, course_cdeg = 0xFFFF, 0xFFFF
+    else:
+        speed_cm_s = min(round(100.0 * math.hypot(fix.north_m_s, fix.east_m_s)), 0xFFFE)
+        course_cdeg = _heading_cdeg(math.atan2(fix.east_m_s, fix.north_m_s))
+    accuracy_m = fix.horizontal_accuracy_m
+    return dialect.MAVLink_gps_raw_int_message(
+        time_usec=round(fix.time_s * 1e6),
+        fix_type=fix.fix_type,
+        lat=deg_to_e7(fix.position.lat_deg),
+        lon=deg_to_e7(fix.position.lon_deg),
+        alt=round(clamp(fix.altitude_m * 1e3, -_INT32_MAX, _INT32_MAX)),
+        eph=round(min(fix.hdop * 100.0, 65534.0)),
+        epv=0xFFFF,
+        vel=speed_cm_s,
+        cog=course_cdeg,
+        satellites_visible=min(fix.satellites, 255),  # which is: not known
+        h_acc=0 if accuracy_m is None else round(clamp(accuracy_m * 1e3, 0.0, _UINT32_MAX)),
+    )
+
+
+def nav_controller_output(now: Snapshot) -> Message | None:
+    """Where guidance wants to go. xtrack_error is positive to the right of the line."""
+    nav, demand = now.nav, now.demand
+    if nav is None:
+        return None
+    if demand is None:
+        heading_deg = _int16(math.degrees(nav.heading_rad))
+        return dialect.MAVLink_nav_controller_output_message(
+            0.0, 0.0, heading_deg, heading_deg, 0, 0.0, 0.0, 0.0
+        )
+    target_deg = heading_deg = _int16(math.degrees(demand.heading_rad))
+    if now.frame is not None and (waypoint := now.vehicle.active_position()) is not None:
+        target_deg = _int16(math.degrees(bearing_rad(nav.point, now.frame.to_local(waypoint))))
+    return dialect.MAVLink_nav_controller_output_message(
+        nav_roll=0.0,
+        nav_pitch=0.0,
+        nav_bearing=heading_deg,
+        target_bearing=target_deg,
+        wp_dist=round(min(demand.distance_m, 65535.0)),
+        alt_error=0.0,
+        aspd_error=demand.speed_m_s - math.hypot(nav.north_m_s, nav.east_m_s),
+        xtrack_error=demand.cross_track_m,
+    )
+
+
+def servo_output_raw(now: Snapshot) -> Message:
+    """Motor commands as the pulse widths that stations draw: 1 left, 3 right, as Rover's skid steering."""
+    left, right = (round(1500.0 + 500.0 * share) for share in (now.command.left, now.command.right))
+    return dialect.MAVLink_servo_output_raw_message(
+        now.boot_us & 0xFFFFFFFF, 0, left, 0, right, 0, 0, 0, 0, 0
+    )
+
+
+def pid_tuning(now: Snapshot) -> Message | None:
+    """The heading PID at work; silent while no heading is steered."""
+    pid, demand, nav = now.heading_pid, now.demand, now.nav
+    if pid is None or demand is None or nav is None:
+        return None
+    return dialect.MAVLink_pid_tuning_message(
+        axis=dialect.PID_TUNING_YAW,
+        desired=math.degrees(demand.heading_rad),
+        achieved=math.degrees(nav.heading_rad),
+        FF=pid.ff,
+        P=pid.p,
+        I=pid.i,
+        D=pid.d,
+    )

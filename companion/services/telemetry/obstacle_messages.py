@@ -1,0 +1,74 @@
+"""Telemetry of what lies and moves around the boat."""
+
+import math
+
+from companion.core.geo import Point, bearing_rad, distance_m
+from companion.core.units import wrap_pi
+from companion.mavlink.dialect import Message, dialect
+from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, UNKNOWN_CM
+from companion.services.telemetry.snapshot import Snapshot
+
+
+def obstacle_distance(now: Snapshot) -> Message | None:
+    """The rangers' latest sweep and what is remembered beyond it, 72 sectors clockwise from the bow; silent
+    while nothing is heard at all.
+    """
+    sweep = now.sweep
+    if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
+        return None
+    distances, farthest_cm = sweep.distances_cm(now.now_s)
+    for sector, cm in _remembered_cm(now).items():
+        if cm <= farthest_cm:
+            distances[sector] = min(distances[sector], cm)
+    return dialect.MAVLink_obstacle_distance_message(
+        time_usec=now.boot_us,
+        sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        distances=distances,
+        increment=round(math.degrees(SECTOR_RAD)),
+        min_distance=round(100.0 * sweep.latest.min_range_m),
+        max_distance=farthest_cm,
+        increment_f=math.degrees(SECTOR_RAD),
+        angle_offset=0.0,
+        frame=dialect.MAV_FRAME_BODY_FRD,
+    )
+
+
+def _remembered_cm(now: Snapshot) -> dict[int, int]:
+    """The nearest solid thing on the map, for each sector that there is one in."""
+    nearest: dict[int, int] = {}
+    lookout, nav = now.lookout, now.nav
+    if lookout is None or nav is None:
+        return nearest
+    here, half_m = nav.point, 0.5 * lookout.occupancy.cell_m
+    for thing in lookout.solid(now.now_s):
+        distance = max(distance_m(here, thing), half_m)
+        centre = wrap_pi(bearing_rad(here, thing) - nav.heading_rad)
+        half = math.atan2(half_m, distance)
+        for sector in range(round((centre - half) / SECTOR_RAD), round((centre + half) / SECTOR_RAD) + 1):
+            cm = min(round(100.0 * distance), UNKNOWN_CM - 1)
+            nearest[sector % SECTORS] = min(nearest.get(sector % SECTORS, UNKNOWN_CM), cm)
+    return nearest
+
+
+def obstacle_distance_3d(now: Snapshot) -> Message | None:
+    """The nearest thing that is followed, ahead and to starboard of the boat, with its own number."""
+    lookout, nav = now.lookout, now.nav
+    known = [] if lookout is None else lookout.tracks.known(now.now_s)
+    if lookout is None or nav is None or not known:
+        return None
+    here = nav.point
+    track = min(known, key=lambda one: one.distance_m(here, now.now_s))
+    at: Point = track.point(now.now_s)
+    north, east = at.north_m - here.north_m, at.east_m - here.east_m
+    c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+    return dialect.MAVLink_obstacle_distance_3d_message(
+        time_boot_ms=now.boot_ms,
+        sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        frame=dialect.MAV_FRAME_BODY_FRD,
+        obstacle_id=track.number & 0xFFFF,
+        x=north * c + east * s,
+        y=east * c - north * s,
+        z=0.0,
+        min_distance=0.0,
+        max_distance=lookout.reach_m,
+    )

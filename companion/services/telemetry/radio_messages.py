@@ -1,0 +1,33 @@
+"""Telemetry of the sticks, the transmitter's and the stations'."""
+
+from companion.mavlink.dialect import Message, dialect
+from companion.services.telemetry.snapshot import Snapshot
+
+_MOST_CHANNELS = 18
+_CENTRE_US, _SPAN_US = 1500.0, 500.0
+_UNUSED = 0xFFFF
+_BEST_SIGNAL, _UNKNOWN_SIGNAL = 254.0, 0xFF
+
+
+def rc_channels(now: Snapshot) -> Message:
+    """The receiver's channels, none while the transmitter is lost, and the link's quality as the signal.
+
+    Sticks that a station holds stand in the place of the transmitter's. Without a receiver they are all there
+    is, centred when released.
+    """
+    sticks, config = now.vehicle.conduct.sticks, now.config
+    radio, rc, reading = sticks.radio, config.rc, sticks.radio.latest
+    pulses, signal = [], _UNKNOWN_SIGNAL
+    if reading is not None and radio.is_fresh(rc, now.now_s):
+        pulses = list(reading.channels_us[:_MOST_CHANNELS])
+        if reading.quality is not None:
+            signal = round(_BEST_SIGNAL * reading.quality)
+    elif radio.is_fitted:
+        signal = 0
+    if sticks.has_station(config, now.now_s) or not radio.is_fitted:
+        throttle, steering = sticks.held(config, now.now_s)
+        pulses += [round(_CENTRE_US)] * (4 - len(pulses))
+        pulses[rc.steering_channel - 1] = round(_CENTRE_US + _SPAN_US * steering)
+        pulses[rc.throttle_channel - 1] = round(_CENTRE_US + _SPAN_US * throttle)
+    unused = [_UNUSED] * (_MOST_CHANNELS - len(pulses))
+    return dialect.MAVLink_rc_channels_message(now.boot_ms, len(pulses), *pulses, *unused, signal)

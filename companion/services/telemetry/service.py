@@ -1,0 +1,151 @@
+"""Telemetry: the table of messages that the boat can send, each channel's timetable, and single requests."""
+
+import math
+from collections.abc import Callable
+
+from companion.mavlink.dialect import Message, dialect
+from companion.services import component_metadata as metadata
+from companion.services.outbox import Outbox
+from companion.services.telemetry import available_modes as modes
+from companion.services.telemetry import estimate_messages as estimate
+from companion.services.telemetry import motion_messages as motion
+from companion.services.telemetry import obstacle_messages as obstacle
+from companion.services.telemetry import radio_messages as radio
+from companion.services.telemetry import sensor_messages as sensor
+from companion.services.telemetry import status_messages as status
+from companion.services.telemetry.snapshot import Snapshot
+from companion.services.telemetry.streams import Streams
+
+_ID = dialect
+BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
+    _ID.MAVLINK_MSG_ID_ATTITUDE: motion.attitude,
+    _ID.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: motion.attitude_quaternion,
+    _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: motion.global_position_int,
+    _ID.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: motion.gps_global_origin,
+    _ID.MAVLINK_MSG_ID_GPS_RAW_INT: motion.gps_raw_int,
+    _ID.MAVLINK_MSG_ID_LOCAL_POSITION_NED: motion.local_position_ned,
+    _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
+    _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
+    _ID.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
+    _ID.MAVLINK_MSG_ID_RC_CHANNELS: radio.rc_channels,
+    _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
+    _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
+    _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_set,
+    _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: estimate.ekf_status_report,
+    _ID.MAVLINK_MSG_ID_ESTIMATOR_STATUS: estimate.estimator_status,
+    _ID.MAVLINK_MSG_ID_MEMINFO: sensor.meminfo,
+    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: obstacle.obstacle_distance,
+    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE_3D: obstacle.obstacle_distance_3d,
+    _ID.MAVLINK_MSG_ID_POWER_STATUS: sensor.power_status,
+    _ID.MAVLINK_MSG_ID_RAW_IMU: sensor.raw_imu,
+    _ID.MAVLINK_MSG_ID_SCALED_IMU: sensor.scaled_imu,
+    _ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION: status.autopilot_version,
+    _ID.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: lambda _: modes.available_modes_monitor(),
+    _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
+    metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
+    metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
+    _ID.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
+    _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
+    _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
+    _ID.MAVLINK_MSG_ID_FENCE_STATUS: status.fence_status,
+    _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
+    _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
+    _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
+    _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
+}
+
+# What is sent only when it is asked for, by REQUEST_MESSAGE's second parameter
+INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {
+    _ID.MAVLINK_MSG_ID_AVAILABLE_MODES: lambda _, which: modes.available_modes(which),
+}
+
+_LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour
+
+
+MaySend = Callable[[int, float], bool]
+"""Whether a channel has room for telemetry now."""
+
+Look = Callable[[], Snapshot | None]
+"""Takes stock of the boat."""
+
+
+def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
+    """On every channel."""
+    return True
+
+
+class TelemetryService:
+    """Sends what is due on each channel; where there is no room, it all waits and becomes slower alike."""
+
+    def __init__(self, outbox: Outbox, look: Look, may_send: MaySend = always) -> None:
+        """look: what the boat knows now, None before its first step. Asked only when something is due."""
+        self._outbox = outbox
+        self._look = look
+        self._may_send = may_send
+        self._streams: dict[int, Streams] = {}
+
+    def open(self, channel: int, stream_hz: float) -> None:
+        """A channel has opened."""
+        self._streams[channel] = Streams(stream_hz)
+
+    def forget(self, channel: int) -> None:
+        """A channel has closed."""
+        self._streams.pop(channel, None)
+
+    @staticmethod
+    def answers(message_id: int) -> bool:
+        """Whether this is a message that the boat can be asked for."""
+        return message_id in BUILDERS or message_id in INDEXED
+
+    def build_all(self, message_id: int, which: float) -> list[Message]:
+        """What answers a request as of now; none when there is nothing to say yet.
+
+        which: the request's second parameter, an index where the message has one.
+        """
+        now = self._look()
+        if now is None:
+            return []
+        if (build_indexed := INDEXED.get(message_id)) is not None:
+            return build_indexed(now, which)
+        builder = BUILDERS.get(message_id)
+        message = None if builder is None else builder(now)
+        return [] if message is None else [message]
+
+    def set_interval_us(self, channel: int, message_id: int, interval_us: float, now_s: float) -> bool:
+        """SET_MESSAGE_INTERVAL: −1 stops, 0 asks for the default rate. False for a message we never send."""
+        if message_id not in BUILDERS or not math.isfinite(interval_us):
+            return False
+        if (streams := self._streams.get(channel)) is not None:
+            interval_s = math.inf if interval_us < 0.0 else min(interval_us, _LONGEST_US) * 1e-6
+            streams.set_interval(message_id, interval_s or streams.default_s(message_id), now_s)
+        return True
+
+    def interval_us(self, channel: int, message_id: int) -> int:
+        """GET_MESSAGE_INTERVAL: −1 when it is not sent, 0 when it never can be."""
+        if message_id not in BUILDERS:
+            return 0
+        streams = self._streams.get(channel)
+        interval_s = streams.interval_s(message_id) if streams is not None else math.inf
+        return -1 if math.isinf(interval_s) else round(interval_s * 1e6)
+
+    def on_request_data_stream(self, message: Message, channel: int, now_s: float) -> None:
+        """The old way to ask for rates, a group at a time."""
+        if (streams := self._streams.get(channel)) is not None:
+            rate_hz = float(message.req_message_rate) if message.start_stop else 0.0
+            streams.set_group(message.req_stream_id, rate_hz, now_s)
+
+    def tick(self, now_s: float) -> None:
+        """Send what is due. A message that several channels want is built once."""
+        built: dict[int, Message | None] = {}
+        now: Snapshot | None = None
+        for channel, streams in self._streams.items():
+            if not streams.has_due(now_s) or not self._may_send(channel, now_s):
+                continue
+            now = now or self._look()
+            if now is None:
+                return
+            for message_id in streams.due(now_s):
+                if message_id not in built:
+                    built[message_id] = BUILDERS[message_id](now)
+                if (message := built[message_id]) is not None:
+                    self._outbox.send(channel, message)

@@ -1,0 +1,252 @@
+"""Telemetry of the boat's condition: one function per message, None while there is nothing true to say."""
+
+import math
+import re
+
+from companion import __version__
+from companion.core.modes import Mode
+from companion.core.units import clamp, deg_to_e7, wrap_two_pi
+from companion.mavlink.dialect import Message, dialect
+from companion.services.telemetry.snapshot import Snapshot
+from companion.vehicle.vehicle import Vehicle
+
+# A real Rover version (major, minor, patch, stage): stations pick their parameter descriptions by it
+_ROVER_VERSION = (4, 6, 0, 0)
+
+_SENSOR = dialect
+_PRESENT = (
+    _SENSOR.MAV_SYS_STATUS_SENSOR_3D_MAG
+    | _SENSOR.MAV_SYS_STATUS_SENSOR_GPS
+    | _SENSOR.MAV_SYS_STATUS_SENSOR_YAW_POSITION
+    | _SENSOR.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+    | _SENSOR.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    | _SENSOR.MAV_SYS_STATUS_AHRS
+    | _SENSOR.MAV_SYS_STATUS_PREARM_CHECK
+)
+
+
+def sys_status(now: Snapshot) -> Message:
+    """Health bits. Stations take the boat for armable by the PREARM_CHECK bit."""
+    vehicle, estimate_timeout_s = now.vehicle, now.config.motors.estimate_timeout_s
+    nav = now.nav
+    health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    if not vehicle.failsafes.signs.fence.is_outside:
+        # A fence that is not there cannot be breached; MAVProxy warns of a breach where this bit is missing
+        health |= dialect.MAV_SYS_STATUS_GEOFENCE
+    if nav is None or nav.heading_age_s > estimate_timeout_s:
+        health &= ~(dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_YAW_POSITION)
+    if nav is None or nav.position_age_s > estimate_timeout_s:
+        health &= ~(dialect.MAV_SYS_STATUS_SENSOR_GPS | dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL)
+        health &= ~dialect.MAV_SYS_STATUS_AHRS
+    if vehicle.arming_faults():
+        health &= ~dialect.MAV_SYS_STATUS_PREARM_CHECK
+    enabled = _PRESENT
+    if vehicle.armed:
+        health |= dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    else:
+        enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    fitted, well = _optional_parts(now)
+    enabled |= fitted
+    if not now.config.failsafe.rc_enabled:
+        enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+    battery = now.battery
+    current_a = battery.current_a if battery is not None else None
+    return dialect.MAVLink_sys_status_message(
+        onboard_control_sensors_present=_PRESENT | fitted,
+        onboard_control_sensors_enabled=enabled,
+        onboard_control_sensors_health=health | well,
+        load=round(clamp(now.load * 1000.0, 0.0, 1000.0)),
+        voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),
+        current_battery=-1 if current_a is None else round(current_a * 100.0),
+        battery_remaining=now.battery_percent,
+        drop_rate_comm=0,
+        errors_comm=0,
+        errors_count1=0,
+        errors_count2=0,
+        errors_count3=0,
+        errors_count4=0,
+    )
+
+
+def _optional_parts(now: Snapshot) -> tuple[int, int]:
+    """The bits of parts that not every boat has, and of those among them that are well."""
+    fitted = well = 0
+    if now.vehicle.fence.is_active:
+        fitted |= dialect.MAV_SYS_STATUS_GEOFENCE
+    if now.battery is not None:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+        if not now.vehicle.failsafes.pack_is_low:
+            well |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+    if now.heading is not None and now.heading.yaw_rate_rad_s is not None:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
+        if now.now_s - now.heading.time_s <= now.config.motors.estimate_timeout_s:
+            well |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    radio = now.vehicle.conduct.sticks.radio
+    if radio.is_fitted:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+        if radio.is_fresh(now.config.rc, now.now_s):
+            well |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+    if now.sweep is not None and now.sweep.latest is not None:
+        fitted |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+        if not now.sweep.is_empty(now.now_s):
+            well |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+    return fitted, well
+
+
+def battery_status(now: Snapshot) -> Message | None:
+    """The pack; cells are not measured one by one, so the whole voltage stands in the first place."""
+    battery = now.battery
+    if battery is None:
+        return None
+    is_low = now.vehicle.failsafes.pack_is_low
+    return dialect.MAVLink_battery_status_message(
+        id=0,
+        battery_function=dialect.MAV_BATTERY_FUNCTION_ALL,
+        type=dialect.MAV_BATTERY_TYPE_LIPO,
+        temperature=0x7FFF,
+        voltages=[round(battery.voltage_v * 1e3)] + [0xFFFF] * 9,
+        current_battery=-1 if battery.current_a is None else round(battery.current_a * 100.0),
+        current_consumed=-1 if battery.current_a is None else round(now.consumed_mah),
+        energy_consumed=-1,
+        battery_remaining=now.battery_percent,
+        charge_state=dialect.MAV_BATTERY_CHARGE_STATE_LOW if is_low else dialect.MAV_BATTERY_CHARGE_STATE_OK,
+    )
+
+
+def fence_status(now: Snapshot) -> Message | None:
+    """How the boat stands to its fence; silent without one."""
+    if not now.vehicle.fence.is_active:
+        return None
+    watch = now.vehicle.failsafes.signs.fence
+    breach = dialect.FENCE_BREACH_BOUNDARY if watch.is_outside else dialect.FENCE_BREACH_NONE
+    return dialect.MAVLink_fence_status_message(
+        breach_status=int(watch.is_outside),
+        breach_count=min(watch.breaches, 0xFFFF),
+        breach_type=breach,
+        breach_time=round(watch.breached_s * 1e3) & 0xFFFFFFFF,
+    )
+
+
+def system_time(now: Snapshot) -> Message:
+    """The date is 0 until the receiver or the computer knows it."""
+    return dialect.MAVLink_system_time_message(round(now.unix_s * 1e6), now.boot_ms)
+
+
+def home_position(now: Snapshot) -> Message | None:
+    """Home, once it is known."""
+    home = now.vehicle.home
+    if home is None:
+        return None
+    north_m, east_m = now.frame.to_local(home) if now.frame is not None else (0.0, 0.0)
+    return dialect.MAVLink_home_position_message(
+        latitude=deg_to_e7(home.lat_deg),
+        longitude=deg_to_e7(home.lon_deg),
+        altitude=0,
+        x=north_m,
+        y=east_m,
+        z=0.0,
+        q=[1.0, 0.0, 0.0, 0.0],
+        approach_x=0.0,
+        approach_y=0.0,
+        approach_z=0.0,
+        time_usec=now.boot_us,
+    )
+
+
+def mission_current(vehicle: Vehicle) -> Message:
+    """The current item and how the mission stands. The total leaves home out, as the protocol asks."""
+    progress = vehicle.progress
+    if progress.is_empty:
+        state = dialect.MISSION_STATE_NO_MISSION
+    elif vehicle.sails_mission_home:
+        state = dialect.MISSION_STATE_ACTIVE
+    elif progress.finished:
+        state = dialect.MISSION_STATE_COMPLETE
+    elif vehicle.mode is Mode.AUTO and vehicle.armed:
+        state = dialect.MISSION_STATE_ACTIVE
+    elif progress.has_started:
+        state = dialect.MISSION_STATE_PAUSED
+    else:
+        state = dialect.MISSION_STATE_NOT_STARTED
+    in_auto = 1 if vehicle.mode is Mode.AUTO else 2  # mission_mode: 1 in mission mode, 2 suspended
+    return dialect.MAVLink_mission_current_message(progress.current_seq, progress.last_seq, state, in_auto)
+
+
+def distance_sensor(now: Snapshot) -> Message | None:
+    """The latest ping. A bearing between the compass points goes out as a custom orientation."""
+    ping = now.sonar
+    if ping is None:
+        return None
+    half_yaw_rad = 0.5 * ping.bearing_rad
+    range_m = ping.max_range_m + 0.01 if ping.range_m is None else ping.range_m
+    return dialect.MAVLink_distance_sensor_message(
+        time_boot_ms=round(ping.time_s * 1e3) & 0xFFFFFFFF,
+        min_distance=round(ping.min_range_m * 100.0),
+        max_distance=round(ping.max_range_m * 100.0),
+        current_distance=round(clamp(range_m * 100.0, 0.0, 65535.0)),
+        type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        id=0,
+        orientation=_orientation(ping.bearing_rad),
+        covariance=0xFF,
+        horizontal_fov=math.radians(15.0),
+        vertical_fov=math.radians(15.0),
+        quaternion=[math.cos(half_yaw_rad), 0.0, 0.0, math.sin(half_yaw_rad)],
+        signal_quality=0,
+    )
+
+
+def _orientation(bearing_rad: float) -> int:
+    """MAV_SENSOR_ROTATION's yaws in eighths of a turn, or CUSTOM with the quaternion."""
+    eighths = wrap_two_pi(bearing_rad) / (math.pi / 4.0)
+    nearest = round(eighths)
+    if abs(eighths - nearest) < 1e-6:
+        return nearest % 8
+    custom: int = dialect.MAV_SENSOR_ROTATION_CUSTOM
+    return custom
+
+
+def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
+    """A boat neither lands nor takes off: both undefined, as Rover says."""
+    return dialect.MAVLink_extended_sys_state_message(
+        dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_UNDEFINED
+    )
+
+
+def _hex_version(version: str) -> str:
+    """A version as eight hexadecimal digits: tools take this field for the head of a commit's hash, and fail
+    on anything else. Two digits for major and minor each, four for the patch.
+    """
+    numbers = [int(number) for number in re.findall(r"\d+", version)[:3]]
+    major, minor, patch = [*numbers, 0, 0, 0][:3]
+    return f"{major & 0xFF:02x}{minor & 0xFF:02x}{patch & 0xFFFF:04x}"
+
+
+def autopilot_version(now: Snapshot) -> Message:
+    """Capabilities decide what stations even try: fence and rally transfers, COMMAND_INT, MISSION_INT."""
+    capabilities = (
+        dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
+        | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+        | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT
+        | dialect.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | dialect.MAV_PROTOCOL_CAPABILITY_FTP
+        | dialect.MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
+        | dialect.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+        | dialect.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
+        | dialect.MAV_PROTOCOL_CAPABILITY_MAVLINK2
+        | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+        | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
+    )
+    major, minor, patch, stage = _ROVER_VERSION
+    return dialect.MAVLink_autopilot_version_message(
+        capabilities=capabilities,
+        flight_sw_version=major << 24 | minor << 16 | patch << 8 | stage,
+        middleware_sw_version=0,
+        os_sw_version=0,
+        board_version=0,
+        flight_custom_version=list(_hex_version(__version__).encode("ascii")),
+        middleware_custom_version=[0] * 8,
+        os_custom_version=[0] * 8,
+        vendor_id=0,
+        product_id=0,
+        uid=now.config.identity.system_id,
+    )

@@ -1,0 +1,74 @@
+"""STATUSTEXT: lines for the operator. Long ones go out in MAVLink 2's chunks of 50 bytes.
+
+A program that keeps a journal has each line that is told logged as well.
+"""
+
+import logging
+from collections.abc import Callable, Iterable, Iterator
+
+from companion.core.status_text import Notice, Severity
+from companion.mavlink.dialect import Message, dialect
+from companion.services.outbox import Outbox
+
+logger = logging.getLogger(__name__)
+# MAVLink's severities are those of syslog
+_LEVELS = {Severity.WARNING: logging.WARNING, Severity.NOTICE: logging.INFO, Severity.INFO: logging.INFO}
+
+_CHUNK_BYTES = 50
+
+# Lines at once, and lines a second: a station that provokes refusals by the thousand must not drown others
+_MOST, _PER_SECOND = 40.0, 10.0
+_RESERVED = 20.0  # for what is critical: an error may be a refusal
+
+
+class StatusTextService:
+    """Tells every station what the vehicle has to say, but not more than somebody could read."""
+
+    def __init__(self, outbox: Outbox) -> None:
+        self._outbox = outbox
+        self._next_id = 1
+        self.dropped = 0
+        self._left = _MOST
+        self.listener: Callable[[Notice], object] | None = None  # whoever keeps a log
+        self.has_journal = False  # whether lines are logged too
+
+    def tell(self, notices: Iterable[Notice]) -> None:
+        """Send lines to everyone; what is too much is dropped and counted, the least severe first."""
+        for notice in notices:
+            if self.listener is not None:
+                self.listener(notice)
+            if self._left < (1.0 if notice.severity <= Severity.CRITICAL else 1.0 + _RESERVED):
+                self.dropped += 1
+                continue
+            self._left -= 1.0
+            self._log(notice)
+            for message in self._chunks(notice):
+                self._outbox.broadcast(message)
+
+    def tick(self, dt_s: float) -> None:
+        """Let a little more out after dt_s."""
+        self._left = min(self._left + _PER_SECOND * dt_s, _MOST)
+
+    def tell_one(self, channel: int, notice: Notice) -> None:
+        """Send a line to whoever listens on one channel."""
+        self._log(notice)
+        for message in self._chunks(notice):
+            self._outbox.send(channel, message)
+
+    def _log(self, notice: Notice) -> None:
+        if self.has_journal:
+            text = "".join(one if one.isprintable() else " " for one in notice.text)  # a line stays one
+            logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
+
+    def _chunks(self, notice: Notice) -> Iterator[Message]:
+        raw = notice.text.encode("ascii", errors="replace")
+        if len(raw) <= _CHUNK_BYTES:
+            yield dialect.MAVLink_statustext_message(notice.severity, raw)
+            return
+        text_id, self._next_id = self._next_id, self._next_id % 0xFFFF + 1
+        for number, start in enumerate(range(0, len(raw), _CHUNK_BYTES)):
+            yield dialect.MAVLink_statustext_message(
+                notice.severity, raw[start : start + _CHUNK_BYTES], text_id, number
+            )
+        if len(raw) % _CHUNK_BYTES == 0:  # only a zero byte ends a chunked text
+            yield dialect.MAVLink_statustext_message(notice.severity, b"", text_id, len(raw) // _CHUNK_BYTES)

@@ -1,0 +1,103 @@
+"""What stations ask of the vehicle, one function a request: carried out at once or not at all."""
+
+from typing import TYPE_CHECKING
+
+from companion.core.modes import Mode, mode_from_number
+from companion.core.requests import (
+    ACCEPTED,
+    Arm,
+    ChangeMode,
+    ChangeSpeed,
+    Disarm,
+    GoTo,
+    ManualInput,
+    Outcome,
+    Request,
+    SetCurrentItem,
+    SetHome,
+    SetPoint,
+    Sighting,
+    StartMission,
+)
+
+if TYPE_CHECKING:
+    from companion.vehicle.vehicle import Vehicle
+
+_NOT_GUIDED = Outcome(False, "not in GUIDED")
+_NOT_THE_LEAD = Outcome(False, "not the one to follow")
+
+
+def carry_out(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
+    """Do it, or say why not."""
+    conduct = vehicle.conduct
+    match request:
+        case ManualInput():
+            if request.throttle is None and request.steering is None:
+                conduct.sticks.release()
+            else:
+                conduct.sticks.take(request, now_s)
+            return ACCEPTED
+        case SetPoint():
+            if not conduct.is_guided(vehicle.mode):
+                return _NOT_GUIDED
+            conduct.hold(request, now_s)
+            return ACCEPTED
+        case Sighting():
+            is_lead = conduct.following.sight(request, vehicle.config.follow, now_s)
+            return ACCEPTED if is_lead else _NOT_THE_LEAD
+        case Arm(force):
+            return vehicle.arm(force)
+        case Disarm(reason):
+            return vehicle.disarm(reason)
+        case ChangeMode(number):
+            mode = mode_from_number(number)
+            if mode is None:
+                return vehicle.refuse(f"Mode {number} is not available on this boat")
+            return vehicle.choose(mode)
+        case StartMission(first_seq):
+            return _start_mission(vehicle, first_seq)
+        case SetCurrentItem():
+            return _set_current(vehicle, request)
+        case GoTo():
+            return _go_to(vehicle, request)
+        case ChangeSpeed(speed_m_s):
+            if vehicle.mode is Mode.AUTO:
+                vehicle.progress.speed_m_s = speed_m_s
+            else:
+                vehicle.speed_m_s = speed_m_s
+            return ACCEPTED
+        case SetHome(position):
+            return vehicle.set_home(position)
+
+
+def _start_mission(vehicle: "Vehicle", first_seq: int | None) -> Outcome:
+    progress = vehicle.progress
+    if first_seq is not None and not progress.set_current(max(first_seq, 1)):
+        return vehicle.refuse(f"Mission has no item {first_seq} (last is {progress.last_seq})")
+    return vehicle.choose(Mode.AUTO)
+
+
+def _set_current(vehicle: "Vehicle", request: SetCurrentItem) -> Outcome:
+    progress = vehicle.progress
+    seq = progress.current_seq if request.seq is None else request.seq
+    is_named_or_over = request.seq is not None or progress.finished
+    if is_named_or_over and not progress.set_current(seq):
+        return vehicle.refuse(f"Mission has no item {seq} (last is {progress.last_seq})")
+    if request.reset:
+        progress.forget_jumps()
+    return ACCEPTED
+
+
+def _go_to(vehicle: "Vehicle", request: GoTo) -> Outcome:
+    if vehicle.frame is not None and not vehicle.fence.allows(vehicle.frame.to_local(request.position)):
+        return vehicle.refuse("Go to: outside the fence")
+    if not vehicle.conduct.is_guided(vehicle.mode):
+        if not request.change_mode:
+            return vehicle.refuse("Go to: not in GUIDED")
+        outcome = vehicle.choose(Mode.GUIDED)
+        if not outcome.accepted:
+            return outcome
+    if request.speed_m_s is not None:
+        vehicle.speed_m_s = request.speed_m_s
+    vehicle.conduct.go(request.position)
+    return ACCEPTED

@@ -1,0 +1,59 @@
+"""Whether the mission keeps inside the fence: looked through a few items at a time, so that no tick waits."""
+
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.status_text import Notice, Severity
+from companion.geofence.fence import Fence
+from companion.vehicle.mission.steps import GoRound, Mission, Waypoint
+
+_ITEMS_A_TICK = 10
+
+
+class MissionCheck:
+    """fault: what is wrong with the mission, in words, as far as it has been looked through; "" if nothing.
+
+    The first leg, from wherever the boat will be (`approach.py` sees to that one), and places that are given
+    from where a leg begins, cannot be judged beforehand.
+    """
+
+    __slots__ = ("_before", "_frame", "_mission", "_notices", "_seq", "_version", "fault")
+
+    def __init__(self, notices: list[Notice]) -> None:
+        self.fault = ""
+        self._notices = notices
+        self._mission: Mission = ()
+        self._frame: LocalFrame | None = None
+        self._version = 0  # of the fence
+        self._seq = 0  # to be looked at next
+        self._before: Point | None = None
+
+    def advance(self, mission: Mission, fence: Fence, frame: LocalFrame) -> None:
+        """Look at the next items; from the first again where mission or fence have changed."""
+        if self._mission is not mission or self._version != fence.version or self._frame is not frame:
+            self._mission, self._version, self._frame = mission, fence.version, frame
+            self._seq, self._before, self.fault = 0, None, ""
+        if not fence.is_active:
+            return
+        for seq in range(self._seq, min(self._seq + _ITEMS_A_TICK, len(mission))):
+            self._seq = seq + 1
+            fault = self._look(seq, fence, frame)
+            if fault:
+                self.fault = fault
+                self._seq = len(mission)
+                self._notices.append(Notice(Severity.WARNING, f"Mission: {fault}"))
+                return
+
+    def _look(self, seq: int, fence: Fence, frame: LocalFrame) -> str:
+        step = self._mission[seq]
+        if not isinstance(step, Waypoint | GoRound):
+            return ""
+        before, self._before = self._before, None
+        place = frame.to_local(step.position) if isinstance(step.position, LatLon) else step.position
+        if not isinstance(place, Point):
+            return ""
+        if not fence.allows(place):
+            return f"item {seq} is outside the fence"
+        if before is not None and fence.crosses(before, place):
+            return f"the way to item {seq} leaves the fence"
+        if isinstance(step, Waypoint):
+            self._before = place
+        return ""

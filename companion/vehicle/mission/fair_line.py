@@ -1,0 +1,118 @@
+"""A fair line through waypoints that lie close together: the shortest that passes near each of them in turn.
+
+Each waypoint has a gate, across the way that leads through it, and the line is the shortest through all gates
+in order: a string pulled through them (the funnel algorithm of D. T. Lee and F. P. Preparata, "Euclidean
+shortest paths in the presence of rectilinear barriers", *Networks* 14, 1984). Zigzags from cell to cell of a
+grid become straight. Between two gates the line is as near to the leg between their waypoints as it is at
+the gates, so it is nowhere further from the plan than half a gate's width.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from companion.core.geo import Line, Point, bearing_rad, distance_m
+from companion.core.units import wrap_pi
+
+SHIFT_SHARE = 0.45  # of a waypoint's radius: half the width of its gate, unless gates would meet
+SHORT_RADII = 3.0  # of a waypoint: legs up to there are short
+SHARP_RAD = math.radians(100.0)  # a waypoint with more of a turn is kept where it is
+GENTLE_RAD = math.radians(30.0)  # and one with less in a bend that goes on the same way, which is no zigzag
+STRAIGHT_RAD = math.radians(3.0)
+BACK_SHARE = 0.5  # of a waypoint's radius: one that is reached and left again this near to another, or this
+END_SHARE = 0.95  # near to the first place, is passed there; as is the last but one, this near to the last
+_LEVEL_M2 = 1e-12
+
+
+class Gate(NamedTuple):
+    """port and starboard end, the same where the line leads through the waypoint itself."""
+
+    port: Point
+    starboard: Point
+
+
+def fair_line(places: Sequence[Point], radii_m: Sequence[float]) -> list[tuple[Point, int]]:
+    """Corners of the fair line from the first place to the last, each with the place whose gate it is on.
+
+    radii_m: how near to pass the places. A place is passed exactly where either leg is not short, the way
+    turns sharply, or it bends gently; and is left out where the way only turns back there, near another.
+    """
+    kept = _kept(places, radii_m)
+    legs = [Line(places[one], places[other]) for one, other in pairwise(kept)]
+    turns = [wrap_pi(leg.course_rad - before.course_rad) for before, leg in pairwise(legs)]
+    gates = []
+    for n, turn in enumerate(turns):
+        around = (turns[n - 1] if n else 0.0, turns[n + 1] if n + 1 < len(turns) else 0.0)
+        gates.append(_gate(legs[n], legs[n + 1], turn, around, radii_m[kept[n + 1]]))
+    last = places[kept[-1]]
+    corners = _pull(places[0], [*gates, Gate(last, last)])
+    return [(places[0], 0), *((point, kept[1 + gate]) for point, gate in corners)]
+
+
+def is_short(leg_m: float, radius_m: float) -> bool:
+    """Whether a leg is too short for its waypoint to be sailed as a corner of its own."""
+    return leg_m <= SHORT_RADII * radius_m
+
+
+def _kept(places: Sequence[Point], radii_m: Sequence[float]) -> list[int]:
+    """Those of the places that the line has to be led by."""
+    kept, last = [0], len(places) - 1
+    for n in range(1, last):
+        before, at, after = places[kept[-1]], places[n], places[n + 1]
+        turn = abs(wrap_pi(bearing_rad(at, after) - bearing_rad(before, at)))
+        near_m = (BACK_SHARE if kept[-1] else END_SHARE) * radii_m[n]
+        if before != at and (turn <= SHARP_RAD or distance_m(before, at) > near_m):
+            kept.append(n)
+    if kept[-1] == last - 1 > 0 and distance_m(places[-2], places[-1]) <= END_SHARE * radii_m[-2]:
+        kept.pop()
+    return [*kept, last]
+
+
+def _gate(leg: Line, next_leg: Line, turn: float, around: tuple[float, float], radius_m: float) -> Gate:
+    """Of the waypoint between two legs. turn: there; around: at the waypoints before and after it."""
+    at, size = leg.end, abs(turn)
+    goes_on = turn * around[0] > -STRAIGHT_RAD * size and turn * around[1] > -STRAIGHT_RAD * size
+    is_bend = STRAIGHT_RAD < size < GENTLE_RAD and goes_on
+    if is_bend or size > SHARP_RAD or not is_short(max(leg.length_m, next_leg.length_m), radius_m):
+        return Gate(at, at)
+    half_m = min(SHIFT_SHARE * radius_m, 0.5 * min(leg.length_m, next_leg.length_m))
+    across = leg.course_rad + 0.5 * turn + 0.5 * math.pi
+    north, east = half_m * math.cos(across), half_m * math.sin(across)
+    return Gate(Point(at.north_m - north, at.east_m - east), Point(at.north_m + north, at.east_m + east))
+
+
+def _pull(start: Point, gates: Sequence[Gate]) -> list[tuple[Point, int]]:
+    """Where the shortest line through the gates bends, each with its gate; the last gate's end is its end."""
+    corners: list[tuple[Point, int]] = []
+    apex = port = starboard = start
+    port_at = starboard_at = at = 0
+    while at < len(gates):
+        gate = gates[at]
+        corner = -1
+        if _side_m2(apex, starboard, gate.starboard) <= _LEVEL_M2:
+            if starboard == apex or _side_m2(apex, port, gate.starboard) > 0.0:
+                starboard, starboard_at = gate.starboard, at
+            else:
+                apex, corner = port, port_at
+        if corner < 0 and _side_m2(apex, port, gate.port) >= -_LEVEL_M2:
+            if port == apex or _side_m2(apex, starboard, gate.port) < 0.0:
+                port, port_at = gate.port, at
+            else:
+                apex, corner = starboard, starboard_at
+        if corner >= 0:
+            corners.append((apex, corner))
+            port = starboard = apex
+            port_at = starboard_at = corner
+            at = corner
+        at += 1
+    end = gates[-1].port
+    if not corners or corners[-1][0] != end:
+        corners.append((end, len(gates) - 1))
+    return corners
+
+
+def _side_m2(start: Point, end: Point, at: Point) -> float:
+    """Twice the area of the triangle: positive where `at` lies to starboard of the way from start to end."""
+    north, east = end.north_m - start.north_m, end.east_m - start.east_m
+    return north * (at.east_m - start.east_m) - east * (at.north_m - start.north_m)

@@ -1,0 +1,54 @@
+"""Items at which the boat is held up: it waits, turns on the spot, or hands the helm to another program."""
+
+import math
+
+from companion.core.geo import Point, distance_m
+from companion.core.intent import HoldHeading, Intent, KeepStation
+from companion.core.state import NavState
+from companion.core.units import wrap_pi
+from companion.vehicle.mission.steps import HandOver, LimitHandOver, Turn, Wait
+
+Halting = Wait | Turn | HandOver
+
+_TURNED_RAD = math.radians(5.0)
+_TURN_LIMIT_S = 30.0  # a boat that the wind will not let turn goes on
+
+
+class Halt:
+    """The one of now. limit: how long and how far another program may steer."""
+
+    __slots__ = ("_since_s", "_station", "_turn_to_rad", "limit")
+
+    def __init__(self) -> None:
+        self.limit = LimitHandOver(0.0, 0.0)
+        self._since_s = 0.0
+        self._station = Point(0.0, 0.0)
+        self._turn_to_rad = 0.0
+
+    def begin(self, step: Halting, nav: NavState, station: Point | None, now_s: float) -> Point | None:
+        """The boat has come to it. station: where it lies already, if it does; answers where it lies now."""
+        self._since_s = now_s
+        match step:
+            case Turn(heading_rad, is_relative):
+                self._turn_to_rad = wrap_pi(heading_rad + (nav.heading_rad if is_relative else 0.0))
+                return station
+            case HandOver():
+                self._station = nav.point
+            case Wait():
+                self._station = station or nav.point
+        return self._station
+
+    def intent(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
+        """What to do meanwhile; None once it is over."""
+        match step:
+            case Wait(hold_s):
+                return KeepStation(self._station) if now_s < self._since_s + hold_s else None
+            case Turn():
+                off_rad = abs(wrap_pi(self._turn_to_rad - nav.heading_rad))
+                is_turning = off_rad > _TURNED_RAD and now_s < self._since_s + _TURN_LIMIT_S
+                return HoldHeading(self._turn_to_rad, 0.0) if is_turning else None
+            case HandOver(is_on):
+                limit = self.limit
+                in_time = limit.timeout_s == 0.0 or now_s < self._since_s + limit.timeout_s
+                is_near = limit.distance_m == 0.0 or distance_m(nav.point, self._station) <= limit.distance_m
+                return KeepStation(self._station) if is_on and in_time and is_near else None

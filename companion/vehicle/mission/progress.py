@@ -1,0 +1,299 @@
+"""Where the boat is in its mission: which item, which leg, what has been reached.
+
+As in ArduPilot, the current item is one that is sailed. What is done between two of them happens as the
+second begins; behind a condition it waits, and is dropped if that leg ends first.
+"""
+
+import math
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon, Line, LocalFrame, Point
+from companion.core.intent import Intent, KeepStation
+from companion.core.state import NavState
+from companion.guidance.leg import Leg
+from companion.vehicle.mission.conditions import Deferred
+from companion.vehicle.mission.halts import Halt, Halting
+from companion.vehicle.mission.places import locate
+from companion.vehicle.mission.route import MissionRoute
+from companion.vehicle.mission.steps import (
+    AfterDelay,
+    Done,
+    GoRound,
+    HandOver,
+    Home,
+    Jump,
+    LimitHandOver,
+    Mission,
+    MoveHome,
+    ReturnHome,
+    SetSpeed,
+    Step,
+    Turn,
+    Wait,
+    Waypoint,
+    WithinDistance,
+)
+from companion.vehicle.modes.circle import Orbit
+
+_STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
+
+
+class MissionProgress:
+    """Steps through a mission. Places are turned into the local frame as each leg begins."""
+
+    def __init__(self) -> None:
+        self.mission: Mission = ()
+        self.current_seq = 0
+        self.finished = False
+        self.has_started = False
+        self.go_home = False  # the mission asked for RTL
+        self.reached: list[int] = []  # sequences reached since the owner last took them
+        self.speed_m_s: float | None = None  # None: cruise speed
+        self.homes: list[LatLon | None] = []  # asked for since the owner last took them; None is here
+        self.jumps: dict[int, int] = {}  # how often each was made
+        self._leg_start: Point | None = None
+        self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
+        self._begun_s = math.nan  # when the present item began to wait, turn or hand over
+        self._station: Point | None = None
+        self._under_way = MissionRoute()
+        self._is_loose = False  # it began wherever the boat was
+        self._orbit: Orbit | None = None
+        self._deferred = Deferred()
+        self._halt = Halt()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to sail."""
+        return len(self.mission) <= 1
+
+    @property
+    def last_seq(self) -> int:
+        """The sequence number of the last item, 0 without a mission."""
+        return max(len(self.mission) - 1, 0)
+
+    @property
+    def is_handed_over(self) -> bool:
+        """Whether the mission has come to where another program steers."""
+        return not self.finished and not math.isnan(self._begun_s) and isinstance(self._step(), HandOver)
+
+    def replace(self, mission: Mission) -> bool:
+        """Take a new mission. Whether the boat goes on as if nothing had happened, which it does where all
+        items up to the one being sailed are the same; else the new mission starts from the beginning.
+        """
+        done = self.current_seq + 1
+        same = self.has_started and not self.finished and self.mission[1:done] == mission[1:done]
+        goes_on = same and done <= len(mission)
+        self.mission = mission
+        if goes_on:
+            self._under_way.forget_onward()
+        else:
+            self.restart()
+        return goes_on
+
+    def restart(self) -> None:
+        """Go back to the first item, with all its jumps to be made again."""
+        self.forget_jumps()
+        self.has_started = False
+        self.speed_m_s = None
+        self._halt.limit = LimitHandOver(0.0, 0.0)
+        self.set_current(1 if not self.is_empty else 0)
+
+    def forget_jumps(self) -> None:
+        """All jumps are to be made again."""
+        self.jumps.clear()
+
+    def set_current(self, seq: int) -> bool:
+        """Make an item current. False, and nothing changes, when there is no such item."""
+        if not 0 <= seq < max(len(self.mission), 1):
+            return False
+        self.current_seq = seq
+        self.finished = False
+        self.go_home = False
+        self._cut_leg_start = None
+        self._deferred.clear()
+        self._begin_item()
+        return True
+
+    def resume(self) -> None:
+        """Go on with the current item, on a new leg from wherever the boat is."""
+        self._begin_item()
+
+    def take_up(
+        self, seq: int, leg_start: LatLon | None, speed_m_s: float | None, jumps: dict[int, int]
+    ) -> bool:
+        """Stand where a voyage was cut short: at an item, on its leg. False if that cannot be."""
+        if self.is_empty or not 0 < seq < len(self.mission):
+            return False
+        self.set_current(seq)
+        self.has_started = True
+        self.speed_m_s = speed_m_s
+        self.jumps.clear()
+        self.jumps.update(jumps)
+        self._cut_leg_start = leg_start
+        return True
+
+    def leg_line(self) -> Line | None:
+        """The leg that is being sailed; None while there is none."""
+        leg, start = self._under_way.leg, self._leg_start
+        return None if leg is None or start is None else Line(start, leg.end)
+
+    @property
+    def loose_leg(self) -> Leg | None:
+        """The leg that is being sailed, where it began wherever the boat was and not at an item's end."""
+        return self._under_way.leg if self._is_loose else None
+
+    def begin_leg_at(self, start: Point) -> None:
+        """The present item's leg begins there, from where its way is known to be clear."""
+        self._leg_start, self._is_loose = start, False
+        self._under_way.forget()
+
+    def take_reached(self) -> list[int]:
+        """Sequences reached since the last call."""
+        reached, self.reached = self.reached, []
+        return reached
+
+    def take_homes(self) -> list[LatLon | None]:
+        """Homes asked for since the last call."""
+        homes, self.homes = self.homes, []
+        return homes
+
+    def update(self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float) -> Intent:
+        """Advance to now and say what to sail; after the last item, keeps station there."""
+        self.has_started = True
+        if self._leg_start is None:
+            cut, self._cut_leg_start = self._cut_leg_start, None
+            self._leg_start = nav.point if cut is None else frame.to_local(cut)
+            self._is_loose = cut is None
+        for _ in range(min(len(self.mission) + 1, _STEPS_A_TICK)):
+            if self.finished:
+                break
+            intent = self._advance_from_current(nav, frame, config, now_s)
+            if intent is not None:
+                if not self._deferred.is_empty:
+                    leg = self._under_way.leg
+                    for step in self._deferred.take_due(nav.point, leg.end if leg else None, now_s):
+                        self._do(step)
+                return intent
+        self._station = self._station or nav.point
+        return KeepStation(self._station)
+
+    # What is sailed: each answers the intent, or None when it is over and another item is current
+
+    def _advance_from_current(
+        self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
+    ) -> Intent | None:
+        match self._step():
+            case Waypoint() as waypoint:
+                return self._sail_to(waypoint, nav, frame, config, now_s)
+            case GoRound() as circle:
+                return self._go_round(circle, nav, frame, config)
+            case Wait() | Turn() | HandOver() as halt:
+                return self._hold_up(halt, nav, now_s)
+            case ReturnHome():
+                self.go_home = self.finished = True
+            case Jump(target, times):
+                self._jump(target, times)
+            case Home():
+                self._advance(self._leg_start)
+            case AfterDelay() | WithinDistance() as condition:
+                self._deferred.wait_for(condition, now_s)
+                self._advance(self._leg_start)
+            case step:
+                if not self._deferred.holds_back(step):
+                    self._do(step)
+                self._advance(self._leg_start)
+        return None
+
+    def _sail_to(
+        self, waypoint: Waypoint, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
+    ) -> Intent | None:
+        under_way, own_radius_m = self._under_way, config.guidance.waypoint_radius_m
+        leg = under_way.lay(waypoint, self._leg_start or nav.point, frame)
+        under_way.look_ahead(self.mission, self.current_seq, self.jumps, frame, own_radius_m)
+        if math.isnan(self._begun_s):
+            if not leg.has_ended(nav, own_radius_m):
+                return under_way.intent(leg, self._leg_start, self.speed_m_s or config.speed.cruise_m_s)
+            self.reached.append(self.current_seq)
+            self._station = leg.end
+            self._begun_s = now_s
+        if now_s < self._begun_s + waypoint.hold_s:
+            return KeepStation(leg.end)
+        self._leave(leg.end)
+        return None
+
+    def _go_round(
+        self, circle: GoRound, nav: NavState, frame: LocalFrame, config: BoatConfig
+    ) -> Intent | None:
+        orbit = self._orbit
+        if orbit is None:
+            centre = locate(circle.position, frame, self._leg_start or nav.point)
+            radius_m = circle.radius_m or config.modes.circle_radius_m
+            orbit = self._orbit = Orbit(centre, radius_m, circle.clockwise)
+        orbit.update(nav)
+        if orbit.turns < circle.turns:
+            return orbit.intent(self.speed_m_s or config.speed.cruise_m_s)
+        self.reached.append(self.current_seq)
+        self._leave(nav.point)
+        return None
+
+    def _hold_up(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
+        if math.isnan(self._begun_s):
+            self._begun_s = now_s
+            self._station = self._halt.begin(step, nav, self._station, now_s)
+        if (intent := self._halt.intent(step, nav, now_s)) is not None:
+            return intent
+        self.reached.append(self.current_seq)
+        if isinstance(step, Wait):
+            self._leave(self._leg_start)
+        else:
+            self._leave(None)
+            self._leg_start = nav.point
+        return None
+
+    # What is done
+
+    def _do(self, step: Done) -> None:
+        match step:
+            case SetSpeed(speed_m_s):
+                self.speed_m_s = speed_m_s or None
+            case MoveHome(position):
+                self.homes.append(position)
+            case LimitHandOver():
+                self._halt.limit = step
+
+    # How the mission goes on
+
+    def _step(self) -> Step:
+        return self.mission[self.current_seq] if self.current_seq < len(self.mission) else Home()
+
+    def _jump(self, target: int, times: int) -> None:
+        done = self.jumps.get(self.current_seq, 0)
+        if times < 0 or done < times:
+            self.jumps[self.current_seq] = done + 1
+            self.current_seq = target
+            self._begin_item(self._leg_start)
+        else:
+            self._advance(self._leg_start)
+
+    def _leave(self, leg_start: Point | None) -> None:
+        """An item that was sailed is over; what still waits for its conditions never happens."""
+        self._deferred.clear()
+        self._advance(leg_start)
+
+    def _advance(self, leg_start: Point | None) -> None:
+        if self.current_seq >= self.last_seq:
+            self.finished = True
+            self._deferred.clear()
+            return
+        self.current_seq += 1
+        self._begin_item(leg_start)
+
+    def _begin_item(self, leg_start: Point | None = None) -> None:
+        self._leg_start = leg_start
+        self._is_loose = False
+        self._orbit = None
+        self._begun_s = math.nan
+        self._under_way.pass_waypoint()
+        if leg_start is None:
+            self._under_way.forget()
+            self._station = None

@@ -1,0 +1,128 @@
+"""The track that the boat has sailed since it was armed, in few points: SMART_RTL's way home.
+
+A point is kept only where the track leaves a straight line: from the last point kept, a sector is narrowed by
+every position, so that any line within it passes all of them within the accuracy (J. Williams, "An efficient
+algorithm for the piecewise linear approximation of planar curves", Computer Graphics and Image Processing 8,
+1978). Where the track meets itself, the loop between is cut off.
+"""
+
+import math
+from collections.abc import Sequence
+
+from companion.core.geo import Line, Point, bearing_rad, distance_m
+from companion.core.units import wrap_pi
+
+MOST_POINTS = 5000  # of any setting
+TAKEN_UP_M = 100.0  # a boat that is armed further from where its track was cut has been carried there
+_STEP_SHARE = 0.25  # of the accuracy: smaller movements are not looked at
+
+
+class Trail:
+    """Points from where the boat was armed to where it turned last. Never more than max_points."""
+
+    def __init__(self) -> None:
+        self.points: list[Point] = []
+        self.is_lost = False  # there were more points than fit: the way home is not known whole
+        self.is_cut = False  # it is from before a power cut, and the next arming goes on with it
+        self.latest: Point | None = None
+        self._axis_rad: float | None = None
+        self._left_rad = self._right_rad = 0.0  # the sector, seen from its axis
+        self._reach_m = 0.0
+
+    def begin(self, at: Point | None) -> None:
+        """Forget everything; the way home ends here, or where the first position will be.
+
+        Where a track was cut near here, go on with that instead.
+        """
+        if at is None or not self.goes_on_from(at):
+            self.points = []
+        self.is_cut = self.is_lost = False
+        if at is not None:
+            self.points.append(at)
+        self.rest(at)
+
+    def take_up(self, points: Sequence[Point]) -> None:
+        """The track up to a power cut, oldest first, its last point where the boat was then."""
+        self.points = list(points)
+        self.is_cut, self.is_lost = bool(points), False
+        self.rest(points[-1] if points else None)
+
+    def goes_on_from(self, at: Point) -> bool:
+        """Whether this is a track that was cut, near enough for the boat not to have been carried."""
+        return self.is_cut and distance_m(self.points[-1], at) <= TAKEN_UP_M
+
+    def rest(self, at: Point | None) -> None:
+        """Go on recording here, after some of the track was sailed back."""
+        self.latest, self._axis_rad = at, None
+
+    def add(self, at: Point, accuracy_m: float, max_points: int) -> None:
+        """The boat is here now. accuracy_m: how far a position may be from the points' line."""
+        latest = self.latest
+        if latest is None or not self.points:
+            self.points.append(at)
+            self.latest = at
+            return
+        if abs(at.north_m - latest.north_m) + abs(at.east_m - latest.east_m) < _STEP_SHARE * accuracy_m:
+            return
+        if self.is_lost:
+            return
+        if not self._narrow(at, accuracy_m):
+            self._keep(latest, accuracy_m)
+            if len(self.points) >= max_points:
+                self.is_lost = True
+                return
+            self._axis_rad = None
+            self._narrow(at, accuracy_m)
+        self.latest = at
+
+    def _narrow(self, at: Point, accuracy_m: float) -> bool:
+        """Whether a straight line from the last point kept to here still passes every position between."""
+        anchor = self.points[-1]
+        away_m = distance_m(anchor, at)
+        if away_m <= accuracy_m:
+            return self._axis_rad is None or self._reach_m - away_m <= accuracy_m
+        bearing, half = bearing_rad(anchor, at), math.asin(accuracy_m / away_m)
+        if self._axis_rad is None:
+            self._axis_rad, self._reach_m = bearing, away_m
+            self._left_rad, self._right_rad = -half, half
+            return True
+        off = wrap_pi(bearing - self._axis_rad)
+        if not self._left_rad <= off <= self._right_rad or self._reach_m - away_m > accuracy_m:
+            return False
+        self._left_rad, self._right_rad = max(self._left_rad, off - half), min(self._right_rad, off + half)
+        self._reach_m = max(self._reach_m, away_m)
+        return True
+
+    def _keep(self, at: Point, accuracy_m: float) -> None:
+        """Keep a point, and cut off the loop that it closes."""
+        came_from = self.points[-1]
+        for index in range(len(self.points) - 2):
+            before, after = self.points[index], self.points[index + 1]
+            if (crossing := _crossing(Line(before, after), Line(came_from, at))) is not None:
+                self.points[index + 1 :] = [crossing, at]
+                return
+            if _distance_m(Line(before, after), at) <= accuracy_m:
+                self.points[index + 1 :] = [at]
+                return
+        self.points.append(at)
+
+
+def _distance_m(line: Line, at: Point) -> float:
+    """From a point to the nearest of a line between its ends."""
+    along_m, cross_m = line.along_and_cross_track_m(at)
+    beyond_m = max(-along_m, along_m - line.length_m, 0.0)
+    return math.hypot(beyond_m, cross_m)
+
+
+def _crossing(one: Line, other: Line) -> Point | None:
+    """Where two lines cross between their ends."""
+    start_m, start_off_m = one.along_and_cross_track_m(other.start)
+    end_m, end_off_m = one.along_and_cross_track_m(other.end)
+    if start_off_m * end_off_m >= 0.0:
+        return None
+    share = start_off_m / (start_off_m - end_off_m)
+    along_m = start_m + share * (end_m - start_m)
+    if not 0.0 <= along_m <= one.length_m:
+        return None
+    north = other.start.north_m + share * (other.end.north_m - other.start.north_m)
+    return Point(north, other.start.east_m + share * (other.end.east_m - other.start.east_m))

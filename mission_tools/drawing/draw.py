@@ -1,0 +1,364 @@
+"""Charts, plans and tracks as pictures, drawn like a small nautical chart.
+
+Axes are east and north in metres of the chart's frame. Everything is drawn on figures handed in or made here;
+no state outside them is touched.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.core.geo import Point, distance_m
+from companion.core.output_file import output_file
+from mission_tools.drawing.legend import (
+    BAND,
+    HALO,
+    INK,
+    KEEP_OUT,
+    KEEP_OUT_TINT,
+    PAPER,
+    PLAN_STYLE,
+    PLANNED,
+    SAILED,
+    View,
+    draw_frame,
+    draw_legend,
+    draw_north_arrow,
+    draw_scale_bar,
+)
+from mission_tools.drawing.view import view_of
+from mission_tools.maps.chart import KEPT_OUT, Chart, Feature
+
+LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
+WATER = "#b7daeb"
+WIDTH_IN, HEIGHT_IN = 12.8, 9.6  # of a picture; 125 pixels an inch
+LEFT_IN, BOTTOM_IN = 0.576, 0.432  # where its map begins
+MAP_WIDTH_IN, MAP_HEIGHT_IN = 11.84, 8.208
+LEGEND_IN = 3.1  # beside a narrow map
+NARROW_IN = WIDTH_IN - LEFT_IN - LEGEND_IN - 2.0  # a map narrower than this would have more land than water
+LEAST_MAP_IN = 3.4  # room for scale bar and north arrow
+NAMES = 6  # the layer of features' names
+TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
+
+
+def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequence[Point] = ()) -> None:
+    """Land, water, the band nearer to shores than the clearance, and every feature with its name.
+
+    Names of small things are put on the side away from the route.
+    """
+    axes.set_facecolor(WATER if chart.is_open else LAND)
+    if not chart.is_open:
+        _fill(axes, chart.water, facecolor=WATER, edgecolor="none", zorder=1)
+    if clearance_m > 0.0 and not chart.shores.is_empty:
+        band = chart.shores.buffer(clearance_m, quad_segs=6).intersection(chart.water)
+        _fill(axes, band, facecolor=BAND, edgecolor="none", zorder=2)
+    if not chart.is_open:
+        _fill(axes, chart.water, facecolor="none", edgecolor=LAND_EDGE, linewidth=1.1, zorder=4)
+    for feature in chart.features:
+        _draw_feature(axes, chart, feature, route)
+
+
+def draw_route(axes: Axes, route: Sequence[Point]) -> None:
+    """The planned line, dashed."""
+    east, north = _columns(route)
+    axes.plot(east, north, zorder=8, **PLAN_STYLE)
+
+
+def draw_track(
+    axes: Axes, track: Sequence[Point], speeds_m_s: Sequence[float] | None = None
+) -> LineCollection | None:
+    """Where the boat sailed; coloured by speed if speeds are given, one for each point.
+
+    Returns:
+        The coloured line for a colour bar, None for a plain one.
+    """
+    east, north = _columns(track)
+    if speeds_m_s is None:
+        axes.plot(east, north, color=SAILED, linewidth=1.7, zorder=10, solid_capstyle="round")
+        return None
+    segments = [[(a.east_m, a.north_m), (b.east_m, b.north_m)] for a, b in pairwise(track)]
+    line = LineCollection(segments, cmap="viridis", linewidths=2.4, zorder=10, capstyle="round")
+    line.set_array(np.asarray(speeds_m_s[: len(segments)], dtype=np.float64))
+    axes.add_collection(line, autolim=False)
+    return line
+
+
+def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
+    """Start, goal, and the waypoints between them numbered from 1; the last number is the goal's."""
+    for number, point in enumerate(points[1:-1], 1):
+        axes.plot(point.east_m, point.north_m, "o", ms=11, mfc="white", mec=PLANNED, mew=1.5, zorder=11)
+        axes.annotate(
+            str(number), (point.east_m, point.north_m), ha="center", va="center_baseline", fontsize=7.5,
+            color=PLANNED, fontweight="bold", zorder=12,
+        )  # fmt: skip
+    for point, marker, label in ((points[0], "o", "Start"), (points[-1], "*", "Goal")):
+        size = 11 if marker == "o" else 19
+        axes.plot(point.east_m, point.north_m, marker, ms=size, mfc=PLANNED, mec="white", mew=1.4, zorder=13)
+        axes.annotate(
+            label, (point.east_m, point.north_m), xytext=(10, -13), textcoords="offset points", fontsize=10,
+            fontweight="bold", color=INK, path_effects=HALO, zorder=14,
+        )  # fmt: skip
+
+
+def save_picture(
+    path: Path,
+    chart: Chart,
+    route: Sequence[Point] | None = None,
+    track: Sequence[Point] | None = None,
+    *,
+    title: str = "",
+    subtitle: str = "",
+    clearance_m: float = 0.0,
+    speeds_m_s: Sequence[float] | None = None,
+) -> None:
+    """Write one picture, 1200 pixels high; the suffix of path chooses the format.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    figure = draw_picture(
+        chart,
+        route,
+        track,
+        title=title,
+        subtitle=subtitle,
+        clearance_m=clearance_m,
+        speeds_m_s=speeds_m_s,
+    )
+    with output_file(path) as aside:
+        figure.savefig(aside)
+
+
+def draw_picture(
+    chart: Chart,
+    route: Sequence[Point] | None = None,
+    track: Sequence[Point] | None = None,
+    *,
+    title: str = "",
+    subtitle: str = "",
+    clearance_m: float = 0.0,
+    speeds_m_s: Sequence[float] | None = None,
+) -> Figure:
+    """One picture of 1600 × 1200 pixels, with its cartouche; a narrow chart's is narrower.
+
+    route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
+    view is the whole chart, or the surroundings of route and track where those are far smaller.
+    """
+    layout = _Layout.of(view_of(chart, route, track))
+    figure = Figure(figsize=(layout.width_in, HEIGHT_IN), dpi=125, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes(layout.box(LEFT_IN, BOTTOM_IN, layout.map_in, MAP_HEIGHT_IN))
+    view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
+    west, south, east, north = view
+    axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
+    _draw_tints(axes, chart, east - west)
+    draw_chart(axes, chart, clearance_m, route or track or ())
+    _draw_water_name(axes, chart, route, track, view)
+    if route is not None:
+        draw_route(axes, route)
+    line = draw_track(axes, track, speeds_m_s) if track else None
+    if route is not None:
+        draw_waypoints(axes, route)
+    elif track:
+        draw_waypoints(axes, (track[0], track[-1]))
+    _hide_crowded_names(axes)
+    draw_frame(axes, chart, view)
+    draw_scale_bar(axes, view)
+    draw_north_arrow(axes)
+    is_beside = layout.is_narrow
+    draw_legend(
+        axes, chart, clearance_m, route is not None, bool(track) and line is None, is_beside=is_beside
+    )
+    if line is not None:
+        place = layout.box(LEFT_IN + layout.map_in + 0.3, BOTTOM_IN + 7.6, 2.3, 0.15) if is_beside else None
+        cax = axes.inset_axes((0.025, 0.945, 0.2, 0.018)) if place is None else figure.add_axes(place)
+        bar = figure.colorbar(line, cax=cax, orientation="horizontal")
+        bar.set_label("speed over ground, m/s", fontsize=9)
+        bar.ax.tick_params(labelsize=8)
+    left = LEFT_IN / layout.width_in
+    figure.text(left, 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
+    figure.text(left, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
+    return figure
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """Where a picture's parts lie, in inches: a narrow chart has its legend beside it."""
+
+    width_in: float
+    map_in: float
+    is_narrow: bool
+
+    @classmethod
+    def of(cls, view: View) -> "_Layout":
+        """The layout for what is shown."""
+        map_in = MAP_HEIGHT_IN * (view[2] - view[0]) / (view[3] - view[1])
+        if map_in >= NARROW_IN:
+            return cls(WIDTH_IN, MAP_WIDTH_IN, is_narrow=False)
+        map_in = max(map_in, LEAST_MAP_IN)
+        return cls(LEFT_IN + map_in + LEGEND_IN, map_in, is_narrow=True)
+
+    def box(
+        self, left_in: float, bottom_in: float, width_in: float, height_in: float
+    ) -> tuple[float, float, float, float]:
+        """A rectangle as shares of the figure."""
+        return (
+            left_in / self.width_in,
+            bottom_in / HEIGHT_IN,
+            width_in / self.width_in,
+            height_in / HEIGHT_IN,
+        )
+
+
+def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
+    return [point.east_m for point in points], [point.north_m for point in points]
+
+
+def _fill(axes: Axes, shape: BaseGeometry, **style: Any) -> None:  # noqa: ANN401 (matplotlib's own)
+    for part in shapely.get_parts(shape):
+        if isinstance(part, Polygon) and not part.is_empty:
+            rings = [part.exterior, *part.interiors]
+            outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2]) for ring in rings))
+            axes.add_patch(PathPatch(outline, **style))
+
+
+def _draw_tints(axes: Axes, chart: Chart, width_m: float) -> None:
+    """Tints that grow lighter from the shore, as on printed lake maps; decoration, not depths."""
+    if chart.is_open:
+        return
+    for share, tint in TINTS:
+        _fill(axes, chart.water.buffer(-share * width_m), facecolor=tint, edgecolor="none", zorder=1.5)
+
+
+def _draw_feature(axes: Axes, chart: Chart, feature: Feature, route: Sequence[Point]) -> None:
+    if feature.kind == "landmark":
+        _draw_landmark(axes, chart, feature)
+    elif feature.kind in KEPT_OUT:
+        afloat = feature.shape.intersection(chart.water)
+        tint: dict[str, Any] = {
+            "facecolor": KEEP_OUT_TINT,
+            "edgecolor": KEEP_OUT,
+            "hatch": "///",
+        }
+        _fill(axes, afloat, alpha=0.45, linewidth=0, zorder=3, **tint)
+        _fill(axes, afloat, facecolor="none", edgecolor=KEEP_OUT, linewidth=1.2, linestyle="--", zorder=5)
+        _name(axes, feature, color=KEEP_OUT, fontstyle="italic")
+    elif feature.kind == "island":
+        _fill(axes, feature.shape, facecolor=ISLAND, edgecolor=LAND_EDGE, linewidth=1.0, zorder=5)
+        _name(axes, feature, fontstyle="italic")
+    elif feature.kind != "water":
+        _fill(axes, feature.shape, facecolor=STRUCTURE, edgecolor="#4e3b28", linewidth=1.0, zorder=5)
+        _name_beside(axes, feature, route)
+
+
+def _name(axes: Axes, feature: Feature, **style: Any) -> None:  # noqa: ANN401 (matplotlib's own)
+    """In the middle of the thing."""
+    style = {"color": INK, "fontsize": 9.0, "ha": "center", "va": "center", **style}
+    at = feature.shape.centroid
+    axes.text(at.x, at.y, feature.name, path_effects=HALO, zorder=NAMES, clip_on=True, **style)
+
+
+def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
+    """To the right or left of a small thing, on the side that is farther from the route."""
+    west, south, east, north = feature.shape.bounds
+    reach_m = 2.0 * (east - west)
+    middle = 0.5 * (south + north)
+    sides = {"left": (east + reach_m, east, 6), "right": (west - reach_m, west, -6)}
+
+    def room_m(alignment: str) -> float:
+        at = Point(middle, sides[alignment][0])
+        return min(
+            (distance_m(at, point) for point in _dense(route)), default=1.0 if alignment == "left" else 0.0
+        )
+
+    alignment = max(sides, key=room_m)
+    _, edge, offset = sides[alignment]
+    axes.annotate(
+        feature.name, (edge, middle), xytext=(offset, 0), textcoords="offset points", ha=alignment,
+        va="center", fontsize=8.0, color=INK, path_effects=HALO, zorder=NAMES, annotation_clip=True,
+    )  # fmt: skip
+
+
+def _hide_crowded_names(axes: Axes) -> None:
+    """Of names that would lie over each other only the first stays; Start, Goal and numbers all do."""
+    taken: list[Bbox] = []
+    frame = axes.get_window_extent()
+    for text in axes.texts:
+        if isinstance(text, Annotation) and text.zorder == NAMES:
+            _keep_inside(text, frame)
+    for text in sorted(axes.texts, key=lambda text: text.zorder == NAMES):
+        box = text.get_window_extent()
+        if text.zorder == NAMES and box.count_overlaps(taken):
+            text.set_visible(False)
+        else:
+            taken.append(box)
+
+
+def _keep_inside(name: Annotation, frame: Bbox) -> None:
+    """Put a name that the frame would cut on the other side of its thing."""
+    box = name.get_window_extent()
+    if box.x1 > frame.x1 or box.x0 < frame.x0:
+        offset, _ = name.get_position()
+        name.set_position((-offset, 0.0))
+        name.set_horizontalalignment("right" if name.get_horizontalalignment() == "left" else "left")
+
+
+def _dense(route: Sequence[Point]) -> list[Point]:
+    return [
+        Point(a.north_m + k / 32 * (b.north_m - a.north_m), a.east_m + k / 32 * (b.east_m - a.east_m))
+        for a, b in pairwise(route)
+        for k in range(33)
+    ]
+
+
+def _draw_landmark(axes: Axes, chart: Chart, feature: Feature) -> None:
+    """A small square with its name on the landward side."""
+    at = feature.shape.centroid
+    is_west = at.x < 0.5 * (chart.water.bounds[0] + chart.water.bounds[2])
+    axes.plot(at.x, at.y, "s", ms=6, mfc=INK, mec="white", mew=0.8, zorder=6)
+    axes.annotate(
+        feature.name, (at.x, at.y), xytext=(-8 if is_west else 8, 0), textcoords="offset points",
+        ha="right" if is_west else "left", va="center", fontsize=9.0, fontweight="bold", color=INK,
+        path_effects=HALO, zorder=NAMES, annotation_clip=True,
+    )  # fmt: skip
+
+
+def _draw_water_name(
+    axes: Axes,
+    chart: Chart,
+    route: Sequence[Point] | None,
+    track: Sequence[Point] | None,
+    view: View,
+) -> None:
+    """The water's name where there is most room for it."""
+    if chart.is_open or not any(feature.kind == "water" for feature in chart.features):
+        return
+    room = chart.navigable.intersection(shapely.box(*view))
+    for points in (route or (), track or ()):
+        if len(points) > 1:
+            line = shapely.LineString([(point.east_m, point.north_m) for point in points])
+            room = room.difference(line.buffer(0.03 * (view[2] - view[0])))
+    parts = [part for part in shapely.get_parts(room) if isinstance(part, Polygon)]
+    if not parts:
+        return
+    circle = shapely.maximum_inscribed_circle(MultiPolygon(parts), tolerance=0.005 * (view[2] - view[0]))
+    east_m, north_m = circle.coords[0]
+    axes.text(
+        east_m, north_m, chart.name.split(",")[0], fontsize=15, fontstyle="italic", color="#4f86a6",
+        ha="center", va="center", family="DejaVu Serif", zorder=3.5, clip_on=True,
+    )  # fmt: skip

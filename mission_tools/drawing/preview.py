@@ -1,0 +1,53 @@
+"""The picture of a mission: its map, its plan and, after a voyage, the track."""
+
+from pathlib import Path
+
+from mission_tools.errors import UsageError
+from mission_tools.mission.proposal import Proposal
+from mission_tools.planning.smooth import path_length_m
+from mission_tools.vehicle.voyage import Voyage
+from mission_tools.wording import distance, duration
+
+PICTURE_SUFFIXES = frozenset({".png", ".svg", ".pdf"})
+
+
+def check_picture_name(path: Path) -> None:
+    """Refuse early what could not be written after an hour's voyage.
+
+    Raises:
+        UsageError: no kind of picture, or no such folder.
+    """
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise UsageError(
+            f"--preview {path}: expected a name that ends in {', '.join(sorted(PICTURE_SUFFIXES))}"
+        )
+    if not path.absolute().parent.is_dir():
+        raise UsageError(f"--preview {path}: there is no folder {path.parent}")
+
+
+def save_preview(path: Path, proposal: Proposal, voyage: Voyage | None) -> None:
+    """Draw the proposal and the voyage, if there was one.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    from mission_tools.drawing.draw import save_picture  # noqa: PLC0415 - matplotlib takes a second to import
+
+    track = voyage.track if voyage is not None else []
+    points, plan = proposal.points, proposal.plan
+    clearance_m = plan.settings.clearance_m if plan is not None else 0.0
+    subtitle = f"{distance(path_length_m(points))} planned"
+    if clearance_m > 0.0:
+        subtitle += f", clearance {clearance_m:g} m"
+    if voyage is not None and track:
+        subtitle += f"; {distance(voyage.track_length_m)} sailed in {duration(voyage.duration_s)}"
+    save_picture(
+        path,
+        proposal.chart,
+        points,
+        track=[proposal.chart.frame.to_local(point.place) for point in track] or None,
+        speeds_m_s=[point.speed_m_s for point in track] or None,
+        title=proposal.name,
+        subtitle=subtitle,
+        clearance_m=clearance_m,
+    )

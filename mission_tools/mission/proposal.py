@@ -1,0 +1,190 @@
+"""From what a person named as SOURCE to a mission: a mission file as it is, or a map planned on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from mission_tools.errors import UsageError
+from mission_tools.maps import Chart, Source, build_chart, load_source
+from mission_tools.maps.fenced import fenced
+from mission_tools.mission.areas import NO_AREAS, Areas
+from mission_tools.mission.check import in_the_way
+from mission_tools.mission.mission import Fence, Mission
+from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
+from mission_tools.mission.route import mission_along, with_speed
+from mission_tools.planning.planner import Plan, PlanSettings, plan
+
+MOST_MARGIN_M = 0.6  # what a boat sails beside its plan, corners and the receiver's wander together
+MARGIN_SHARE = 0.15  # of the clearance, where that is small
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What the command line says about the route; None where it says nothing."""
+
+    start_at: LatLon | None = None
+    goal: LatLon | None = None
+    case: str | None = None
+    clearance_m: float | None = None
+    cell_m: float | None = None
+    heuristic: str | None = None
+    smooth: bool | None = None
+    speed_m_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """A mission, and how it was come by: the plan is None for a mission that was read from a file.
+
+    notes: what a person should know.
+    """
+
+    name: str
+    mission: Mission
+    chart: Chart
+    plan: Plan | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Home and the mission's places in the chart's frame."""
+        places = [*([self.mission.home] if self.mission.home else []), *self.mission.places]
+        return tuple(self.chart.frame.to_local(place) for place in places)
+
+
+def open_source(text: str, wishes: Wishes, areas: Areas = NO_AREAS) -> "MissionFile | Water":
+    """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
+
+    Raises:
+        UsageError: wishes that do not go with it.
+        PlanFileError, MapError: it cannot be used.
+    """
+    path = Path(text)
+    if path.suffix in MISSION_SUFFIXES:
+        return MissionFile(path, load_mission(path), wishes, areas)
+    source = load_source(text)
+    if wishes.case is not None:
+        source = source.with_case(wishes.case)
+    return Water(text, source, wishes, areas)
+
+
+class MissionFile:
+    """A mission that is ready; nothing is left to plan."""
+
+    wants_position = needs_position = False
+
+    def __init__(
+        self,
+        path: Path,
+        mission: Mission,
+        wishes: Wishes,
+        areas: Areas = NO_AREAS,
+    ) -> None:
+        given = replace(wishes, speed_m_s=None)
+        if given != Wishes():
+            names = [name for name in given.__slots__ if getattr(given, name) is not None]
+            options = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
+            raise UsageError(f"{path} is a mission already: {options} would plan one; leave that out")
+        self._name = path.name
+        self._mission = with_speed(areas.over(mission), wishes.speed_m_s)
+        self._areas = areas
+
+    def propose(self, here: LatLon | None = None) -> Proposal:
+        """The mission as it was read, on a chart without shores; notes say where it leaves a given fence."""
+        mission = self._mission
+        origin = next(iter(mission.places), mission.home or here or LatLon(0.0, 0.0))
+        chart = _within(build_chart(self._name, LocalFrame(origin), None, ()), self._areas)
+        leaves = () if chart.is_open and not chart.features else in_the_way(mission, chart, 0.0)
+        return Proposal(self._name, mission, chart, notes=tuple(map(str, leaves)))
+
+
+class Water:
+    """A map, to plan on from a start to a goal."""
+
+    def __init__(self, text: str, source: Source, wishes: Wishes, areas: Areas = NO_AREAS) -> None:
+        self._chart = _within(source.chart, areas)
+        self._areas = areas
+        self._wishes = wishes
+        self._settings = PlanSettings.from_route(
+            source.route,
+            clearance_m=wishes.clearance_m,
+            cell_m=wishes.cell_m,
+            heuristic=wishes.heuristic,
+            smooth=wishes.smooth,
+        )
+        if source.route.margin_m is None:
+            margin_m = min(MOST_MARGIN_M, MARGIN_SHARE * self._settings.clearance_m)
+            self._settings = replace(self._settings, margin_m=margin_m)
+        self._named_start = self._local("--start-at", wishes.start_at) if wishes.start_at else None
+        self._usual_start = source.route.start
+        goal = self._local("--goal", wishes.goal) if wishes.goal else source.route.goal
+        if goal is None:
+            raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
+        self._goal = goal
+        # The points in between belong to the scenario's own goal.
+        self._via: Sequence[Point] = () if wishes.goal else source.route.via
+
+    @property
+    def wants_position(self) -> bool:
+        """Whether the route starts where the boat is: nobody has named a start."""
+        return self._named_start is None
+
+    @property
+    def needs_position(self) -> bool:
+        """Whether there is no start but the boat's position."""
+        return self._named_start is None and self._usual_start is None
+
+    def propose(self, here: LatLon | None = None) -> Proposal:
+        """Plan a route; `here` is where the boat is, used where no start was named.
+
+        Raises:
+            NoRouteError: there is none; says what is in the way.
+            UsageError: no start.
+        """
+        start = self._named_start or self._start_of(here)
+        found = plan(self._chart, start, self._goal, self._settings, self._via)
+        places = [self._chart.frame.to_global(point) for point in found.points]
+        mission = self._areas.over(mission_along(places, self._wishes.speed_m_s))
+        return Proposal(self._chart.name, mission, self._chart, found, found.notes)
+
+    def _start_of(self, here: LatLon | None) -> Point:
+        """The boat's place, or the scenario's start where that is not known or as good as the same.
+
+        Raises:
+            UsageError: neither is known.
+        """
+        usual = self._usual_start
+        if here is None:
+            if usual is None:
+                raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
+            return usual
+        at = self._local("the boat", here)
+        # A boat that still lies at the scenario's start may seem to lie ashore there, by its receiver's error
+        is_there = usual is not None and distance_m(at, usual) <= self._settings.clearance_m
+        return usual if usual is not None and is_there else at
+
+    def _local(self, what: str, place: LatLon) -> Point:
+        """A place in the chart's frame.
+
+        Raises:
+            UsageError: so far away that the frame does not reach it.
+        """
+        if not self._chart.reaches(place):
+            origin = self._chart.frame.origin
+            raise UsageError(
+                f"{what}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {self._chart.name} "
+                f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
+            )
+        return self._chart.frame.to_local(place)
+
+
+def _within(chart: Chart, areas: Areas) -> Chart:
+    """The chart with the fence on it, if there is one."""
+    if areas.fence is None or areas.fence == Fence():
+        return chart
+    return fenced(chart, areas.fence, areas.fence_name)
+
+
+def _cases(source: Source) -> str:
+    return f", or --case with one of {', '.join(source.cases)}" if source.cases else ""

@@ -1,0 +1,69 @@
+"""QGC WPL 110: the tab-separated mission text that Mission Planner, MAVProxy and QGroundControl read.
+
+One row an item: index, current, frame, command, four parameters, x, y, z, autocontinue. Row 0 is home in
+ArduPilot's files (frame 0); 0, 0 there means that home was not known. Format: the MAVLink guide, "File
+Formats". Every parse error is a ValueError that names the line.
+"""
+
+from companion.core.geo import LatLon
+from companion.core.units import e7_to_deg
+from mission_tools.mission.mission import Command, Frame, Mission, MissionItem, shifted_jump
+
+HEADER = "QGC WPL 110"
+
+
+def parse(text: str) -> Mission:
+    """Read a mission.
+
+    Raises:
+        ValueError: names the line and what was expected there.
+    """
+    lines = [line.strip() for line in text.removeprefix("\ufeff").splitlines()]
+    rows = [(number, line) for number, line in enumerate(lines, start=1) if line]
+    if not rows or rows[0][1].split() != HEADER.split():
+        raise ValueError(f"line {rows[0][0] if rows else 1}: the first line must be '{HEADER}'")
+    items = tuple(_row(number, line, index) for index, (number, line) in enumerate(rows[1:]))
+    if items and items[0].frame == Frame.GLOBAL and items[0].command == Command.NAV_WAYPOINT:
+        first = items[0]
+        home = LatLon(e7_to_deg(first.x), e7_to_deg(first.y)) if (first.x, first.y) != (0, 0) else None
+        return Mission(items[1:], home, first.z)
+    return Mission(tuple(shifted_jump(item, 1) for item in items))
+
+
+def compose(mission: Mission) -> str:
+    """A mission as text, home in row 0."""
+    home = mission.home or LatLon(0.0, 0.0)
+    home_item = MissionItem.at(home, frame=Frame.GLOBAL, z=mission.home_altitude_m)
+    rows = [_line(index, item) for index, item in enumerate((home_item, *mission.items))]
+    return "\n".join([HEADER, *rows]) + "\n"
+
+
+def _line(index: int, item: MissionItem) -> str:
+    place = (f"{e7_to_deg(item.x):.7f}", f"{e7_to_deg(item.y):.7f}") if item.is_global else (item.x, item.y)
+    fields = (index, int(index == 0), int(item.frame), int(item.command), *item.params, *place, item.z)
+    return "\t".join(map(str, (*fields, int(item.autocontinue))))
+
+
+def _row(number: int, line: str, index: int) -> MissionItem:
+    fields = line.split()
+    if len(fields) != 12:
+        raise ValueError(f"line {number}: an item has 12 fields, got {len(fields)}")
+    try:
+        found, _, frame, command = (_whole(field) for field in fields[:4])
+        values = [float(field) for field in fields[4:11]]
+        autocontinue = _whole(fields[11])
+    except ValueError as error:
+        raise ValueError(f"line {number} (item {index}): {error}") from None
+    if found != index:
+        raise ValueError(f"line {number}: expected item {index}, got item {found}")
+    try:
+        return MissionItem.from_numbers(command, frame, values, autocontinue=autocontinue != 0)
+    except ValueError as error:
+        raise ValueError(f"line {number} (item {index}): {error}") from None
+
+
+def _whole(field: str) -> int:
+    value = float(field)
+    if not value.is_integer():
+        raise ValueError(f"'{field}' must be a whole number")
+    return int(value)

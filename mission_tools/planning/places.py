@@ -1,0 +1,113 @@
+"""Where a boat may start, stop and enter the grid, and whom to blame where it may not."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from companion.core.geo import Point, distance_m
+from mission_tools.errors import GoalBlocked, NoRouteError, StartBlocked
+from mission_tools.maps.chart import Chart
+from mission_tools.planning.grid import Grid
+
+NEAREST_CELLS = 400
+
+
+@dataclass(frozen=True, slots=True)
+class Doors:
+    """The cells by which a place joins the grid: for each region the nearest at the end of a clear leg.
+
+    is_relaxed: the leg there may be nearer to a shore than the clearance.
+    """
+
+    cells: dict[int, int]
+    is_relaxed: bool = False
+
+
+class FreeWater:
+    """The free cells of a grid by region; cells of one region can reach each other, of two they cannot."""
+
+    def __init__(self, chart: Chart, grid: Grid, clearance_m: float) -> None:
+        self._chart = chart
+        self._grid = grid
+        self._clearance_m = clearance_m
+        # Joined by sides only: a diagonal step needs both cells beside it, so it joins nothing more.
+        self._regions: NDArray[np.int32] = ndimage.label(grid.free)[0]
+        self._rows, self._columns = np.nonzero(grid.free)
+
+    def doors_from_start(self, start: Point) -> Doors:
+        """Ways into the grid from the start; relaxed where it is nearer to a shore than the clearance.
+
+        Raises:
+            StartBlocked: on land, outside, kept out of, or shut in.
+        """
+        here_m = self._afloat(start, "start", StartBlocked)
+        if here_m >= self._clearance_m:
+            return self._doors(start, "start", StartBlocked, self._clearance_m)
+        return self._doors(start, "start", StartBlocked, 0.0)
+
+    def doors_to_stop(self, stop: Point, name: str) -> Doors:
+        """Ways from the grid to the goal or a via point; `name` says which it is.
+
+        Raises:
+            GoalBlocked: on land, outside, kept out of, nearer to a shore than the clearance, or shut in.
+        """
+        here_m = self._afloat(stop, name, GoalBlocked)
+        if here_m < self._clearance_m:
+            raise GoalBlocked(
+                f"{name} {self._at(stop)} is {here_m:.1f} m from {self._chart.nearest_feature(stop)}, nearer "
+                f"than the clearance of {self._clearance_m:g} m: {self._nearest_free(stop)}"
+            )
+        return self._doors(stop, name, GoalBlocked, self._clearance_m)
+
+    def no_route(self, start: Point, goal: Point) -> str:
+        """What to say when no region holds both."""
+        return (
+            f"no route from {self._at(start)} to {self._at(goal)}: no way between them keeps "
+            f"{self._clearance_m:g} m clear of the shores (seen in cells of {self._grid.cell_m:.3g} m): "
+            f"choose a smaller clearance, or another goal"
+        )
+
+    def _afloat(self, point: Point, name: str, blocked: type[NoRouteError]) -> float:
+        """How far the point is from a shore."""
+        where = self._chart.obstruction(point)
+        if where is not None:
+            raise blocked(f"{name} {self._at(point)} lies {where}: {self._nearest_free(point)}")
+        return self._chart.clearance_m(point)
+
+    def _doors(self, point: Point, name: str, blocked: type[NoRouteError], clearance_m: float) -> Doors:
+        cells: dict[int, int] = {}
+        for cell in self._nearest_cells(point):
+            region = int(self._regions.flat[cell])
+            if region not in cells and self._chart.is_clear(point, self._grid.centre(cell), clearance_m):
+                cells[region] = cell
+        if not cells:
+            raise blocked(
+                f"{name} {self._at(point)} is shut in: no straight way out keeps the clearance of "
+                f"{self._clearance_m:g} m: {self._nearest_free(point)}"
+            )
+        return Doors(cells, is_relaxed=clearance_m < self._clearance_m)
+
+    def _nearest_cells(self, point: Point) -> list[int]:
+        """The nearest free cells, nearest first."""
+        grid = self._grid
+        north = grid.south_m + (self._rows + 0.5) * grid.cell_m - point.north_m
+        east = grid.west_m + (self._columns + 0.5) * grid.cell_m - point.east_m
+        squared = north * north + east * east
+        count = min(NEAREST_CELLS, squared.size)
+        nearest = np.argpartition(squared, count - 1)[:count] if count else np.empty(0, dtype=np.intp)
+        nearest = nearest[np.argsort(squared[nearest], kind="stable")]
+        cells: list[int] = (self._rows[nearest] * grid.columns + self._columns[nearest]).tolist()
+        return cells
+
+    def _nearest_free(self, point: Point) -> str:
+        cells = self._nearest_cells(point)
+        if not cells:
+            return f"nowhere on this map is {self._clearance_m:g} m clear: choose a smaller clearance"
+        free = self._grid.centre(cells[0])
+        return f"the nearest free water is {distance_m(point, free):.1f} m away, at {self._at(free)}"
+
+    def _at(self, point: Point) -> str:
+        at = self._chart.frame.to_global(point)
+        return f"{at.lat_deg:.6f},{at.lon_deg:.6f}"

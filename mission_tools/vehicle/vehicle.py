@@ -1,0 +1,258 @@
+"""Any MAVLink vehicle, over MAVSDK: upload, read back, clear, arm, start, watch. `connection.py` finds it."""
+
+import asyncio
+import contextlib
+import json
+import logging
+from collections.abc import Awaitable, Callable, Sequence
+
+from mavsdk.asyncio import System
+from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
+from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
+from mavsdk.plugins.mavlink_direct import MavlinkDirectError, MavlinkMessage
+from mavsdk.plugins.mission_raw import MissionItem as RawItem
+from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
+
+from mission_tools.errors import CommandRefused, LinkLost, UploadRejected
+from mission_tools.mission.mission import Command, MissionItem, MissionType
+from mission_tools.vehicle.link_url import LinkUrl
+from mission_tools.vehicle.state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
+
+SILENCE_S = 5.0  # without a heartbeat the link counts as lost
+TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
+RETRY_S = 1.0
+CLEAR_TRIES = 5
+ASKED_RATES_HZ = {33: 4.0, 42: 2.0}  # GLOBAL_POSITION_INT, MISSION_CURRENT
+NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
+
+Transfer = Callable[[], Awaitable[list[RawItem] | None]]
+
+log = logging.getLogger(__name__)
+
+
+class Vehicle:
+    """One vehicle on one link. Made by `connection.connect`."""
+
+    def __init__(self, link: LinkUrl, system: System, system_id: int, clock: Callable[[], float]) -> None:
+        self.link = link
+        self.system_id = system_id
+        self.state = VehicleState()
+        self._clock = clock
+        self._missions = MissionRawAsync(system)
+        self._direct = MavlinkDirectAsync(system)
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether no heartbeat has come for SILENCE_S."""
+        return self._clock() - self.state.heard_s > SILENCE_S
+
+    def raise_if_lost(self, doing: str) -> None:
+        """Raise:
+        LinkLost: the vehicle has fallen silent; `doing` says in the middle of what.
+        """
+        if self.is_lost:
+            raise LinkLost(
+                f"{self.link.typed}: lost the vehicle while {doing}: no heartbeat for {SILENCE_S:.0f} s"
+            )
+
+    async def upload(self, kind: MissionType, items: Sequence[MissionItem]) -> None:
+        """Replace one of the vehicle's lists.
+
+        Raises:
+            UploadRejected: the vehicle refused; says which list, why and at which item.
+            LinkLost: no more answer.
+        """
+        raw = [_raw_item(seq, item, kind) for seq, item in enumerate(items)]
+        upload = {
+            MissionType.MISSION: self._missions.upload_mission,
+            MissionType.FENCE: self._missions.upload_geofence,
+            MissionType.RALLY: self._missions.upload_rally_points,
+        }[kind]
+        await self._transfer(f"uploading the {NAMES[kind]}", lambda: upload(raw))
+
+    async def download(self, kind: MissionType) -> tuple[MissionItem, ...]:
+        """One of the lists that the vehicle holds.
+
+        Raises:
+            UploadRejected: the vehicle does not hand it out.
+            LinkLost: no more answer.
+        """
+        download = {
+            MissionType.MISSION: self._missions.download_mission,
+            MissionType.FENCE: self._missions.download_geofence,
+            MissionType.RALLY: self._missions.download_rallypoints,
+        }[kind]
+        return tuple(map(_item, await self._transfer(f"reading back the {NAMES[kind]}", download)))
+
+    async def clear(self, kind: MissionType) -> None:
+        """Empty one of the vehicle's lists: MAVSDK uploads no empty ones.
+
+        Raises:
+            UploadRejected: the vehicle refused.
+            LinkLost: no answer.
+        """
+        began_s, answers = self._clock(), self.state.answers
+        answers.pop(kind, None)
+        fields = {"target_system": self.system_id, "target_component": 1, "mission_type": int(kind)}
+        message = MavlinkMessage("MISSION_CLEAR_ALL", 0, 0, self.system_id, 1, json.dumps(fields))
+        for _ in range(CLEAR_TRIES):
+            await self._direct.send_message(message)
+            if await self.wait_for(lambda: kind in answers, RETRY_S):
+                break
+        else:
+            where = f"clearing the {NAMES[kind]}{self._advice(began_s)}"
+            raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
+        if answers[kind]:
+            raise UploadRejected(
+                f"clearing the {NAMES[kind]}: the vehicle refused: {_refusal(answers[kind])}"
+            )
+
+    async def _transfer(self, doing: str, transfer: Transfer) -> list[RawItem]:
+        """Run one MAVSDK transfer and tell its failures in our words."""
+        began_s, self.state.refused, self.state.requested_item = self._clock(), 0, -1
+        try:
+            return await transfer() or []
+        except MissionRawError as error:
+            log.debug("%s: %s", doing, error.result.name)
+            result = error.result
+        if result is MissionRawResult.NO_MISSION_AVAILABLE:
+            return []
+        await asyncio.sleep(TEXT_DELAY_S)
+        item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
+        if result is MissionRawResult.TIMEOUT or not self.state.refused:
+            where = doing + (item and f", after{item}") + self._advice(began_s)
+            raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
+        reason = _refusal(self.state.refused)
+        text = self.state.last_complaint(began_s)
+        raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}" + (f" ({text})" if text else ""))
+
+    def _advice(self, began_s: float) -> str:
+        """What to do about silence, from what the vehicle has said before it."""
+        if not self.state.says_more:  # a boat of ours, on a link that asks for signatures
+            return (
+                ": it sends heartbeats only, as on a link where messages that are not signed are refused; "
+                "give the boat's key, --sign-key FILE"
+            )
+        text = self.state.last_complaint(began_s)
+        return f"; try again ({text})" if text else "; try again"
+
+    async def start(self, patience_s: float) -> None:
+        """Begin the mission from its first item: arm, then MISSION_START.
+
+        A vehicle that is not ready to arm is asked again until patience_s has passed. One that was armed for
+        this and then refuses to start is disarmed again.
+
+        Raises:
+            CommandRefused: with the vehicle's reason.
+            LinkLost: no more answer.
+        """
+        with contextlib.suppress(MissionRawError):  # a vehicle without this starts from its first item anyway
+            await self._missions.set_current_mission_item(1 if self.state.is_ardupilot else 0)
+        was_armed = self.state.armed
+        if not was_armed:
+            await self._arm(patience_s)
+        self.state.reached_item = -1
+        try:
+            await self._begin(patience_s)
+        except CommandRefused:
+            if not was_armed:  # nobody is at the helm of a boat that we armed and that will not sail
+                with contextlib.suppress(CommandRefused, LinkLost):
+                    await self.command(Command.COMPONENT_ARM_DISARM, "disarm", 0.0)
+            raise
+
+    async def _arm(self, patience_s: float) -> None:
+        give_up_s = self._clock() + patience_s
+        while not self.state.armed:
+            try:
+                await self.command(Command.COMPONENT_ARM_DISARM, "arm", 1.0)
+                break
+            except CommandRefused:
+                if self._clock() + RETRY_S > give_up_s:
+                    raise
+                await asyncio.sleep(RETRY_S)
+
+    async def _begin(self, patience_s: float) -> None:
+        await self.command(Command.MISSION_START, "start the mission")
+        if not await self.wait_for(self._is_sailing, patience_s):
+            self.raise_if_lost("starting the mission")
+            raise CommandRefused(f"the vehicle took the start but stays in {self.state.mode}, not AUTO")
+
+    def _is_sailing(self) -> bool:
+        return self.state.armed and (self.state.custom_mode == AUTO or not self.state.is_ardupilot)
+
+    async def command(self, command: Command, doing: str, *params: float) -> None:
+        """Send a command and wait for its answer.
+
+        Raises:
+            CommandRefused: with the vehicle's reason, and its text if one came.
+            LinkLost: no answer.
+        """
+        began_s = self._clock()
+        fields = {f"param{number}": 0.0 for number in range(1, 8)}
+        fields |= {f"param{number}": value for number, value in enumerate(params, start=1)}
+        try:
+            ack = await self._direct.send_command(self._command_long(command, fields))
+        except MavlinkDirectError:
+            advice = self._advice(began_s)
+            raise LinkLost(
+                f"{self.link.typed}: the vehicle does not answer the request to {doing}{advice}"
+            ) from None
+        result = json.loads(ack.fields_json)["result"]
+        if result != 0:
+            await asyncio.sleep(TEXT_DELAY_S)
+            text = self.state.last_complaint(began_s) or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
+            raise CommandRefused(f"the vehicle refused to {doing}: {text}")
+
+    async def ask_for_rates(self) -> None:
+        """Ask for the messages that following needs. Vehicles that cannot are left to their own rates."""
+        for message_id, rate_hz in ASKED_RATES_HZ.items():
+            fields = {"param1": float(message_id), "param2": 1e6 / rate_hz}
+            with contextlib.suppress(MavlinkDirectError):
+                await self._direct.send_message(self._command_long(Command.SET_MESSAGE_INTERVAL, fields))
+
+    async def wait_for(self, condition: Callable[[], bool], timeout_s: float) -> bool:
+        """Wait until something holds; False when it has not within the time, or the link is lost."""
+        give_up_s = self._clock() + timeout_s
+        while not condition():
+            if self._clock() > give_up_s or self.is_lost:
+                return False
+            await asyncio.sleep(0.05)
+        return True
+
+    def _command_long(self, command: Command, fields: dict[str, float]) -> MavlinkMessage:
+        to = {
+            "target_system": self.system_id,
+            "target_component": 1,
+            "command": int(command),
+            "confirmation": 0,
+        }
+        return MavlinkMessage("COMMAND_LONG", 0, 0, self.system_id, 1, json.dumps(to | fields))
+
+    async def watch(self, name: str) -> None:
+        """Fold one kind of message into the state, for ever."""
+        async for message in self._direct.subscribe_message(name):
+            try:
+                fields = json.loads(message.fields_json)
+                self.state.handle(name, message.component_id, fields, self._clock())
+            except (ValueError, KeyError, TypeError) as error:
+                log.debug("%s that makes no sense: %r", name, error)
+
+    def close(self) -> None:
+        """Let MAVSDK's plugins go."""
+        self._missions.destroy()
+        self._direct.destroy()
+
+
+def _raw_item(seq: int, item: MissionItem, kind: MissionType) -> RawItem:
+    head = (seq, item.frame, item.command, int(seq == 0), int(item.autocontinue))
+    return RawItem(*head, *item.params, item.x, item.y, item.z, int(kind))
+
+
+def _item(raw: RawItem) -> MissionItem:
+    params = (raw.param1, raw.param2, raw.param3, raw.param4)
+    return MissionItem(raw.command, raw.frame, params, raw.x, raw.y, raw.z, bool(raw.autocontinue))
+
+
+def _refusal(result: int) -> str:
+    """A MAV_MISSION_RESULT for people."""
+    return MISSION_REFUSALS.get(result, f"MAV_MISSION_RESULT {result}")

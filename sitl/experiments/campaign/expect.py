@@ -1,0 +1,119 @@
+"""What a campaign's figures must be, and whether they are.
+
+A figure that some run does not have, because the run failed or has no such thing, makes the expectation fail:
+a mean over the runs that went well would be no mean.
+"""
+
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import msgspec
+from msgspec import field
+
+from companion.config.section import Section
+
+Statistic = Literal["mean", "median", "smallest", "largest", "deviation"]
+
+STATISTICS: dict[str, Callable[[Sequence[float]], float]] = {
+    "mean": statistics.fmean,
+    "median": statistics.median,
+    "smallest": min,
+    "largest": max,
+    "deviation": lambda values: statistics.stdev(values) if len(values) > 1 else 0.0,
+}
+
+
+class Expectation(Section, frozen=True):
+    """A bound on a statistic of one figure, over the runs that `where` picks; with `each`, in every group.
+
+    against: which runs to compare with, beside `where`; at_most_times: how many times their figure it may be.
+    """
+
+    figure: str
+    of: Statistic = "mean"
+    where: dict[str, Any] = field(default_factory=dict)
+    each: str | tuple[str, ...] = ()
+    at_least: float | None = None
+    at_most: float | None = None
+    against: dict[str, Any] = field(default_factory=dict)
+    at_most_times: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.at_most_times is None) is bool(self.against):
+            raise ValueError(f"figure {self.figure}: expected at_most_times and against together")
+        if self.at_least is None and self.at_most is None and self.at_most_times is None:
+            raise ValueError(f"figure {self.figure}: expected at_least, at_most or at_most_times")
+
+    def is_about(self, row: Mapping[str, Any]) -> bool:
+        """Whether a run, by its columns, is one of those that `where` picks."""
+        return _fits(row, self.where)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """One expectation in one group. value: None where some run lacks the figure."""
+
+    what: str
+    group: str
+    bound: str
+    value: float | None
+    runs: int
+    missing: int
+    is_met: bool
+
+
+def judge(expectations: Sequence[Expectation], table: Sequence[Mapping[str, Any]]) -> list[Verdict]:
+    """Every expectation's verdicts, in order. table: one row a run, by column."""
+    return [verdict for expectation in expectations for verdict in _verdicts(expectation, table)]
+
+
+def _verdicts(expectation: Expectation, table: Sequence[Mapping[str, Any]]) -> list[Verdict]:
+    each = (expectation.each,) if isinstance(expectation.each, str) else expectation.each
+    if expectation.at_most_times is not None:
+        wanted = {**expectation.where, **expectation.against}
+        base, _ = _value(expectation, [row for row in table if _fits(row, wanted)])
+        if base is None:
+            return [_verdict(expectation, "no run to compare with", [])]
+        most = expectation.at_most_times * base
+        expectation = msgspec.structs.replace(expectation, at_most=most, against={}, at_most_times=None)
+    groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for row in table:
+        if expectation.is_about(row):
+            groups.setdefault(tuple(row.get(column) for column in each), []).append(row)
+    if not groups:
+        return [_verdict(expectation, "no run is like this", [])]
+    return [_verdict(expectation, _group(expectation, each, key), rows) for key, rows in groups.items()]
+
+
+def _fits(row: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
+    return all(_is_among(row.get(column), wanted) for column, wanted in where.items())
+
+
+def _is_among(value: object, wanted: object) -> bool:
+    return value in wanted if isinstance(wanted, list | tuple) else value == wanted
+
+
+def _group(expectation: Expectation, each: Sequence[str], key: Sequence[Any]) -> str:
+    named = [*expectation.where.items(), *zip(each, key, strict=True)]
+    return ", ".join(f"{column} {value}" for column, value in named) or "all runs"
+
+
+def _verdict(expectation: Expectation, group: str, rows: Sequence[Mapping[str, Any]]) -> Verdict:
+    value, missing = _value(expectation, rows)
+    low, high = expectation.at_least, expectation.at_most
+    is_met = value is not None and (low is None or value >= low) and (high is None or value <= high)
+    bounds = ([] if low is None else [f"≥ {low:g}"]) + ([] if high is None else [f"≤ {high:g}"])
+    what = f"{expectation.of} {expectation.figure}"
+    return Verdict(what, group, ", ".join(bounds), value, len(rows), missing, is_met)
+
+
+def _value(expectation: Expectation, rows: Sequence[Mapping[str, Any]]) -> tuple[float | None, int]:
+    """The statistic, None where some run lacks the figure; how many lack it."""
+    values = [
+        float(value) for row in rows if isinstance(value := row.get(expectation.figure), bool | int | float)
+    ]
+    missing = len(rows) - len(values)
+    return (STATISTICS[expectation.of](values) if values and not missing else None), missing

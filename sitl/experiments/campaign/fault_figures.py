@@ -1,0 +1,72 @@
+"""How soon the boat notices that a sensor lies, how far its position goes astray, and how far the boat does.
+
+Only for runs with a single fault, of a part that the estimate rests on. All against the truth; the boat's
+estimate is looked at ten times a second.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from companion.core.state import EstimateFault
+from sitl.reports.estimate_overlay import Belief
+from sitl.run.sail import Sailing
+from sitl.scenarios.courses import off_path_m
+from sitl.world.world import Truth
+
+_GNSS: Final = (
+    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
+)
+_COMPASS: Final = EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE
+_BITS: Final = {"gnss": int(_GNSS), "compass": int(_COMPASS)}
+_LOST: Final = int(EstimateFault.POSITION_LOST)
+_NAMES: Final = ("notice_s", "given_up_s", "astray_m", "astray_share", "off_plan_m")
+
+
+def fault_figures(sailing: Sailing) -> dict[str, float | None]:
+    """The figures of a run with one fault of the receiver or the compass; nothing for any other.
+
+    notice_s: from the fault to the estimate's saying so. given_up_s: to the position's being given up.
+    astray_m: by how much the position's error has grown at most, until then or until the fault was over.
+    astray_share: what is more than a metre of that, over the way sailed meanwhile. off_plan_m: how far the
+    boat was from its planned line at most, since the fault began, while it sailed along it. None: never.
+    """
+    faults = sailing.scenario.faults
+    if len(faults) != 1 or faults[0].what not in _BITS:
+        return {}
+    fault, out = faults[0], dict[str, float | None].fromkeys(_NAMES)
+    beliefs, truth = sailing.beliefs.rows, sailing.recorder.rows
+    since = beliefs[beliefs[:, 0] >= fault.at_s]
+    if not len(since) or not len(truth) or truth[0, 0] > fault.at_s:
+        return out
+    bits = since[:, Belief._fields.index("faults")].astype(int)
+    for name, wanted in (("notice_s", _BITS[fault.what]), ("given_up_s", _LOST)):
+        if (bits & wanted).any():
+            out[name] = float(since[int((bits & wanted != 0).argmax()), 0] - fault.at_s)
+    given_up_s = out["given_up_s"]
+    ends_s = min(fault.ends_s, math.inf if given_up_s is None else fault.at_s + given_up_s)
+    _go_astray(out, since[since[:, 0] < ends_s], truth)
+    sailed = sailing.recorder.legs >= 0
+    late = truth[sailed, 0] >= fault.at_s
+    off = off_path_m(sailing.recorder, sailing.planned)[late]
+    out["off_plan_m"] = float(off.max()) if len(off) else None
+    return out
+
+
+def _go_astray(
+    out: dict[str, float | None],
+    beliefs: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
+    truth: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
+) -> None:
+    place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
+    believed = slice(Belief._fields.index("north_m"), Belief._fields.index("east_m") + 1)
+    rows = np.minimum(np.searchsorted(truth[:, 0], beliefs[:, 0] - 1e-6), len(truth) - 1)
+    if not len(rows):
+        return
+    at = truth[rows, place]
+    error_m = np.hypot(*(beliefs[:, believed] - at).T)
+    way_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))
+    grown_m = error_m - error_m[0]
+    out["astray_m"] = float(grown_m.max())
+    out["astray_share"] = float(np.max((grown_m - 1.0) / np.maximum(way_m, 1.0)))

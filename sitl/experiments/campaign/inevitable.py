@@ -1,0 +1,182 @@
+"""Whether anybody could have avoided a touch: told by thrust, set and shore, not by what the boat did.
+
+From the fault on, every place is kept that a hull could have reached by then with what speed through the
+water the fault leaves it, carried by the current and the leeway of the run's own weather, and never touching
+anything: a set of places on a grid, grown and carried on step by step. If that set is not empty HORIZON_S
+after the touch, or once the fault is over, a perfect helmsman would have kept clear, and the touch counts as
+avoidable; else the water would have set anybody onto something by then. He knows chart and weather, and after
+_RECOGNISED_S the fault; until then he sails as the boat did. Doubts go against the boat: a place counts as
+reached that is so nearly.
+
+What speed a fault leaves: none without power, which makes what happens then inevitable; with one motor dead
+the best that was found for this hull; its top speed in every other case. Both come from the emulated hull
+and its thrusters (`hull_speed.py`), not from the boat's configuration or from its own steering with one
+motor. With a motor dead or reversed the boat steers otherwise than it means to until that is recognised;
+who touches before had no time.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from sitl.experiments.campaign.hull_speed import one_motor_speed_m_s, top_speed_m_s
+from sitl.run.sail import Sailing
+from sitl.scenarios.scenario import Scenario
+from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.pack import Pack
+from sitl.world.windage import AIR_KG_M3
+from sitl.world.world import Truth
+
+CELL_M: Final = 0.5
+STEP_S: Final = 0.5
+HORIZON_S: Final = 600.0
+_COAST_M: Final = 2.0  # what way the boat has may carry it so far, any way it likes
+_RECOGNISED_S: Final = 15.0  # six of steering that turns nothing, six of trying the motors, and the bow round
+# Until power that is back drives the boat: boot, a warning to keep clear, gathering way
+_RESTART_S: Final = 16.0
+_STALLED: Final = 0.4  # of weed, and more, hold a motor fast
+_MOTORS: Final = ("motor_left", "motor_right")
+_TREACHEROUS: Final = ("off", "stuck", "wrong")  # the boat steers otherwise than it means to
+
+Mask = NDArray[np.bool_]
+Rows = NDArray[np.float64]
+
+
+def inevitable(sailing: Sailing) -> str:
+    """Why the run's first touch could not be helped, in words; "" if it could, or if there was none."""
+    scenario, rows = sailing.scenario, sailing.recorder.rows
+    aground = rows[:, Truth._fields.index("grounded")] > 0.0
+    if len(scenario.faults) != 1 or not aground.any():
+        return ""
+    fault, row = scenario.faults[0], rows[int(aground.argmax())]
+    touch_s = float(row[0])
+    if touch_s < fault.at_s:
+        return ""
+    after_s = touch_s - fault.at_s
+    if fault.what in _MOTORS and fault.kind in _TREACHEROUS and after_s < _RECOGNISED_S:
+        return f"no time: {after_s:.0f} s after the fault"
+    speed_m_s = left_speed_m_s(fault, scenario)
+    if not speed_m_s < _top_speed_m_s(scenario):
+        return ""
+    if survives(scenario, rows, fault, speed_m_s, touch_s):
+        return ""
+    what = "no power" if speed_m_s == 0.0 else f"one motor: {speed_m_s:.2f} m/s"
+    return f"{what}, in a set of {math.hypot(*_set_m_s(scenario, row)):.2f} m/s"
+
+
+def left_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
+    """Speed through the water that a fault leaves."""
+    if fault.what == "computer":
+        return 0.0
+    is_dead = fault.what in _MOTORS and (
+        fault.kind == "off"
+        or (fault.kind == "slow" and fault.amount == 0.0)
+        or (fault.kind in ("stuck", "weed") and fault.amount >= _STALLED)
+    )
+    if is_dead:
+        return one_motor_speed_m_s(scenario.hull, scenario.thrusters, Pack(scenario.battery).supply_v)
+    return _top_speed_m_s(scenario)
+
+
+def _top_speed_m_s(scenario: Scenario) -> float:
+    return top_speed_m_s(scenario.hull, scenario.thrusters, Pack(scenario.battery).supply_v)
+
+
+def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: float, until_s: float) -> bool:
+    """Whether some way stays clear until HORIZON_S after until_s, when the boat touched."""
+    if speed_m_s == 0.0:  # without power there is one way only, and that is the one that it went
+        return until_s > fault.ends_s + _RESTART_S
+    since = rows[(rows[:, 0] >= fault.at_s + _RECOGNISED_S) & (rows[:, 0] <= until_s)]
+    if not len(since):
+        return False
+    place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
+    reach = _Reach(scenario.chart.navigable.buffer(-0.5 * scenario.hull.beam_m), since[0, place])
+    over_s, at_s = fault.ends_s, float(since[0, 0])
+    every = max(1, round(STEP_S / (since[1, 0] - since[0, 0]))) if len(since) > 1 else 1
+    north_m_s = east_m_s = 0.0
+    for row in since[::every]:
+        set_m_s = _set_m_s(scenario, row)
+        north_m_s, east_m_s = north_m_s + set_m_s[0], east_m_s + set_m_s[1]
+        reach.advance(set_m_s, speed_m_s, float(row[0]) - at_s)
+        at_s = float(row[0])
+        if at_s >= over_s or not reach.is_left:
+            return reach.is_left
+    count = len(since[::every])
+    mean_m_s = north_m_s / count, east_m_s / count
+    ends_s = min(until_s + HORIZON_S, over_s)
+    while at_s < ends_s and reach.is_left:
+        reach.advance(mean_m_s, speed_m_s, STEP_S)
+        at_s += STEP_S
+    return reach.is_left
+
+
+def _set_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
+    """North and east: the current, and what the wind of the moment makes of a hull that lies beam on."""
+    current = row[Truth._fields.index("current_north_m_s")], row[Truth._fields.index("current_east_m_s")]
+    wind = row[Truth._fields.index("wind_north_m_s")], row[Truth._fields.index("wind_east_m_s")]
+    past = wind[0] - current[0], wind[1] - current[1]
+    fast = math.hypot(*past)
+    hull, windage = scenario.hull, scenario.hull.windage
+    push_n = 0.5 * AIR_KG_M3 * windage.lateral_drag * windage.lateral_area_m2 * fast * fast
+    a, b = hull.sway_quadratic, hull.sway_linear
+    if a > 0.0:
+        leeway_m_s = (-b + math.sqrt(b * b + 4.0 * a * push_n)) / (2.0 * a)
+    else:
+        leeway_m_s = push_n / b if b > 0.0 else 0.0
+    share = leeway_m_s / fast if fast > 0.0 else 0.0
+    return float(current[0] + share * past[0]), float(current[1] + share * past[1])
+
+
+class _Reach:
+    """The places that can have been reached, as a mask that moves with the set over the fixed shore."""
+
+    def __init__(self, water: shapely.Geometry, at: Rows) -> None:
+        west, south, east, north = water.bounds
+        norths = np.arange(south, north + CELL_M, CELL_M)
+        grid_e, grid_n = np.meshgrid(np.arange(west, east + CELL_M, CELL_M), norths)
+        shapely.prepare(water)
+        self._free: Mask = shapely.contains_xy(water, grid_e, grid_n)
+        away = np.hypot(grid_n - at[0], grid_e - at[1])
+        self._mask: Mask = (away <= _COAST_M) & self._free
+        self._drift_m = [0.0, 0.0]  # not yet taken, less than a cell
+        self._grow_m = 0.0
+        self._is_square = False  # by turns a square and its diamond make an octagon, nearly a circle
+
+    @property
+    def is_left(self) -> bool:
+        """Whether there is any place."""
+        return bool(self._mask.any())
+
+    def advance(self, set_m_s: tuple[float, float], speed_m_s: float, dt_s: float) -> None:
+        """Go on by dt_s: carried by the set, cell by cell, and spread by the boat's own speed."""
+        for axis, speed in enumerate(set_m_s):
+            self._drift_m[axis] += speed * dt_s
+            while abs(self._drift_m[axis]) >= 0.5 * CELL_M:
+                step = 1 if self._drift_m[axis] > 0.0 else -1
+                self._drift_m[axis] -= step * CELL_M
+                self._mask = _shifted(self._mask, step, axis) & self._free
+        self._grow_m += speed_m_s * dt_s
+        while self._grow_m >= CELL_M:
+            self._grow_m -= CELL_M
+            grown = self._mask.copy()
+            for step in (1, -1):
+                grown |= _shifted(self._mask, step, 0)
+            base = grown.copy() if self._is_square else self._mask
+            for step in (1, -1):
+                grown |= _shifted(base, step, 1)
+            self._is_square = not self._is_square
+            self._mask = grown & self._free
+
+
+def _shifted(mask: Mask, step: int, axis: int) -> Mask:
+    """By one cell, with nothing coming in from beyond the edge."""
+    out = np.zeros_like(mask)
+    if axis == 0:
+        out[max(step, 0) : len(out) + min(step, 0)] = mask[max(-step, 0) : len(out) + min(-step, 0)]
+    else:
+        width = out.shape[1]
+        out[:, max(step, 0) : width + min(step, 0)] = mask[:, max(-step, 0) : width + min(-step, 0)]
+    return out

@@ -1,0 +1,68 @@
+"""A campaign as a table: a row a run, the runs in order, so that equal campaigns are equal byte for byte."""
+
+import csv
+import importlib
+import importlib.util
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from companion.core.output_file import output_file
+from sitl.experiments.campaign.campaign import Campaign
+from sitl.experiments.campaign.run import Outcome, Run
+
+Table = list[dict[str, Any]]
+
+
+def tabulate(campaign: Campaign, outcomes: Sequence[Outcome]) -> Table:
+    """One dictionary a run: what it was, how it ended, its figures. Every row has every column."""
+    runs = {run.number: run for run in campaign.runs}
+    rows = [{**_of_run(runs[outcome.number]), **_of_outcome(outcome)} for outcome in outcomes]
+    columns = dict.fromkeys(column for row in rows for column in row)
+    return [{column: row.get(column) for column in columns} for row in rows]
+
+
+def _of_run(run: Run) -> dict[str, Any]:
+    named = {name: value for name in ("case", "course", "mission") if (value := getattr(run, name))}
+    factors = {name: _plain(value) for name, value in run.factors.items()}
+    return {"run": run.number, "scenario": run.scenario, **named, "seed": run.seed, **factors}
+
+
+def _of_outcome(outcome: Outcome) -> dict[str, Any]:
+    touched = "; ".join(outcome.touched)
+    figures = {"completed": False, **outcome.figures}
+    return {"ended": outcome.ended, **figures, "touched": touched, "why": outcome.why}
+
+
+def write_csv(table: Table, path: Path) -> None:
+    """Write the table; what is missing is empty.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table[0] if table else ())
+        writer.writerows([_cell(value) for value in row.values()] for row in table)
+
+
+def write_parquet(table: Table, path: Path) -> bool:
+    """Write the table as Parquet where pyarrow is installed; whether it was."""
+    if importlib.util.find_spec("pyarrow") is None:
+        return False
+    arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
+    rows = [{name: _plain(value) for name, value in row.items()} for row in table]
+    with output_file(path) as aside:
+        parquet.write_table(arrow.Table.from_pylist(rows), aside)
+    return True
+
+
+def _cell(value: object) -> object:
+    if isinstance(value, bool):
+        return int(value)
+    return f"{value:.9g}" if isinstance(value, float) else value
+
+
+def _plain(value: object) -> object:
+    """Lists and tables as text: a column has one type."""
+    return value if value is None or isinstance(value, bool | int | float | str) else str(value)

@@ -1,0 +1,44 @@
+"""A search for gains as a picture: every comparison, and how what was found does on other seeds."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from companion.core.output_file import output_file
+from sitl.experiments.tuning.search import Standing
+from sitl.experiments.tuning.verdict import Verdict
+
+_MOST_SHOWN = 3.0  # what costs more lies at the upper edge
+
+
+def draw_search(standings: Sequence[Standing], verdict: Verdict, title: str, path: Path) -> None:
+    """Write it as PNG."""
+    figure = Figure(figsize=(8.0, 4.5), layout="constrained")
+    axes = figure.subplots()
+    places = range(1, len(standings) + 1)
+    for place, standing in zip(places, standings, strict=True):
+        shown = [min(ratio, _MOST_SHOWN) for ratio in standing.ratios]
+        axes.plot([place] * len(shown), shown, "o", color=f"C{standing.round - 1}", alpha=0.5, markersize=5)
+    axes.plot(places, [standing.ratios[0] for standing in standings], "-", color="0.3", label="best so far")
+    axes.errorbar(
+        [len(standings) + 1],
+        [verdict.ratio],
+        yerr=[verdict.doubt],
+        fmt="s",
+        color="k",
+        capsize=4,
+        label="on other seeds",
+    )
+    axes.axhline(1.0, color="0.6", linestyle="--", label="the gains of before")
+    axes.set_yscale("log")
+    axes.set_yticks([0.5, 0.7, 1.0, 1.5, 2.0], ["0.5", "0.7", "1", "1.5", "2"])
+    axes.set_ylim(top=1.05 * _MOST_SHOWN)
+    axes.minorticks_off()
+    axes.set_xticks([*places, len(standings) + 1], [*(f"round {s.round}" for s in standings), "check"])
+    axes.tick_params(axis="x", rotation=45)
+    axes.set_ylabel("cost over that of before")
+    axes.set_title(title)
+    axes.legend(loc="upper right")
+    with output_file(path) as aside:
+        figure.savefig(aside, dpi=110)

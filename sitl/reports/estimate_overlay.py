@@ -1,0 +1,115 @@
+"""What the boat believed and wanted in a run, beside the truth: for reports, never for the boat itself."""
+
+import math
+from array import array
+from typing import NamedTuple
+
+import numpy as np
+
+from companion.boat import Boat
+from companion.core.geo import LatLon, LocalFrame, Point
+
+EVERY_S = 0.1
+MOST_ECHOES = 100_000
+_NAN = math.nan
+
+
+class Belief(NamedTuple):
+    """The estimate, the demand and the command of one tick; NaN where there is none.
+
+    north_m, east_m: in the scenario's frame; the boat lays its own where it boots.
+    set_*: how water and wind carry the boat, as it thinks. faults: bits of EstimateFault. left, right: what
+    the gate let through, −1..1. mode: Rover's number.
+    """
+
+    time_s: float
+    north_m: float = _NAN
+    east_m: float = _NAN
+    heading_rad: float = _NAN
+    surge_m_s: float = _NAN
+    set_north_m_s: float = _NAN
+    set_east_m_s: float = _NAN
+    position_sigma_m: float = _NAN
+    faults: float = 0.0
+    demand_heading_rad: float = _NAN
+    demand_speed_m_s: float = _NAN
+    left: float = 0.0
+    right: float = 0.0
+    mode: float = _NAN
+    armed: float = 0.0
+
+
+_FIELDS = len(Belief._fields)
+
+Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+
+
+class Beliefs:
+    """One row a tenth of a second, and every echo of the sonar where the boat took it to be."""
+
+    __slots__ = ("_echoes", "_frame", "_next_s", "_numbers", "_origin", "_ping_s", "_shift")
+
+    def __init__(self, frame: LocalFrame) -> None:
+        """Start empty. frame: the scenario's, in which everything is kept."""
+        self._frame = frame
+        self._origin: LatLon | None = None  # of the boat's own frame, and where that lies in the scenario's
+        self._shift = Point(0.0, 0.0)
+        self._numbers = array("d")
+        self._echoes = array("d")
+        self._next_s = 0.0
+        self._ping_s = -math.inf
+
+    def tick(self, boat: Boat, now_s: float) -> None:
+        """To be called after each of the boat's steps."""
+        own = boat.estimator.frame
+        if own is not None and own.origin is not self._origin:
+            self._origin, self._shift = own.origin, self._frame.to_local(own.origin)
+        sonar = boat.senses.sonar
+        if sonar is not None and sonar.time_s != self._ping_s:
+            self._ping_s = sonar.time_s
+            nav = boat.nav
+            if nav is not None and sonar.range_m is not None and len(self._echoes) < 3 * MOST_ECHOES:
+                bearing = nav.heading_rad + sonar.bearing_rad
+                north_m = self._shift.north_m + nav.north_m + sonar.range_m * math.cos(bearing)
+                east_m = self._shift.east_m + nav.east_m + sonar.range_m * math.sin(bearing)
+                self._echoes.extend((now_s, north_m, east_m))
+        if now_s + 1e-9 >= self._next_s:
+            self._next_s = now_s + EVERY_S
+            self._numbers.extend(_belief(boat, self._shift, now_s))
+
+    @property
+    def rows(self) -> Rows:
+        """A copy, shape (rows, fields of Belief)."""
+        return np.array(self._numbers, dtype=np.float64).reshape(-1, _FIELDS)
+
+    @property
+    def echoes(self) -> Rows:
+        """A copy, shape (echoes, 3): time, north and east of where the boat took each to be."""
+        return np.array(self._echoes, dtype=np.float64).reshape(-1, 3)
+
+
+def _belief(boat: Boat, shift: Point, now_s: float) -> Belief:
+    nav, demand, command, vehicle = boat.nav, boat.steering.demand, boat.command, boat.vehicle
+    return Belief(
+        now_s,
+        *(
+            (_NAN,) * 7 + (0.0,)
+            if nav is None
+            else (
+                shift.north_m + nav.north_m,
+                shift.east_m + nav.east_m,
+                nav.heading_rad,
+                nav.surge_m_s,
+                nav.set_north_m_s,
+                nav.set_east_m_s,
+                nav.position_sigma_m,
+                float(nav.faults),
+            )
+        ),
+        demand_heading_rad=_NAN if demand is None else demand.heading_rad,
+        demand_speed_m_s=_NAN if demand is None else demand.speed_m_s,
+        left=command.left,
+        right=command.right,
+        mode=float(vehicle.mode),
+        armed=float(vehicle.armed),
+    )

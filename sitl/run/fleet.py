@@ -1,0 +1,105 @@
+"""Several boats in one process: who they are, where they lie, and how they share links."""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import msgspec
+
+from companion.app.clock import Clock
+from companion.config.boat_config import LinkConfig
+from companion.core.errors import ConfigError
+from companion.core.geo import Point
+from sitl.radio.bridge import Bridge
+from sitl.run.craft import Berth, Craft
+from sitl.run.serve import stretched
+from sitl.scenarios.scenario import Scenario
+
+MOST_BOATS = 200
+SPACING_LENGTHS = 3.0  # between neighbours
+PORT_STEP = 10  # from one boat's TCP port to the next one's, as ArduPilot's simulator has it
+_PLACES_A_BOAT = 200
+
+
+def fleet(scenario: Scenario, count: int) -> list[Scenario]:
+    """The scenario once for each boat: system ids and seeds count up, places lie side by side.
+
+    The boats do not see or touch each other.
+
+    Raises:
+        ConfigError: ids beyond 255, or not enough water about the start.
+    """
+    first = scenario.vehicle.identity.system_id
+    if not 1 <= count <= MOST_BOATS or first + count - 1 > 255:
+        most = min(MOST_BOATS, 256 - first)
+        raise ConfigError(f"--count {count}: expected 1 to {most}, as the first boat is system {first}")
+    return [
+        _with_identity(
+            dataclasses.replace(scenario, seed=scenario.seed + number, start=place), first + number
+        )
+        for number, place in enumerate(_places(scenario, count))
+    ]
+
+
+def moor(
+    scenarios: Sequence[Scenario],
+    links: Sequence[Sequence[LinkConfig]],
+    clock: Clock,
+    berths: Sequence[Berth],
+    speedup: float = 1.0,
+) -> list[Craft]:
+    """The boats with their links. Those without a link of their own are reached through the first.
+
+    Raises:
+        ConfigError, LinkError: a url that cannot be read, or that the system refuses.
+        StorageError: a state folder cannot be used.
+    """
+    crafts: list[Craft] = []
+    bridges: list[Bridge] = []
+    try:
+        for scenario, own, berth in reversed(list(zip(scenarios, links, berths, strict=True))):
+            is_first = scenario is scenarios[0]
+            shared = tuple(partial(bridge.port, 0) for bridge in bridges) if is_first else ()
+            if not is_first and not own:
+                bridges.append(Bridge(f"boat {scenario.vehicle.identity.system_id}"))
+                shared = (partial(bridges[-1].port, 1),)
+            own_config = stretched(scenario.vehicle, speedup)
+            sailed = dataclasses.replace(scenario, vehicle=own_config)
+            crafts.insert(0, Craft(sailed, own, clock, dataclasses.replace(berth, ports=shared)))
+    except Exception:
+        for craft in crafts:
+            craft.close()
+        raise
+    return crafts
+
+
+def _with_identity(scenario: Scenario, system_id: int) -> Scenario:
+    identity = msgspec.structs.replace(scenario.vehicle.identity, system_id=system_id)
+    return dataclasses.replace(scenario, vehicle=msgspec.structs.replace(scenario.vehicle, identity=identity))
+
+
+def _places(scenario: Scenario, count: int) -> list[Point]:
+    """The start, and the nearest places round it, on rings, that leave room for a boat."""
+    spacing_m = SPACING_LENGTHS * scenario.hull.length_m
+    found: list[Point] = []
+    for place in _rings(scenario.start, spacing_m, count * _PLACES_A_BOAT):
+        is_free = scenario.chart.is_open or scenario.chart.clearance_m(place) >= scenario.hull.length_m
+        if is_free or place == scenario.start:
+            found.append(place)
+        if len(found) == count:
+            return found
+    raise ConfigError(f"--count {count}: the water about the start has room for {len(found)} boats")
+
+
+def _rings(centre: Point, spacing_m: float, most: int) -> Iterator[Point]:
+    yield centre
+    given, ring = 1, 0
+    while given < most:
+        ring += 1
+        on_ring = 6 * ring
+        for number in range(on_ring):
+            angle = math.tau * number / on_ring
+            north = centre.north_m + ring * spacing_m * math.cos(angle)
+            yield Point(north, centre.east_m + ring * spacing_m * math.sin(angle))
+        given += on_ring

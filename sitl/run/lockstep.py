@@ -1,0 +1,76 @@
+"""The boat and its water in one process, tick by tick, as fast as the machine goes.
+
+Time is counted in ticks, so a run is a function of the scenario, its seed and what the station says.
+"""
+
+from companion.boat import COMPONENT_ID, TICK_S, Boat
+from companion.config.boat_config import LinkConfig
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
+from companion.log.logbook import Logbook
+from companion.mavlink.address import Address
+from companion.persistence.storage import MemoryStorage, Storage
+from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import Policy
+from sitl.radio.air import Air, AirPort
+from sitl.run.program import Program
+from sitl.run.station import Station
+from sitl.scenarios.scenario import Scenario
+from sitl.world.disk import Disk
+from sitl.world.world import World
+
+_STREAM_HZ = 2.0  # half the usual telemetry: this station reads results, it watches no instruments
+
+
+class Lockstep:
+    """One boat, its world, and a station on a memory link."""
+
+    def __init__(
+        self, scenario: Scenario, storage: Storage | None = None, logbook: Logbook | None = None
+    ) -> None:
+        """storage and logbook outlive the boat's program, which a power cut ends."""
+        self.world = World(scenario)
+        computer = self.world.electronics.computer
+        self._storage = Disk(storage or MemoryStorage(), computer)
+        self._logbook = logbook
+        self._air = Air(scenario.link, scenario.seed, computer, lambda: self.world.time_s)
+        near, far = memory_pair("station")
+        self._near: MemoryLink | None = near
+        self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
+        self._program = Program(self.world, self._build, _let_go)
+
+    @property
+    def boat(self) -> Boat:
+        """The boat's program; another one after a power cut."""
+        return self._program.boat
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since boot."""
+        return self.world.time_s
+
+    def step(self) -> None:
+        """One tick: the boat acts on what its sensors say now, then the water moves on."""
+        now_s = self.world.time_s
+        self._program.step()
+        self.station.step(now_s)
+        self.world.step(TICK_S)
+
+    def _build(self) -> Boat:
+        near, self._near = self._near, None
+        if near is None:
+            near, far = memory_pair("station")
+            self.station.connect(far)
+        policy = Policy(LinkConfig(url="memory", stream_hz=_STREAM_HZ))
+        port = ConfiguredPort(AirPort(MemoryPort(near), self._air), policy)
+        return Boat(
+            self.world.scenario.vehicle, self.world.hardware, [port], self._storage, logbook=self._logbook
+        )
+
+    def close(self) -> None:
+        """Let everything go."""
+        self.boat.close()
+
+
+def _let_go(boat: Boat) -> None:
+    boat.channels.close()
+    boat.endpoint.close()

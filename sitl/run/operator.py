@@ -1,0 +1,101 @@
+"""What a lockstep run orders of its boat, over the air, and waits for."""
+
+from collections.abc import Callable, Sequence
+
+from companion.core.errors import BoatError
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem, MissionType
+from sitl.run.lockstep import Lockstep
+
+BOOT_S = 60.0  # longest wait for the boat to become armable
+UPLOAD_S = 60.0
+ANSWER_S = 5.0
+
+
+class SailError(BoatError):
+    """The run ended before it should, or the boat did not do as ordered; the message says what and why."""
+
+
+class Orders:
+    """Orders given by the lockstep's station. step: advances the run by one tick."""
+
+    def __init__(self, lockstep: Lockstep, step: Callable[[], None]) -> None:
+        self._lockstep = lockstep
+        self._step = step
+
+    def wait(self, is_so: Callable[[], bool], limit_s: float, failure: str) -> None:
+        """Let time pass until something is so.
+
+        Raises:
+            SailError: it was not within limit_s.
+        """
+        deadline_s = self._lockstep.time_s + limit_s
+        while not is_so():
+            if self._lockstep.time_s > deadline_s:
+                raise SailError(f"{failure} within {limit_s:g} simulated seconds")
+            self._step()
+
+    def command(self, number: int, *params: float, what: str) -> None:
+        """Send a command until it is accepted.
+
+        Raises:
+            SailError: it was refused, or not answered.
+        """
+        station = self._lockstep.station
+        station.command(number, *params)
+        self.wait(lambda: station.answer(number) is not None, ANSWER_S, f"{what} was not answered")
+        if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
+            said = station.texts[-1] if station.texts else "it did not say why"
+            raise SailError(f"the boat refused {what}: {said}")
+
+    def until_armable(self) -> None:
+        """Wait for the boat to say that it may be armed and has a position, which arming does not need.
+
+        Raises:
+            SailError: it never does.
+        """
+        self.wait(self._is_armable, BOOT_S, "the boat did not become armable")
+
+    def upload(self, items: Sequence[MissionItem], kind: MissionType = MissionType.MISSION) -> None:
+        """Give the boat a mission, or another list.
+
+        Raises:
+            SailError: it was refused, or did not end.
+        """
+        station = self._lockstep.station
+        station.upload(items, self._lockstep.time_s, kind)
+        self.wait(lambda: station.uploaded is not None, UPLOAD_S, "the upload did not end")
+        if not station.uploaded:
+            raise SailError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
+
+    def arm(self) -> None:
+        """Let the motors turn.
+
+        Raises:
+            SailError: the boat refused.
+        """
+        self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
+
+    def start_mission(self) -> None:
+        """Sail the mission.
+
+        Raises:
+            SailError: the boat refused.
+        """
+        self.command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
+
+    def change_mode(self, number: int) -> None:
+        """Enter a mode by its Rover number.
+
+        Raises:
+            SailError: the boat refused.
+        """
+        flag = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
+        self.command(dialect.MAV_CMD_DO_SET_MODE, flag, float(number), what=f"mode {number}")
+
+    def _is_armable(self) -> bool:
+        status = self._lockstep.station.latest.get("SYS_STATUS")
+        if status is None:
+            return False
+        bits = dialect.MAV_SYS_STATUS_PREARM_CHECK | dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+        return bool(status.onboard_control_sensors_health & bits == bits)

@@ -1,0 +1,154 @@
+"""A run on disk: one .npz file with the numbers of every tick, and the rest as JSON in it."""
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any, Self
+
+import msgspec
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from companion.core.errors import ConfigError
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.output_file import output_file
+from mission_tools.maps.chart import Area, Chart, Feature, build_chart
+from sitl.reports.estimate_overlay import Belief
+from sitl.run.sail import Result, Sailing
+from sitl.run.timeline import Event
+from sitl.world.world import Truth
+
+SUFFIX = ".npz"
+Numbers = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class RunRecord:
+    """What a report needs of a run. truth and beliefs: columns by name, a row a tick or a tenth of a second.
+
+    echoes: shape (n, 3), time, north and east. planned: the mission's points.
+    """
+
+    result: dict[str, Any]
+    settings: dict[str, Any]
+    chart: Chart
+    clearance_m: float
+    planned: tuple[Point, ...]
+    events: tuple[Event, ...]
+    truth: dict[str, Numbers]
+    legs: NDArray[np.int64]
+    beliefs: dict[str, Numbers]
+    echoes: Numbers
+
+    @classmethod
+    def of(cls, sailing: Sailing, result: Result) -> Self:
+        """The record of a run that has ended."""
+        scenario = sailing.scenario
+        return cls(
+            result=dataclasses.asdict(result),
+            settings={
+                name: msgspec.json.decode(msgspec.json.encode(getattr(scenario, name)))
+                for name in (
+                    "environment",
+                    "faults",
+                    "movers",
+                    "hull",
+                    "thrusters",
+                    "battery",
+                    "sensors",
+                    "vehicle",
+                )
+            },
+            chart=scenario.chart,
+            clearance_m=scenario.route.clearance_m or 0.0,
+            planned=tuple(sailing.planned),
+            events=tuple(sailing.timeline.events),
+            truth=_columns(sailing.recorder.rows, Truth._fields),
+            legs=sailing.recorder.legs,
+            beliefs=_columns(sailing.beliefs.rows, Belief._fields),
+            echoes=sailing.beliefs.echoes,
+        )
+
+    @property
+    def track(self) -> list[Point]:
+        """Where the boat was, tick by tick."""
+        columns = zip(self.truth["north_m"].tolist(), self.truth["east_m"].tolist(), strict=True)
+        return [Point(north_m, east_m) for north_m, east_m in columns]
+
+    def save(self, path: Path) -> None:
+        """Write the file.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        rest = {
+            "result": self.result,
+            "settings": self.settings,
+            "chart": _chart_tree(self.chart),
+            "clearance_m": self.clearance_m,
+            "planned": self.planned,
+            "events": self.events,
+            "truth": list(self.truth),
+            "beliefs": list(self.beliefs),
+        }
+        with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
+            np.savez_compressed(
+                file,
+                rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),
+                truth=np.column_stack(list(self.truth.values())),
+                legs=self.legs,
+                beliefs=np.column_stack(list(self.beliefs.values())),
+                echoes=self.echoes,
+            )
+
+
+def load_record(path: Path) -> RunRecord:
+    """Read a run.
+
+    Raises:
+        ConfigError: it cannot be read, or is not the record of a run.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            rest = json.loads(arrays["rest"].tobytes())
+            return RunRecord(
+                result=rest["result"],
+                settings=rest["settings"],
+                chart=_chart(rest["chart"]),
+                clearance_m=rest["clearance_m"],
+                planned=tuple(Point(*at) for at in rest["planned"]),
+                events=tuple(Event(*event) for event in rest["events"]),
+                truth=_columns(arrays["truth"], rest["truth"]),
+                legs=arrays["legs"],
+                beliefs=_columns(arrays["beliefs"], rest["beliefs"]),
+                echoes=arrays["echoes"],
+            )
+    except FileNotFoundError:
+        raise ConfigError(
+            f"{path}: no such file: expected what boat-sitl sail --record has written"
+        ) from None
+    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+        raise ConfigError(f"{path}: not the record of a run: {error}") from None
+
+
+def _columns(rows: Numbers, names: "tuple[str, ...] | list[str]") -> dict[str, Numbers]:
+    return {name: np.ascontiguousarray(rows[:, index]) for index, name in enumerate(names)}
+
+
+def _chart_tree(chart: Chart) -> dict[str, Any]:
+    return {
+        "name": chart.name,
+        "origin": list(dataclasses.astuple(chart.frame.origin)),
+        "water": None if chart.is_open else shapely.to_wkt(chart.water, rounding_precision=4),
+        "features": [
+            (feature.name, feature.kind, shapely.to_wkt(feature.shape, rounding_precision=4))
+            for feature in chart.features
+        ],
+    }
+
+
+def _chart(tree: dict[str, Any]) -> Chart:
+    water: Area | None = None if tree["water"] is None else shapely.from_wkt(tree["water"])
+    features = [Feature(name, kind, shapely.from_wkt(shape)) for name, kind, shape in tree["features"]]
+    return build_chart(tree["name"], LocalFrame(LatLon(*tree["origin"])), water, features)

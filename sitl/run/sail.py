@@ -1,0 +1,178 @@
+"""One mission from boot to its end, in lockstep: upload, arm, sail, measure."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from companion.boat import TICK_S
+from companion.core.geo import Point, distance_m
+from companion.core.modes import Mode
+from companion.log.logbook import Logbook
+from companion.mavlink.items import MissionItem, MissionType
+from companion.vehicle.mission.places import locate
+from companion.vehicle.mission.steps import Waypoint
+from companion.vehicle.vehicle import Vehicle
+from sitl.reports.estimate_overlay import Beliefs
+from sitl.run.lockstep import Lockstep
+from sitl.run.operator import BOOT_S, Orders
+from sitl.run.recorder import NO_LEG, Recorder
+from sitl.run.timeline import Timeline
+from sitl.scenarios.scenario import Scenario
+
+_SLACK = 4.0  # a mission may take this many times its length at cruise speed, plus BOOT_S
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The figures of a run; lengths and errors are ground truth. None where there is nothing to measure."""
+
+    scenario: str
+    seed: int
+    completed: bool
+    sim_seconds: float
+    cpu_seconds: float
+    real_time_factor: float
+    planned_length_m: float
+    path_length_m: float
+    time_s: float
+    cross_track_rms_m: float | None
+    cross_track_max_m: float | None
+    min_clearance_m: float | None
+    groundings: int
+    waypoints: int
+    waypoints_reached: int
+    final_mode: str
+    state_hash: str
+
+
+class Sailing:
+    """A run under way. `recorder` holds the truth of every tick since the mission began, `beliefs` what the
+    boat believed meanwhile, `timeline` what happened since boot.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        items: Sequence[MissionItem],
+        logbook: Logbook | None = None,
+        fence: Sequence[MissionItem] = (),
+    ) -> None:
+        """logbook: where the boat is to write its log, if anywhere. fence: uploaded before the mission."""
+        self.scenario = scenario
+        self.items = tuple(items)
+        self._fence = tuple(fence)
+        self.recorder = Recorder()
+        self.beliefs = Beliefs(scenario.frame)
+        self.timeline = Timeline()
+        self.planned: list[Point] = []
+        self.lockstep = Lockstep(scenario, logbook=logbook)
+        self._leg_of_seq: dict[int, int] = {}
+        self._sailed: int | None = None  # ticks before the mission was over
+
+    def run(
+        self,
+        timeout_s: float | None = None,
+        tell: Callable[[float, int], None] | None = None,
+        linger_s: float = 0.0,
+    ) -> Result:
+        """Sail the mission to its end.
+
+        timeout_s: simulated seconds after the start; by default a multiple of the planned time.
+        linger_s: how long to watch a boat that has ended its mission, or has left it, within that time.
+        tell: called about once a simulated second with the time and the current item.
+
+        Raises:
+            SailError: the boat never became armable, refused the mission or the arming, or could not start.
+        """
+        began_s = time.process_time()
+        self._prepare()
+        started_s = self.lockstep.time_s
+        planned_m = sum(distance_m(a, b) for a, b in zip(self.planned, self.planned[1:], strict=False))
+        limit_s = timeout_s or BOOT_S + _SLACK * planned_m / self.scenario.vehicle.speed.cruise_m_s
+        completed = self._sail(started_s + limit_s, tell, linger_s)
+        cpu_s = time.process_time() - began_s
+        lockstep = self.lockstep
+        metrics = self.recorder.metrics(self.planned, lockstep.world.shore, self._sailed)
+        result = Result(
+            scenario=self.scenario.title,
+            seed=self.scenario.seed,
+            completed=completed,
+            sim_seconds=lockstep.time_s,
+            cpu_seconds=cpu_s,
+            real_time_factor=lockstep.time_s / cpu_s,
+            planned_length_m=planned_m,
+            path_length_m=metrics.path_length_m,
+            time_s=metrics.time_s,
+            cross_track_rms_m=metrics.cross_track_rms_m,
+            cross_track_max_m=metrics.cross_track_max_m,
+            min_clearance_m=metrics.min_clearance_m,
+            groundings=metrics.groundings,
+            waypoints=len(self.planned) - 1,
+            waypoints_reached=len({seq for seq in lockstep.station.reached if seq in self._leg_of_seq}),
+            final_mode=lockstep.boat.vehicle.mode.name,
+            state_hash=self.recorder.state_hash(),
+        )
+        lockstep.close()
+        return result
+
+    def _prepare(self) -> None:
+        lockstep = self.lockstep
+        orders = Orders(lockstep, self._step)
+        orders.until_armable()
+        if self._fence:
+            orders.upload(self._fence, MissionType.FENCE)
+        orders.upload(self.items)
+        orders.arm()
+        orders.start_mission()
+        truth = lockstep.world.truth
+        self.planned = [Point(truth.north_m, truth.east_m)]
+        for seq, step in enumerate(lockstep.boat.vehicle.progress.mission):
+            if isinstance(step, Waypoint):
+                self._leg_of_seq[seq] = len(self.planned) - 1
+                self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))
+
+    def _step(self) -> None:
+        self.lockstep.step()
+        self.timeline.tick(self.lockstep)
+
+    def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None, linger_s: float) -> bool:
+        """Whether the mission was sailed to its end, the way home included where an item asks for that."""
+        lockstep, world = self.lockstep, self.lockstep.world
+        record, legs = self.recorder.record, self._leg_of_seq
+        ticks_per_second = round(1.0 / TICK_S)
+        ended_s = math.nan
+        while lockstep.time_s < deadline_s:
+            boat = lockstep.boat
+            if _is_under_way(boat.vehicle):
+                ended_s, self._sailed = math.nan, None
+            elif math.isnan(ended_s):
+                ended_s, self._sailed = lockstep.time_s, len(self.recorder)
+            if lockstep.time_s - ended_s >= linger_s:
+                break
+            self._step()
+            seq = boat.vehicle.progress.current_seq
+            record(world.truth, legs.get(seq, NO_LEG) if math.isnan(ended_s) else NO_LEG)
+            self.beliefs.tick(boat, world.time_s)
+            if tell is not None and world.tick % ticks_per_second == 0:
+                tell(lockstep.time_s, seq)
+        for _ in range(ticks_per_second):  # let the last telegrams arrive
+            self._step()
+        vehicle = lockstep.boat.vehicle
+        return vehicle.progress.finished and not _is_under_way(vehicle)
+
+    def ending(self) -> str:
+        """How the run ended, for a person: the boat's last words."""
+        vehicle = self.lockstep.boat.vehicle
+        said = "; ".join(self.lockstep.station.texts[-3:]) or "nothing"
+        where = (
+            f"at item {vehicle.progress.current_seq} of {vehicle.progress.last_seq} in {vehicle.mode.name}"
+        )
+        return f"{where}; the boat said: {said}"
+
+
+def _is_under_way(vehicle: Vehicle) -> bool:
+    """Whether the boat sails its mission, or home because the mission's last item says so."""
+    goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home
+    is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.conduct.way_home.arrived)
+    return vehicle.armed and is_on_its_way

@@ -1,0 +1,119 @@
+"""The emulator in real time: boats behind TCP and UDP ports, for any ground station."""
+
+from collections.abc import Callable, Collection, Sequence
+
+import msgspec
+
+from companion.app.clock import Clock
+from companion.app.runner import Runner
+from companion.boat import TICK_S
+from companion.config.boat_config import BoatConfig
+from sitl.run.craft import Craft
+from sitl.run.pace import Pace
+
+PHASES = round(1.0 / TICK_S)  # what boats do more seldom than once a second is of no weight
+RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
+MEMORY = -1  # the descriptor of links that have none: those between boats of one process
+
+
+class Server:
+    """Boats in step with the wall clock times `speedup`."""
+
+    def __init__(
+        self,
+        crafts: Sequence[Craft],
+        clock: Clock,
+        speedup: float = 1.0,
+        report: Callable[[str], None] = lambda line: None,
+    ) -> None:
+        """crafts: at least one. report: called with one line if the host cannot keep up with `speedup`."""
+        self.crafts = tuple(crafts)
+        self._clock = clock
+        self._pace = Pace(speedup, report)
+        self._by_fileno: dict[int, Craft] = {}
+        self._runner = Runner(
+            clock,
+            TICK_S / speedup,
+            self._step,
+            self._receive,
+            self._filenos,
+            skip_missed=False,
+            has_more=lambda: any(craft.has_more for craft in self.crafts),
+        )
+        for craft in self.crafts:
+            craft.time_ticks(self._runner)
+
+    @property
+    def load(self) -> float:
+        """Share of the time that the boats take."""
+        return self._runner.load
+
+    @property
+    def wants_restart(self) -> bool:
+        """Whether a boat that is alone has been asked to begin anew; of several, each does so by itself."""
+        return len(self.crafts) == 1 and self.crafts[0].boat.wants_restart
+
+    def run(self, should_stop: Callable[[], bool]) -> None:
+        """Run until told to stop, or until the boat `wants_restart`; then close everything."""
+        try:
+            self._runner.run(lambda: should_stop() or self.wants_restart)
+        finally:
+            for craft in self.crafts:
+                craft.close()
+
+    def _step(self, number: int) -> None:
+        for craft in self.crafts if number >= PHASES else self._begun(number):
+            craft.step(self._runner, len(self.crafts))
+        self._pace.tick(self._clock.now_s(), TICK_S)
+
+    def _begun(self, number: int) -> list[Craft]:
+        """One boat more every tick, so that what each does once a second is not done by all in the same."""
+        return [craft for place, craft in enumerate(self.crafts) if place % PHASES <= number]
+
+    def _filenos(self) -> list[int]:
+        if len(self.crafts) == 1:
+            return self.crafts[0].filenos()
+        self._by_fileno = {number: craft for craft in self.crafts for number in craft.filenos()}
+        return sorted(self._by_fileno)
+
+    def _receive(self, ready: Collection[int]) -> int:
+        if len(self.crafts) == 1:
+            return self.crafts[0].receive(ready)
+        heard = {self._by_fileno[number] for number in ready if number in self._by_fileno}
+        taken = sum(craft.receive(ready) for craft in self.crafts if craft in heard or craft.has_more)
+        if taken:
+            # What one boat has passed on to another over memory is answered before the next tick, too
+            for craft in (*self.crafts, self.crafts[0]):
+                craft.receive((MEMORY,))
+        return taken
+
+
+def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
+    """The configuration with the timers that wait for people and programs stretched.
+
+    They live by the wall clock: a heartbeat a second is one in `speedup` seconds of the boat's time.
+    """
+    replace = msgspec.structs.replace
+    failsafe = replace(
+        config.failsafe,
+        gcs_timeout_s=config.failsafe.gcs_timeout_s * speedup,
+        manual_timeout_s=config.failsafe.manual_timeout_s * speedup,
+    )
+    mavlink = replace(
+        config.mavlink,
+        retry_s=config.mavlink.retry_s * speedup,
+        item_retry_s=config.mavlink.item_retry_s * speedup,
+    )
+    modes = replace(config.modes, set_point_timeout_s=config.modes.set_point_timeout_s * speedup)
+    follow = replace(config.follow, timeout_s=config.follow.timeout_s * speedup)
+    external = replace(config.external, timeout_s=config.external.timeout_s * speedup)
+    arming = replace(config.arming, repeat_s=config.arming.repeat_s * speedup)
+    return replace(
+        config,
+        failsafe=failsafe,
+        mavlink=mavlink,
+        modes=modes,
+        follow=follow,
+        external=external,
+        arming=arming,
+    )

@@ -1,0 +1,141 @@
+"""Courses that show how well a boat keeps its line: the ones on which other autopilots have been measured.
+
+    straight    200 m north
+    zigzag      five right angles, alternately to starboard and to port, on legs of 50 m
+    square      50 m a side, to starboard, back to where it began
+
+What is measured comes from the truth. The *cross-track error* is the distance to the line of the leg being
+sailed, so that a corner that is cut counts with how far inside it the boat was. The *path error* is the
+distance to the nearest place of the whole planned line. The *overshoot* of a corner is how far the boat goes
+beyond the new leg, seen from the inside of the corner, while it sails the first OVERSHOOT_M of it. A run's
+overshoot is that of its worst corner.
+
+The boat starts at rest, that is adrift: until it has gathered way and turned its bow into the set, a
+current carries it aside, and no helm can help that. How far is said apart (*start*): the other figures
+count from RUN_IN_M down the first leg on.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from companion.core.geo import Line, LocalFrame, Point
+from companion.core.units import wrap_pi
+from mission_tools.mission.mission import Mission
+from mission_tools.mission.route import mission_along
+from sitl.run.recorder import Recorder
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+RUN_IN_M = 15.0  # of the first leg, within which the boat gathers way
+OVERSHOOT_M = 20.0  # of the new leg, within which a corner is sailed out
+
+COURSES: dict[str, tuple[Point, ...]] = {
+    "straight": (Point(0.0, 0.0), Point(200.0, 0.0)),
+    "zigzag": (
+        Point(0.0, 0.0),
+        Point(50.0, 0.0),
+        Point(50.0, 50.0),
+        Point(100.0, 50.0),
+        Point(100.0, 100.0),
+        Point(150.0, 100.0),
+        Point(150.0, 150.0),
+    ),
+    "square": (Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0), Point(0.0, 50.0), Point(0.0, 0.0)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """How well a line was kept, in metres. overshoot_m is None where there is no corner."""
+
+    rms_m: float
+    percentile_95_m: float
+    max_m: float
+    path_rms_m: float
+    path_max_m: float
+    overshoot_m: float | None
+    start_max_m: float
+
+
+def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
+    """A course laid out from where the boat lies.
+
+    Raises:
+        KeyError: no such course.
+    """
+    points = [Point(start.north_m + at.north_m, start.east_m + at.east_m) for at in COURSES[name]]
+    return mission_along([frame.to_global(point) for point in points])
+
+
+def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
+    """The figures of a run along a planned line; None when no leg was sailed beyond the run-in."""
+    cross = np.abs(recorder.cross_track_m(planned))
+    begun = _begun(recorder, planned)
+    if begun >= len(cross):
+        return None
+    off = off_path_m(recorder, planned)[begun:]
+    kept = cross[begun:]
+    return Tracking(
+        rms_m=math.sqrt(float(np.mean(kept * kept))),
+        percentile_95_m=float(np.percentile(kept, 95.0)),
+        max_m=float(kept.max()),
+        path_rms_m=math.sqrt(float(np.mean(off * off))),
+        path_max_m=float(off.max()),
+        overshoot_m=max(overshoots_m(recorder, planned), default=None),
+        start_max_m=float(cross[: begun + 1].max()),
+    )
+
+
+def _begun(recorder: Recorder, planned: Sequence[Point]) -> int:
+    """Which of the ticks with a leg is the first beyond the run-in."""
+    if len(planned) < 2:
+        return 0
+    first = Line(planned[0], planned[1])
+    run_in_m = min(RUN_IN_M, 0.5 * first.length_m)
+    sailed = 0
+    for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True):
+        if leg < 0:
+            continue
+        if leg > 0 or first.along_and_cross_track_m(at)[0] >= run_in_m:
+            return sailed
+        sailed += 1
+    return sailed
+
+
+def overshoots_m(recorder: Recorder, planned: Sequence[Point]) -> list[float]:
+    """How far the boat went beyond each corner's new leg, 0 where it did not; corners in order.
+
+    Only corners that were reached are counted.
+    """
+    beyond: dict[int, float] = {}
+    lines = [Line(a, b) for a, b in pairwise(planned)]
+    turns = [wrap_pi(b.course_rad - a.course_rad) for a, b in pairwise(lines)]
+    for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True):
+        if leg < 1 or turns[leg - 1] == 0.0:
+            continue
+        along_m, cross_m = lines[leg].along_and_cross_track_m(at)
+        if along_m <= OVERSHOOT_M:
+            outside_m = -math.copysign(cross_m, cross_m * turns[leg - 1])
+            beyond[leg] = max(beyond.get(leg, 0.0), outside_m)
+    return [beyond[leg] for leg in sorted(beyond)]
+
+
+def off_path_m(recorder: Recorder, planned: Sequence[Point]) -> "NDArray[np.float64]":
+    """Distance to the nearest place of the planned line, at every tick that had a leg."""
+    sailed = recorder.legs >= 0
+    at = np.asarray(recorder.track(), dtype=np.float64)[sailed]
+    nearest = np.full(len(at), np.inf)
+    for start, end in pairwise(np.asarray(planned, dtype=np.float64)):
+        along = end - start
+        length_2 = float(along @ along)
+        off = at - start
+        share = np.clip(off @ along / length_2, 0.0, 1.0) if length_2 > 0.0 else np.zeros(len(at))
+        foot = off - share[:, None] * along
+        nearest = np.minimum(nearest, np.hypot(foot[:, 0], foot[:, 1]))
+    return nearest

@@ -1,0 +1,243 @@
+"""Scenarios: commented TOML that says which boat sails where, in what water, with which sensors.
+
+A scenario lies over its boat's file (`boats/`): tables join, values replace, so that a scenario, or `--set`
+on the command line, may change any number of the boat. The tables [hull], [thrusters], [battery] and
+[sensors.*] are the emulator's; [vehicle.*] is the companion's own configuration; [origin], [map], [route] and
+[[cases]] are shared with the planner, whose decoder reads them.
+
+Positions are [east, north] in metres of the local frame, or {lat_deg, lon_deg}.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import shapely
+from msgspec import Meta, field
+
+from companion.config.boat_config import BoatConfig, decode_config, load_toml
+from companion.config.section import Section
+from companion.core.errors import ConfigError
+from companion.core.geo import LatLon, LocalFrame, Point, bearing_rad, distance_m
+from mission_tools.maps.chart import Chart
+from mission_tools.maps.scenario import decode_scenario
+from mission_tools.maps.source import RouteDefaults
+from sitl.radio.link import LinkSettings
+from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
+from sitl.scenarios.random_world import RandomWater, random_world
+from sitl.world.battery import BatteryParameters
+from sitl.world.drive import ThrusterParameters
+from sitl.world.environment import Environment
+from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.hull import VesselParameters
+from sitl.world.movers import MoverSettings
+from sitl.world.sensors import Sensors
+from sitl.world.sensors.sampling import Seed
+
+SCENARIOS = Path(__file__).parent
+BOATS = SCENARIOS.with_name("boats")
+DEFAULT_BOAT = "lake"
+
+Table = dict[str, Any]
+
+
+class Global(Section, frozen=True):
+    """A position on the globe."""
+
+    lat_deg: Annotated[float, Meta(ge=-90.0, le=90.0)]
+    lon_deg: Annotated[float, Meta(ge=-180.0, le=180.0)]
+
+
+class BoatTable(Section, frozen=True):
+    """Which boat, and how it lies in the water at first."""
+
+    model: str = DEFAULT_BOAT
+    start: tuple[float, float] | Global | None = None
+    heading_deg: float | None = None
+
+
+class Tree(Section, frozen=True):
+    """A whole scenario, the boat's file included. What the planner reads too is left to its own decoder."""
+
+    hull: VesselParameters
+    thrusters: ThrusterParameters
+    title: str = ""
+    seed: Seed = 1
+    origin: Table = field(default_factory=dict)
+    map: Table = field(default_factory=dict)
+    route: Table = field(default_factory=dict)
+    cases: tuple[Table, ...] = ()
+    boat: BoatTable = BoatTable()
+    environment: Environment = Environment()
+    battery: BatteryParameters = BatteryParameters()
+    sensors: Sensors = Sensors()
+    link: LinkSettings = LinkSettings()
+    movers: tuple[MoverSettings, ...] = ()
+    faults: tuple[FaultSetting, ...] = ()
+    random: RandomWater | None = None
+    vehicle: Table = field(default_factory=dict)
+
+
+class Dice(msgspec.Struct, frozen=True):
+    """What a random world is drawn from; everything else is looked at afterwards."""
+
+    random: RandomWater | None = None
+    seed: Seed = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A scenario with everything looked up, ready for `World`.
+
+    start and the route's points are in the chart's frame; heading_rad is clockwise from north; vehicle is
+    what the boat's own program is configured with.
+    """
+
+    title: str
+    seed: int
+    chart: Chart
+    route: RouteDefaults
+    start: Point
+    heading_rad: float
+    hull: VesselParameters
+    thrusters: ThrusterParameters
+    battery: BatteryParameters
+    sensors: Sensors
+    environment: Environment
+    vehicle: BoatConfig
+    link: LinkSettings
+    movers: tuple[MoverSettings, ...]
+    faults: tuple[FaultSetting, ...]
+
+    @property
+    def frame(self) -> LocalFrame:
+        """The local frame of every position here."""
+        return self.chart.frame
+
+
+def load_scenario(
+    source: str, overrides: Sequence[str] = (), case: str | None = None, over: Sequence[Layer] = ()
+) -> Scenario:
+    """Read a scenario.
+
+    source: an installed scenario's name (`lake`, `pool`, `open`, `random`), a TOML file, or a GeoJSON map, on
+    which the lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of
+    [[cases]]. over: further layers between the file and the overrides.
+
+    Raises:
+        ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
+            and key.
+        MissionToolsError: the map cannot be used, or there is no such case.
+    """
+    path, own = _find(source)
+    layers = [own, *over, parse_overrides(overrides)]
+    layers = [_boat_layer(layers, path.parent), *_drawn(layers), *layers]
+    tree = decode(layers, Tree)
+    waters = decode_scenario(merge(layers), path)
+    if case is not None:
+        waters = waters.with_case(case)
+    chart, route = waters.chart, waters.route
+    start = _start(tree.boat.start, route.start, chart, own.name)
+    return Scenario(
+        title=tree.title or chart.name,
+        seed=tree.seed,
+        chart=chart,
+        route=route,
+        start=start,
+        heading_rad=_heading_rad(tree.boat.heading_deg, start, route.goal),
+        hull=tree.hull,
+        thrusters=tree.thrusters,
+        battery=tree.battery,
+        sensors=tree.sensors,
+        environment=tree.environment.beside(path.parent),
+        vehicle=_vehicle(tree.vehicle, layers),
+        link=tree.link,
+        movers=tree.movers,
+        faults=tree.faults,
+    )
+
+
+def scenario_names() -> list[str]:
+    """The installed scenarios."""
+    return sorted(path.stem for path in SCENARIOS.glob("*.toml"))
+
+
+def _find(source: str) -> tuple[Path, Layer]:
+    """The scenario's file and its tree; for a GeoJSON map, one that consists of the map."""
+    path = Path(source)
+    if path.suffix in {".geojson", ".json"}:
+        return path, Layer(source, {"map": {"file": path.name}})
+    if path.suffix != ".toml":
+        path = SCENARIOS / f"{source}.toml"
+        if source not in scenario_names():
+            known = ", ".join(scenario_names())
+            raise ConfigError(
+                f"{source}: no such scenario: expected one of {known}, or a .toml or .geojson file"
+            )
+    return path, Layer(str(path) if path.parent != SCENARIOS else path.name, load_toml(path))
+
+
+def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:
+    table = merge(layers).get("boat", {})
+    model = table.get("model", DEFAULT_BOAT) if isinstance(table, dict) else DEFAULT_BOAT
+    if not isinstance(model, str):
+        raise ConfigError(explain("Expected `str` - at `$.boat.model`", layers))
+    if model.endswith(".toml"):
+        return Layer(str(folder / model), load_toml(folder / model))
+    path = BOATS / f"{model}.toml"
+    if not path.is_file() or path.parent != BOATS:
+        known = ", ".join(sorted(boat.stem for boat in BOATS.glob("*.toml")))
+        raise ConfigError(
+            explain(
+                f"no boat {model!r}: expected one of {known}, or a .toml file - at `$.boat.model`", layers
+            )
+        )
+    return Layer(path.name, load_toml(path))
+
+
+def _drawn(layers: Sequence[Layer]) -> list[Layer]:
+    """The random world that the layers ask for, if they ask for one."""
+    dice = decode(layers, Dice)
+    if dice.random is None:
+        return []
+    try:
+        return [Layer("random", random_world(dice.random, dice.seed))]
+    except ValueError as error:
+        raise ConfigError(f"{layers[0].name}: {error}") from None
+
+
+def _vehicle(tree: Table, layers: Sequence[Layer]) -> BoatConfig:
+    try:
+        return decode_config(tree, "")
+    except ConfigError as error:
+        raise ConfigError(explain(str(error).removeprefix(": "), layers, root="vehicle")) from None
+
+
+def _start(
+    given: tuple[float, float] | Global | None, route_start: Point | None, chart: Chart, name: str
+) -> Point:
+    """Where the boat is put: its own start, else the route's, else the origin or some point on the water."""
+    if isinstance(given, Global):
+        start = chart.frame.to_local(LatLon(given.lat_deg, given.lon_deg))
+    elif given is not None:
+        start = Point(north_m=given[1], east_m=given[0])
+    elif route_start is not None:
+        start = route_start
+    elif chart.is_open:
+        start = Point(0.0, 0.0)
+    else:
+        middle = chart.water.representative_point()
+        start = Point(north_m=middle.y, east_m=middle.x)
+    if not shapely.contains_xy(chart.water, start.east_m, start.north_m):
+        at = f"[{start.east_m:g}, {start.north_m:g}]"
+        raise ConfigError(f"{name}: boat.start: {at} is not on the water ({chart.nearest_feature(start)})")
+    return start
+
+
+def _heading_rad(heading_deg: float | None, start: Point, goal: Point | None) -> float:
+    if heading_deg is not None:
+        return math.radians(heading_deg)
+    return bearing_rad(start, goal) if goal is not None and distance_m(start, goal) > 0.0 else 0.0

@@ -1,0 +1,295 @@
+"""Where the hull meets the shore, an obstacle or another body: it scrapes along, stops, or sticks.
+
+The hull is a pentagon: bow, both sides amidships, both corners of the transom. It touches where one of its
+sides crosses a stretch of shore or comes into a mover's circle. A touch is a blow without rebound at the
+point of contact: the impulse along the normal takes the speed into the shore, friction takes at most its
+coefficient times as much of the speed along it (Coulomb), both through the hull's own inertia, so that a
+blow at the bow turns it. No such blow adds energy over ground. A pose that lies in the shore is never
+taken: the hull's outline stays on the water.
+
+A soft shore stops a hull that runs upon it, and holds it until thrust, wind and current together pull with
+more than hold_n.
+"""
+
+import math
+from typing import NamedTuple
+
+from sitl.world.hull import VesselParameters
+from sitl.world.movers import Movers
+from sitl.world.shore import Shore
+from sitl.world.vessel import Vessel
+
+FRICTION = 0.3  # plastic on wet stone or wood
+_ATTEMPTS = 3  # to find a pose beside the shore: in a corner one blow leads into the next
+_PUSH = 1e-3  # of half the hull's length: the gap that a blow leaves
+
+
+class Touch(NamedTuple):
+    """Where, in body axes about the centre, and the normal there, a unit vector toward the hull."""
+
+    ahead_m: float
+    starboard_m: float
+    normal_ahead: float
+    normal_starboard: float
+
+
+class Contact:
+    """One hull's touch with shore and movers.
+
+    room_m is how far the hull may go before it can touch the shore; the owner takes off what way it makes,
+    and need not ask `meets` while some is left, unless is_watchful: there are movers. is_stuck: a soft
+    shore holds the hull, and no room is left.
+    """
+
+    __slots__ = (
+        "_corners",
+        "_has_cast_off",
+        "_hold_n",
+        "_lever_m",
+        "_movers",
+        "_radius_m",
+        "_shore",
+        "is_stuck",
+        "is_watchful",
+        "room_m",
+    )
+
+    def __init__(self, hull: VesselParameters, shore: Shore, movers: Movers, hold_n: float) -> None:
+        """The shore must be able to answer for the hull's length."""
+        half, side = 0.5 * hull.length_m, 0.5 * hull.beam_m
+        transom = hull.transom_share * side
+        self._corners = (
+            (half, 0.0), (0.0, side), (-half, transom), (-half, -transom), (0.0, -side),
+        )  # fmt: skip
+        self._radius_m = max(side, math.hypot(half, transom))
+        self._lever_m = half
+        self._shore, self._movers, self._hold_n = shore, movers, hold_n
+        self.room_m = 0.0
+        self._has_cast_off = False
+        self.is_stuck = False
+        self.is_watchful = bool(movers)
+
+    def meets(
+        self,
+        vessel: Vessel,
+        north_m: float,
+        east_m: float,
+        heading_rad: float,
+        current_north_m_s: float,
+        current_east_m_s: float,
+        dt_s: float,
+        time_s: float,
+    ) -> bool:
+        """Whether the step that brought the vessel here from a pose made it touch.
+
+        If so, pose and velocity are put right. A boat that starts alongside rubs as it casts off: that is no
+        touch yet, until it first has had room to turn on the spot.
+        """
+        if self.is_stuck and self._holds(
+            vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s, dt_s
+        ):
+            return self._has_cast_off
+        if self.room_m > 0.0 and (
+            not self._movers or self._movers.gap_m(vessel.east_m, vessel.north_m, time_s) > self._radius_m
+        ):
+            return False
+        touches = self._touches(vessel, time_s)
+        if not touches:
+            self.room_m = self._shore.room_m(vessel.east_m, vessel.north_m) - self._radius_m
+            self._has_cast_off = self._has_cast_off or self.room_m > 0.0
+            return False
+        self.room_m = 0.0
+        if self._hold_n > 0.0:
+            self.is_stuck = True
+        else:
+            for attempt in range(1, _ATTEMPTS + 1):
+                push_north = push_east = 0.0
+                for touch in touches:
+                    blow(vessel, touch, current_north_m_s, current_east_m_s)
+                    push_north += touch.normal_ahead * vessel.cos - touch.normal_starboard * vessel.sin
+                    push_east += touch.normal_ahead * vessel.sin + touch.normal_starboard * vessel.cos
+                push_m = attempt * _PUSH * self._lever_m
+                vessel.place(
+                    north_m + dt_s * (vessel.water_north_m_s + current_north_m_s) + push_m * push_north,
+                    east_m + dt_s * (vessel.water_east_m_s + current_east_m_s) + push_m * push_east,
+                    heading_rad + dt_s * vessel.yaw_rate_rad_s,
+                )
+                touches = self._touches(vessel, time_s)
+                if not touches:
+                    return self._has_cast_off
+            if self._gets_free(vessel, north_m, east_m, heading_rad, time_s):
+                return self._has_cast_off
+        stop(vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s)
+        return self._has_cast_off
+
+    def _gets_free(
+        self, vessel: Vessel, north_m: float, east_m: float, heading_rad: float, time_s: float
+    ) -> bool:
+        """Whether a hull that lay in contact before, as a mover may leave it, now does so less."""
+        north, east, heading = vessel.north_m, vessel.east_m, vessel.heading_rad
+        gap_m = self._gap_m(east, north, time_s)
+        vessel.place(north_m, east_m, heading_rad)
+        lay_in_contact = bool(self._touches(vessel, time_s))
+        vessel.place(north, east, heading)
+        return lay_in_contact and gap_m > self._gap_m(east_m, north_m, time_s)
+
+    def _holds(
+        self,
+        vessel: Vessel,
+        north_m: float,
+        east_m: float,
+        heading_rad: float,
+        current_north_m_s: float,
+        current_east_m_s: float,
+        dt_s: float,
+    ) -> bool:
+        """Whether the shore can take the momentum that this step has given to the stopped hull."""
+        along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
+        across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
+        m11, m22, m33 = vessel.inertia
+        pull_n = (
+            math.hypot(
+                m11 * (vessel.surge_m_s + along),
+                m22 * (vessel.sway_m_s + across),
+                m33 * vessel.yaw_rate_rad_s / self._lever_m,
+            )
+            / dt_s
+        )
+        self.is_stuck = pull_n <= self._hold_n
+        if self.is_stuck:
+            stop(vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s)
+        return self.is_stuck
+
+    def _gap_m(self, east_m: float, north_m: float, time_s: float) -> float:
+        return min(self._shore.room_m(east_m, north_m), self._movers.gap_m(east_m, north_m, time_s))
+
+    def _touches(self, vessel: Vessel, time_s: float) -> list[Touch]:
+        """Every stretch of shore and every mover that the hull's outline meets."""
+        out: list[Touch] = []
+        north_m, east_m, cos, sin = vessel.north_m, vessel.east_m, vessel.cos, vessel.sin
+        reach = self._radius_m * self._radius_m
+        for at_east, at_north, d_east, d_north in self._shore.near(east_m, north_m):
+            to_east, to_north = at_east - east_m, at_north - north_m
+            share = -(to_east * d_east + to_north * d_north) / (d_east * d_east + d_north * d_north)
+            share = 0.0 if share < 0.0 else min(share, 1.0)
+            gap_east, gap_north = to_east + share * d_east, to_north + share * d_north
+            if gap_east * gap_east + gap_north * gap_north > reach:
+                continue
+            start = to_north * cos + to_east * sin, to_east * cos - to_north * sin
+            way = d_north * cos + d_east * sin, d_east * cos - d_north * sin
+            nearest = gap_north * cos + gap_east * sin, gap_east * cos - gap_north * sin
+            touch = crossing(self._corners, start, way, nearest)
+            if touch is not None:
+                out.append(touch)
+        if self._movers:
+            for at_east, at_north, radius_m in self._movers.positions_m(time_s):
+                to_east, to_north = at_east - east_m, at_north - north_m
+                if math.hypot(to_east, to_north) < radius_m + self._radius_m:
+                    centre = to_north * cos + to_east * sin, to_east * cos - to_north * sin
+                    touch = overlap(self._corners, centre, radius_m)
+                    if touch is not None:
+                        out.append(touch)
+        return out
+
+
+Place = tuple[float, float]
+
+
+def crossing(corners: tuple[Place, ...], start: Place, way: Place, nearest: Place) -> Touch | None:
+    """Where a stretch of shore from start along way crosses the outline, all in body axes.
+
+    The normal points from the stretch's nearest point to the centre: square to a wall, away from a corner.
+    """
+    count, ahead, starboard = 0, 0.0, 0.0
+    x, y = corners[-1]
+    for next_x, next_y in corners:
+        side_x, side_y = next_x - x, next_y - y
+        across = way[0] * side_y - way[1] * side_x
+        if across != 0.0:
+            gap_x, gap_y = x - start[0], y - start[1]
+            along = (gap_x * side_y - gap_y * side_x) / across
+            on_side = (gap_x * way[1] - gap_y * way[0]) / across
+            if 0.0 <= along <= 1.0 and 0.0 <= on_side <= 1.0:
+                count += 1
+                ahead += start[0] + along * way[0]
+                starboard += start[1] + along * way[1]
+        x, y = next_x, next_y
+    if not count:
+        return None
+    return _touch(ahead / count, starboard / count, -nearest[0], -nearest[1])
+
+
+def overlap(corners: tuple[Place, ...], centre: Place, radius_m: float) -> Touch | None:
+    """Where a circle reaches into the outline, all in body axes."""
+    best = math.inf
+    ahead = starboard = 0.0
+    x, y = corners[-1]
+    for next_x, next_y in corners:
+        side_x, side_y = next_x - x, next_y - y
+        share = ((centre[0] - x) * side_x + (centre[1] - y) * side_y) / (side_x * side_x + side_y * side_y)
+        share = min(max(share, 0.0), 1.0)
+        at_x, at_y = x + share * side_x, y + share * side_y
+        gap_m = math.hypot(at_x - centre[0], at_y - centre[1])
+        if gap_m < best:
+            best, ahead, starboard = gap_m, at_x, at_y
+        x, y = next_x, next_y
+    if best > radius_m and not _holds_point(corners, centre):
+        return None
+    return _touch(ahead, starboard, -centre[0], -centre[1])
+
+
+def _holds_point(corners: tuple[Place, ...], place: Place) -> bool:
+    """Whether a point lies inside the outline, whose corners go clockwise."""
+    x, y = corners[-1]
+    for next_x, next_y in corners:
+        if (next_x - x) * (place[1] - y) - (next_y - y) * (place[0] - x) < 0.0:
+            return False
+        x, y = next_x, next_y
+    return True
+
+
+def _touch(ahead_m: float, starboard_m: float, normal_ahead: float, normal_starboard: float) -> Touch:
+    size = math.hypot(normal_ahead, normal_starboard)
+    if size == 0.0:  # the shore runs through the very centre: astern is as good as anywhere
+        return Touch(ahead_m, starboard_m, -1.0, 0.0)
+    return Touch(ahead_m, starboard_m, normal_ahead / size, normal_starboard / size)
+
+
+def blow(vessel: Vessel, touch: Touch, current_north_m_s: float, current_east_m_s: float) -> None:
+    """Take by friction some of the speed over ground along the shore, then all of that into it."""
+    m11, m22, m33 = vessel.inertia
+    along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
+    across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
+    u, v, r = vessel.surge_m_s + along, vessel.sway_m_s + across, vessel.yaw_rate_rad_s
+    x, y, normal_x, normal_y = touch
+    arm = x * normal_y - y * normal_x
+    into = normal_x * (u - r * y) + normal_y * (v + r * x)
+    if into >= 0.0:
+        return
+    normal_ease = normal_x * normal_x / m11 + normal_y * normal_y / m22 + arm * arm / m33
+    most = -FRICTION * into / normal_ease
+    reach = x * normal_x + y * normal_y  # the arm of the tangent, (−normal_y, normal_x)
+    slip = -normal_y * (u - r * y) + normal_x * (v + r * x)
+    rub = -slip / (normal_y * normal_y / m11 + normal_x * normal_x / m22 + reach * reach / m33)
+    rub = min(max(rub, -most), most)
+    u, v, r = u - rub * normal_y / m11, v + rub * normal_x / m22, r + rub * reach / m33
+    into = normal_x * (u - r * y) + normal_y * (v + r * x)
+    if into < 0.0:
+        impulse = -into / normal_ease
+        u, v, r = u + impulse * normal_x / m11, v + impulse * normal_y / m22, r + impulse * arm / m33
+    vessel.move(u - along, v - across, r)
+
+
+def stop(
+    vessel: Vessel,
+    north_m: float,
+    east_m: float,
+    heading_rad: float,
+    current_north_m_s: float,
+    current_east_m_s: float,
+) -> None:
+    """Lie still over ground in a pose."""
+    vessel.place(north_m, east_m, heading_rad)
+    along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
+    across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
+    vessel.move(-along, -across, 0.0)

@@ -1,0 +1,102 @@
+"""The scenario's table [environment]."""
+
+import math
+from pathlib import Path
+from typing import Self
+
+from msgspec import structs
+
+from companion.config.section import NonNegative, Positive, Section
+
+East_North = tuple[float, float]
+
+
+class River(Section, frozen=True):
+    """A straight channel through a point [east, north]; speed_m_s on its middle line, none at its banks."""
+
+    speed_m_s: NonNegative
+    width_m: Positive
+    through: East_North = (0.0, 0.0)
+    to_deg: float = 90.0
+
+
+class Gyre(Section, frozen=True):
+    """A round eddy about a centre [east, north], fastest (speed_m_s) at radius_m."""
+
+    speed_m_s: NonNegative
+    radius_m: Positive
+    centre: East_North = (0.0, 0.0)
+    clockwise: bool = True
+
+
+class Tide(Section, frozen=True):
+    """A stream to and fro, strongest towards to_deg at strongest_s, and again every period_s."""
+
+    speed_m_s: NonNegative
+    to_deg: float = 90.0
+    period_s: Positive = 44_714.0
+    strongest_s: float = 0.0
+
+
+class Environment(Section, frozen=True):
+    """Current, wind and waves. All of it acts whether the boat is armed or not.
+
+    A current flows *to*, wind and waves come *from*, as sailors say; degrees clockwise from north. The
+    uniform current, river, gyre, tide and what current_file (beside the scenario; see
+    `sitl.world.environment.current`) holds are summed.
+
+    wind_m_s is the mean at the hull's height, which over water is two thirds of what a forecast gives for
+    10 m. gust_m_s is what the gusts peak at within ten minutes, 0 for a wind without any; gust_s is their
+    correlation time. wave_height_m is the significant height, wave_period_s the period of the highest
+    waves.
+
+    shore_hold_n is with how much pull a soft shore holds a hull that has run upon it; 0 is a wall to scrape
+    along.
+
+    Raises:
+        ValueError: gusts that are weaker than the mean wind, or waves that are too steep to stand.
+    """
+
+    current_m_s: NonNegative = 0.0
+    current_to_deg: float = 0.0
+    river: River | None = None
+    gyre: Gyre | None = None
+    tide: Tide | None = None
+    current_file: str = ""
+    wind_m_s: NonNegative = 0.0
+    wind_from_deg: float = 0.0
+    gust_m_s: NonNegative = 0.0
+    gust_s: Positive = 4.0
+    wave_height_m: NonNegative = 0.0
+    wave_period_s: Positive = 2.0
+    wave_from_deg: float = 0.0
+    shore_hold_n: NonNegative = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if 0.0 < self.gust_m_s < self.wind_m_s:
+            raise ValueError(
+                f"gust_m_s = {self.gust_m_s:g}: expected at least wind_m_s = {self.wind_m_s:g}, or 0 for none"
+            )
+        highest_m = 0.1 * self.wave_period_s * self.wave_period_s  # a steepness of one in sixteen
+        if self.wave_height_m > highest_m:
+            raise ValueError(
+                f"wave_height_m = {self.wave_height_m:g}: expected at most {highest_m:g} with waves of"
+                f" {self.wave_period_s:g} s: higher ones break"
+            )
+
+    def beside(self, folder: Path) -> Self:
+        """The same with current_file looked for in a folder, unless it says where it is."""
+        return (
+            structs.replace(self, current_file=str(folder / self.current_file)) if self.current_file else self
+        )
+
+    @property
+    def current_north_m_s(self) -> float:
+        """The uniform current's northward part."""
+        return self.current_m_s * math.cos(math.radians(self.current_to_deg))
+
+    @property
+    def current_east_m_s(self) -> float:
+        """The uniform current's eastward part."""
+        return self.current_m_s * math.sin(math.radians(self.current_to_deg))

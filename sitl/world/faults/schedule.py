@@ -1,0 +1,99 @@
+"""Which fault is when: by schedule, and by whoever begins or ends one while the boat sails."""
+
+import heapq
+import math
+from collections.abc import Mapping, Sequence
+
+from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.faults.parts import Part
+from sitl.world.sensors import TIME_SLACK_S
+
+# Parts that nobody samples are switched on and off from here
+_SWITCHED = frozenset(("motor_left", "motor_right", "link", "leak"))
+
+
+class Faults:
+    """The faults of one boat. A part has one at a time: a later one takes the place of an earlier one.
+
+    `step` is to be called whenever `due_s` has come; now_s is kept up to date by whoever owns them.
+    """
+
+    __slots__ = ("_events", "_order", "_parts", "active", "due_s", "now_s")
+
+    def __init__(self, parts: Mapping[str, Part], planned: Sequence[FaultSetting] = ()) -> None:
+        self.active: dict[str, FaultSetting] = {}
+        self.due_s = math.inf
+        self.now_s = 0.0
+        self._parts = parts
+        self._events: list[tuple[float, int, FaultSetting]] = []
+        self._order = 0
+        for fault in planned:
+            self._plan(fault.at_s, fault)
+
+    @property
+    def parts(self) -> frozenset[str]:
+        """What this boat has that can fail."""
+        return frozenset(self._parts)
+
+    def step(self) -> None:
+        """Begin and end what is due."""
+        now_s = self.now_s
+        while self._events and now_s + TIME_SLACK_S >= self._events[0][0]:
+            at_s, _, fault = heapq.heappop(self._events)
+            if self.active.get(fault.what) is not fault:
+                if at_s < fault.ends_s and fault.what in self._parts:
+                    self._start(fault)
+            elif at_s >= fault.ends_s:
+                self.end(fault.what)
+            else:
+                self._toggle(fault)
+        self._look_ahead()
+
+    def begin(self, fault: FaultSetting) -> None:
+        """Let a part fail now, whatever the fault's own begin says.
+
+        Raises:
+            KeyError: this boat has no such part.
+        """
+        begun = FaultSetting(
+            what=fault.what,
+            kind=fault.kind,
+            at_s=self.now_s,
+            for_s=fault.for_s,
+            size=fault.size,
+            towards_deg=fault.towards_deg,
+        )
+        self._start(begun)
+
+    def end(self, what: str) -> None:
+        """Let a part be well again.
+
+        Raises:
+            KeyError: this boat has no such part.
+        """
+        self._parts[what].suffer(None, self.now_s)
+        self.active.pop(what, None)
+
+    def _start(self, fault: FaultSetting) -> None:
+        part, now_s = self._parts[fault.what], self.now_s
+        if fault.what in self.active:
+            part.suffer(None, now_s)
+        part.suffer(fault, now_s)
+        self.active[fault.what] = fault
+        if fault.ends_s < math.inf:
+            self._plan(fault.ends_s, fault)
+        if fault.kind == "intermittent" and fault.what in _SWITCHED:
+            self._plan(now_s + 0.5 * fault.amount, fault)
+
+    def _toggle(self, fault: FaultSetting) -> None:
+        halves = round((self.now_s - fault.at_s) / (0.5 * fault.amount))
+        self._parts[fault.what].suffer(fault if halves % 2 == 0 else None, self.now_s)
+        self._plan(fault.at_s + (halves + 1) * 0.5 * fault.amount, fault)
+
+    def _plan(self, at_s: float, fault: FaultSetting) -> None:
+        self._order += 1
+        heapq.heappush(self._events, (at_s, self._order, fault))
+        self._look_ahead()
+
+    def _look_ahead(self) -> None:
+        self.due_s = self._events[0][0] - TIME_SLACK_S if self._events else math.inf

@@ -1,0 +1,119 @@
+"""Moving obstacles: swimmers, other boats, drifting logs, each a circle on a path of its own.
+
+Where a mover is, is a function of time alone, so that nothing needs to be stepped.
+"""
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
+from typing import Annotated
+
+from msgspec import Meta
+
+from companion.config.section import NonNegative, Positive, Section
+
+East_North = tuple[float, float]
+
+
+class MoverSettings(Section, frozen=True):
+    """One of [[movers]] of a scenario. Positions are [east, north] in metres.
+
+    It is at start until at_s. Then it goes from waypoint to waypoint at speed_m_s, and stops at the last one
+    or, with loop, goes back to start and round again; without waypoints it goes straight on at velocity_m_s,
+    [east, north].
+
+    Raises:
+        ValueError: both waypoints and a velocity, or waypoints without a speed.
+    """
+
+    start: East_North
+    radius_m: Positive = 0.5
+    at_s: NonNegative = 0.0
+    velocity_m_s: East_North = (0.0, 0.0)
+    waypoints: Annotated[tuple[East_North, ...], Meta(max_length=1000)] = ()
+    speed_m_s: NonNegative = 0.0
+    loop: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.waypoints and self.velocity_m_s != (0.0, 0.0):
+            raise ValueError("velocity_m_s: expected either a velocity or waypoints with a speed_m_s")
+        if self.waypoints and not self.speed_m_s:
+            raise ValueError("speed_m_s: expected more than 0 where there are waypoints")
+
+
+class Mover:
+    """One of them."""
+
+    __slots__ = ("_corners", "_passed_m", "settings")
+
+    def __init__(self, settings: MoverSettings) -> None:
+        self.settings = settings
+        corners = [settings.start, *settings.waypoints]
+        if settings.loop:
+            corners.append(settings.start)
+        self._corners = corners
+        self._passed_m = [0.0, *accumulate(math.dist(a, b) for a, b in pairwise(corners))]
+
+    def position_m(self, time_s: float) -> East_North:
+        """East and north at a time."""
+        settings = self.settings
+        under_way_s = max(0.0, time_s - settings.at_s)
+        if not settings.waypoints:
+            (east, north), (v_east, v_north) = settings.start, settings.velocity_m_s
+            return east + v_east * under_way_s, north + v_north * under_way_s
+        gone_m, whole_m = under_way_s * settings.speed_m_s, self._passed_m[-1]
+        if settings.loop and whole_m > 0.0:
+            gone_m %= whole_m
+        if gone_m >= whole_m:
+            return self._corners[-1]
+        leg = bisect_right(self._passed_m, gone_m) - 1
+        (from_east, from_north), (to_east, to_north) = self._corners[leg], self._corners[leg + 1]
+        share = (gone_m - self._passed_m[leg]) / (self._passed_m[leg + 1] - self._passed_m[leg])
+        return from_east + share * (to_east - from_east), from_north + share * (to_north - from_north)
+
+
+class Movers:
+    """All of them."""
+
+    __slots__ = ("_movers",)
+
+    def __init__(self, settings: Sequence[MoverSettings]) -> None:
+        self._movers = tuple(Mover(one) for one in settings)
+
+    def __bool__(self) -> bool:
+        return bool(self._movers)
+
+    def positions_m(self, time_s: float) -> list[tuple[float, float, float]]:
+        """East, north and radius of each at a time."""
+        return [(*one.position_m(time_s), one.settings.radius_m) for one in self._movers]
+
+    def gap_m(self, east_m: float, north_m: float, time_s: float) -> float:
+        """How far a point is from the nearest one's edge, negative inside; infinite when there is none."""
+        gaps = [
+            math.hypot(east_m - east, north_m - north) - radius
+            for east, north, radius in self.positions_m(time_s)
+        ]
+        return min(gaps, default=math.inf)
+
+    def range_m(
+        self, east_m: float, north_m: float, bearings_rad: Sequence[float], max_range_m: float, time_s: float
+    ) -> float:
+        """The nearest echo of a fan of rays from one point; infinite when there is none within max_range_m.
+
+        A round body sends some sound back from wherever it is hit.
+        """
+        nearest_m = math.inf
+        for east, north, radius_m in self.positions_m(time_s):
+            to_east, to_north = east - east_m, north - north_m
+            if math.hypot(to_east, to_north) > max_range_m + radius_m:
+                continue
+            for bearing in bearings_rad:
+                ray_east, ray_north = math.sin(bearing), math.cos(bearing)
+                along_m = to_east * ray_east + to_north * ray_north
+                aside_m = to_east * ray_north - to_north * ray_east
+                inside = radius_m * radius_m - aside_m * aside_m
+                if along_m > 0.0 and inside >= 0.0:
+                    nearest_m = min(nearest_m, max(0.0, along_m - math.sqrt(inside)))
+        return nearest_m if nearest_m <= max_range_m else math.inf

@@ -1,0 +1,85 @@
+"""The battery monitor: voltage and current at the pack's terminals."""
+
+import msgspec
+
+from companion.sensors.readings import BatteryReading
+from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
+from sitl.world.sensors.settings import BatteryMonitorSettings
+
+_PERFECT = BatteryMonitorSettings()
+
+
+class SimBattery:
+    """The monitor of the simulated pack."""
+
+    __slots__ = (
+        "_count",
+        "_is_noisy",
+        "_latest",
+        "_random",
+        "_rate_hz",
+        "_sampled",
+        "_settings",
+        "clock_offset_s",
+        "due_s",
+        "fault",
+    )
+
+    def __init__(self, rate_hz: float, settings: BatteryMonitorSettings = _PERFECT, seed: int = 0) -> None:
+        """Start without a reading."""
+        self.fault: SensorFault[BatteryReading] | None = None
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        self._rate_hz = rate_hz
+        self._settings = settings
+        self._random = generator(seed, "battery")
+        self._is_noisy = bool(settings.voltage_noise_v or settings.current_noise_a)
+        self._latest: BatteryReading | None = None
+        self._sampled: BatteryReading | None = None
+        self._count, self.due_s = 0, 0.0
+
+    def sense(self, now_s: float, voltage_v: float, current_a: float) -> None:
+        """Sample when due."""
+        if now_s < self.due_s:
+            return
+        self._count += 1
+        self.due_s = self._count / self._rate_hz - TIME_SLACK_S
+        settings = self._settings
+        current_a *= settings.current_gain
+        if self._is_noisy:
+            voltage_v += settings.voltage_noise_v * normal(self._random)
+            current_a += settings.current_noise_a * normal(self._random)
+        reading = BatteryReading(now_s + self.clock_offset_s, voltage_v, current_a)
+        if self.fault is None:
+            self._latest = self._sampled = reading
+        else:
+            spoilt = self._spoilt(reading, self.fault, now_s)
+            if spoilt is not None:
+                self._latest = spoilt
+
+    def _spoilt(
+        self, reading: BatteryReading, fault: SensorFault[BatteryReading], now_s: float
+    ) -> BatteryReading | None:
+        replace = msgspec.structs.replace
+        match fault.kind:
+            case "stuck":
+                held = fault.hold(self._sampled, reading)
+                return replace(held, time_s=reading.time_s)
+            case "garbage":
+                uniform = fault.random.uniform
+                return replace(reading, voltage_v=uniform(0.0, 32.0), current_a=uniform(-50.0, 50.0))
+            case "wrong":
+                return replace(reading, voltage_v=max(0.0, reading.voltage_v + fault.size))
+            case _:
+                return fault.in_time(reading, now_s)
+
+    def read(self) -> BatteryReading | None:
+        """The latest reading."""
+        return self._latest
+
+    def restart(self) -> None:
+        """Forget what was read: the boat's computer begins anew."""
+        self._latest = None
+
+    def close(self) -> None:
+        """Nothing to let go."""

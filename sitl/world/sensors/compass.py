@@ -1,0 +1,179 @@
+"""The magnetic compass with its yaw gyro."""
+
+import math
+
+import msgspec
+
+from companion.core.units import wrap_pi
+from companion.sensors.readings import HeadingReading
+from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
+from sitl.world.sensors.settings import CompassSettings
+
+_GRAVITY_M_S2 = 9.81
+_SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not from sample to sample
+
+
+class SimCompass:
+    """Compass and gyro, read once per period. They fail apart: `fault` is the compass's."""
+
+    __slots__ = (
+        "_bias_rad",
+        "_count",
+        "_deviation_rad",
+        "_gyro_bias",
+        "_gyro_noise",
+        "_gyro_scale",
+        "_gyro_walk",
+        "_hard_at_rad",
+        "_hard_rad",
+        "_is_magnetic",
+        "_latest",
+        "_motor_at_rad",
+        "_motor_rad_per_a",
+        "_noise_rad",
+        "_random",
+        "_rate_hz",
+        "_sampled",
+        "_slow_due_s",
+        "_soft_at_rad",
+        "_soft_rad",
+        "_tilt_rad_s2_m",
+        "clock_offset_s",
+        "due_s",
+        "fault",
+        "gyro_fault",
+    )
+
+    def __init__(self, settings: CompassSettings, seed: int, correction_rad: float = 0.0) -> None:
+        """Start without a reading. correction_rad: what the boat's configuration adds to every heading."""
+        self.fault: SensorFault[HeadingReading] | None = None
+        self.gyro_fault: SensorFault[HeadingReading] | None = None
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        radians = math.radians
+        self._random = generator(seed, "compass")
+        self._rate_hz = settings.rate_hz
+        self._noise_rad = radians(settings.noise_deg)
+        self._bias_rad = radians(settings.bias_deg - settings.declination_deg) + correction_rad
+        self._hard_rad, self._hard_at_rad = (
+            radians(settings.hard_iron_deg),
+            radians(settings.hard_iron_at_deg),
+        )
+        self._soft_rad, self._soft_at_rad = (
+            radians(settings.soft_iron_deg),
+            radians(settings.soft_iron_at_deg),
+        )
+        self._motor_rad_per_a = radians(settings.motor_deg_per_a)
+        self._motor_at_rad = radians(settings.motor_at_deg)
+        self._is_magnetic = bool(self._hard_rad or self._soft_rad or self._motor_rad_per_a)
+        # Heading error on a northerly course, per m/s² to starboard
+        self._tilt_rad_s2_m = settings.turn_tilt_share * math.tan(radians(settings.dip_deg)) / _GRAVITY_M_S2
+        self._gyro_scale = settings.gyro_scale
+        self._gyro_noise = radians(settings.gyro_noise_deg_s)
+        self._gyro_bias = radians(settings.gyro_bias_deg_s)
+        self._gyro_walk = radians(settings.gyro_walk_deg_s) * math.sqrt(
+            max(_SLOW_S, 1.0 / settings.rate_hz) / 60.0
+        )
+        self._latest: HeadingReading | None = None
+        self._sampled: HeadingReading | None = None
+        self._deviation_rad = 0.0
+        self._slow_due_s = 0.0
+        self._count, self.due_s = 0, 0.0
+
+    def sense(
+        self,
+        now_s: float,
+        heading_rad: float,
+        yaw_rate_rad_s: float,
+        motor_current_a: float = 0.0,
+        surge_m_s: float = 0.0,
+    ) -> None:
+        """Sample when due."""
+        if now_s < self.due_s:
+            return
+        self._count += 1
+        self.due_s = self._count / self._rate_hz - TIME_SLACK_S
+        random = self._random.random
+        if now_s >= self._slow_due_s:
+            self._slow_due_s = now_s + _SLOW_S - TIME_SLACK_S
+            self._deviation_rad = self._deviation(heading_rad, motor_current_a) if self._is_magnetic else 0.0
+            if self._gyro_walk:
+                self._gyro_bias += self._gyro_walk * NORMAL[int(NORMALS * random())]
+        heard_rad = heading_rad + self._bias_rad + self._deviation_rad
+        if self._tilt_rad_s2_m:
+            # In a turn to starboard the accelerometer reports a heel to port. Compensating for a heel that is
+            # not there mixes the field's vertical part into the starboard axis.
+            heard_rad -= self._tilt_rad_s2_m * surge_m_s * yaw_rate_rad_s * math.cos(heading_rad)
+        reading = HeadingReading(
+            now_s + self.clock_offset_s,
+            wrap_pi(heard_rad + self._noise_rad * NORMAL[int(NORMALS * random())]),
+            self._gyro_scale * yaw_rate_rad_s
+            + self._gyro_bias
+            + self._gyro_noise * NORMAL[int(NORMALS * random())],
+        )
+        if self.fault is None and self.gyro_fault is None:
+            self._latest = self._sampled = reading
+        else:
+            spoilt = self._spoilt(reading, now_s)
+            if spoilt is not None:
+                self._latest = spoilt
+
+    def _deviation(self, heading_rad: float, motor_current_a: float) -> float:
+        sin = math.sin
+        return (
+            self._hard_rad * sin(heading_rad - self._hard_at_rad)
+            + self._soft_rad * sin(2.0 * (heading_rad - self._soft_at_rad))
+            + self._motor_rad_per_a * motor_current_a * sin(heading_rad - self._motor_at_rad)
+        )
+
+    def _spoilt(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
+        spoilt: HeadingReading | None = reading
+        if self.gyro_fault is not None:
+            spoilt = self._spoil_rate(reading, self.gyro_fault)
+        if self.fault is not None and spoilt is not None:
+            spoilt = self._spoil_heading(spoilt, self.fault, now_s)
+        return spoilt
+
+    def _spoil_rate(self, reading: HeadingReading, fault: SensorFault[HeadingReading]) -> HeadingReading:
+        size_rad_s, rate = math.radians(fault.size), reading.yaw_rate_rad_s or 0.0
+        heard: float | None = rate
+        match fault.kind:
+            case "off":
+                heard = None
+            case "stuck":
+                held = fault.hold(self._sampled, reading)
+                heard = held.yaw_rate_rad_s
+            case "garbage":
+                heard = fault.random.uniform(-size_rad_s, size_rad_s)
+            case _:
+                heard = rate + size_rad_s
+        return msgspec.structs.replace(reading, yaw_rate_rad_s=heard)
+
+    def _spoil_heading(
+        self, reading: HeadingReading, fault: SensorFault[HeadingReading], now_s: float
+    ) -> HeadingReading | None:
+        replace, heading_rad = msgspec.structs.replace, reading.heading_rad
+        match fault.kind:
+            case "stuck":
+                held = fault.hold(self._sampled, reading)
+                return replace(reading, heading_rad=held.heading_rad)
+            case "garbage":
+                return replace(reading, heading_rad=fault.random.uniform(-math.pi, math.pi))
+            case "wrong":
+                return replace(reading, heading_rad=wrap_pi(heading_rad + math.radians(fault.size)))
+            case "drift":
+                off_rad = math.radians(fault.size) * (now_s - fault.since_s)
+                return replace(reading, heading_rad=wrap_pi(heading_rad + off_rad))
+            case _:
+                return fault.in_time(reading, now_s)
+
+    def read(self) -> HeadingReading | None:
+        """The latest reading."""
+        return self._latest
+
+    def restart(self) -> None:
+        """Forget what was read: the boat's computer begins anew."""
+        self._latest = None
+
+    def close(self) -> None:
+        """Nothing to let go."""

@@ -1,0 +1,74 @@
+"""What is inside the hull: a probe that tells water, and a thermometer by the computer."""
+
+from typing import Final
+
+from companion.sensors.readings import HullReading
+from sitl.world.sensors.sampling import TIME_SLACK_S
+from sitl.world.sensors.settings import HullSensorSettings
+
+PERIOD_S: Final = 1.0
+HOTTEST_C: Final = 110.0
+
+
+class SimHull:
+    """Dry, and as warm as its settings say, until faults or parameters have it otherwise.
+
+    is_wet: water at the probe; None: the probe says nothing. offset_c: what the thermometer is off by;
+    warming_c_s: how fast it gets hotter, up to HOTTEST_C; hears_heat: False for a thermometer that is silent.
+    """
+
+    __slots__ = (
+        "_hot_since_s",
+        "_latest",
+        "_temperature_c",
+        "clock_offset_s",
+        "due_s",
+        "hears_heat",
+        "is_wet",
+        "offset_c",
+        "warming_c_s",
+    )
+
+    def __init__(self, settings: HullSensorSettings) -> None:
+        """Start without a reading."""
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        self.due_s = 0.0
+        self.is_wet: bool | None = False
+        self.hears_heat = True
+        self.offset_c = 0.0
+        self.warming_c_s = 0.0
+        self._hot_since_s = 0.0
+        self._temperature_c = settings.temperature_c
+        self._latest: HullReading | None = None
+
+    def warm(self, warming_c_s: float, now_s: float) -> None:
+        """Get hotter by so much a second from now on; with 0 be as cool as before."""
+        self.warming_c_s, self._hot_since_s = warming_c_s, now_s
+
+    def set_temperature(self, temperature_c: float) -> None:
+        """From now on it is so warm in there."""
+        self._temperature_c = temperature_c
+
+    def sense(self, now_s: float) -> None:
+        """Sample when due."""
+        if now_s < self.due_s:
+            return
+        self.due_s = now_s + PERIOD_S - TIME_SLACK_S
+        temperature_c: float | None = None
+        if self.hears_heat:
+            temperature_c = self._temperature_c + self.offset_c
+            if self.warming_c_s:
+                grown_c = temperature_c + self.warming_c_s * (now_s - self._hot_since_s)
+                temperature_c = max(temperature_c, min(HOTTEST_C, grown_c))
+        self._latest = HullReading(now_s + self.clock_offset_s, self.is_wet, temperature_c)
+
+    def read(self) -> HullReading | None:
+        """The latest reading."""
+        return self._latest
+
+    def restart(self) -> None:
+        """Forget what was read: the boat's computer begins anew."""
+        self._latest = None
+
+    def close(self) -> None:
+        """Nothing to let go."""

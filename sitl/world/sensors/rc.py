@@ -1,0 +1,117 @@
+"""A radio control transmitter in somebody's hand, and its receiver aboard."""
+
+import math
+
+import msgspec
+
+from companion.sensors.readings import RcReading
+from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
+from sitl.world.sensors.settings import RcSettings
+
+_NEUTRAL_US = (1500,) * 16
+_THROTTLE = 2  # the third channel, as usual
+_GARBAGE_US = (700, 2300)
+_NEAR_M = 10.0  # where the signal is as strong as the settings say
+
+
+class SimRc:
+    """Plays the scenario's sticks. A transmitter that is switched off leaves its receiver silent; of one that
+    is out of range it says so.
+    """
+
+    __slots__ = (
+        "_channels_us",
+        "_count",
+        "_east_m",
+        "_latest",
+        "_next",
+        "_north_m",
+        "_random",
+        "_sampled",
+        "_settings",
+        "clock_offset_s",
+        "due_s",
+        "fault",
+    )
+
+    def __init__(self, settings: RcSettings, seed: int, north_m: float = 0.0, east_m: float = 0.0) -> None:
+        """Start without a frame, all in the middle. north_m, east_m: where the hand stands."""
+        self._north_m, self._east_m = north_m, east_m
+        self.fault: SensorFault[RcReading] | None = None
+        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        self._settings = settings
+        self._random = generator(seed, "rc")
+        self._channels_us: tuple[int, ...] = _NEUTRAL_US
+        self._next = 0  # of the settings' sticks
+        self._latest: RcReading | None = None
+        self._sampled: RcReading | None = None
+        self._count, self.due_s = 0, 0.0
+
+    def hold(self, channels_us: tuple[int, ...]) -> None:
+        """Move sticks and switches, none switches the transmitter off, until the scenario's next step."""
+        self._channels_us = channels_us
+
+    def sense(self, now_s: float, north_m: float, east_m: float) -> None:
+        """Put out a frame when one is due, if it arrives."""
+        if now_s < self.due_s:
+            return
+        self._count += 1
+        settings = self._settings
+        self.due_s = self._count / settings.rate_hz - TIME_SLACK_S
+        while self._next < len(settings.sticks) and now_s + TIME_SLACK_S >= settings.sticks[self._next].at_s:
+            self._channels_us = settings.sticks[self._next].channels
+            self._next += 1
+        if not self._channels_us:
+            return
+        noise_us, numbers = settings.noise_us, self._random
+        off_m = math.hypot(north_m - self._north_m, east_m - self._east_m)
+        quality = self._quality(off_m)
+        if 0.0 < quality < 1.0 and numbers.random() >= quality:
+            return
+        channels_us = self._channels_us
+        if noise_us:
+            channels_us = tuple([pulse_us + round(noise_us * normal(numbers)) for pulse_us in channels_us])
+        rssi_dbm = settings.rssi_dbm - 20.0 * math.log10(max(off_m / _NEAR_M, 1.0))
+        reading = RcReading(now_s + self.clock_offset_s, channels_us, quality <= 0.0, quality, rssi_dbm)
+        if self.fault is None:
+            self._latest = self._sampled = reading
+        elif (spoilt := self._spoilt(reading, self.fault, now_s)) is not None:
+            self._latest = spoilt
+
+    def _quality(self, off_m: float) -> float:
+        """Share of the frames that arrive so far off."""
+        settings = self._settings
+        if settings.range_m <= 0.0 or off_m <= 0.5 * settings.range_m:
+            return settings.quality
+        return settings.quality * max(2.0 - 2.0 * off_m / settings.range_m, 0.0)
+
+    def _spoilt(self, reading: RcReading, fault: SensorFault[RcReading], now_s: float) -> RcReading | None:
+        replace = msgspec.structs.replace
+        match fault.kind:
+            case "stuck":
+                held = fault.hold(self._sampled, reading)
+                return replace(held, time_s=reading.time_s)
+            case "garbage":
+                low_us, high_us = _GARBAGE_US
+                noise = tuple([fault.random.randint(low_us, high_us) for _ in reading.channels_us])
+                return replace(reading, channels_us=noise)
+            case "wrong":
+                preset = [1500] * len(reading.channels_us)
+                preset[_THROTTLE : _THROTTLE + 1] = [round(fault.size)]
+                return replace(reading, channels_us=tuple(preset))
+            case "failsafe":
+                return replace(reading, is_failsafe=True, quality=0.0)
+            case _:
+                return fault.in_time(reading, now_s)
+
+    def read(self) -> RcReading | None:
+        """The latest frame."""
+        return self._latest
+
+    def restart(self) -> None:
+        """Forget what was heard: the boat's computer begins anew."""
+        self._latest = None
+
+    def close(self) -> None:
+        """Nothing to let go."""

@@ -1,0 +1,153 @@
+"""The sensors' settings: a table each of a scenario."""
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from companion.config.section import NonNegative, Positive, Section, Share
+
+ErrorM = Annotated[float, Meta(ge=0.0, le=1e5)]  # of a position, which stays on the globe
+
+
+class GnssSettings(Section, frozen=True):
+    """A satellite receiver, or what stands in for one.
+
+    Position error is white noise plus a first-order Gauss-Markov wander of the given deviation and
+    correlation time, per axis. Near the shore, trees and walls add reflections: a further, faster wander of
+    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away.
+
+    A fix carries the receiver's time of day and arrives latency_s to latency_s + jitter_s later, evenly
+    distributed; the boat's own driver code dates it. The accuracy that it states follows from its class and
+    HDOP (`sitl.world.sensors.gnss`), not from its errors.
+    """
+
+    rate_hz: Positive = 5.0
+    noise_m: ErrorM = 0.10
+    wander_m: ErrorM = 0.15
+    wander_s: Positive = 30.0
+    velocity_noise_m_s: NonNegative = 0.08
+    multipath_m: ErrorM = 0.0
+    multipath_reach_m: Positive = 4.0
+    latency_s: NonNegative = 0.15
+    jitter_s: NonNegative = 0.15
+    fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
+    satellites: Annotated[int, Meta(ge=0, le=60)] = 12
+    hdop: Positive = 0.9
+
+
+class CompassSettings(Section, frozen=True):
+    """A magnetic compass with a yaw gyro, clockwise positive.
+
+    The compass is off by white noise and by the deviation that calibration has left over, after Archibald
+    Smith's coefficients: a constant A (bias_deg), a semicircular part by hard iron, which turns once with the
+    heading, and a quadrantal part by soft iron, which turns twice. The motors' leads act as hard iron that
+    grows with their current. The *_at_deg are the headings where a part is zero and rising. declination_deg
+    is the angle from true to magnetic north, east positive: the boat's configuration corrects for it as well
+    as its owner knew (`vehicle.parts.compass.correction_rad`).
+
+    Tilt compensation takes a share of the sideways acceleration in a turn, turn_tilt_share, for a heel of the
+    hull, and turns the heading by that angle times the tangent of the field's dip_deg.
+
+    The gyro is off by a scale error, white noise, a fixed bias and its random walk (the deviation after a
+    minute).
+    """
+
+    rate_hz: Positive = 50.0
+    noise_deg: NonNegative = 0.8
+    bias_deg: float = 1.0
+    hard_iron_deg: NonNegative = 0.0
+    hard_iron_at_deg: float = 60.0
+    soft_iron_deg: NonNegative = 0.0
+    soft_iron_at_deg: float = 20.0
+    motor_deg_per_a: NonNegative = 0.0
+    motor_at_deg: float = -30.0
+    declination_deg: Annotated[float, Meta(ge=-180.0, le=180.0)] = 0.0
+    dip_deg: Annotated[float, Meta(ge=-85.0, le=85.0)] = 66.0
+    turn_tilt_share: Share = 0.0
+    gyro_scale: Positive = 1.0
+    gyro_noise_deg_s: NonNegative = 0.3
+    gyro_bias_deg_s: float = 0.1
+    gyro_walk_deg_s: NonNegative = 0.0
+
+
+class SonarSettings(Section, frozen=True):
+    """An ultrasonic ranger on a servo that sweeps to and fro over sweep_deg about the bow.
+
+    A surface that is met at more than specular_deg from square throws the sound away like a mirror: smooth
+    walls from about 30°, stones and reeds hardly ever (90 loses nothing). spray_per_m is the share of pings
+    that meet spray instead, per metre of wave height. ghost_share of the pings hear an echo by a detour, or
+    of an earlier ping: a range where nothing is.
+
+    The servo is told a bearing with each ping and starts for it servo_dead_s later, at servo_deg_s; the ping
+    goes where the servo is, and its reading says where it was told to be.
+    """
+
+    fitted: bool = True
+    ping_s: Positive = 0.06
+    sweep_deg: Annotated[float, Meta(ge=0.0, le=360.0)] = 180.0
+    step_deg: Annotated[float, Meta(ge=0.1, le=360.0)] = 15.0
+    cone_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 15.0
+    specular_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
+    min_range_m: NonNegative = 0.02
+    max_range_m: Positive = 4.0
+    noise_m: NonNegative = 0.01
+    spray_per_m: NonNegative = 0.0
+    ghost_share: Share = 0.0
+    servo_dead_s: NonNegative = 0.03
+    servo_deg_s: Positive = 450.0
+
+
+class BatteryMonitorSettings(Section, frozen=True):
+    """White noise on each, and a gain of the current that the shunt is off by (1 is right)."""
+
+    voltage_noise_v: NonNegative = 0.0
+    current_noise_a: NonNegative = 0.0
+    current_gain: NonNegative = 1.0
+
+
+class HullSensorSettings(Section, frozen=True):
+    """A probe for water and a thermometer inside the hull. temperature_c: how warm it is in there."""
+
+    fitted: bool = True
+    temperature_c: Annotated[float, Meta(ge=-40.0, le=85.0)] = 40.0
+
+
+class StickStep(Section, frozen=True):
+    """Where sticks and switches are from a time on: every channel's pulse in µs. None: it is off."""
+
+    at_s: NonNegative = 0.0
+    channels: Annotated[tuple[Annotated[int, Meta(ge=500, le=2500)], ...], Meta(max_length=18)] = ()
+
+
+class RcSettings(Section, frozen=True):
+    """A radio control receiver, and what the hand on its transmitter does, step by step.
+
+    Until the first of them everything is in the middle. The transmitter stays where the boat begins. quality:
+    share of the frames that arrive, 0..1, as far as half of range_m; from there on it falls, to nothing at
+    range_m, where the receiver's own failsafe begins. rssi_dbm: at 10 m, in free space.
+    """
+
+    fitted: bool = False
+    rate_hz: Positive = 50.0
+    noise_us: NonNegative = 1.0
+    quality: Share = 1.0
+    rssi_dbm: float = -60.0
+    range_m: NonNegative = 0.0  # 0: without end
+    sticks: tuple[StickStep, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        times_s = [step.at_s for step in self.sticks]
+        if times_s != sorted(times_s):
+            raise ValueError(f"sticks at {times_s} s: expected their times in order")
+
+
+class Sensors(Section, frozen=True):
+    """The sensors aboard."""
+
+    gnss: GnssSettings = GnssSettings()
+    compass: CompassSettings = CompassSettings()
+    sonar: SonarSettings = SonarSettings()
+    battery: BatteryMonitorSettings = BatteryMonitorSettings()
+    rc: RcSettings = RcSettings()
+    hull: HullSensorSettings = HullSensorSettings()

@@ -1,0 +1,54 @@
+"""The wind as parameters, to be changed while the boat sails: ArduPilot's names."""
+
+import math
+
+from companion.config.parameters import Kind, Knob, Row
+from sitl.world.environment import Environment, Wind
+
+
+class WindKnobs:
+    """Mean and direction; gusts stay as far above the mean as the scenario has them."""
+
+    def __init__(self, environment: Environment, wind: Wind) -> None:
+        self._wind = wind
+        self._mean_m_s = environment.wind_m_s
+        self._from_rad = math.radians(environment.wind_from_deg)
+        self._gust_m_s = max(0.0, environment.gust_m_s - environment.wind_m_s)
+        self.knobs = (
+            Knob(
+                Row(
+                    "SIM_WIND_SPD",
+                    Kind.REAL32,
+                    "Mean wind at the hull",
+                    default=environment.wind_m_s,
+                    unit="m/s",
+                    low=0.0,
+                    high=60.0,
+                ),
+                self._strengthen,
+            ),
+            Knob(
+                Row(
+                    "SIM_WIND_DIR",
+                    Kind.REAL32,
+                    "Where the wind comes from",
+                    default=environment.wind_from_deg,
+                    unit="deg",
+                    low=-360.0,
+                    high=360.0,
+                ),
+                self._turn,
+            ),
+        )
+
+    def _strengthen(self, mean_m_s: float) -> None:
+        self._mean_m_s = mean_m_s
+        self._blow()
+
+    def _turn(self, from_deg: float) -> None:
+        self._from_rad = math.radians(from_deg)
+        self._blow()
+
+    def _blow(self) -> None:
+        gust_m_s = self._mean_m_s + self._gust_m_s if self._gust_m_s else 0.0
+        self._wind.blow(self._mean_m_s, self._from_rad, gust_m_s)

@@ -1,0 +1,283 @@
+"""Everything outside the boat's computer: water, hull, thrusters, pack and sensors, one tick at a time.
+
+    world = World(scenario)
+    boat = Boat(config, world.hardware, …)
+    each tick:  boat.step(world.time_s);  world.step(dt_s)
+
+What a sensor says at a time is there to be read before the boat's step of that time. Nothing here looks at a
+clock: the state is a function of the scenario and of the commands written to the motors.
+"""
+
+import math
+import struct
+from typing import NamedTuple
+
+from companion.core.errors import ConfigError
+from companion.core.units import wrap_pi
+from sitl.scenarios.scenario import Scenario
+from sitl.world.contact import Contact
+from sitl.world.drive import Thrusters
+from sitl.world.electronics import Electronics
+from sitl.world.environment import Current, Waves, Wind
+from sitl.world.hull import LONGEST_STEP_S
+from sitl.world.movers import Movers
+from sitl.world.pack import Pack
+from sitl.world.shore import Shore
+from sitl.world.tide_parameters import TideKnobs
+from sitl.world.vessel import Vessel
+from sitl.world.wind_parameters import WindKnobs
+from sitl.world.windage import Windage
+
+POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
+GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
+STATE = struct.Struct("<q16d")
+_FURTHEST_M = 1e6  # from the origin; the frame's formulas are good for less than a tenth of it
+_new = tuple.__new__  # half the cost of a NamedTuple's own
+
+
+class Truth(NamedTuple):
+    """What is really so: the emulator's own knowledge, hidden from the boat.
+
+    Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
+    water, ahead and to starboard; north_m_s and east_m_s over ground; grounded: it touched the shore within
+    the last second, or sticks there. Current and wind are the velocities of water (averaged over the waves)
+    and air over ground at the boat; the commands are those that stand at the motors, −1..1; voltage and
+    current are the pack's.
+    """
+
+    time_s: float
+    north_m: float
+    east_m: float
+    heading_rad: float
+    surge_m_s: float
+    sway_m_s: float
+    yaw_rate_rad_s: float
+    north_m_s: float
+    east_m_s: float
+    left_thrust_n: float
+    right_thrust_n: float
+    grounded: bool
+    current_north_m_s: float = 0.0
+    current_east_m_s: float = 0.0
+    wind_north_m_s: float = 0.0
+    wind_east_m_s: float = 0.0
+    left_command: float = 0.0
+    right_command: float = 0.0
+    voltage_v: float = 0.0
+    current_a: float = 0.0
+
+
+class World:
+    """One boat in its water."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Put the boat at its start, at rest through the water, motors stopped, sensors sampled once."""
+        seed = scenario.seed
+        self.scenario = scenario
+        hull, weather, start = scenario.hull, scenario.environment, scenario.start
+        self.shore = Shore(scenario.chart, max(1.0, hull.length_m, scenario.sensors.sonar.max_range_m))
+        self.tick = 0
+        self._is_moored = False
+        self.groundings = 0
+        self._touched_s = -math.inf
+        self._current = Current(weather)
+        self._current_n, self._current_e = self._current.at(start.north_m, start.east_m, 0.0)
+        self.wind = Wind(weather, seed)
+        self.waves = Waves(weather, hull.length_m, seed)
+        self._is_open = not (self._current.is_uniform and self.waves.is_calm)
+        self._flow_n, self._flow_e = (
+            self._current_n + self.waves.north_m_s,
+            self._current_e + self.waves.east_m_s,
+        )
+        self._vessel = Vessel(hull, start.north_m, start.east_m, scenario.heading_rad)
+        self._windage = Windage(hull.windage, hull.length_m)
+        self._thrusters = Thrusters(scenario.thrusters)
+        self._pack = Pack(scenario.battery)
+        self._brownout_v, self._dark_until_s = scenario.battery.brownout_v, -math.inf
+        self.movers = Movers(scenario.movers)
+        self._contact = Contact(hull, self.shore, self.movers, weather.shore_hold_n)
+        self.electronics = Electronics(
+            scenario,
+            self.shore,
+            self.movers,
+            self._thrusters.left,
+            self._thrusters.right,
+            (
+                *WindKnobs(scenario.environment, self.wind).knobs,
+                *TideKnobs(self._current, self._turn_tide).knobs,
+            ),
+        )
+        self.hardware = self.electronics.hardware
+        self._motors = self.electronics.motors
+        self._since_tick, self._since_s, self._dt_s = 0, 0.0, math.nan
+        self.truth = self._observe(0.0)
+        self.electronics.sense(self.truth, self.waves.height_m)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the start."""
+        return self.truth.time_s
+
+    @property
+    def clock_s(self) -> float:
+        """What the clock of the boat's computer shows."""
+        return self.truth.time_s + self.electronics.computer.clock_offset_s
+
+    @property
+    def used_mah(self) -> float:
+        """Charge taken from the pack since it was full."""
+        return self._pack.used_mah
+
+    def moor(self) -> None:
+        """Hold the boat where it is, at rest over ground; time, water, wind and sensors go on."""
+        self._is_moored = True
+        self._vessel.hold(self._flow_n, self._flow_e)
+        self.truth = self._observe(self.time_s)
+
+    def cast_off(self) -> None:
+        """Let the boat go, if it is moored."""
+        self._is_moored = False
+
+    def step(self, dt_s: float) -> Truth:
+        """Advance by one tick; the truth at its end.
+
+        Raises:
+            ValueError: a step too long for the hull's integrator, or not a positive time.
+            ConfigError: with settings like these no boat stays on the map.
+        """
+        if dt_s != self._dt_s:
+            if not 0.0 < dt_s <= LONGEST_STEP_S:
+                raise ValueError(f"a step of {dt_s} s: expected more than 0 and at most {LONGEST_STEP_S} s")
+            # Time is counted, not summed: it is tick × dt exactly for as long as dt stays the same.
+            self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
+        self.tick += 1
+        motors, vessel, pack = self._motors, self._vessel, self._pack
+        north_m, east_m, heading_rad = vessel.north_m, vessel.east_m, vessel.heading_rad
+        surge_n, yaw_nm = self._thrusters.step(
+            motors.left, motors.right, pack.supply_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, dt_s
+        )
+        pack.step(self._thrusters.current_a, dt_s)
+        sway_n = 0.0
+        if self._is_open:
+            yaw_nm += self._flow(dt_s)
+        if not self.wind.is_calm:
+            self.wind.step(self.time_s)
+            ahead_n, sway_n, turning_nm = self._wind_force()
+            surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
+        if self._is_moored:
+            vessel.hold(self._flow_n, self._flow_e)
+        else:
+            vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
+        if not abs(vessel.north_m) + abs(vessel.east_m) < _FURTHEST_M:  # NaN is no place either
+            raise ConfigError(
+                f"the simulated boat has left the map after {self.time_s:.1f} s: "
+                "a setting of hull, thrusters or environment is out of all proportion"
+            )
+        time_s = self._since_s + (self.tick - self._since_tick) * dt_s
+        contact = self._contact
+        contact.room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)
+        if (contact.room_m <= 0.0 or contact.is_watchful) and contact.meets(
+            vessel, north_m, east_m, heading_rad, self._flow_n, self._flow_e, dt_s, time_s
+        ):
+            self.groundings += not self.truth.grounded
+            self._touched_s = time_s
+        if pack.voltage_v < self._brownout_v or self._dark_until_s > 0.0:
+            self._feed_computer(time_s)
+        self.truth = truth = self._observe(time_s)
+        self.electronics.sense(truth, self.waves.height_m)
+        return truth
+
+    def _feed_computer(self, time_s: float) -> None:
+        """Take the computer's power when the pack sags too deep; give it back once that is over."""
+        computer = self.electronics.computer
+        if self._pack.is_browned_out:
+            self._dark_until_s = time_s + POWER_UP_S
+            if computer.has_power:
+                computer.lose_power()
+                self._motors.stop()
+        elif time_s >= self._dark_until_s:
+            self._dark_until_s = -math.inf
+            computer.begin(time_s)
+
+    def _turn_tide(self) -> None:
+        """The current is another all of a sudden."""
+        vessel = self._vessel
+        self._current_n, self._current_e = self._current.at(vessel.north_m, vessel.east_m, self.time_s)
+        if not self._is_open:
+            self._flow_n, self._flow_e = self._current_n, self._current_e
+
+    def _flow(self, dt_s: float) -> float:
+        """Let the current and waves of here and now carry the hull; the moment with which they turn it."""
+        vessel, waves, time_s = self._vessel, self.waves, self.time_s
+        if not self._current.is_uniform:
+            north_m, east_m = vessel.north_m, vessel.east_m
+            north_m_s, east_m_s = self._current.at(north_m, east_m, time_s)
+            # What it would be here, had the hull not made way through the water in the last step.
+            was_north_m_s, was_east_m_s = self._current.at(
+                north_m - dt_s * vessel.water_north_m_s, east_m - dt_s * vessel.water_east_m_s, time_s
+            )
+            vessel.feel(north_m_s - was_north_m_s, east_m_s - was_east_m_s)
+            self._current_n, self._current_e = north_m_s, east_m_s
+        if waves.is_calm:
+            self._flow_n, self._flow_e = self._current_n, self._current_e
+            return 0.0
+        turning = waves.yaw_rate_rad_s
+        waves.step(time_s, vessel.north_m, vessel.east_m, vessel.cos, vessel.sin)
+        self._flow_n, self._flow_e = self._current_n + waves.north_m_s, self._current_e + waves.east_m_s
+        self._thrusters.dip(waves.stern_m)
+        return vessel.inertia[2] * (waves.yaw_rate_rad_s - turning) / dt_s
+
+    def _wind_force(self) -> tuple[float, float, float]:
+        """Surge force, sway force and yaw moment of the air that moves past the hull."""
+        truth, wind, cos, sin = self.truth, self.wind, self._vessel.cos, self._vessel.sin
+        north_m_s, east_m_s = wind.north_m_s - truth.north_m_s, wind.east_m_s - truth.east_m_s
+        return self._windage.force(north_m_s * cos + east_m_s * sin, east_m_s * cos - north_m_s * sin)
+
+    def _observe(self, time_s: float) -> Truth:
+        vessel = self._vessel
+        return _new(
+            Truth,
+            (
+                time_s,
+                vessel.north_m,
+                vessel.east_m,
+                wrap_pi(vessel.heading_rad),
+                vessel.surge_m_s,
+                vessel.sway_m_s,
+                vessel.yaw_rate_rad_s,
+                vessel.water_north_m_s + self._flow_n,
+                vessel.water_east_m_s + self._flow_e,
+                self._thrusters.left.thrust_n,
+                self._thrusters.right.thrust_n,
+                time_s - self._touched_s < GROUNDED_S,
+                self._current_n + self.waves.drift_north_m_s,
+                self._current_e + self.waves.drift_east_m_s,
+                self.wind.north_m_s,
+                self.wind.east_m_s,
+                self._motors.left,
+                self._motors.right,
+                self._pack.voltage_v,
+                self._pack.current_a,
+            ),
+        )
+
+    def state_bytes(self) -> bytes:
+        """The physical state, packed: equal bytes mean an equal future, for equal commands and seed."""
+        vessel, thrusters = self._vessel, self._thrusters
+        return STATE.pack(
+            self.tick,
+            self.time_s,
+            vessel.north_m,
+            vessel.east_m,
+            vessel.heading_rad,
+            vessel.surge_m_s,
+            vessel.sway_m_s,
+            vessel.yaw_rate_rad_s,
+            thrusters.left.speed_rad_s,
+            thrusters.right.speed_rad_s,
+            self._pack.used_mah,
+            self._pack.voltage_v,
+            self.wind.north_m_s,
+            self.wind.east_m_s,
+            *vessel.memory,
+        )
