@@ -9,7 +9,7 @@ from companion.__main__ import app
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 
-PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"
+PAGE = Path(__file__).parents[3] / "docs" / "parameters.md"
 
 
 def test_the_page_is_up_to_date() -> None:

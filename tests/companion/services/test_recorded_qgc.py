@@ -13,7 +13,7 @@ from boat_rig import QGC, Rig
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.framing import claimed_length
 
-FOLDER = Path(__file__).parents[3] / "shared" / "recordings"
+FOLDER = Path(__file__).parents[4] / "shared" / "recordings"
 RECORDINGS = sorted(FOLDER.glob("*.tlog"))
 MOST_S = 40.0
 ACCEPTED = 0

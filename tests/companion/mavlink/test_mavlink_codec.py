@@ -17,7 +17,7 @@ from companion.mavlink.framing import LONGEST_FRAME
 from companion.mavlink.layout import LAYOUTS
 
 VECTORS: list[dict[str, Any]] = json.loads(
-    (Path(__file__).parents[1] / "vectors" / "frames.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[2] / "vectors" / "frames.json").read_text(encoding="utf-8")
 )
 FRAMES = [row for row in VECTORS if "message" in row]
 FLAWS = [row for row in VECTORS if "flaw" in row]

@@ -6,7 +6,7 @@ from pathlib import Path
 from companion.config.parameter_table import ROWS as PARAMETERS
 from companion.failsafe.table import ROWS
 
-PAGE = Path(__file__).parents[2] / "docs" / "failsafes.md"
+PAGE = Path(__file__).parents[3] / "docs" / "failsafes.md"
 LINES = {line.split("|")[1].strip(): line for line in PAGE.read_text("utf-8").splitlines() if line[:1] == "|"}
 
 

@@ -24,7 +24,7 @@ from companion.router.policy import Policy
 OWN, STATION, OTHER_BOAT = Address(1, 1), Address(255, 190), Address(2, 1)
 KEY = SigningKey.from_passphrase("correct horse")
 HEARTBEAT = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
-GUIDE = Path(__file__).parents[2] / "docs" / "signing.md"
+GUIDE = Path(__file__).parents[3] / "docs" / "signing.md"
 
 
 class Bridge:

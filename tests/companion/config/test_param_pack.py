@@ -22,7 +22,7 @@ from companion.config.parameter_table import ROWS
 from companion.config.parameters import Kind, Parameters
 from companion.persistence.storage import MemoryStorage
 
-RECORDING = Path(__file__).parents[3] / "shared" / "recordings" / "qgc44-ardurover-drive.tlog"
+RECORDING = Path(__file__).parents[4] / "shared" / "recordings" / "qgc44-ardurover-drive.tlog"
 LIMITS = {Kind.INT8: 127, Kind.INT16: 32767, Kind.INT32: 2**31 - 1}
 NUMBERS = {Kind.INT8: 1, Kind.INT16: 2, Kind.INT32: 3, Kind.REAL32: 4}
 
