@@ -14,7 +14,7 @@ from companion.control.thruster_trim import ThrusterTrim
 from companion.core.state import STOPPED, MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
-from companion.guidance.pipeline import Steering
+from companion.guidance.pipeline import GuidancePipeline
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
@@ -27,7 +27,7 @@ from companion.rc.rc_control import Transmitter
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
 from companion.sensors.external import ExternalSensors
-from companion.sensors.suite import Senses
+from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
 from companion.services.telemetry.snapshot import Snapshot
@@ -63,7 +63,7 @@ class Boat:
         self.trials = Trials(self.vehicle)
         self.transmitter = Transmitter(self.vehicle)
         self.vehicle.conduct.sticks.radio.is_fitted = hardware.rc is not None
-        self.senses = Senses(hardware, ExternalSensors(config.external))
+        self.senses = SensorSuite(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
         self.signing = SigningStore(storage, unix_offset_s)
         for port in ports:
@@ -92,7 +92,7 @@ class Boat:
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
-        self.steering = Steering(self.vehicle, config)
+        self.steering = GuidancePipeline(self.vehicle, config)
         self.trim = ThrusterTrim()
         self.net = SafetyNet()
         self.resume = Resume(storage, self.vehicle)

@@ -20,7 +20,7 @@ from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
 from mission_tools.mission.compare import Difference, differences
 from mission_tools.mission.mission import MissionItem, MissionType
 from mission_tools.mission.plan_file import check_mission_name, save_mission
-from mission_tools.mission.proposal import MissionFile, Proposal, Water, Wishes, open_source
+from mission_tools.mission.proposal import MissionFile, PlanOptions, Proposal, Water, open_source
 from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID, connect
 from mission_tools.vehicle.follow import follow
 from mission_tools.vehicle.link_url import DEFAULT_LINK, LinkUrl, parse_link
@@ -39,7 +39,7 @@ class Request:
     """What was asked for. source: None for fence and rally points alone, and the boat's mission stays."""
 
     source: str | None
-    wishes: Wishes = field(default_factory=Wishes)
+    wishes: PlanOptions = field(default_factory=PlanOptions)
     link: str = DEFAULT_LINK
     system_id: int = DEFAULT_SYSTEM_ID
     patience_s: float = 10.0  # for the first heartbeat, the first position, and for arming
@@ -145,7 +145,7 @@ async def _run_without_source(
 ) -> None:
     """Fence and rally points alone."""
     unfit = [name for name in ("start", "follow", "save", "preview") if getattr(request, name)]
-    if unfit or request.wishes != Wishes():
+    if unfit or request.wishes != PlanOptions():
         options = ", ".join("--" + name for name in unfit) or "options about the route"
         raise UsageError(f"no SOURCE: {options} would need a scenario, a map or a mission file")
     if areas == NO_AREAS:

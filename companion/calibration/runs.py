@@ -232,18 +232,18 @@ def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle:
 
 
 def _misfit(
-    run: Run, set_m_s: float, throttle: float, cruise_m_s: float, cruise_throttle: float, time_s: float
+    run: Run, current_m_s: float, throttle: float, cruise_m_s: float, cruise_throttle: float, time_s: float
 ) -> float:
     """The sum of squares between a run and the model. throttle: what the steady part's commands come to."""
     model, now_s, sum_ = WaterSpeed(), 0.0, 0.0
-    model.surge_m_s = run.samples[0][1] - set_m_s
+    model.surge_m_s = run.samples[0][1] - current_m_s
     scale = 2.0 * throttle / max(run.left + run.right, 1e-3)
     for t, speed, push in run.samples:
         share = scale * push
         while now_s + 0.5 * _MODEL_S < t - _LATENCY_S:
             model.update(share, share, 0.0, cruise_m_s, cruise_throttle, time_s, _MODEL_S)
             now_s += _MODEL_S
-        sum_ += (model.surge_m_s + set_m_s - speed) ** 2
+        sum_ += (model.surge_m_s + current_m_s - speed) ** 2
     return sum_
 
 

@@ -79,7 +79,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Knob:
+class ParameterHook:
     """A parameter over something outside the configuration: `turn` is called with each new value."""
 
     row: Row
@@ -99,7 +99,7 @@ class Parameters:
     """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
 
     def __init__(
-        self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage, knobs: Sequence[Knob] = ()
+        self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage, knobs: Sequence[ParameterHook] = ()
     ) -> None:
         """knobs: further parameters, which the hardware brings along."""
         if knobs:

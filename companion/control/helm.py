@@ -43,7 +43,7 @@ class Helm:
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
-        set_along = nav.set_along_m_s(nav.heading_rad)
+        current_along = nav.set_along_m_s(nav.heading_rad)
         heading = self._heading.update(
             demand.heading_rad,
             nav.heading_rad,
@@ -52,9 +52,9 @@ class Helm:
             dt_s,
             turn,
             turn / config.handling.turn_rate_rad_s if turn else 0.0,
-            gain_schedule(nav.surge_m_s - set_along, config.speed.cruise_m_s, config.heading.slow_gain),
+            gain_schedule(nav.surge_m_s - current_along, config.speed.cruise_m_s, config.heading.slow_gain),
         )
         room = 1.0 - abs(heading.total)
-        speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, set_along)
+        speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, current_along)
         self.heading_pid, self.speed_pid = heading, speed
         return mix(speed.total, heading.total)

@@ -38,15 +38,15 @@ class SpeedControl:
         setting: Speed,
         dt_s: float,
         room: float = 1.0,
-        set_m_s: float = 0.0,
+        current_m_s: float = 0.0,
     ) -> PidOutput:
         """Throttle share; astern it is limited to ASTERN_SHARE of what is allowed ahead.
 
         room is the share that steering leaves to throttle, 0..1: the integral must not wind up on what the
-        mixer will take away. set_m_s is the part of the water's set along the bow, as far as it is known: the
-        feed-forward is for the rest.
+        mixer will take away. current_m_s is the known current's component along the
+        bow; the feed-forward covers the rest.
         """
-        base = feed_forward(demand_m_s - set_m_s, setting)
+        base = feed_forward(demand_m_s - current_m_s, setting)
         high = min(setting.max_throttle, room)
         low = -min(setting.max_throttle * ASTERN_SHARE, room)
         # The PI works inside what the feed-forward leaves, whose span must contain 0.

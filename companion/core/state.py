@@ -32,9 +32,9 @@ class NavState(Struct, frozen=True, gc=False):
     heading_rad: where the bow points, 0 = north, clockwise positive, in [−π, π).
     north_m_s, east_m_s, surge_m_s, sway_m_s: over ground. position_age_s and heading_age_s: how old the last
     accepted measurement is, infinite before the first; while dead reckoning stands in for the receiver, the
-    position grows no older than the receiver's time-out. set_north_m_s, set_east_m_s: how water and wind
-    carry the boat over ground (the current, with the leeway in it). position_sigma_m: one standard deviation,
-    per axis. faults: bits of EstimateFault, a plain integer because it is made anew every tick.
+    position grows no older than the receiver's time-out. current_north_m_s, current_east_m_s: the current's
+    velocity over ground, leeway included. position_sigma_m: one standard deviation, per axis. faults:
+    bits of EstimateFault, a plain integer because it is made anew every tick.
     """
 
     time_s: float
@@ -48,8 +48,8 @@ class NavState(Struct, frozen=True, gc=False):
     sway_m_s: float
     position_age_s: float
     heading_age_s: float
-    set_north_m_s: float = 0.0
-    set_east_m_s: float = 0.0
+    current_north_m_s: float = 0.0
+    current_east_m_s: float = 0.0
     position_sigma_m: float = 0.0
     faults: int = 0
 
@@ -60,7 +60,7 @@ class NavState(Struct, frozen=True, gc=False):
 
     def set_along_m_s(self, course_rad: float) -> float:
         """How fast water and wind carry the boat that way, negative against it."""
-        return self.set_north_m_s * math.cos(course_rad) + self.set_east_m_s * math.sin(course_rad)
+        return self.current_north_m_s * math.cos(course_rad) + self.current_east_m_s * math.sin(course_rad)
 
 
 class Demand(Struct, frozen=True, gc=False):

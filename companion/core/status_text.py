@@ -13,7 +13,7 @@ class Severity:
     INFO: Final = 6
 
 
-class Notice(NamedTuple):
+class StatusText(NamedTuple):
     """One line, and how loud it is."""
 
     severity: int

@@ -30,11 +30,25 @@ _MAX_GAIN: Final = 3.0
 
 
 class CurrentFilter:
-    """set_m_s is c and gain is g, of the text above; turn_rad: what the heading has to be turned by."""
+    """current_m_s is c and gain is g, of the text above; turn_rad: what the heading has to be turned by."""
 
     __slots__ = (
-        "_cruise_m_s", "_p00", "_p01", "_p02", "_p03", "_p11", "_p12", "_p13", "_p22", "_p23", "_p33",
-        "_speed_m_s", "_surprises", "gain", "set_m_s", "turn_rad",
+        "_cruise_m_s",
+        "_p00",
+        "_p01",
+        "_p02",
+        "_p03",
+        "_p11",
+        "_p12",
+        "_p13",
+        "_p22",
+        "_p23",
+        "_p33",
+        "_speed_m_s",
+        "_surprises",
+        "current_m_s",
+        "gain",
+        "turn_rad",
     )  # fmt: skip
 
     def __init__(self, cruise_m_s: float, turn_doubt_rad: float) -> None:
@@ -42,7 +56,7 @@ class CurrentFilter:
         self._cruise_m_s = cruise_m_s
         self._speed_m_s = 0.0
         self._surprises = 0
-        self.set_m_s = 0j
+        self.current_m_s = 0j
         self.gain = 1 + 0j
         self.turn_rad = 0.0
         self._p00 = self._p11 = (SET_SHARE * cruise_m_s) ** 2
@@ -51,7 +65,7 @@ class CurrentFilter:
 
     def velocity_m_s(self, through_water: complex) -> complex:
         """Velocity over ground, from velocity through the water."""
-        return self.gain * through_water + self.set_m_s
+        return self.gain * through_water + self.current_m_s
 
     def variance(self, through_water: complex) -> float:
         """Of that velocity, per axis, in m²/s²."""
@@ -72,9 +86,9 @@ class CurrentFilter:
         self.turn_rad = cmath.phase(self.gain)
         self._p33 += doubt_rad * doubt_rad
 
-    def recall(self, set_m_s: complex, gain: complex) -> None:
+    def recall(self, current_m_s: complex, gain: complex) -> None:
         """What was learned since these were right was wrong."""
-        self.set_m_s, self.gain = set_m_s, gain
+        self.current_m_s, self.gain = current_m_s, gain
         self.turn_rad = cmath.phase(gain)
         more = (RECALL_SHARE * self._cruise_m_s) ** 2
         self._p00 += more
@@ -101,7 +115,7 @@ class CurrentFilter:
         if speed_m_s < 0.1 * cruise:
             least = (IDLE_SHARE * cruise) ** 2
             self._p00, self._p11 = max(self._p00, least), max(self._p11, least)
-        before = self.gain * through_water + self.set_m_s
+        before = self.gain * through_water + self.current_m_s
         surprise = over_ground - before
         if abs(surprise) ** 2 > _GATE * (self.variance(through_water) + variance):
             self._surprises += 1
@@ -110,13 +124,13 @@ class CurrentFilter:
             self._doubt()
         self._surprises = 0
         self._learn(1.0, 0.0, n, -e, surprise.real, variance)
-        surprise = over_ground - (self.gain * through_water + self.set_m_s)
+        surprise = over_ground - (self.gain * through_water + self.current_m_s)
         self._learn(0.0, 1.0, e, n, surprise.imag, variance)
         size = abs(self.gain)
         if not _MIN_GAIN <= size <= _MAX_GAIN:
             self.gain *= min(max(size, _MIN_GAIN), _MAX_GAIN) / size if size > 0.0 else 1.0
         self.turn_rad = cmath.phase(self.gain)
-        return self.gain * through_water + self.set_m_s - before
+        return self.gain * through_water + self.current_m_s - before
 
     def _doubt(self) -> None:
         """What was learned does not hold any more: the tide has turned, or a propeller is foul."""
@@ -133,7 +147,7 @@ class CurrentFilter:
         k3 = self._p03 * h0 + self._p13 * h1 + self._p23 * h2 + self._p33 * h3
         share = 1.0 / (h0 * k0 + h1 * k1 + h2 * k2 + h3 * k3 + variance)
         step = surprise * share
-        self.set_m_s += complex(k0 * step, k1 * step)
+        self.current_m_s += complex(k0 * step, k1 * step)
         self.gain += complex(k2 * step, k3 * step)
         self._p00 -= k0 * k0 * share
         self._p01 -= k0 * k1 * share

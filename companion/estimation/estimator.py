@@ -20,7 +20,7 @@ from companion.config.estimation import Estimation
 from companion.core.geo import LocalFrame, Point
 from companion.core.state import EstimateFault, MotorCommand, NavState
 from companion.core.units import wrap_pi
-from companion.estimation.fixing import Fixing
+from companion.estimation.gnss_update import GnssUpdate
 from companion.estimation.model import Model
 from companion.sensors.readings import GnssFix, HeadingReading
 
@@ -74,7 +74,7 @@ class Estimator:
         self.frame: LocalFrame | None = None
         self.frame_to_lay: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
         self.model = Model(speed or Speed(), setting)
-        self.fixing = Fixing(self.model, setting)
+        self.fixing = GnssUpdate(self.model, setting)
 
     def update(
         self,
@@ -108,7 +108,7 @@ class Estimator:
         if setting.compass_timeout_s < heading_age < math.inf and not faults & _HEADING_LOST:
             heading_age = setting.compass_timeout_s  # for a moment steering tells where the bow goes
         in_hull = velocity * complex(math.cos(yaw), -math.sin(yaw))
-        set_m_s = model.current.set_m_s
+        current_m_s = model.current.current_m_s
         return NavState(
             now_s,
             here.real,
@@ -121,8 +121,8 @@ class Estimator:
             in_hull.imag,
             position_age,
             heading_age,
-            set_m_s.real,
-            set_m_s.imag,
+            current_m_s.real,
+            current_m_s.imag,
             self._sigma_m,
             faults,
         )
@@ -173,7 +173,7 @@ class Estimator:
         """Lay the frame at the next good fix, and begin the position there. Heading and current stay."""
         resets = self.fixing.resets + 1
         self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
-        self.fixing = Fixing(self.model, self._setting)
+        self.fixing = GnssUpdate(self.model, self._setting)
         self.fixing.resets = resets
 
 

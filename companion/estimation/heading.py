@@ -18,7 +18,7 @@ import math
 from typing import Final
 
 from companion.core.units import wrap_pi
-from companion.estimation.liveliness import Liveliness
+from companion.estimation.sensor_timeout import SensorTimeoutMonitor
 
 DRAW_S: Final = 2.0
 BIAS_S: Final = 15.0
@@ -72,8 +72,8 @@ class HeadingFilter:
         self.drawn_rad = 0.0
         self._is_disowned = False  # somebody knows that the compass lies
         self._agreed_rad = self._agrees_s = 0.0
-        self._compass = Liveliness(_LEAP_RAD, _LEAP_RAD_S, _STUCK_S)
-        self._gyro = Liveliness(_JERK_RAD_S, _JERK_RAD_S2, 0.5 * _STUCK_S)
+        self._compass = SensorTimeoutMonitor(_LEAP_RAD, _LEAP_RAD_S, _STUCK_S)
+        self._gyro = SensorTimeoutMonitor(_JERK_RAD_S, _JERK_RAD_S2, 0.5 * _STUCK_S)
         self._odd = 0.0
         self._turned_rad = 0.0  # by the gyro, since the compass has last said something new
         self._rate_rad_s = 0.0

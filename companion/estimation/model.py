@@ -8,11 +8,11 @@ from companion.config.boat_config import Speed
 from companion.config.estimation import Estimation
 from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.current import CurrentFilter
-from companion.estimation.heading_reckoning import HeadingReckoning
+from companion.estimation.heading_consistency import HeadingConsistencyMonitor, HeadingVerdict
+from companion.estimation.heading_propagation import HeadingPropagation
 from companion.estimation.position import UNMODELLED_S
-from companion.estimation.wake import Wake
+from companion.estimation.state_history import StateHistory
 from companion.estimation.water_speed import WaterSpeed
-from companion.estimation.witness import Verdict, Witness
 from companion.sensors.readings import HeadingReading
 
 # A boat that steers for a point comes nearer while its heading is off by less than a right angle. That is 2.2
@@ -57,14 +57,14 @@ class Model:
         self.cruise_m_s, self._cruise_throttle = speed.cruise_m_s, speed.cruise_throttle
         self._surge_time_s = setting.surge_time_s
         self._compass_timeout_s = setting.compass_timeout_s
-        self.reckoning = HeadingReckoning(setting.compass_gate_rad)
+        self.reckoning = HeadingPropagation(setting.compass_gate_rad)
         self.heading = self.reckoning.filter
         self.water = WaterSpeed()
-        self.wake = Wake()
+        self.wake = StateHistory()
         self.current = CurrentFilter(speed.cruise_m_s, setting.compass_doubt_rad)
         self.now_s = 0.0
         self.idle_since_s = 0.0
-        self._witness = Witness()
+        self._witness = HeadingConsistencyMonitor()
         self._starts = 0  # of the heading, as the witness has it
         self._off_rad = 0.0
         self._is_turned_off = False
@@ -154,19 +154,19 @@ class Model:
             witness.begin(heading.drawn_rad, heading.bias_rad_s)
         witness.update(heading.drawn_rad, heading.bias_rad_s, dt)
         if not witness.is_quarrel:
-            witness.keep(self.current.set_m_s, self.current.gain, dt)
+            witness.keep(self.current.current_m_s, self.current.gain, dt)
             return False
         verdict = witness.judge(velocity, through, dt)
-        if verdict is Verdict.GYRO:
+        if verdict is HeadingVerdict.GYRO:
             witness.begin(heading.drawn_rad, heading.bias_rad_s)
-        return verdict is Verdict.COMPASS
+        return verdict is HeadingVerdict.COMPASS
 
     def _go_by_witness(self, through: complex) -> complex:
         """The compass is not believed any more, nor what it has taught; what `learn` returns."""
         current, witness = self.current, self._witness
         before = current.velocity_m_s(through)
         self.heading.disown(witness.gap_rad, witness.bias_rad_s)
-        current.recall(witness.set_m_s, witness.gain)
+        current.recall(witness.current_m_s, witness.gain)
         after = current.velocity_m_s(through * cmath.rect(1.0, witness.gap_rad))
         witness.begin(self.heading.drawn_rad, witness.bias_rad_s)
         return after - before
@@ -214,18 +214,18 @@ class Model:
         """How far the boat's course through the water is off its bow, NaN while there is no course."""
         is_alone = not self.heading.has_gyro and not self.is_compass_good
         current, least = self.current, (_CREEPING if is_alone else _UNDER_WAY) * self.cruise_m_s
-        course, bow = velocity - current.set_m_s, current.gain * through
+        course, bow = velocity - current.current_m_s, current.gain * through
         if abs(course) < least or abs(bow) < least:
             return math.nan
         return cmath.phase(course / bow)
 
     def _draw_to_course(self, velocity: complex, through: complex, dt: float) -> None:
         """Where the bow points, from where the boat goes."""
-        set_m_s = self.current.set_m_s
+        current_m_s = self.current.current_m_s
         turn = self._course_turn_rad(velocity, through)
         if not math.isnan(turn):
             doubt_m_s = math.sqrt(self.current.set_variance()) + _COURSE_SIGMA_M_S
-            doubt = doubt_m_s / abs(velocity - set_m_s) + _COURSE_SIGMA_RAD
+            doubt = doubt_m_s / abs(velocity - current_m_s) + _COURSE_SIGMA_RAD
             self.reckoning.draw(turn, dt, doubt)
 
     def _compare_course(self, velocity: complex, through: complex, dt: float) -> None:

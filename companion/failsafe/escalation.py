@@ -17,7 +17,7 @@ class Move(Enum):
     ENDS = 3
 
 
-class Ladder:
+class Escalation:
     """Remembers since when there has been trouble, or none. `action` is what the present step asks for."""
 
     __slots__ = (

@@ -9,12 +9,12 @@ from companion.core.state import NavState
 from companion.failsafe.power import Endurance
 from companion.failsafe.propulsion import MotorWatch
 from companion.failsafe.stations import Operator, Planner
-from companion.geofence.monitor import FenceWatch
+from companion.geofence.monitor import FenceMonitor
 from companion.rc.manual_input import Sticks
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading
 
 
-class Signs:
+class FailsafeInputs:
     """The vehicle and the boat write them, ten times a second is enough; the watches read them.
 
     headway: guidance's verdict, 1 the water is as fast as the boat, 2 something holds it, 3 the shore does.
@@ -60,7 +60,7 @@ class Signs:
         self.planner = Planner()
         self.endurance = Endurance()
         self.motors = MotorWatch(config)
-        self.fence = FenceWatch()
+        self.fence = FenceMonitor()
         self.now_s = 0.0
         self.mode = Mode.HOLD
         self.armed = False

@@ -5,8 +5,8 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
 from companion.failsafe.actions import ON_THE_SPOT, Action
-from companion.failsafe.escalation import Ladder, Move
-from companion.failsafe.inputs import Signs
+from companion.failsafe.escalation import Escalation, Move
+from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.table import ROWS, Concerns, Condition
 from companion.rc.manual_input import Sticks
 
@@ -20,7 +20,7 @@ _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_
 class Alarm(NamedTuple):
     """Something has fired, climbed, or is over. action: what the vehicle is to do now, NONE to tell only."""
 
-    ladder: Ladder
+    ladder: Escalation
     move: Move
     text: str
     action: Action
@@ -32,9 +32,9 @@ class Failsafes:
     __slots__ = ("_due_s", "_ladders", "_was_armed", "_watched", "active", "signs")
 
     def __init__(self, config: BoatConfig, sticks: Sticks) -> None:
-        self.signs = Signs(config, sticks)
+        self.signs = FailsafeInputs(config, sticks)
         self.active = 0
-        self._ladders = [Ladder(row) for row in ROWS]
+        self._ladders = [Escalation(row) for row in ROWS]
         self._watched = [(one, one.row.watch, one.row.is_watched_disarmed) for one in self._ladders]
         self._due_s = 0.0
         self._was_armed = False
@@ -95,7 +95,7 @@ class Failsafes:
                 alarms.append(self._alarm(ladder, move))
         return alarms
 
-    def _alarm(self, ladder: Ladder, move: Move) -> Alarm:
+    def _alarm(self, ladder: Escalation, move: Move) -> Alarm:
         row = ladder.row
         if move is Move.ENDS:
             self.active &= ~int(row.condition)

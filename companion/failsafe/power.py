@@ -10,7 +10,7 @@ from companion.sensors.charge import resting_share
 from companion.sensors.readings import BatteryReading
 
 if TYPE_CHECKING:
-    from companion.failsafe.inputs import Signs
+    from companion.failsafe.inputs import FailsafeInputs
 
 _SAILING_M_S = 0.3  # through the water: slower says nothing about what sailing takes
 _LEARN_S = 30.0
@@ -48,7 +48,7 @@ class Endurance:
             self._begun_share = resting_share(battery.voltage_v / config.battery.cells)
         if nav is None or battery.current_a is None or not battery.current_a > 0.0:
             return
-        speed = math.hypot(nav.north_m_s - nav.set_north_m_s, nav.east_m_s - nav.set_east_m_s)
+        speed = math.hypot(nav.north_m_s - nav.current_north_m_s, nav.east_m_s - nav.current_east_m_s)
         if not speed > _SAILING_M_S:
             return
         self._sailed_s += dt_s
@@ -68,36 +68,36 @@ class Endurance:
         if self._sailed_s < _ENOUGH_S or distance < _NEAR_M:
             return math.nan
         water = self.water_speed_m_s
-        along = (north * nav.set_north_m_s + east * nav.set_east_m_s) / distance
-        across = (north * nav.set_east_m_s - east * nav.set_north_m_s) / distance
+        along = (north * nav.current_north_m_s + east * nav.current_east_m_s) / distance
+        across = (north * nav.current_east_m_s - east * nav.current_north_m_s) / distance
         made_good = along + math.sqrt(max(water * water - across * across, 0.0))
         seconds = distance / max(made_good, _SLOWEST_SHARE * water)
         return self.draw_a * seconds / 3.6
 
 
-def battery_low(signs: "Signs") -> str:
+def battery_low(signs: "FailsafeInputs") -> str:
     """Below BATT_LOW_VOLT."""
     return _below(signs, signs.config.failsafe.battery_low_v, "low")
 
 
-def battery_critical(signs: "Signs") -> str:
+def battery_critical(signs: "FailsafeInputs") -> str:
     """Below BATT_CRT_VOLT."""
     return _below(signs, signs.config.failsafe.battery_critical_v, "critical")
 
 
-def _below(signs: "Signs", limit_v: float, what: str) -> str:
+def _below(signs: "FailsafeInputs", limit_v: float, what: str) -> str:
     battery = signs.battery
     if battery is None or limit_v <= 0.0 or not battery.voltage_v < limit_v:
         return ""
     return f"Battery {what}: {battery.voltage_v:.1f} V"
 
 
-def out_of_range(signs: "Signs") -> str:
+def out_of_range(signs: "FailsafeInputs") -> str:
     """The point of no return, as it was found when last looked for."""
     return signs.shortfall
 
 
-def shortfall(signs: "Signs") -> str:
+def shortfall(signs: "FailsafeInputs") -> str:
     """Whether what is left of the charge will soon no longer take the boat home, in words."""
     nav, home, battery = signs.nav, signs.home, signs.battery
     if nav is None or home is None or battery is None or battery.current_a is None:

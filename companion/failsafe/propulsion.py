@@ -10,7 +10,7 @@ from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
 from companion.sensors.readings import BatteryReading, GnssFix
 
 if TYPE_CHECKING:
-    from companion.failsafe.inputs import Signs
+    from companion.failsafe.inputs import FailsafeInputs
 
 MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
 CLEARED_S: Final = 180.0  # for which a trial that has found both motors well stands
@@ -169,32 +169,32 @@ class MotorWatch:
         self._helpless_s = self._helpless_s + dt_s if is_helpless else 0.0
 
 
-def motor_failing(signs: "Signs") -> str:
+def motor_failing(signs: "FailsafeInputs") -> str:
     """A motor gives no thrust, or too little for its current."""
     return signs.lame or signs.motors.fault
 
 
-def steering_lost(signs: "Signs") -> str:
+def steering_lost(signs: "FailsafeInputs") -> str:
     """A motor runs the wrong way."""
     return signs.motors.reversal
 
 
-def no_headway(signs: "Signs") -> str:
+def no_headway(signs: "FailsafeInputs") -> str:
     """Full ahead, and the water is as fast as the boat."""
     return "No headway: the water is as fast as the boat" if signs.headway == NO_HEADWAY else ""
 
 
-def stuck(signs: "Signs") -> str:
+def stuck(signs: "FailsafeInputs") -> str:
     """Full ahead, and something holds the boat."""
     return "Stuck: something holds the boat" if signs.headway == STUCK else ""
 
 
-def aground(signs: "Signs") -> str:
+def aground(signs: "FailsafeInputs") -> str:
     """Close to a line, driven hard, and held."""
     return "Aground: held at the shore" if signs.headway == AGROUND else ""
 
 
-def capsized(signs: "Signs") -> str:
+def capsized(signs: "FailsafeInputs") -> str:
     """Keel up, or nearly; told by a heading sensor that also gives roll and pitch."""
     reading, limit_rad = signs.heading, signs.config.failsafe.capsize_rad
     if reading is None or limit_rad <= 0.0 or reading.roll_rad is None or reading.pitch_rad is None:

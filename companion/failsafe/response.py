@@ -25,7 +25,7 @@ _ASTRAY_RAD: Final = (0.0, -0.3, 0.3)  # the set is not known better
 _LIMP_SHARE: Final = 0.5  # of cruise speed: what a propeller with weed, or a cool head, still manages
 
 
-class Response:
+class FailsafeActions:
     """The vehicle's own; asked while the failsafes are due."""
 
     __slots__ = ("_range_due_s", "_vehicle")
@@ -120,8 +120,8 @@ class Response:
         nav = self._vehicle.nav
         if nav is None:
             return True
-        drift_m = seconds * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
-        course, fence = math.atan2(nav.set_east_m_s, nav.set_north_m_s), self._vehicle.fence
+        drift_m = seconds * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
+        course, fence = math.atan2(nav.current_east_m_s, nav.current_north_m_s), self._vehicle.fence
         return all(fence.room_m(nav.point, course + off, drift_m) >= drift_m for off in _ASTRAY_RAD)
 
     def _presume(self, now_s: float) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from companion.core.modes import Mode
 
 if TYPE_CHECKING:
-    from companion.failsafe.inputs import Signs
+    from companion.failsafe.inputs import FailsafeInputs
 
 
 _GOES_ON = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
@@ -48,7 +48,7 @@ class Planner:
         self.is_steering = False
 
 
-def operator_lost(signs: "Signs") -> str:
+def operator_lost(signs: "FailsafeInputs") -> str:
     """The operator's heartbeats have stopped."""
     setting = signs.config.failsafe
     if not setting.gcs_enabled or not signs.now_s - signs.operator.last_heard_s > setting.gcs_timeout_s:
@@ -56,7 +56,7 @@ def operator_lost(signs: "Signs") -> str:
     return f"Operator lost for {setting.gcs_timeout_s:g} s"
 
 
-def planner_lost(signs: "Signs") -> str:
+def planner_lost(signs: "FailsafeInputs") -> str:
     """The program that steered in GUIDED, or in a hand-over of the mission, has fallen silent."""
     limit_s, planner = signs.config.failsafe.planner_timeout_s, signs.planner
     if not planner.is_steering or limit_s <= 0.0 or not signs.now_s - planner.last_heard_s > limit_s:
@@ -64,7 +64,7 @@ def planner_lost(signs: "Signs") -> str:
     return f"Planner lost for {limit_s:g} s"
 
 
-def helm_lost(signs: "Signs") -> str:
+def helm_lost(signs: "FailsafeInputs") -> str:
     """Sticks that steered the boat have gone stale."""
     config = signs.config
     if not config.failsafe.rc_enabled or not signs.sticks.is_dropped(config, signs.now_s):
@@ -72,7 +72,7 @@ def helm_lost(signs: "Signs") -> str:
     return "" if signs.sticks.radio.is_heard else "RC lost: nobody holds the sticks"
 
 
-def rc_lost(signs: "Signs") -> str:
+def rc_lost(signs: "FailsafeInputs") -> str:
     """The transmitter is gone, and no station steers in its place."""
     radio, config, now_s = signs.sticks.radio, signs.config, signs.now_s
     enabled = config.failsafe.rc_enabled

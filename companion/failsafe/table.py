@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from companion.failsafe import boundary, estimate, hull, power, propulsion, stations
 from companion.failsafe.actions import Action
-from companion.failsafe.inputs import Signs
+from companion.failsafe.inputs import FailsafeInputs
 
 _NEVER = float("inf")
 
@@ -69,7 +69,7 @@ class Row(NamedTuple):
     """
 
     condition: Condition
-    watch: Callable[[Signs], str]
+    watch: Callable[[FailsafeInputs], str]
     action: str
     over: str
     after: float | str = 0.0

@@ -7,7 +7,7 @@ from companion.control.speed import feed_forward
 from companion.core.geo import Point
 from companion.core.intent import Drive, FollowCircle, FollowLeg, HoldCourse, Intent, KeepStation, Stop
 from companion.core.state import Demand, NavState
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.core.units import clamp
 from companion.geofence.fence import Fence
 from companion.guidance.speed_profile import REACTION_S, braking_speed_m_s
@@ -32,7 +32,7 @@ class FenceBrake:
 
     __slots__ = ("_notices", "_station", "_stopped", "_stopped_s")
 
-    def __init__(self, notices: list[Notice]) -> None:
+    def __init__(self, notices: list[StatusText]) -> None:
         self._notices = notices
         self._stopped: Intent | None = None  # what was asked for as the boat came to a stop
         self._stopped_s = 0.0
@@ -82,7 +82,7 @@ class FenceBrake:
         if self._stopped_s >= _STOPPED_S:
             margin_m = config.fence.margin_m + config.guidance.station_radius_m
             self._station = KeepStation(fence.inside(nav.point, margin_m))
-            self._notices.append(Notice(Severity.WARNING, "Fence ahead: keeping station before it"))
+            self._notices.append(StatusText(Severity.WARNING, "Fence ahead: keeping station before it"))
 
 
 def _leads_over(
@@ -127,8 +127,8 @@ class _Ahead:
         speed = self._along(nav.heading_rad, wanted)
         if speed == wanted:
             return drive
-        set_m_s = nav.set_along_m_s(nav.heading_rad)
-        most = feed_forward(speed - set_m_s, setting) + setting.kp * (speed - nav.surge_m_s)
+        current_m_s = nav.set_along_m_s(nav.heading_rad)
+        most = feed_forward(speed - current_m_s, setting) + setting.kp * (speed - nav.surge_m_s)
         throttle = min(drive.throttle, most) if wanted > 0.0 else max(drive.throttle, most)
         return Drive(clamp(throttle, -1.0, 1.0), drive.steering)
 
@@ -136,7 +136,7 @@ class _Ahead:
         """What is left of a speed along a heading, negative astern."""
         nav = self._nav
         c, s = math.cos(heading_rad), math.sin(heading_rad)
-        aside_m_s = nav.set_east_m_s * c - nav.set_north_m_s * s
+        aside_m_s = nav.current_east_m_s * c - nav.current_north_m_s * s
         speed = abs(wanted_m_s)
         side = 1.0 if wanted_m_s >= 0.0 else -1.0
         allowed = self._towards(c * wanted_m_s - s * aside_m_s, s * wanted_m_s + c * aside_m_s)
@@ -157,8 +157,9 @@ class _Ahead:
             return math.inf
         nav, setting = self._nav, self._config.guidance
         speed_m_s = math.hypot(north_m_s, east_m_s)
-        set_m_s = (nav.set_north_m_s * north_m_s + nav.set_east_m_s * east_m_s) / max(speed_m_s, 1e-9)
-        room_m -= self._config.fence.margin_m + max(set_m_s, 0.0) * _SET_S
+        along = nav.current_north_m_s * north_m_s + nav.current_east_m_s * east_m_s
+        current_m_s = along / max(speed_m_s, 1e-9)
+        room_m -= self._config.fence.margin_m + max(current_m_s, 0.0) * _SET_S
         if room_m < 0.0:
             return max(_BACK_PER_S * room_m, -setting.min_speed_m_s)
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, setting)

@@ -14,7 +14,7 @@ _PADDING_M = 30.0  # round exclusion areas that lie in open water
 _LEAP_CELLS = 8  # the lines further off need not be looked for
 
 
-class WaterGrid:
+class Costmap:
     """Cells whose centres keep `clearance_m` from every line. One row of blocked cells runs all round.
 
     The clearance is never less than three quarters of a cell, so no line comes between the centres of two

@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 
 from companion.core.geo import Point, distance_m
-from companion.geofence.costmap import WaterGrid
+from companion.geofence.costmap import Costmap
 from companion.geofence.fence import Fence
 
 _LOOKS_A_STEP = 12
@@ -20,12 +20,12 @@ _EXACT_CELLS = 10  # near a goal the distance is measured, where marching would 
 _REACH_CELLS = 12  # from a point that has no free cell of its own, how far to look for one
 
 
-class HomeField:
+class DistanceField:
     """Distances over a grid, for goals inside the fence. Ask once it `is_complete`."""
 
     __slots__ = ("_fence", "_front", "_is_begun", "arrival_m", "goals", "grid")
 
-    def __init__(self, fence: Fence, goals: Sequence[Point], grid: WaterGrid) -> None:
+    def __init__(self, fence: Fence, goals: Sequence[Point], grid: Costmap) -> None:
         """grid: of the same fence; one that is complete can serve field after field."""
         self._fence = fence
         self.goals = tuple(goals)

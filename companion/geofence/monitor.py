@@ -6,7 +6,7 @@ from companion.core.state import NavState
 from companion.geofence.fence import Fence
 
 
-class FenceWatch:
+class FenceMonitor:
     """beyond_m: how far outside, 0 inside. breaches: how often since boot, the last one at breached_s.
 
     A boat that no longer knows where it is stays where it was last seen.

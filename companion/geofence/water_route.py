@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
-from companion.geofence.distance_field import HomeField
+from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
 from companion.guidance.leg import Leg
 
@@ -13,7 +13,7 @@ _CORNER_SHARE = 0.5  # of the clearance: how near a corner must be passed
 _CLEAR_SHARE = 0.95  # of the clearance of its ends: what a straight way must keep
 
 
-class WaterWay:
+class WaterRoute:
     """leg: the one to sail now, to the farthest corner that can be seen from where it starts."""
 
     __slots__ = ("_at", "_clearance_m", "_corners", "_fence", "leg")
@@ -81,7 +81,7 @@ class WaterWay:
         return is_clear(self._fence, start, end, self._clearance_m)
 
 
-def way_by_water(fence: Fence, field: HomeField, here: Point, config: BoatConfig) -> WaterWay | None:
+def way_by_water(fence: Fence, field: DistanceField, here: Point, config: BoatConfig) -> WaterRoute | None:
     """From here to where a complete field leads, first back inside if need be; None if it leads nowhere."""
     clearance_m = field.grid.clearance_m
     start = fence.inside(here, clearance_m)
@@ -90,7 +90,7 @@ def way_by_water(fence: Fence, field: HomeField, here: Point, config: BoatConfig
         return None
     if fence.is_outside(here):
         corners.insert(0, start)
-    return WaterWay(fence, here, corners, clearance_m, config)
+    return WaterRoute(fence, here, corners, clearance_m, config)
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:

@@ -21,8 +21,8 @@ MAX_CRAB_SINE = math.sin(1.0)  # beyond that crab angle little speed is left to 
 def course_to_steer(
     course_rad: float,
     speed_m_s: float,
-    set_north_m_s: float,
-    set_east_m_s: float,
+    current_north_m_s: float,
+    current_east_m_s: float,
     slow_m_s: float,
     top_m_s: float,
 ) -> tuple[float, float]:
@@ -33,9 +33,9 @@ def course_to_steer(
     """
     c, s = math.cos(course_rad), math.sin(course_rad)
     limit = MAX_CRAB_SINE * top_m_s
-    across = clamp(set_north_m_s * s - set_east_m_s * c, -limit, limit)
+    across = clamp(current_north_m_s * s - current_east_m_s * c, -limit, limit)
     room = math.sqrt(top_m_s * top_m_s - across * across)
-    ahead = clamp(speed_m_s - set_north_m_s * c - set_east_m_s * s, min(slow_m_s, room), room)
+    ahead = clamp(speed_m_s - current_north_m_s * c - current_east_m_s * s, min(slow_m_s, room), room)
     return course_rad + math.atan2(across, ahead), math.hypot(across, ahead)
 
 
@@ -44,8 +44,8 @@ def steerable_speed_m_s(
     speed_m_s: float,
     water_m_s: float,
     change_m_s: float,
-    set_north_m_s: float,
-    set_east_m_s: float,
+    current_north_m_s: float,
+    current_east_m_s: float,
 ) -> float:
     """The speed over ground to point the bow for: the one asked for, as near as the boat will soon be to it.
 
@@ -54,7 +54,7 @@ def steerable_speed_m_s(
     sail up the current. change_m_s: how much it may change before the bow has followed.
     """
     c, s = math.cos(course_rad), math.sin(course_rad)
-    across = set_north_m_s * s - set_east_m_s * c
+    across = current_north_m_s * s - current_east_m_s * c
     ahead = math.sqrt(max(water_m_s * water_m_s - across * across, 0.0))
-    makes = ahead + set_north_m_s * c + set_east_m_s * s
+    makes = ahead + current_north_m_s * c + current_east_m_s * s
     return clamp(speed_m_s, makes - change_m_s, makes + change_m_s)

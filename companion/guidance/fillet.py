@@ -48,8 +48,8 @@ class Bend(NamedTuple):
     exit_room_m: float
     radius_m: float
     speed_m_s: float
-    set_north_m_s: float
-    set_east_m_s: float
+    current_north_m_s: float
+    current_east_m_s: float
     onward_m: float
     onward_m_s: float
 
@@ -133,17 +133,17 @@ def fillet_between(
 
     ramp_s: how long the yaw rate takes to grow to the highest that is used.
     """
-    set_n, set_e = bend.set_north_m_s, bend.set_east_m_s
+    current_n, current_e = bend.current_north_m_s, bend.current_east_m_s
     setting = config.guidance
     first, second = bend.course_rad, bend.course_rad + bend.turn_rad
     c1, s1, c2, s2 = math.cos(first), math.sin(first), math.cos(second), math.sin(second)
-    ahead1 = entry_m_s - set_n * c1 - set_e * s1
-    ahead2 = exit_m_s - set_n * c2 - set_e * s2
+    ahead1 = entry_m_s - current_n * c1 - current_e * s1
+    ahead2 = exit_m_s - current_n * c2 - current_e * s2
     # A boat that keeps its bow ahead makes no less over ground than this, however slow it is asked to be.
     least = LEAST_AHEAD_SHARE * setting.min_speed_m_s
     ahead1, ahead2 = max(ahead1, least), max(ahead2, least)
-    exit_m_s = ahead2 + set_n * c2 + set_e * s2
-    across1, across2 = set_n * s1 - set_e * c1, set_n * s2 - set_e * c2
+    exit_m_s = ahead2 + current_n * c2 + current_e * s2
+    across1, across2 = current_n * s1 - current_e * c1, current_n * s2 - current_e * c2
     water1, water2 = math.hypot(ahead1, across1), math.hypot(ahead2, across2)
     if max(water1, water2) > config.handling.top_speed_m_s:
         return None
@@ -166,8 +166,8 @@ def fillet_between(
         at_s = (n + 0.5) * step_s
         psi = first + crab1 + side * _turned_rad(at_s, time_s, ramp_s, rate)
         water = water1 + growth * at_s
-        north += step_s * (water * math.cos(psi) + set_n)
-        east += step_s * (water * math.sin(psi) + set_e)
+        north += step_s * (water * math.cos(psi) + current_n)
+        east += step_s * (water * math.sin(psi) + current_e)
         track.append((north, east))
     sine = c1 * s2 - s1 * c2
     entry_m, exit_m = (north * s2 - east * c2) / sine, (c1 * east - s1 * north) / sine
@@ -187,8 +187,8 @@ def fillet_between(
         at_s = n * step_s
         psi = crab1 + side * _turned_rad(at_s, time_s, ramp_s, rate)
         water = water1 + growth * at_s
-        ahead = water * math.cos(psi) + set_n * c1 + set_e * s1
-        aside = water * math.sin(psi) + set_e * c1 - set_n * s1
+        ahead = water * math.cos(psi) + current_n * c1 + current_e * s1
+        aside = water * math.sin(psi) + current_e * c1 - current_n * s1
         nodes.append(FilletNode(n_m, e_m, math.atan2(aside, ahead), math.hypot(ahead, aside)))
     return Fillet(entry_m, exit_m, time_s, cut_m, tuple(nodes))
 

@@ -45,8 +45,8 @@ class _Plan(NamedTuple):
     smooth: SmoothPath
     places: tuple[Point, ...]
     at: int
-    set_north_m_s: float
-    set_east_m_s: float
+    current_north_m_s: float
+    current_east_m_s: float
 
 
 class PathFollowing:
@@ -125,7 +125,8 @@ def _is_outdated(
         return abs(cross_m) > LOST_RADII * radius_m
     if along_m >= plan.smooth.entries_m[plan.at + 1] - radius_m:
         return False
-    changed = abs(nav.set_north_m_s - plan.set_north_m_s) + abs(nav.set_east_m_s - plan.set_east_m_s)
+    north_m_s, east_m_s = plan.current_north_m_s, plan.current_east_m_s
+    changed = abs(nav.current_north_m_s - north_m_s) + abs(nav.current_east_m_s - east_m_s)
     return changed > NEW_SET_SHARE * config.guidance.min_speed_m_s
 
 
@@ -164,11 +165,11 @@ def _planned(
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         places.append(Point(places[0].north_m + c, places[0].east_m + s))
     radius_m = leg.radius_m or config.guidance.waypoint_radius_m
-    set_m_s = (nav.set_north_m_s, nav.set_east_m_s)
+    current_m_s = (nav.current_north_m_s, nav.current_east_m_s)
     if before is not None:
         with_it = (before, *places)
-        smoothed = smooth(with_it, radius_m, leg.speed_m_s, set_m_s, config, kept)
+        smoothed = smooth(with_it, radius_m, leg.speed_m_s, current_m_s, config, kept)
         if len(smoothed.marks_m) > 2:
-            return _Plan(smoothed, with_it, 1, *set_m_s)
-    smoothed = smooth(places, radius_m, leg.speed_m_s, set_m_s, config, kept)
-    return _Plan(smoothed, tuple(places), 0, *set_m_s)
+            return _Plan(smoothed, with_it, 1, *current_m_s)
+    smoothed = smooth(places, radius_m, leg.speed_m_s, current_m_s, config, kept)
+    return _Plan(smoothed, tuple(places), 0, *current_m_s)

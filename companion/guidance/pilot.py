@@ -90,12 +90,12 @@ class Pilot:
 
         next_course_rad, next_speed_m_s: what is wanted GLIMPSE_S later, where it changes.
         """
-        set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
+        current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
         top, slow = config.handling.top_speed_m_s, config.guidance.min_speed_m_s
-        heading, water = course_to_steer(course_rad, speed_m_s, set_n, set_e, slow, top)
+        heading, water = course_to_steer(course_rad, speed_m_s, current_n, current_e, slow, top)
         yaw_rate = 0.0
         if next_course_rad is not None:
-            later, _ = course_to_steer(next_course_rad, next_speed_m_s, set_n, set_e, slow, top)
+            later, _ = course_to_steer(next_course_rad, next_speed_m_s, current_n, current_e, slow, top)
             yaw_rate = _yaw_rate_rad_s(heading, later, config)
         heading = wrap_pi(heading)
         water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
@@ -142,23 +142,23 @@ def _along_path(
     A boat that turns on the spot is carried off by a current. So it is asked for at least the current's speed
     through the water meanwhile, and for no more turn at a time than leaves it thrust for that.
     """
-    set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
+    current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
     handling, setting = config.handling, config.guidance
     top, slow = handling.top_speed_m_s, setting.min_speed_m_s
     change = GAINING_SHARE * setting.accel_m_s2 * handling.yaw_time_s
     has = nav.surge_m_s - nav.set_along_m_s(nav.heading_rad)
-    _, water = course_to_steer(guide.course_rad, speed_m_s, set_n, set_e, slow, top)
-    makes = steerable_speed_m_s(guide.course_rad, speed_m_s, has, change, set_n, set_e)
+    _, water = course_to_steer(guide.course_rad, speed_m_s, current_n, current_e, slow, top)
+    makes = steerable_speed_m_s(guide.course_rad, speed_m_s, has, change, current_n, current_e)
     later_makes = makes + later_speed_m_s - speed_m_s
-    heading, _ = course_to_steer(guide.course_rad, makes, set_n, set_e, slow, top)
-    later, _ = course_to_steer(guide.later_course_rad, later_makes, set_n, set_e, slow, top)
+    heading, _ = course_to_steer(guide.course_rad, makes, current_n, current_e, slow, top)
+    later, _ = course_to_steer(guide.later_course_rad, later_makes, current_n, current_e, slow, top)
     yaw_rate = _yaw_rate_rad_s(heading, later, config)
     heading = guide.tangent_rad + clamp(wrap_pi(heading - guide.tangent_rad), -_MOST_OFF_RAD, _MOST_OFF_RAD)
     error = wrap_pi(heading - nav.heading_rad)
     steered = steered_speed_m_s(water, error, setting)
-    set_m_s = math.hypot(set_n, set_e)
-    if set_m_s > LYING_SHARE * slow and abs(error) < 0.5 * math.pi:
-        steered = max(steered, min(set_m_s, water))
+    current_m_s = math.hypot(current_n, current_e)
+    if current_m_s > LYING_SHARE * slow and abs(error) < 0.5 * math.pi:
+        steered = max(steered, min(current_m_s, water))
         heading = nav.heading_rad + clamp(error, -_LEAD_RAD, _LEAD_RAD)
     demanded = steered + nav.set_along_m_s(nav.heading_rad)
     return Demand(wrap_pi(heading), demanded, cross_track_m, distance_m, yaw_rate)

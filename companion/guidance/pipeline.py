@@ -16,8 +16,8 @@ from companion.core.state import STOPPED, Demand, MotorCommand, NavState, Thrust
 from companion.geofence.brake import FenceBrake
 from companion.guidance.drift_heading import lee_demand
 from companion.guidance.pilot import Pilot
-from companion.guidance.stall_detector import Headway
-from companion.obstacles.perception.perception import Lookout
+from companion.guidance.stall_detector import StallDetector
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Avoidance
 from companion.vehicle.vehicle import Vehicle
 
@@ -29,7 +29,7 @@ _SLACK_S = 1e-6
 _STOP = Stop()
 
 
-class Steering:
+class GuidancePipeline:
     """demand: what the loops hold now, None while they are open. headway: whether the boat gets on."""
 
     __slots__ = (
@@ -38,11 +38,11 @@ class Steering:
     )  # fmt: skip
 
     def __init__(self, vehicle: Vehicle, config: BoatConfig) -> None:
-        self.lookout = Lookout(config.avoidance)
+        self.lookout = ObstaclePerception(config.avoidance)
         self.avoidance = Avoidance(vehicle.conduct.notices)
         self.helm = Helm()
         self.gate = Gate()
-        self.headway = Headway()
+        self.headway = StallDetector()
         self.demand: Demand | None = None
         self._vehicle = vehicle
         self._pilot = Pilot()
@@ -109,7 +109,7 @@ class Steering:
     def _limp(self, wanted: Demand, nav: NavState, config: BoatConfig, now_s: float) -> Demand:
         """One motor: near a line, or in faster water, the boat can but choose where it is carried."""
         speed_m_s = LAME_SHARE * config.handling.top_speed_m_s
-        is_slow = math.hypot(nav.set_north_m_s, nav.set_east_m_s) <= speed_m_s
+        is_slow = math.hypot(nav.current_north_m_s, nav.current_east_m_s) <= speed_m_s
         if is_slow and not self._vehicle.fence.is_near(nav.point, _LAME_ROOM_M):
             self._lee = None
             return wanted

@@ -40,17 +40,17 @@ def smooth(
     places: Sequence[Point],
     radius_m: float,
     speed_m_s: float,
-    set_m_s: tuple[float, float],
+    current_m_s: tuple[float, float],
     config: BoatConfig,
     kept: Mapping[Corner, Fillet] | None = None,
 ) -> SmoothPath:
     """The path from the first place to the last, or to the first corner that has no fillet.
 
-    places: two or more, each elsewhere than the one before it. set_m_s: north and east. kept: fillets that
-    are taken as they are.
+    places: two or more, each elsewhere than the one before it. current_m_s: north and east. kept: fillets to
+    take unchanged.
     """
     lines = [Line(one, other) for one, other in pairwise(places)]
-    fillets = _fillets(places, lines, radius_m, speed_m_s, set_m_s, config, kept or {})
+    fillets = _fillets(places, lines, radius_m, speed_m_s, current_m_s, config, kept or {})
     nodes = [Node(*places[0], lines[0].course_rad, speed_m_s)]
     ends: list[tuple[int, int, int]] = [(0, 0, 0)]  # nodes at entry, middle and exit of each place
     used: dict[Corner, Fillet] = {}
@@ -83,7 +83,7 @@ def _fillets(
     lines: Sequence[Line],
     radius_m: float,
     speed_m_s: float,
-    set_m_s: tuple[float, float],
+    current_m_s: tuple[float, float],
     config: BoatConfig,
     kept: Mapping[Corner, Fillet],
 ) -> list[Fillet | None]:
@@ -103,8 +103,8 @@ def _fillets(
                 LEG_SHARE * onward.length_m,
                 radius_m,
                 speed_m_s,
-                set_m_s[0],
-                set_m_s[1],
+                current_m_s[0],
+                current_m_s[1],
                 onward.length_m - entry_m,
                 entry_m_s,
             )

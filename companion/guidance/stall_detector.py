@@ -17,7 +17,7 @@ HIGH_THROTTLE = 0.75  # of what is allowed: less, and the boat is not trying
 ASKED_SHARE = 0.5  # of min_speed_m_s: who asks for less wants to stay
 WAY_SHARE = 0.1  # of min_speed_m_s: made good, and less counts as nothing
 ALIGNED_RAD = 0.8  # a boat that still turns is not yet trying
-SET_TIME_S = 20.0  # over which the set is remembered
+CURRENT_TIME_S = 20.0  # over which the set is remembered
 HELD_S = 6.0  # at the shore
 # Way made meanwhile, and less is none; a speed tells nothing while thrust moves the estimate alone
 HELD_M = 1.0
@@ -26,7 +26,7 @@ STEERED = 1.0  # between the commands, of 2: a boat afloat turns by that
 UNMET_M_S = 0.6  # of the speed over ground that thrust and set should make
 
 
-class Verdict(IntEnum):
+class StallVerdict(IntEnum):
     """What to think of the way that is made."""
 
     MAKING_WAY = 0
@@ -35,7 +35,7 @@ class Verdict(IntEnum):
     AGROUND = 3  # the shore does
 
 
-class Headway:
+class StallDetector:
     """`verdict` is the present judgement; `stalled_s` how long there has been none while trying,
     `held_s` how long the shore has held the boat.
     """
@@ -43,14 +43,14 @@ class Headway:
     __slots__ = ("_held_at", "_held_rad", "_set_east_m_s", "_set_north_m_s", "held_s", "stalled_s", "verdict")
 
     def __init__(self) -> None:
-        self.verdict = Verdict.MAKING_WAY
+        self.verdict = StallVerdict.MAKING_WAY
         self.stalled_s = self.held_s = 0.0
         self._held_at, self._held_rad = Point(0.0, 0.0), 0.0
         self._set_north_m_s = self._set_east_m_s = 0.0
 
     def reset(self) -> None:
         """Begin to judge anew; what is known of the set stays."""
-        self.verdict, self.stalled_s = Verdict.MAKING_WAY, 0.0
+        self.verdict, self.stalled_s = StallVerdict.MAKING_WAY, 0.0
 
     def update(
         self,
@@ -61,7 +61,7 @@ class Headway:
         dt_s: float,
         *,
         is_at_line: bool = False,
-    ) -> Verdict:
+    ) -> StallVerdict:
         """Judge one tick: what guidance asked, what the motors were given, how the boat moves over ground.
 
         Ticks on which the boat does not try (no closed loops, little speed asked for, bow off the heading)
@@ -75,7 +75,7 @@ class Headway:
             is_driven = self._is_driven(command, nav, config)
             self.held_s = self.held_s + dt_s if is_driven else max(self.held_s - dt_s, 0.0)
             if self.held_s >= HELD_S:
-                self.verdict = Verdict.AGROUND
+                self.verdict = StallVerdict.AGROUND
                 return self.verdict
         else:
             self.held_s = 0.0
@@ -83,9 +83,9 @@ class Headway:
         c, s = math.cos(demand.heading_rad), math.sin(demand.heading_rad)
         ahead_m_s = nav.north_m_s * c + nav.east_m_s * s
         if ahead_m_s > WAY_SHARE * slow_m_s:
-            share = dt_s / SET_TIME_S
-            self._set_north_m_s += share * (nav.set_north_m_s - self._set_north_m_s)
-            self._set_east_m_s += share * (nav.set_east_m_s - self._set_east_m_s)
+            share = dt_s / CURRENT_TIME_S
+            self._set_north_m_s += share * (nav.current_north_m_s - self._set_north_m_s)
+            self._set_east_m_s += share * (nav.current_east_m_s - self._set_east_m_s)
             self.reset()
             return self.verdict
         throttle = 0.5 * (command.left + command.right)
@@ -96,10 +96,10 @@ class Headway:
         )
         if is_trying:
             self.stalled_s += dt_s
-            if self.stalled_s >= NOTICE_S and self.verdict is Verdict.MAKING_WAY:
+            if self.stalled_s >= NOTICE_S and self.verdict is StallVerdict.MAKING_WAY:
                 through_m_s = throttle * config.handling.top_speed_m_s
                 left_m_s = through_m_s + self._set_north_m_s * c + self._set_east_m_s * s
-                self.verdict = Verdict.STUCK if left_m_s > slow_m_s else Verdict.NO_HEADWAY
+                self.verdict = StallVerdict.STUCK if left_m_s > slow_m_s else StallVerdict.NO_HEADWAY
         return self.verdict
 
     def _is_in_place(self, nav: NavState) -> bool:

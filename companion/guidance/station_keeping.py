@@ -56,14 +56,14 @@ class StationKeeping:
         setting = config.guidance
         north, east = point.north_m - nav.north_m, point.east_m - nav.east_m
         distance = math.hypot(north, east)
-        set_m_s = math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        current_m_s = math.hypot(nav.current_north_m_s, nav.current_east_m_s)
         share = LEAVING_SHARE if self._is_lying else LYING_SHARE
-        self._is_lying = set_m_s > share * setting.min_speed_m_s
+        self._is_lying = current_m_s > share * setting.min_speed_m_s
         if self._is_lying:
-            near = max(NEAR_RADII * setting.station_radius_m, set_m_s * turning_s(config))
+            near = max(NEAR_RADII * setting.station_radius_m, current_m_s * turning_s(config))
             if distance > near:
                 return self._approach(math.atan2(east, north), distance, nav, config)
-            return self._lie(north, east, distance, set_m_s, nav, config, dt_s)
+            return self._lie(north, east, distance, current_m_s, nav, config, dt_s)
         if distance > setting.station_radius_m:
             return self._return(math.atan2(east, north), distance, nav, setting, config.speed.cruise_m_s)
         return self._stay(north, east, distance, nav, setting, dt_s)
@@ -75,29 +75,29 @@ class StationKeeping:
         heading, water = course_to_steer(
             bearing_rad,
             speed,
-            nav.set_north_m_s,
-            nav.set_east_m_s,
+            nav.current_north_m_s,
+            nav.current_east_m_s,
             setting.min_speed_m_s,
             config.handling.top_speed_m_s,
         )
         heading = wrap_pi(heading)
         self._line_rad = heading
         water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), setting)
-        return Demand(heading, water + nav.set_north_m_s * c + nav.set_east_m_s * s, 0.0, distance)
+        return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
 
     def _lie(
         self,
         north: float,
         east: float,
         distance: float,
-        set_m_s: float,
+        current_m_s: float,
         nav: NavState,
         config: BoatConfig,
         dt_s: float,
     ) -> Demand:
         """Hold against the set: `up` is against it, `across` to starboard of that."""
         setting = config.guidance
-        up_north, up_east = -nav.set_north_m_s / set_m_s, -nav.set_east_m_s / set_m_s
+        up_north, up_east = -nav.current_north_m_s / current_m_s, -nav.current_east_m_s / current_m_s
         top, slow = config.handling.top_speed_m_s, setting.min_speed_m_s
         if distance < setting.station_radius_m:
             most = MAX_LEARNED_SHARE * slow
@@ -106,9 +106,9 @@ class StationKeeping:
         closing = CLOSING_RATE_PER_S
         want_north = closing * north + self._learned_north
         want_east = closing * east + self._learned_east
-        up = set_m_s + want_north * up_north + want_east * up_east
+        up = current_m_s + want_north * up_north + want_east * up_east
         across = want_east * up_north - want_north * up_east
-        up = clamp(up, EASE_SHARE * set_m_s, top)
+        up = clamp(up, EASE_SHARE * current_m_s, top)
         across = clamp(across, -up, up)
         upstream = math.atan2(up_east, up_north)
         heading = wrap_pi(upstream + math.atan2(across, up))
@@ -117,7 +117,7 @@ class StationKeeping:
         off = wrap_pi(nav.heading_rad - upstream)
         water = up * math.cos(off) + across * math.sin(off) if abs(off) < 0.5 * math.pi else 0.0
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        return Demand(heading, water + nav.set_north_m_s * c + nav.set_east_m_s * s, 0.0, distance)
+        return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
 
     def _return(
         self, bearing_rad: float, distance: float, nav: NavState, setting: Guidance, cruise_m_s: float

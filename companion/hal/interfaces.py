@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
-from companion.config.parameters import Knob
+from companion.config.parameters import ParameterHook
 from companion.sensors.readings import (
     BatteryReading,
     GnssFix,
@@ -201,7 +201,7 @@ class Hardware:
     sonar: Sonar | None = None
     battery: Battery | None = None
     faults: FaultInjector | None = None
-    knobs: tuple[Knob, ...] = ()
+    knobs: tuple[ParameterHook, ...] = ()
     hull: Hull | None = None
     rc: RcReceiver | None = None
     cutoff: MotorCutoff | None = None

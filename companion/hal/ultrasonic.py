@@ -17,7 +17,7 @@ from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.hal.background import Background
 from companion.hal.pins import opening_pins
-from companion.obstacles.perception.servo_scan import Swing
+from companion.obstacles.perception.servo_scan import ServoScan
 from companion.sensors.readings import SonarReading
 
 MIN_RANGE_M = 0.02
@@ -153,7 +153,7 @@ class Ultrasonic:
     ) -> None:
         self._ranger = ranger
         self._now = now
-        self._swing = Swing(bearings_rad)
+        self._swing = ServoScan(bearings_rad)
         self._turn = turn
         self._release = release
         self._max_range_m = max_range_m

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 from typing import Final
 
-from companion.core.status_text import Notice
+from companion.core.status_text import StatusText
 from companion.log.onboard import Look, OnboardLog
 from companion.log.sink import FileSink, Sink
 from companion.log.store import LogStore
@@ -38,7 +38,7 @@ class Logbook:
         self._telemetry_store = store if keeps_telemetry else None
         self._clock_us = 0
 
-    def note(self, notice: Notice) -> None:
+    def note(self, notice: StatusText) -> None:
         """A line that stations are told."""
         if self.onboard is not None:
             self.onboard.note(notice)

@@ -14,7 +14,7 @@ from typing import Final
 from companion.app.runner import TickCount
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import Parameters
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.log import events, samples
 from companion.log import records as r
 from companion.log.events import EventWatch
@@ -59,7 +59,7 @@ class OnboardLog:
         self._parameters = parameters
         self._items = items
         self._vehicle = vehicle
-        self._notices: list[Notice] = []
+        self._notices: list[StatusText] = []
         self._said_before: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
         self._has_failed = False  # no new attempt until the boat is armed anew
         self._end_s = -1.0
@@ -84,14 +84,14 @@ class OnboardLog:
         self._reading: BatteryReading | None = None
         self._late = self._ticks = 0
 
-    def note(self, notice: Notice) -> None:
+    def note(self, notice: StatusText) -> None:
         """A line that stations are told; it is stamped with the latest tick's time."""
         if self.is_writing:
             self._add(samples.text(self._now_us, notice.text))
         else:
             self._said_before.append((self._now_us, notice.text))
 
-    def take_notices(self) -> Sequence[Notice]:
+    def take_notices(self) -> Sequence[StatusText]:
         """Lines for the operator since the last call."""
         if not self._notices:
             return ()
@@ -179,7 +179,7 @@ class OnboardLog:
         self._has_failed = True
         self._block, self._block_bytes = [], 0
         self._sink.end()
-        self._notices.append(Notice(Severity.WARNING, f"Log stopped: {why}"))
+        self._notices.append(StatusText(Severity.WARNING, f"Log stopped: {why}"))
 
     def _sample(self, now: Snapshot) -> None:
         self._add(self._watch.slow_changes(now))

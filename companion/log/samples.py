@@ -44,7 +44,7 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.BOAT.pack(
         us, nav.surge_m_s, nav.sway_m_s, nav.yaw_rate_rad_s * _DEG, nav.position_age_s, nav.heading_age_s
     )
-    yield r.EST.pack(us, nav.set_north_m_s, nav.set_east_m_s, nav.position_sigma_m, nav.faults)
+    yield r.EST.pack(us, nav.current_north_m_s, nav.current_east_m_s, nav.position_sigma_m, nav.faults)
     yield from _around(now, us, nav)
     centideg = round(yaw_deg * 100.0) % 36000
     yield r.XKF1.pack(

@@ -127,7 +127,7 @@ class Stamps:
             self.seen = timestamp
 
 
-class Verdict(Enum):
+class SignatureVerdict(Enum):
     """What a signature proves."""
 
     GOOD = "signed with our key, and newer than all before it"
@@ -172,26 +172,26 @@ class Signatory:
         stamp = self.stamps.take()
         return None if stamp is None else sign(frame, self._key, link_id, stamp)
 
-    def check(self, frame: bytes) -> Verdict:
+    def check(self, frame: bytes) -> SignatureVerdict:
         """What a whole frame's signature proves."""
         if not is_signed(frame):
-            return Verdict.UNSIGNED
+            return SignatureVerdict.UNSIGNED
         if self._key is None:
-            return Verdict.FORGED
+            return SignatureVerdict.FORGED
         if not hmac.compare_digest(self._key.signature(frame[:-SIGNATURE_BYTES]), frame[-SIGNATURE_BYTES:]):
-            return Verdict.FORGED
+            return SignatureVerdict.FORGED
         stream = frame[5:7] + frame[-_BLOCK_BYTES : 1 - _BLOCK_BYTES]
         timestamp = int.from_bytes(frame[1 - _BLOCK_BYTES : -SIGNATURE_BYTES], "little")
         before = self._streams.get(stream)
         if before is None:
             if not self._is_new_stream(timestamp):
-                return Verdict.OLD
+                return SignatureVerdict.OLD
         elif timestamp <= before:
-            return Verdict.OLD
+            return SignatureVerdict.OLD
         self._streams[stream] = timestamp
         self.proved = max(self.proved, timestamp)
         self.stamps.follow(timestamp)
-        return Verdict.GOOD
+        return SignatureVerdict.GOOD
 
     def _is_new_stream(self, timestamp: int) -> bool:
         oldest = self.stamps.now - STREAM_LAG
@@ -254,14 +254,14 @@ class Guard:
             return True
         verdict = self._signatory.check(frame)
         counters = self.counters
-        if verdict is Verdict.GOOD:
+        if verdict is SignatureVerdict.GOOD:
             counters.verified += 1
             return True
-        if verdict is Verdict.UNSIGNED:
+        if verdict is SignatureVerdict.UNSIGNED:
             if self.policy == "accept" or (self.is_radio and _is_radio_status(frame)):
                 return True
             counters.unsigned += 1
-        elif verdict is Verdict.FORGED:
+        elif verdict is SignatureVerdict.FORGED:
             counters.forged += 1
         else:
             counters.old += 1

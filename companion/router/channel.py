@@ -15,9 +15,9 @@ from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame, message
 from companion.mavlink.signing import Guard, loggable
 from companion.router.admission import Standing
 from companion.router.amplification import AmplificationLimit, Question
-from companion.router.budget import Budget
 from companion.router.policy import PLAIN, Filter, Policy
-from companion.router.waiting import WaitingRoom
+from companion.router.token_bucket import TokenBucket
+from companion.router.tx_queue import TxQueue
 
 logger = logging.getLogger(__name__)
 
@@ -84,9 +84,9 @@ class Channel:
         self._finder = FrameFinder(link.is_datagram, self.counters)
         self._chunks: deque[bytes] = deque()
         self._filter = Filter(policy) if policy.has_rules else None
-        self._budget = Budget(policy.bytes_s) if policy.bytes_s else None
+        self._budget = TokenBucket(policy.bytes_s) if policy.bytes_s else None
         self._room = (
-            WaitingRoom(self._leave, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
+            TxQueue(self._leave, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
         )
 
     def protect(self, guard: Guard) -> None:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from companion.mavlink.address import ALL, Address, concerns
 from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import Frame
-from companion.router.downloads import DOWNLOAD_IDS, Downloads
-from companion.router.repeats import Repeats
+from companion.router.bulk_transfer import DOWNLOAD_IDS, BulkTransferThrottle
+from companion.router.duplicate_filter import DuplicateFilter
 from companion.router.routes import Routes
 from companion.router.targets import target_of
 
@@ -47,8 +47,8 @@ class Router:
         self.unreachable = 0  # frames for somebody whom nobody has heard
         self.routes = Routes()
         self._own = own
-        self._downloads = Downloads()
-        self._seen = Repeats()
+        self._downloads = BulkTransferThrottle()
+        self._seen = DuplicateFilter()
         self._forwarding: dict[int, bool] = {}
         self._ways: dict[tuple[int, Address], Way] = {}
         self._version = -1

@@ -3,7 +3,7 @@
 from companion.config.boat_config import BoatConfig
 from companion.core.state import STOPPED, MotorCommand
 from companion.hal.interfaces import Hardware
-from companion.obstacles.perception.sonar_scan import Sweep
+from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
@@ -18,7 +18,7 @@ from companion.sensors.readings import (
 from companion.sensors.trim import trimmed
 
 
-class Senses:
+class SensorSuite:
     """The readings of now. compass is as the part gave it; heading is what to steer by."""
 
     __slots__ = (
@@ -40,7 +40,7 @@ class Senses:
 
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
         self.external = external
-        self.sweep = Sweep()
+        self.sweep = SonarScan()
         self.gauge = FuelGauge()
         self.fix: GnssFix | None = None
         self.is_fix_own = True  # from the boat's own receiver, not over MAVLink

@@ -8,7 +8,7 @@ because QGroundControl answers only vehicles that it knows. Who does not answer 
 import logging
 from collections.abc import Mapping
 
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message, dialect
 from companion.router.amplification import Question
 from companion.router.channel import Channel
@@ -68,4 +68,4 @@ class AddressCheck:
         self._warned.add(host)
         text = f"{host} answers no PING: it gets no telemetry unless local_networks names its network"
         logger.warning(text)
-        self._texts.tell([Notice(Severity.WARNING, text)])
+        self._texts.tell([StatusText(Severity.WARNING, text)])

@@ -37,7 +37,7 @@ from companion.services.parameters import ParameterService
 from companion.services.roles import Role, Roles
 from companion.services.sightings import SightingService
 from companion.services.signing import SigningService
-from companion.services.telemetry.available_modes import ModesInfoService
+from companion.services.telemetry.available_modes import AvailableModesService
 from companion.services.telemetry.heartbeat import HeartbeatService
 from companion.services.telemetry.service import Look, MaySend, TelemetryService, always
 from companion.services.telemetry.statustext import StatusTextService
@@ -146,7 +146,7 @@ class Endpoint:
         self._manual = ManualControlService(vehicle, self._texts)
         self._guided = GuidedService(vehicle, self._texts)
         self._sightings = SightingService(vehicle)
-        self._modes = ModesInfoService(vehicle, self.outbox)
+        self._modes = AvailableModesService(vehicle, self.outbox)
         self.roles = Roles()
         folder = storage.folder if isinstance(storage, FolderStorage) else None
         tree = build_tree(parameters, self._listings, folder, parameters.config.storage.files_mb)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from companion.config.boat_config import External
 from companion.config.parameters import Parameters
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.core.units import e7_to_deg, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
@@ -78,7 +78,7 @@ class ExternalPoseService:
     def set_origin(self, origin: LatLon) -> bool:
         """Where local poses are measured from. Not once the boat has laid its own frame: it would jump."""
         if self._vehicle.frame is not None:
-            self._tell([Notice(Severity.WARNING, "Origin: laid already, not moved")])
+            self._tell([StatusText(Severity.WARNING, "Origin: laid already, not moved")])
             return False
         self._external.frame = LocalFrame(origin)
         self._outbox.broadcast(global_origin(origin))

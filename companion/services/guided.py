@@ -11,7 +11,7 @@ from companion.core.geo import LatLon, Point
 from companion.core.intent import Hold, HoldCourse, HoldHeading, HoldTurn
 from companion.core.requests import GoTo, SetPoint
 from companion.core.state import NavState
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.core.units import e7_to_deg, wrap_pi
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import Fault, MissionItem, MissionResult
@@ -167,7 +167,7 @@ class GuidedService:
         self._told_s = {one: at_s for one, at_s in self._told_s.items() if now_s - at_s < REPEAT_S}
         if len(self._told_s) < _MOST_REASONS:
             self._told_s[text] = now_s
-            self._texts.tell([Notice(Severity.WARNING, text)])
+            self._texts.tell([StatusText(Severity.WARNING, text)])
 
     @staticmethod
     def _globe(message: Message, nav: NavState) -> LatLon | None:  # noqa: ARG004

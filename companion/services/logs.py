@@ -13,7 +13,7 @@ lost.
 from collections import deque
 from typing import Final, NamedTuple
 
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.log.logbook import Logbook
 from companion.log.reader import LogReader
 from companion.log.store import LogFile
@@ -215,14 +215,14 @@ class LogService:
 
     def _erase(self) -> None:
         if self._vehicle.armed:
-            self._texts.tell([Notice(Severity.WARNING, "Logs are not erased while the boat is armed")])
+            self._texts.tell([StatusText(Severity.WARNING, "Logs are not erased while the boat is armed")])
             return
         if self._store is not None and self._logbook is not None:
             self._downloads.clear()
             self._entries.clear()
             self._listed.clear()
             self._logbook.worker.submit(self._store.erase)
-            self._texts.tell([Notice(Severity.NOTICE, "Logs erased")])
+            self._texts.tell([StatusText(Severity.NOTICE, "Logs erased")])
 
 
 def _chunk(number: int, offset: int, piece: bytes) -> Message:

@@ -9,7 +9,7 @@ import math
 
 from companion.config.rc import RcChannel
 from companion.core.requests import ManualInput
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.core.units import clamp
 from companion.mavlink.dialect import Message
 from companion.rc.pulses import deflection
@@ -82,7 +82,7 @@ class ManualControlService:
         self._told.clear()
         if last is not None and last.address != origin.address:
             text = f"Helm: {_name(origin)} has taken over from {_name(last)}"
-            self._texts.tell([Notice(Severity.NOTICE, text)])
+            self._texts.tell([StatusText(Severity.NOTICE, text)])
         return True
 
     def _tell_busy(self, origin: Origin) -> None:
@@ -93,7 +93,7 @@ class ManualControlService:
         if len(self._told) < _MOST_TOLD:
             self._told.add(origin)
             text = f"Helm: {_name(helm)} has it, your sticks are ignored"
-            self._texts.tell_one(origin.channel, Notice(Severity.WARNING, text))
+            self._texts.tell_one(origin.channel, StatusText(Severity.WARNING, text))
 
 
 def _name(origin: Origin) -> str:

@@ -4,7 +4,7 @@ from collections import deque
 
 from companion.config.parameter_pack import PackError, unpack_upload
 from companion.config.parameters import Parameters
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message, dialect
 from companion.persistence.losses import Losses
 from companion.services.ftp.frames import Code, Refusal
@@ -58,7 +58,7 @@ class ParameterService:
     def on_set(self, message: Message) -> None:
         """PARAM_SET: everyone hears the stored value, also when the change was refused."""
         if reason := self.keep(_name(message.param_id), message.param_value):
-            self._texts.tell([Notice(Severity.WARNING, reason)])
+            self._texts.tell([StatusText(Severity.WARNING, reason)])
 
     def keep(self, name: str, value: float) -> str:
         """Change one; everyone hears the value, and those of other names for the same setting, once the
@@ -95,14 +95,14 @@ class ParameterService:
         try:
             values = unpack_upload(file)
         except PackError as error:
-            self._texts.tell([Notice(Severity.WARNING, f"Parameter file refused: {error}")])
+            self._texts.tell([StatusText(Severity.WARNING, f"Parameter file refused: {error}")])
             raise Refusal(Code.FAIL) from None
         reasons = self._parameters.set_many(values)
         self._answer()
         told = reasons[:_NAMED_REASONS]
         if len(reasons) > len(told):
             told.append(f"{len(reasons) - len(told)} more parameters refused")
-        self._texts.tell([Notice(Severity.WARNING, reason) for reason in told])
+        self._texts.tell([StatusText(Severity.WARNING, reason) for reason in told])
 
     def forget(self, channel: int) -> None:
         """A channel has closed."""
@@ -129,7 +129,7 @@ class ParameterService:
     def _answer(self) -> None:
         for values, counts, error in self._parameters.take_stored():
             if error:
-                self._texts.tell([Notice(Severity.ERROR, f"Parameters not stored: {error}")])
+                self._texts.tell([StatusText(Severity.ERROR, f"Parameters not stored: {error}")])
             else:
                 self._losses.end(_STORED)
             for name, value in values.items():

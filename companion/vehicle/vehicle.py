@@ -9,10 +9,10 @@ from companion.core.intent import Intent, Stop
 from companion.core.modes import COMES_INSIDE, Mode
 from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.state import NavState
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.failsafe.monitor import Failsafes
-from companion.failsafe.recovery.recovery import Drills
-from companion.failsafe.response import NO_HEADING, TRY_AGAIN_S, Response
+from companion.failsafe.recovery.recovery import RecoveryManeuvers
+from companion.failsafe.response import NO_HEADING, TRY_AGAIN_S, FailsafeActions
 from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.losses import FENCE, Losses
 from companion.sensors.readings import BatteryReading, GnssFix
@@ -40,7 +40,7 @@ class Vehicle:
         self.failsafes = Failsafes(config, self.conduct.sticks)
         self.operator = self.failsafes.signs.operator
         self.planner = self.failsafes.signs.planner
-        self.drills = Drills(self)
+        self.drills = RecoveryManeuvers(self)
         self.probe = self.drills.probe
         self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
         self.nav: NavState | None = None
@@ -51,7 +51,7 @@ class Vehicle:
         self.is_restarting = False  # the program is about to begin anew: it does not arm any more
         self.standing_order = False  # it is about to arm itself, or to go on; any mode or disarming ends that
         self.losses = Losses()
-        self._response = Response(self)
+        self._response = FailsafeActions(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
         self._notices = self.conduct.notices
@@ -121,7 +121,7 @@ class Vehicle:
                 return self._end_mission(intent, now)
         return intent
 
-    def take_notices(self) -> list[Notice]:
+    def take_notices(self) -> list[StatusText]:
         """Lines for the operator since the last call."""
         if not self._notices:
             return []
@@ -299,7 +299,7 @@ class Vehicle:
         return ACCEPTED
 
     def tell(self, severity: int, text: str) -> None:
-        self._notices.append(Notice(severity, text))
+        self._notices.append(StatusText(severity, text))
 
     def refuse(self, reason: str) -> Outcome:
         """Say why a request is not carried out. Stations pop up an error; a warning they only list."""

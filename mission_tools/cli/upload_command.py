@@ -17,7 +17,7 @@ from mission_tools.cli.exit import run_app
 from mission_tools.cli.report import as_json
 from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
 from mission_tools.job import Report, Request, run
-from mission_tools.mission.proposal import Wishes
+from mission_tools.mission.proposal import PlanOptions
 from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID
 from mission_tools.vehicle.link_url import DEFAULT_LINK, FORMS
 
@@ -72,7 +72,7 @@ def upload(
     """The command; its help is EXAMPLES."""
     if debug:
         logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
-    wishes = Wishes(
+    wishes = PlanOptions(
         start_at=position("--start-at", start_at),
         goal=position("--goal", goal),
         case=case,

@@ -20,7 +20,7 @@ MARGIN_SHARE = 0.15  # of the clearance, where that is small
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class PlanOptions:
     """What the command line says about the route; None where it says nothing."""
 
     start_at: LatLon | None = None
@@ -53,7 +53,7 @@ class Proposal:
         return tuple(self.chart.frame.to_local(place) for place in places)
 
 
-def open_source(text: str, wishes: Wishes, areas: Areas = NO_AREAS) -> "MissionFile | Water":
+def open_source(text: str, wishes: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | Water":
     """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
 
     Raises:
@@ -78,11 +78,11 @@ class MissionFile:
         self,
         path: Path,
         mission: Mission,
-        wishes: Wishes,
+        wishes: PlanOptions,
         areas: Areas = NO_AREAS,
     ) -> None:
         given = replace(wishes, speed_m_s=None)
-        if given != Wishes():
+        if given != PlanOptions():
             names = [name for name in given.__slots__ if getattr(given, name) is not None]
             options = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
             raise UsageError(f"{path} is a mission already: {options} would plan one; leave that out")
@@ -102,7 +102,7 @@ class MissionFile:
 class Water:
     """A map, to plan on from a start to a goal."""
 
-    def __init__(self, text: str, source: Source, wishes: Wishes, areas: Areas = NO_AREAS) -> None:
+    def __init__(self, text: str, source: Source, wishes: PlanOptions, areas: Areas = NO_AREAS) -> None:
         self._chart = _within(source.chart, areas)
         self._areas = areas
         self._wishes = wishes

@@ -4,7 +4,7 @@ Sans-I/O. Only what is signed with the key comes in. A signature proves more tha
 dialect is needed to find frames among other bytes.
 """
 
-from companion.mavlink.signing import Guard, Signatory, Stamps, Verdict, without_signature
+from companion.mavlink.signing import Guard, Signatory, SignatureVerdict, Stamps, without_signature
 from companion.mavlink.signing_key import SigningKey
 
 _MAGIC_V1, _MAGIC_V2, _SIGNED = 0xFE, 0xFD, 0x01
@@ -57,15 +57,15 @@ class SignedStream:
                 continue
             frame = data[at:end]
             verdict = self._signatory.check(frame)
-            if verdict is Verdict.GOOD:
+            if verdict is SignatureVerdict.GOOD:
                 self.verified += 1
                 opened.append(without_signature(frame))
-            elif verdict is Verdict.OLD:
+            elif verdict is SignatureVerdict.OLD:
                 self.old += 1
             else:
                 if end == len(data) or data[end] in (_MAGIC_V1, _MAGIC_V2):
-                    self.unsigned += verdict is Verdict.UNSIGNED
-                    self.forged += verdict is Verdict.FORGED
+                    self.unsigned += verdict is SignatureVerdict.UNSIGNED
+                    self.forged += verdict is SignatureVerdict.FORGED
                 end = at + 1  # what only looks like a frame may hide one
             at = end
         self._rest = b""

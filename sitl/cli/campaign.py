@@ -17,7 +17,7 @@ from companion.core.errors import BoatError
 from companion.core.output_file import write_text
 from sitl.cli.arguments import Workers
 from sitl.experiments.campaign.campaign import Campaign, load_campaign
-from sitl.experiments.campaign.expect import Verdict, judge
+from sitl.experiments.campaign.expect import ExpectationVerdict, judge
 from sitl.experiments.campaign.ledger import Ledger
 from sitl.experiments.campaign.run import Outcome
 from sitl.experiments.campaign.table import tabulate, write_csv, write_parquet
@@ -94,7 +94,7 @@ def _sail(plan: Campaign, ledger: Ledger, crew: AbstractContextManager[Crew], co
                 progress.advance(task)
 
 
-def _as_json(plan: Campaign, outcomes: Sequence[Outcome], verdicts: Sequence[Verdict]) -> str:
+def _as_json(plan: Campaign, outcomes: Sequence[Outcome], verdicts: Sequence[ExpectationVerdict]) -> str:
     tree = {
         "title": plan.title,
         "runs": len(outcomes),
@@ -105,7 +105,7 @@ def _as_json(plan: Campaign, outcomes: Sequence[Outcome], verdicts: Sequence[Ver
 
 
 def _print(
-    plan: Campaign, outcomes: Sequence[Outcome], verdicts: Sequence[Verdict], console: Console
+    plan: Campaign, outcomes: Sequence[Outcome], verdicts: Sequence[ExpectationVerdict], console: Console
 ) -> None:
     ended = ", ".join(f"{count} {how}" for how, count in Counter(o.ended for o in outcomes).items())
     console.print(f"{plan.title}: {len(outcomes)} runs: {ended}")
@@ -118,7 +118,7 @@ def _print(
         console.print(f"run {outcome.number}: {outcome.why}")
 
 
-def verdict_cells(verdict: Verdict) -> tuple[str, ...]:
+def verdict_cells(verdict: ExpectationVerdict) -> tuple[str, ...]:
     """One verdict as the cells of a table."""
     value = f"{verdict.value:.4g}" if verdict.value is not None else f"missing in {verdict.missing}"
     word = "met" if verdict.is_met else "NOT MET"

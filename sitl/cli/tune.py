@@ -22,7 +22,7 @@ from sitl.experiments.tuning.gains import Gains, gains_of, parameter_file
 from sitl.experiments.tuning.picture import draw_search
 from sitl.experiments.tuning.search import CANDIDATES, REACHES, Sail, Standing, search
 from sitl.experiments.tuning.trial import Trials
-from sitl.experiments.tuning.verdict import Verdict, judge
+from sitl.experiments.tuning.verdict import TuningVerdict, judge
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.sampling import MOST_SEED
 
@@ -135,7 +135,7 @@ def _checked(trials: Trials, before: Gains, after: Gains, seed: int, sail: Sail)
 
 
 def _print(
-    before: Gains, after: Gains, verdict: Verdict, checked: dict[str, list[Outcome]], console: Console
+    before: Gains, after: Gains, verdict: TuningVerdict, checked: dict[str, list[Outcome]], console: Console
 ) -> None:
     table = Table("", "before", "best found", box=None)
     for path in before:
@@ -155,7 +155,7 @@ def _as_json(
     seed: int,
     before: Gains,
     best: Gains,
-    verdict: Verdict,
+    verdict: TuningVerdict,
     checked: dict[str, list[Outcome]],
     path: Path,
 ) -> str:

@@ -14,7 +14,7 @@ MOST_ECHOES = 100_000
 _NAN = math.nan
 
 
-class Belief(NamedTuple):
+class Estimate(NamedTuple):
     """The estimate, the demand and the command of one tick; NaN where there is none.
 
     north_m, east_m: in the scenario's frame; the boat lays its own where it boots.
@@ -27,8 +27,8 @@ class Belief(NamedTuple):
     east_m: float = _NAN
     heading_rad: float = _NAN
     surge_m_s: float = _NAN
-    set_north_m_s: float = _NAN
-    set_east_m_s: float = _NAN
+    current_north_m_s: float = _NAN
+    current_east_m_s: float = _NAN
     position_sigma_m: float = _NAN
     faults: float = 0.0
     demand_heading_rad: float = _NAN
@@ -39,12 +39,12 @@ class Belief(NamedTuple):
     armed: float = 0.0
 
 
-_FIELDS = len(Belief._fields)
+_FIELDS = len(Estimate._fields)
 
 Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
-class Beliefs:
+class EstimateOverlay:
     """One row a tenth of a second, and every echo of the sonar where the boat took it to be."""
 
     __slots__ = ("_echoes", "_frame", "_next_s", "_numbers", "_origin", "_ping_s", "_shift")
@@ -88,9 +88,9 @@ class Beliefs:
         return np.array(self._echoes, dtype=np.float64).reshape(-1, 3)
 
 
-def _belief(boat: Boat, shift: Point, now_s: float) -> Belief:
+def _belief(boat: Boat, shift: Point, now_s: float) -> Estimate:
     nav, demand, command, vehicle = boat.nav, boat.steering.demand, boat.command, boat.vehicle
-    return Belief(
+    return Estimate(
         now_s,
         *(
             (_NAN,) * 7 + (0.0,)
@@ -100,8 +100,8 @@ def _belief(boat: Boat, shift: Point, now_s: float) -> Belief:
                 shift.east_m + nav.east_m,
                 nav.heading_rad,
                 nav.surge_m_s,
-                nav.set_north_m_s,
-                nav.set_east_m_s,
+                nav.current_north_m_s,
+                nav.current_east_m_s,
                 nav.position_sigma_m,
                 float(nav.faults),
             )

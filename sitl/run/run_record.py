@@ -14,7 +14,7 @@ from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.output_file import output_file
 from mission_tools.maps.chart import Area, Chart, Feature, build_chart
-from sitl.reports.estimate_overlay import Belief
+from sitl.reports.estimate_overlay import Estimate
 from sitl.run.sail import Result, Sailing
 from sitl.run.timeline import Event
 from sitl.world.world import Truth
@@ -66,7 +66,7 @@ class RunRecord:
             events=tuple(sailing.timeline.events),
             truth=_columns(sailing.recorder.rows, Truth._fields),
             legs=sailing.recorder.legs,
-            beliefs=_columns(sailing.beliefs.rows, Belief._fields),
+            beliefs=_columns(sailing.beliefs.rows, Estimate._fields),
             echoes=sailing.beliefs.echoes,
         )
 

@@ -13,7 +13,7 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.steps import Waypoint
 from companion.vehicle.vehicle import Vehicle
-from sitl.reports.estimate_overlay import Beliefs
+from sitl.reports.estimate_overlay import EstimateOverlay
 from sitl.run.lockstep import Lockstep
 from sitl.run.operator import BOOT_S, Orders
 from sitl.run.recorder import NO_LEG, Recorder
@@ -63,7 +63,7 @@ class Sailing:
         self.items = tuple(items)
         self._fence = tuple(fence)
         self.recorder = Recorder()
-        self.beliefs = Beliefs(scenario.frame)
+        self.beliefs = EstimateOverlay(scenario.frame)
         self.timeline = Timeline()
         self.planned: list[Point] = []
         self.lockstep = Lockstep(scenario, logbook=logbook)

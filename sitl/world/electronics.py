@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from companion.config.parameters import Knob
+from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
 from sitl.run.simulated_hardware import SimMotors
 from sitl.scenarios.scenario import Scenario
 from sitl.world.computer import Clocked, Computer
-from sitl.world.faults.hull_parameters import HullKnobs
+from sitl.world.faults.hull_parameters import HullParameters
 from sitl.world.faults.injection import Injection
-from sitl.world.faults.parameters import FaultKnobs
+from sitl.world.faults.parameters import FaultParameters
 from sitl.world.faults.parts import (
     ClockPart,
     ComputerPart,
@@ -57,7 +57,7 @@ class Electronics:
         movers: Movers,
         left: Shaft,
         right: Shaft,
-        knobs: Sequence[Knob] = (),
+        knobs: Sequence[ParameterHook] = (),
     ) -> None:
         """left and right: what the motors turn. knobs: parameters of the world around."""
         sensors, seed = scenario.sensors, scenario.seed
@@ -97,11 +97,11 @@ class Electronics:
             parts["sonar"] = SensorPart(self._sonar, seed)
         if self.rc is not None:
             parts["rc"] = SensorPart(self.rc, seed)
-        hull_knobs: tuple[Knob, ...] = ()
+        hull_knobs: tuple[ParameterHook, ...] = ()
         if self._hull is not None:
             leak = LeakPart(self._hull)
             parts["leak"], parts["thermometer"] = leak, ThermometerPart(self._hull)
-            hull_knobs = HullKnobs(self._hull, leak, sensors.hull).knobs
+            hull_knobs = HullParameters(self._hull, leak, sensors.hull).knobs
         self.faults = Faults(parts, scenario.faults)
         injection = Injection(self.faults)
         self.hardware = Hardware(
@@ -111,7 +111,7 @@ class Electronics:
             self._sonar,
             self._battery,
             faults=injection,
-            knobs=(*FaultKnobs(self.faults, injection, scenario.frame).knobs, *hull_knobs, *knobs),
+            knobs=(*FaultParameters(self.faults, injection, scenario.frame).knobs, *hull_knobs, *knobs),
             hull=self._hull,
             rc=self.rc,
         )

@@ -3,11 +3,11 @@
 import math
 from collections.abc import Callable
 
-from companion.config.parameters import Kind, Knob, Row
+from companion.config.parameters import Kind, ParameterHook, Row
 from sitl.world.environment import Current
 
 
-class TideKnobs:
+class TideParameters:
     """A stream on top of the scenario's own current, the same everywhere. As in ArduPilot its direction is
     where it comes from."""
 
@@ -17,11 +17,11 @@ class TideKnobs:
         self._on_change = on_change
         self._speed_m_s = self._from_rad = 0.0
         self.knobs = (
-            Knob(
+            ParameterHook(
                 Row("SIM_TIDE_SPEED", Kind.REAL32, "Tidal stream", unit="m/s", low=0.0, high=10.0),
                 self._strengthen,
             ),
-            Knob(
+            ParameterHook(
                 Row(
                     "SIM_TIDE_DIR",
                     Kind.REAL32,

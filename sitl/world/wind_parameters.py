@@ -2,11 +2,11 @@
 
 import math
 
-from companion.config.parameters import Kind, Knob, Row
+from companion.config.parameters import Kind, ParameterHook, Row
 from sitl.world.environment import Environment, Wind
 
 
-class WindKnobs:
+class WindParameters:
     """Mean and direction; gusts stay as far above the mean as the scenario has them."""
 
     def __init__(self, environment: Environment, wind: Wind) -> None:
@@ -15,7 +15,7 @@ class WindKnobs:
         self._from_rad = math.radians(environment.wind_from_deg)
         self._gust_m_s = max(0.0, environment.gust_m_s - environment.wind_m_s)
         self.knobs = (
-            Knob(
+            ParameterHook(
                 Row(
                     "SIM_WIND_SPD",
                     Kind.REAL32,
@@ -27,7 +27,7 @@ class WindKnobs:
                 ),
                 self._strengthen,
             ),
-            Knob(
+            ParameterHook(
                 Row(
                     "SIM_WIND_DIR",
                     Kind.REAL32,

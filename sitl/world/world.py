@@ -23,9 +23,9 @@ from sitl.world.hull import LONGEST_STEP_S
 from sitl.world.movers import Movers
 from sitl.world.pack import Pack
 from sitl.world.shore import Shore
-from sitl.world.tide_parameters import TideKnobs
+from sitl.world.tide_parameters import TideParameters
 from sitl.world.vessel import Vessel
-from sitl.world.wind_parameters import WindKnobs
+from sitl.world.wind_parameters import WindParameters
 from sitl.world.windage import Windage
 
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
@@ -103,8 +103,8 @@ class World:
             self._thrusters.left,
             self._thrusters.right,
             (
-                *WindKnobs(scenario.environment, self.wind).knobs,
-                *TideKnobs(self._current, self._turn_tide).knobs,
+                *WindParameters(scenario.environment, self.wind).knobs,
+                *TideParameters(self._current, self._turn_tide).knobs,
             ),
         )
         self.hardware = self.electronics.hardware

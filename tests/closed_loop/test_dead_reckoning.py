@@ -191,7 +191,10 @@ def test_the_set_of_the_water_is_known_after_two_legs(current_m_s: float, to_deg
         rig.run(0.5)
         nav, truth = rig.boat.nav, rig.world.truth
         assert nav is not None
-        north, east = nav.set_north_m_s - truth.current_north_m_s, nav.set_east_m_s - truth.current_east_m_s
+        north, east = (
+            nav.current_north_m_s - truth.current_north_m_s,
+            nav.current_east_m_s - truth.current_east_m_s,
+        )
         squares.append(north * north + east * east)
     assert math.sqrt(sum(squares) / len(squares)) < 0.12
 

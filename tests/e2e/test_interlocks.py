@@ -21,7 +21,7 @@ from companion.control.helm import Helm
 from companion.control.thruster_trim import ThrusterTrim
 from companion.core.state import NavState, Thrust
 from companion.estimation.estimator import Estimator
-from companion.guidance.pipeline import GUIDANCE_S, Steering
+from companion.guidance.pipeline import GUIDANCE_S, GuidancePipeline
 from companion.mavlink.dialect import dialect
 from companion.services.endpoint import Endpoint
 from companion.vehicle.vehicle import Vehicle
@@ -77,7 +77,7 @@ def test_guidance_that_falls_silent_stops_the_motors(
     boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch, what: str
 ) -> None:
     boat.sail()
-    monkeypatch.setattr(Steering, what, lambda *_: None)
+    monkeypatch.setattr(GuidancePipeline, what, lambda *_: None)
     took_s = boat.off_after_s(STALE_S)
     assert took_s > STALE_S - GUIDANCE_S - 2.0 * TICK_S, "it went off for another reason"
     assert boat.rig.boat.command.reason == "command is stale"
@@ -87,14 +87,14 @@ def test_guidance_that_falls_silent_stops_a_boat_that_is_driven_by_hand(
     boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     boat.by_hand()
-    monkeypatch.setattr(Steering, "guide", lambda *_: None)
+    monkeypatch.setattr(GuidancePipeline, "guide", lambda *_: None)
     boat.off_after_s(STALE_S)
 
 
 def test_guidance_that_comes_back_drives_again(boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch) -> None:
     boat.sail()
     with monkeypatch.context() as silence:
-        silence.setattr(Steering, "guide", lambda *_: None)
+        silence.setattr(GuidancePipeline, "guide", lambda *_: None)
         boat.off_after_s(STALE_S)
     boat.run(1.0)
     assert boat.pi.is_driving
@@ -219,7 +219,7 @@ def test_a_loop_that_hangs_while_the_driver_raises_is_stopped_once_the_driver_an
 
 @pytest.mark.parametrize(
     ("owner", "what"),
-    [(Estimator, "update"), (Vehicle, "decide"), (Steering, "drive"), (Endpoint, "tick")],
+    [(Estimator, "update"), (Vehicle, "decide"), (GuidancePipeline, "drive"), (Endpoint, "tick")],
     ids=lambda part: getattr(part, "__name__", part),
 )
 def test_a_fault_anywhere_in_the_tick_stops_the_motors_in_the_same_tick(

@@ -77,8 +77,8 @@ def test_no_corner_of_the_hull_ever_gets_out_of_the_basin(seed: int) -> None:
 
 
 def test_a_boat_that_is_set_upon_a_wall_lies_there() -> None:
-    set_north = ("environment.current_m_s=0.4", "environment.current_to_deg=0")
-    water = basin("boat.start=[0.0, 18.0]", "boat.heading_deg=90", *set_north)
+    current_north = ("environment.current_m_s=0.4", "environment.current_to_deg=0")
+    water = basin("boat.start=[0.0, 18.0]", "boat.heading_deg=90", *current_north)
     lying = drive(water, 0.0, 0.0, 30.0)
     assert lying.grounded
     assert abs(lying.north_m_s) < 0.03  # it rubs

@@ -9,7 +9,7 @@ from boat_rig import HOME_ITEM, waypoint
 from boat_rig import scenario as boat_scenario
 
 from companion.core.geo import LatLon, LocalFrame
-from companion.estimation import estimator, fixing, water_speed, yaw_model
+from companion.estimation import estimator, gnss_update, water_speed, yaw_model
 from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.run.sail import Sailing
@@ -62,7 +62,7 @@ def test_what_the_boat_assumes_of_its_parts_is_not_what_the_emulator_does(boat: 
     lag_s = motor_lag_s(boat)
     assert not 0.8 * yaw_model._MOTOR_S < lag_s < 1.25 * yaw_model._MOTOR_S
     if gnss.fix_type == 3:
-        assert gnss.velocity_noise_m_s > fixing.VELOCITY_SIGMA_M_S
+        assert gnss.velocity_noise_m_s > gnss_update.VELOCITY_SIGMA_M_S
         assert estimator.SIGMA_PER_HDOP_M * gnss.hdop != stated_accuracy_m(3, gnss.hdop)
 
 

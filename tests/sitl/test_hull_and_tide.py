@@ -158,5 +158,5 @@ def test_a_boat_that_keeps_station_estimates_and_stems_a_tide_that_sets_in() -> 
     rig.run(90.0)
     nav = rig.boat.vehicle.nav
     assert nav is not None
-    assert nav.set_north_m_s == pytest.approx(0.6, abs=0.15)
+    assert nav.current_north_m_s == pytest.approx(0.6, abs=0.15)
     assert rig.offset_m(0.0, 0.0) < 3.0

@@ -48,7 +48,9 @@ def test_a_record_reads_back_as_it_was_saved(record: RunRecord, tmp_path: Path) 
     )
     for name, column in record.truth.items():
         assert np.array_equal(again.truth[name], column), name
-    assert np.array_equal(again.beliefs["set_north_m_s"], record.beliefs["set_north_m_s"], equal_nan=True)
+    assert np.array_equal(
+        again.beliefs["current_north_m_s"], record.beliefs["current_north_m_s"], equal_nan=True
+    )
     assert np.array_equal(again.echoes, record.echoes)
     assert again.chart.water.symmetric_difference(record.chart.water).area < 1e-2
     assert [feature.name for feature in again.chart.features] == ["Rock"]

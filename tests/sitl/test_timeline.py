@@ -3,7 +3,7 @@ import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
 from companion.core.modes import Mode
-from sitl.reports.estimate_overlay import EVERY_S, Belief
+from sitl.reports.estimate_overlay import EVERY_S, Estimate
 from sitl.run.lockstep import Lockstep
 from sitl.run.sail import Sailing
 from sitl.run.timeline import MOST_EVENTS, Timeline
@@ -79,7 +79,7 @@ def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> Non
     sailing = Sailing(scenario("open", "environment.current_m_s=0.3"), ITEMS)
     result = sailing.run()
     rows = sailing.beliefs.rows
-    column = {name: rows[:, index] for index, name in enumerate(Belief._fields)}
+    column = {name: rows[:, index] for index, name in enumerate(Estimate._fields)}
     assert len(rows) == pytest.approx(result.time_s / EVERY_S, abs=3)
     assert np.allclose(np.diff(column["time_s"]), EVERY_S)
     truth = {round(row[0], 3): row for row in sailing.recorder.rows.tolist()}

@@ -143,8 +143,8 @@ class MotorEvidence:
         self._spin(left, right, dt_s)
         water_m_s = nav.surge_m_s - nav.set_along_m_s(nav.heading_rad)
         share = min(dt_s / _SET_S, 1.0)
-        self._set_north_m_s += share * (nav.set_north_m_s - self._set_north_m_s)
-        self._set_east_m_s += share * (nav.set_east_m_s - self._set_east_m_s)
+        self._set_north_m_s += share * (nav.current_north_m_s - self._set_north_m_s)
+        self._set_east_m_s += share * (nav.current_east_m_s - self._set_east_m_s)
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
         self._predict(water_m_s, astern, dt_s)
         is_learning = max(self.against) < _LEARNING

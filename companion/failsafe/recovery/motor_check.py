@@ -37,7 +37,7 @@ _FAINT_RAD_S2 = 0.05  # at full drive: less than this from both tells nothing
 _UNEXPLAINED = 0.8  # of the turning's squares: with more left over, something else turned the boat
 
 
-class MotorProbe:
+class MotorCheck:
     """left and right: 1 a motor that answers, −1 one that runs the wrong way round and is driven the other
     way for it, 0 one that does not pull. It steers in place of the mode for as long as it `is_running`.
     """

@@ -12,7 +12,7 @@ _ASTERN = Drive(-1.0, 0.0)
 _LENGTH_S = _STOP_S + _PULSES * (_PULSE_S + _PAUSE_S) + _DRIFT_S
 
 
-class Clearing:
+class PropellerClearing:
     """One try. It steers in place of the mode for as long as it `is_running`."""
 
     __slots__ = ("_began_s", "is_running")

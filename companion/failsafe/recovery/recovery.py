@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 from companion.core.intent import Intent, Stop
 from companion.core.status_text import Severity
-from companion.failsafe.recovery.motor_check import MotorProbe
-from companion.failsafe.recovery.propeller_clearing import Clearing
-from companion.failsafe.recovery.ungrounding import Refloat
+from companion.failsafe.recovery.motor_check import MotorCheck
+from companion.failsafe.recovery.propeller_clearing import PropellerClearing
+from companion.failsafe.recovery.ungrounding import Ungrounding
 
 if TYPE_CHECKING:
     from companion.vehicle.vehicle import Vehicle
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 _STOP = Stop()
 
 
-class Drills:
+class RecoveryManeuvers:
     """One at a time steers."""
 
     __slots__ = ("_vehicle", "clearing", "probe", "refloat")
 
     def __init__(self, vehicle: "Vehicle") -> None:
         self._vehicle = vehicle
-        self.clearing = Clearing()
-        self.probe = MotorProbe()
-        self.refloat = Refloat()
+        self.clearing = PropellerClearing()
+        self.probe = MotorCheck()
+        self.refloat = Ungrounding()
 
     @property
     def is_running(self) -> bool:

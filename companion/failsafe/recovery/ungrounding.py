@@ -31,7 +31,7 @@ _STANDS_OFF_S = 20.0  # longest time under way there
 _SEEN_M = 3.0  # beyond the fence's margin: where it looks for the water
 
 
-class Refloat:
+class Ungrounding:
     """It steers in place of the mode for as long as it `is_running`. rounds: of tries that did not help."""
 
     __slots__ = (

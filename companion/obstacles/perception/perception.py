@@ -12,10 +12,10 @@ from companion.config.avoidance import Avoidance
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
-from companion.obstacles.perception.sonar_noise import Babble
+from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector, is_puzzling
 from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import Tracks
+from companion.obstacles.perception.tracks import ObstacleTracks
 from companion.sensors.readings import SonarReading
 
 CELLS_A_MARGIN = 5.0  # the map is as fine as the distance that is kept asks for
@@ -26,7 +26,7 @@ _REMEMBERED_REACHES = 3.0
 _MAX_TURNS_RAD = 20.0
 
 
-class Lookout:
+class ObstaclePerception:
     """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used.
     sector: where the boat's own ranger is to look.
     """
@@ -46,9 +46,9 @@ class Lookout:
 
     def __init__(self, setting: Avoidance) -> None:
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
-        self.tracks = Tracks(setting.margin_m)
+        self.tracks = ObstacleTracks(setting.margin_m)
         self.dropped = 0
-        self._babble = Babble()
+        self._babble = SonarNoiseMonitor()
         self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
         self.heard_s = -math.inf
         self.sector: Sector = ALL_ROUND
@@ -146,7 +146,7 @@ class Lookout:
     def _forget(self) -> None:
         setting = self._setting
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
-        self.tracks = Tracks(setting.margin_m)
+        self.tracks = ObstacleTracks(setting.margin_m)
 
 
 def _beam(

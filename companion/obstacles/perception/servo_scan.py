@@ -7,7 +7,7 @@ sector that it stands outside of, then to and fro within.
 from collections.abc import Sequence
 
 
-class Swing:
+class ServoScan:
     """bearing_rad: where it looks now, from the bow, clockwise."""
 
     __slots__ = ("_bearings_rad", "_index", "_sector", "_step", "bearing_rad")

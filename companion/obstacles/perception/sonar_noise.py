@@ -14,7 +14,7 @@ _TOO_OFTEN: Final = 0.5
 _SELDOM: Final = 0.2
 
 
-class Babble:
+class SonarNoiseMonitor:
     """Compares every ping with the one before."""
 
     __slots__ = ("_last_m", "_leaps")

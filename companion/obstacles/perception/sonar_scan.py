@@ -12,7 +12,7 @@ _BEAM_RAD = math.radians(15.0)
 UNKNOWN_CM = 0xFFFF
 
 
-class Sweep:
+class SonarScan:
     """The latest ping of each sector; sector 0 is centred on the bow, and they go clockwise."""
 
     def __init__(self) -> None:

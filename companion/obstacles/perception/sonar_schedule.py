@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from companion.core.state import NavState
 from companion.core.units import wrap_pi
 from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import Tracks
+from companion.obstacles.perception.tracks import ObstacleTracks
 
 _FAST_S: Final = 8.0  # a boat that covers its sight within this goes fast
 _AHEAD_RAD: Final = 1.06  # looked at then, to either side
@@ -34,7 +34,9 @@ ALL_ROUND: Final = Sector(-math.pi, math.pi)
 _AHEAD: Final = Sector(-_AHEAD_RAD, _AHEAD_RAD)
 
 
-def choose_sector(nav: NavState, tracks: Tracks, reach_m: float, now_s: float, *, is_open: bool) -> Sector:
+def choose_sector(
+    nav: NavState, tracks: ObstacleTracks, reach_m: float, now_s: float, *, is_open: bool
+) -> Sector:
     """Where to look next. is_open: nothing surely lies there; else what is aside is not lost sight of."""
     watched: Track | None = None
     nearest_m, bearing = math.inf, 0.0

@@ -28,7 +28,7 @@ _LEAST_PACE = 0.12  # of the scale, m/s: slower is a thing that swings at its an
 _MAX_GROUP = 32
 
 
-class Tracks:
+class ObstacleTracks:
     """What is followed. scale_m: the distance that the boat keeps, which says what is small and what is
     slow.
     """

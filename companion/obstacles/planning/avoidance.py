@@ -20,14 +20,14 @@ from companion.core.intent import (
     Stop,
 )
 from companion.core.state import NavState
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
-from companion.obstacles.perception.perception import Lookout
-from companion.obstacles.planning.breadcrumbs import Wake
-from companion.obstacles.planning.clearance import Bounds
+from companion.obstacles.perception.perception import ObstaclePerception
+from companion.obstacles.planning.breadcrumbs import Breadcrumbs
 from companion.obstacles.planning.detour import STARBOARD, Detour
-from companion.obstacles.planning.detour_history import Tries
-from companion.obstacles.planning.passing import Passing, choose_passing
+from companion.obstacles.planning.detour_history import DetourHistory
+from companion.obstacles.planning.free_space import Bounds
+from companion.obstacles.planning.moving_obstacles import MovingObstacleAvoidance, choose_passing
 from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop
 from companion.obstacles.planning.scene import HULL, Scene
 
@@ -72,17 +72,17 @@ class Avoidance:
         "stage",
     )
 
-    def __init__(self, notices: list[Notice]) -> None:
+    def __init__(self, notices: list[StatusText]) -> None:
         self.stage = Stage.CLEAR
         self.safe_speed = SafeSpeed()
         self._notices = notices
         self._detour: Detour | None = None
-        self._tries = Tries()
-        self._wake = Wake()
+        self._tries = DetourHistory()
+        self._wake = Breadcrumbs()
         self._given: Intent | None = None
         self._instead: Intent | None = None
         self._due_s = 0.0
-        self._passing: Passing | None = None
+        self._passing: MovingObstacleAvoidance | None = None
         self._has_told = False
         self._back_s = 0.0
         self._retry_s = 0.0
@@ -100,7 +100,7 @@ class Avoidance:
         intent: Intent,
         nav: NavState | None,
         config: BoatConfig,
-        lookout: Lookout,
+        lookout: ObstaclePerception,
         bounds: Bounds,
         *,
         is_by_hand: bool,
@@ -159,7 +159,7 @@ class Avoidance:
             return None
         return self._begin(scene)
 
-    def _let_pass(self, scene: Scene, lookout: Lookout, instead: Intent | None) -> Intent | None:
+    def _let_pass(self, scene: Scene, lookout: ObstaclePerception, instead: Intent | None) -> Intent | None:
         """Of what lies still the boat keeps clear already; now what moves."""
         if scene.movers:
             course, speed = scene.wanted(instead)
@@ -275,7 +275,7 @@ class Avoidance:
         return self._station
 
     def _tell(self, severity: int, text: str) -> None:
-        self._notices.append(Notice(severity, text))
+        self._notices.append(StatusText(severity, text))
 
 
 def _name(side: int) -> str:

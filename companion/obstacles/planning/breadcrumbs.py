@@ -9,7 +9,7 @@ _POINTS = 24
 _STEP = 0.5  # of the margin
 
 
-class Wake:
+class Breadcrumbs:
     """The last places, half a margin apart."""
 
     __slots__ = ("_places",)

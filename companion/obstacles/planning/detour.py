@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
-from companion.obstacles.planning.clearance import ClearWater
+from companion.obstacles.planning.free_space import FreeSpace
 
 STARBOARD, PORT = 1, -1
 _ALIKE_RAD = 0.35  # sides that differ by less are alike, and starboard it is
@@ -49,7 +49,7 @@ class Detour:
         """Whether it is back where it began: the goal cannot be reached."""
         return self._has_left and distance_m(here, self.met) < scale_m
 
-    def steer(self, here: Point, things: Sequence[Point], water: ClearWater, sight_m: float) -> bool:
+    def steer(self, here: Point, things: Sequence[Point], water: FreeSpace, sight_m: float) -> bool:
         """Choose the course along the edge. False when there is none on this side."""
         course = open_course_rad(water, self._edge_rad(here, things), self.side, sight_m)
         if course is not None:
@@ -74,7 +74,7 @@ class Detour:
         return edge
 
 
-def open_course_rad(water: ClearWater, from_rad: float, side: int, sight_m: float) -> float | None:
+def open_course_rad(water: FreeSpace, from_rad: float, side: int, sight_m: float) -> float | None:
     """The first open course on one side, open as far as can be had."""
     for share in _NEEDS:
         course = water.first_open_rad(from_rad, side, share * sight_m)
@@ -83,7 +83,7 @@ def open_course_rad(water: ClearWater, from_rad: float, side: int, sight_m: floa
     return None
 
 
-def choose_side(water: ClearWater, course_rad: float, sight_m: float) -> tuple[int, float] | None:
+def choose_side(water: FreeSpace, course_rad: float, sight_m: float) -> tuple[int, float] | None:
     """The side that asks for the smaller turn, and its course; starboard when they are alike.
 
     None when neither side is open.

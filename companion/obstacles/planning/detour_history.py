@@ -8,8 +8,8 @@ led back to where it began, no nearer, speaks against its side.
 import math
 
 from companion.core.geo import Point, bearing_rad, distance_m
-from companion.obstacles.planning.clearance import ClearWater
 from companion.obstacles.planning.detour import Detour, choose_side, open_course_rad
+from companion.obstacles.planning.free_space import FreeSpace
 
 _MOST = 16
 _SAME_SPOT = 1.5  # margins: a beginning so near another one has come round in a circle,
@@ -17,7 +17,7 @@ _GAIN = 0.3  # unless it is by as many nearer to the goal
 _PROGRESS = 2.0  # margins nearer to the goal than any beginning before: all that was tried is behind
 
 
-class Tries:
+class DetourHistory:
     """roamed_m: how far detours have led since there was progress; last_side: the side taken last, 0 none."""
 
     __slots__ = ("_begun", "_nearest_m", "last_side", "roamed_m")
@@ -34,7 +34,7 @@ class Tries:
         self._nearest_m, self.last_side, self.roamed_m = math.inf, 0, 0.0
 
     def begin(
-        self, here: Point, goal: Point, water: ClearWater, sight_m: float, margin_m: float
+        self, here: Point, goal: Point, water: FreeSpace, sight_m: float, margin_m: float
     ) -> Detour | None:
         """A detour on the better side; None where there is none that is open and untried."""
         to_goal_m = distance_m(here, goal)
@@ -59,7 +59,7 @@ class Tries:
         return any(taken == side for _, taken, _ in self._begun)
 
     def _choose(
-        self, here: Point, goal: Point, water: ClearWater, sight_m: float, margin_m: float
+        self, here: Point, goal: Point, water: FreeSpace, sight_m: float, margin_m: float
     ) -> tuple[int, float] | None:
         wanted, to_goal_m = bearing_rad(here, goal), distance_m(here, goal)
         if not self.last_side:

@@ -14,7 +14,7 @@ from companion.control.speed import feed_forward
 from companion.core.geo import Point, distance_m
 from companion.core.intent import Drive, Stop
 from companion.core.state import Demand, NavState
-from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.scene import Scene
 
 ALWAYS, AFTER_MEETING = 1, 2  # AVOID_SIGHT
@@ -66,7 +66,7 @@ class SafeSpeed:
         """As fast ahead as that: what moves comes nearer while the boat is slow."""
         self.ahead_m_s = max(self.ahead_m_s, speed_m_s)
 
-    def look(self, scene: Scene, lookout: Lookout) -> None:
+    def look(self, scene: Scene, lookout: ObstaclePerception) -> None:
         """Set the limits anew."""
         heading = scene.nav.heading_rad
         is_by_sight = self.goes_by_sight(scene.config.avoidance.by_sight, scene.here)

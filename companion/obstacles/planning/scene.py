@@ -9,9 +9,9 @@ from companion.core.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeadi
 from companion.core.state import NavState
 from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
-from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.track import Track
-from companion.obstacles.planning.clearance import Bounds, ClearWater, clear_m
+from companion.obstacles.planning.free_space import Bounds, FreeSpace, clear_m
 from companion.obstacles.planning.way_ahead import way_ahead
 
 WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new beginning
@@ -56,7 +56,7 @@ class Scene:
         intent: Intent,
         nav: NavState,
         config: BoatConfig,
-        lookout: Lookout,
+        lookout: ObstaclePerception,
         bounds: Bounds,
         now_s: float,
     ) -> None:
@@ -67,14 +67,14 @@ class Scene:
         self.config = config
         self.now_s = now_s
         self.sight_m = lookout.reach_m or setting.lookahead_m
-        self.margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.set_north_m_s, nav.set_east_m_s)
+        self.margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
         self.speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
         self.movers: Sequence[Track] = lookout.tracks.likely(now_s)
         self.solid = self._still(lookout.solid(now_s))
         self.things = self._still(lookout.suspects(now_s))
         self.is_puzzling = lookout.is_puzzled(now_s)
         self._bounds = bounds
-        self._water: ClearWater | None = None
+        self._water: FreeSpace | None = None
 
     def _still(self, things: list[Point]) -> list[Point]:
         """What lies still: without the echoes that movers have left on the map."""
@@ -89,10 +89,10 @@ class Scene:
         ]
 
     @property
-    def water(self) -> ClearWater:
+    def water(self) -> FreeSpace:
         """The courses open to a detour."""
         if self._water is None:
-            self._water = ClearWater(self.here, self.things, WIDER * self.margin_m, self.sight_m)
+            self._water = FreeSpace(self.here, self.things, WIDER * self.margin_m, self.sight_m)
             self._water.keep_within(self._bounds, self.config.fence.margin_m)
         return self._water
 
@@ -106,8 +106,8 @@ class Scene:
         """Where the bow must point for a course and speed over ground, with the set of the water."""
         nav = self.nav
         return math.atan2(
-            speed_m_s * math.sin(course_rad) - nav.set_east_m_s,
-            speed_m_s * math.cos(course_rad) - nav.set_north_m_s,
+            speed_m_s * math.sin(course_rad) - nav.current_east_m_s,
+            speed_m_s * math.cos(course_rad) - nav.current_north_m_s,
         )
 
     def stopping_m_s(self, room_m: float) -> float:
@@ -122,10 +122,10 @@ class Scene:
 
     def stop(self) -> HoldHeading:
         """Take the way off. Where the water sets, only a bow that points into the set can hold against it."""
-        nav, set_m_s = self.nav, math.hypot(self.nav.set_north_m_s, self.nav.set_east_m_s)
-        if set_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s:
+        nav, current_m_s = self.nav, math.hypot(self.nav.current_north_m_s, self.nav.current_east_m_s)
+        if current_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s:
             return HoldHeading(nav.heading_rad, 0.0)
-        return HoldHeading(math.atan2(-nav.set_east_m_s, -nav.set_north_m_s), 0.0)
+        return HoldHeading(math.atan2(-nav.current_east_m_s, -nav.current_north_m_s), 0.0)
 
     def away_rad(self) -> float | None:
         """The course straight away from what is too near; None while nothing is."""
@@ -190,7 +190,7 @@ class Scene:
             return abs(self.intent.speed_m_s)
         return self.config.speed.cruise_m_s
 
-    def sighted_m_s(self, lookout: Lookout) -> float:
+    def sighted_m_s(self, lookout: ObstaclePerception) -> float:
         """The speed from which the boat stops in the water that it sees.
 
         v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by
@@ -200,7 +200,7 @@ class Scene:
         accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
         seen_m = lookout.reach_m if self.now_s - lookout.heard_s <= _HEARD_S else 0.0
         ahead_n, ahead_e = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        along_m_s = nav.set_north_m_s * ahead_n + nav.set_east_m_s * ahead_e
+        along_m_s = nav.current_north_m_s * ahead_n + nav.current_east_m_s * ahead_e
         room_m = max(seen_m - self.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)
         delayed = accel * (1.0 + _LOOK_S)
         return max(math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed, least_m_s)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
@@ -35,5 +35,5 @@ class BatteryCommands:
         return self._say(ACCEPTED, Severity.NOTICE, f"Battery set to {percent:.0f} %")
 
     def _say(self, result: int, severity: int, text: str) -> int:
-        self._tell([Notice(severity, text)])
+        self._tell([StatusText(severity, text)])
         return result

@@ -6,7 +6,7 @@ Both answer IN_PROGRESS until the trial has ended. What it has found becomes par
 from collections.abc import Callable
 
 from companion.calibration.trials import HEADING, THRUSTERS, Kind, Trials
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import (
     ACCEPTED,
@@ -23,7 +23,7 @@ from companion.services.parameters import ParameterService
 _AXES = (0, 4)  # AUTOTUNE_AXIS: the usual one, yaw
 
 
-class TrialCommands:
+class CalibrationCommands:
     """Starts trials, and writes down what they find."""
 
     def __init__(self, trials: Trials, parameters: ParameterService, tell: Tell) -> None:
@@ -86,4 +86,4 @@ class TrialCommands:
         return IN_PROGRESS
 
     def _say(self, severity: int, text: str) -> None:
-        self._tell([Notice(severity, text)])
+        self._tell([StatusText(severity, text)])

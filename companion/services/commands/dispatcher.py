@@ -14,7 +14,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.commands.battery import BatteryCommands
-from companion.services.commands.calibration_runs import TrialCommands
+from companion.services.commands.calibration_runs import CalibrationCommands
 from companion.services.commands.command import (
     ACCEPTED,
     CANCELLED,
@@ -27,7 +27,7 @@ from companion.services.commands.command import (
     from_long,
 )
 from companion.services.commands.faults import FaultCommands
-from companion.services.commands.maintenance import UpkeepCommands
+from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
 from companion.services.commands.vehicle import Tell, VehicleCommands
 from companion.services.external_pose import ExternalPoseService
@@ -72,8 +72,8 @@ class CommandService:
         self._outbox = outbox
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # what follows the answer
-        self._upkeep = UpkeepCommands(vehicle, motor_test, parameters, tell, self._send_later)
-        self._trials = TrialCommands(trials, parameters, tell)
+        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, tell, self._send_later)
+        self._trials = CalibrationCommands(trials, parameters, tell)
         self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,

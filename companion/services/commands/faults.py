@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import ACCEPTED, DENIED, UNSUPPORTED, Command
@@ -26,5 +26,5 @@ class FaultCommands:
         done = self._injector.inject(unit, failure, instance)
         if done is None:
             return UNSUPPORTED
-        self._tell([Notice(Severity.WARNING, f"Fault: {done}")])
+        self._tell([StatusText(Severity.WARNING, f"Fault: {done}")])
         return ACCEPTED

@@ -1,6 +1,6 @@
 """Calibrations that take their time: the yaw gyro's bias, measured while the boat lies still."""
 
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.sensors.readings import HeadingReading
 from companion.services.commands.command import ACCEPTED, FAILED
 
@@ -16,7 +16,7 @@ class GyroCalibration:
     def __init__(self, now_s: float) -> None:
         self.result: int | None = None
         self.bias_rad_s = 0.0
-        self.notice = Notice(Severity.INFO, "")
+        self.notice = StatusText(Severity.INFO, "")
         self._began_s = now_s
         self._last_s = now_s
         self._rates_rad_s: list[float] = []
@@ -46,4 +46,4 @@ class GyroCalibration:
         self._end(ACCEPTED, Severity.NOTICE, "Gyro calibrated")
 
     def _end(self, result: int, severity: int, text: str) -> None:
-        self.result, self.notice = result, Notice(severity, text)
+        self.result, self.notice = result, StatusText(severity, text)

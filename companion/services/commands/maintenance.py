@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from companion import __version__
 from companion.calibration.motor_test import MotorTest, TestedMotor
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HeadingReading
@@ -41,7 +41,7 @@ _NOTHING_TO_CALIBRATE = (  # param2 to param6 of PREFLIGHT_CALIBRATION
 _TRIM, _BIAS = "HDG_TRIM", "INS_GYROFFS_Z"
 
 
-class UpkeepCommands:
+class MaintenanceCommands:
     """The boat must be disarmed for all of them."""
 
     def __init__(
@@ -118,10 +118,10 @@ class UpkeepCommands:
 
     def _end_test(self, why: str) -> None:
         self._motor_test.stop()
-        self._tell([Notice(Severity.WARNING, f"Motor test: ended, {why}")])
+        self._tell([StatusText(Severity.WARNING, f"Motor test: ended, {why}")])
 
     def _say(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
-        self._tell([Notice(severity, text)])
+        self._tell([StatusText(severity, text)])
         return result
 
     def _has_no(self, part: str) -> int:

@@ -16,13 +16,13 @@ from companion.core.requests import (
     SetHome,
     StartMission,
 )
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
 from companion.services.parameters import ParameterService
 from companion.vehicle.vehicle import Vehicle
 
-Tell = Callable[[list[Notice]], None]
+Tell = Callable[[list[StatusText]], None]
 """Lines for every station."""
 
 _DISARM_MAGIC = 21196
@@ -73,7 +73,7 @@ class VehicleCommands:
         if self._vehicle.armed:
             return REJECTED_FOR_NOW
         faults = self._vehicle.arming_faults()
-        self._tell([Notice(Severity.CRITICAL, f"PreArm: {fault}") for fault in faults])
+        self._tell([StatusText(Severity.CRITICAL, f"PreArm: {fault}") for fault in faults])
         return ACCEPTED
 
     def _set_mode(self, command: Command) -> int:
@@ -141,6 +141,6 @@ class VehicleCommands:
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED
         if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
-            self._tell([Notice(Severity.ERROR, "Fence: none is uploaded")])
+            self._tell([StatusText(Severity.ERROR, "Fence: none is uploaded")])
             return FAILED
         return FAILED if self._parameters.keep("FENCE_ENABLE", float(wanted)) else ACCEPTED

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.requests import SetCurrentItem
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
@@ -289,7 +289,7 @@ class MissionService:
         self._tell(Severity.ERROR, f"{_title(one)} not stored: {error}")
 
     def _tell(self, severity: int, text: str) -> None:
-        self._texts.tell([Notice(severity, text)])
+        self._texts.tell([StatusText(severity, text)])
 
 
 def _title(one: MissionList) -> str:

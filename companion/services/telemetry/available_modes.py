@@ -48,7 +48,7 @@ def available_modes_monitor() -> Message:
     return message
 
 
-class ModesInfoService:
+class AvailableModesService:
     """Says which mode is on, every PERIOD_S and whenever it changes."""
 
     def __init__(self, vehicle: Vehicle, outbox: Outbox) -> None:

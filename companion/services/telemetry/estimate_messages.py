@@ -85,5 +85,5 @@ def water_set(now: Snapshot) -> Message | None:
     if nav is None or now.frame is None:
         return None
     return dialect.MAVLink_debug_vect_message(
-        _SET_NAME, now.boot_us, nav.set_north_m_s, nav.set_east_m_s, 0.0
+        _SET_NAME, now.boot_us, nav.current_north_m_s, nav.current_east_m_s, 0.0
     )

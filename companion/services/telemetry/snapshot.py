@@ -5,8 +5,8 @@ from msgspec import Struct
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LocalFrame
 from companion.core.state import Demand, MotorCommand, NavState, PidOutput
-from companion.obstacles.perception.perception import Lookout
-from companion.obstacles.perception.sonar_scan import Sweep
+from companion.obstacles.perception.perception import ObstaclePerception
+from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.planning.avoidance import Avoidance
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
 from companion.vehicle.vehicle import Vehicle
@@ -32,8 +32,8 @@ class Snapshot(Struct, frozen=True):
     load: float
     speed_pid: PidOutput | None = None
     heading: HeadingReading | None = None  # as the part gave it
-    sweep: Sweep | None = None  # what the rangers have seen around
-    lookout: Lookout | None = None  # what lies and moves around
+    sweep: SonarScan | None = None  # what the rangers have seen around
+    lookout: ObstaclePerception | None = None  # what lies and moves around
     avoidance: Avoidance | None = None  # what is being done about it
     free_memory_bytes: int = 0  # of the boat's computer, 0 while not known
 

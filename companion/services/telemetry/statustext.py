@@ -6,7 +6,7 @@ A program that keeps a journal has each line that is told logged as well.
 import logging
 from collections.abc import Callable, Iterable, Iterator
 
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
 
@@ -29,10 +29,10 @@ class StatusTextService:
         self._next_id = 1
         self.dropped = 0
         self._left = _MOST
-        self.listener: Callable[[Notice], object] | None = None  # whoever keeps a log
+        self.listener: Callable[[StatusText], object] | None = None  # whoever keeps a log
         self.has_journal = False  # whether lines are logged too
 
-    def tell(self, notices: Iterable[Notice]) -> None:
+    def tell(self, notices: Iterable[StatusText]) -> None:
         """Send lines to everyone; what is too much is dropped and counted, the least severe first."""
         for notice in notices:
             if self.listener is not None:
@@ -49,18 +49,18 @@ class StatusTextService:
         """Let a little more out after dt_s."""
         self._left = min(self._left + _PER_SECOND * dt_s, _MOST)
 
-    def tell_one(self, channel: int, notice: Notice) -> None:
+    def tell_one(self, channel: int, notice: StatusText) -> None:
         """Send a line to whoever listens on one channel."""
         self._log(notice)
         for message in self._chunks(notice):
             self._outbox.send(channel, message)
 
-    def _log(self, notice: Notice) -> None:
+    def _log(self, notice: StatusText) -> None:
         if self.has_journal:
             text = "".join(one if one.isprintable() else " " for one in notice.text)  # a line stays one
             logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
 
-    def _chunks(self, notice: Notice) -> Iterator[Message]:
+    def _chunks(self, notice: StatusText) -> Iterator[Message]:
         raw = notice.text.encode("ascii", errors="replace")
         if len(raw) <= _CHUNK_BYTES:
             yield dialect.MAVLink_statustext_message(notice.severity, raw)

@@ -10,10 +10,10 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.state import NavState
-from companion.core.status_text import Notice, Severity
-from companion.geofence.distance_field import HomeField
+from companion.core.status_text import Severity, StatusText
+from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
-from companion.geofence.water_route import WaterWay, is_clear, way_by_water
+from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.modes.rtl import WayHome
@@ -28,15 +28,15 @@ class Approach:
 
     __slots__ = ("_fence", "_field", "_judged", "_notices", "_station", "_way", "_way_home")
 
-    def __init__(self, fence: Fence, way_home: WayHome, notices: list[Notice]) -> None:
+    def __init__(self, fence: Fence, way_home: WayHome, notices: list[StatusText]) -> None:
         """way_home: whose grid of the water serves this field, too."""
         self._fence = fence
         self._way_home = way_home
         self._notices = notices
         self._judged: Leg | None = None
         self._station: KeepStation | None = None  # until it is known how to get there
-        self._field: HomeField | None = None
-        self._way: WaterWay | None = None
+        self._field: DistanceField | None = None
+        self._way: WaterRoute | None = None
 
     def update(self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig) -> Intent:
         """What to sail instead of the mission's own intent, mostly that itself."""
@@ -83,7 +83,7 @@ class Approach:
                     self._station = None
                     return True
                 return False
-            field = self._field = HomeField(self._fence, [end], grid)
+            field = self._field = DistanceField(self._fence, [end], grid)
         for _ in range(_FIELD_STEPS):
             if not field.is_complete:
                 field.advance()
@@ -92,7 +92,7 @@ class Approach:
         self._station = self._field = None
         self._way = way_by_water(self._fence, field, here, config)
         if self._way is not None:
-            self._notices.append(Notice(Severity.INFO, "The way to the mission leads round the shore"))
+            self._notices.append(StatusText(Severity.INFO, "The way to the mission leads round the shore"))
         else:
-            self._notices.append(Notice(Severity.WARNING, "The way to the mission leads near the fence"))
+            self._notices.append(StatusText(Severity.WARNING, "The way to the mission leads near the fence"))
         return True

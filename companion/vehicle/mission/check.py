@@ -1,7 +1,7 @@
 """Whether the mission keeps inside the fence: looked through a few items at a time, so that no tick waits."""
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence
 from companion.vehicle.mission.steps import GoRound, Mission, Waypoint
 
@@ -17,7 +17,7 @@ class MissionCheck:
 
     __slots__ = ("_before", "_frame", "_mission", "_notices", "_seq", "_version", "fault")
 
-    def __init__(self, notices: list[Notice]) -> None:
+    def __init__(self, notices: list[StatusText]) -> None:
         self.fault = ""
         self._notices = notices
         self._mission: Mission = ()
@@ -39,7 +39,7 @@ class MissionCheck:
             if fault:
                 self.fault = fault
                 self._seq = len(mission)
-                self._notices.append(Notice(Severity.WARNING, f"Mission: {fault}"))
+                self._notices.append(StatusText(Severity.WARNING, f"Mission: {fault}"))
                 return
 
     def _look(self, seq: int, fence: Fence, frame: LocalFrame) -> str:

@@ -6,7 +6,7 @@ from companion.core.geo import Point, distance_m
 from companion.vehicle.mission.steps import AfterDelay, Condition, Done, WithinDistance
 
 
-class Deferred:
+class ConditionalCommand:
     """In the order of the mission, a condition first. since_s: when the first of them began to count."""
 
     __slots__ = ("_since_s", "_steps")

@@ -14,7 +14,7 @@ _TURNED_RAD = math.radians(5.0)
 _TURN_LIMIT_S = 30.0  # a boat that the wind will not let turn goes on
 
 
-class Halt:
+class HoldItem:
     """The one of now. limit: how long and how far another program may steer."""
 
     __slots__ = ("_since_s", "_station", "_turn_to_rad", "limit")

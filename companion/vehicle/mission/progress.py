@@ -11,8 +11,8 @@ from companion.core.geo import LatLon, Line, LocalFrame, Point
 from companion.core.intent import Intent, KeepStation
 from companion.core.state import NavState
 from companion.guidance.leg import Leg
-from companion.vehicle.mission.conditions import Deferred
-from companion.vehicle.mission.halts import Halt, Halting
+from companion.vehicle.mission.conditions import ConditionalCommand
+from companion.vehicle.mission.halts import Halting, HoldItem
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.route import MissionRoute
 from companion.vehicle.mission.steps import (
@@ -58,8 +58,8 @@ class MissionProgress:
         self._under_way = MissionRoute()
         self._is_loose = False  # it began wherever the boat was
         self._orbit: Orbit | None = None
-        self._deferred = Deferred()
-        self._halt = Halt()
+        self._deferred = ConditionalCommand()
+        self._halt = HoldItem()
 
     @property
     def is_empty(self) -> bool:

@@ -10,7 +10,7 @@ from companion.core.intent import Drive, HoldHeading, Intent, KeepStation, Stop
 from companion.core.modes import Mode
 from companion.core.requests import SetPoint
 from companion.core.state import NavState
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.estimation.estimator import MAX_OFFSET_M
 from companion.geofence.fence import Fence
 from companion.rc.manual_input import Sticks
@@ -42,7 +42,7 @@ class Conduct:
         self.passage = Passage()
         self.trail = Trail()
         self.following = Following()
-        self.notices: list[Notice] = []
+        self.notices: list[StatusText] = []
         self.stemming: HoldHeading | None = None  # LOITER without a position: no more than heading and thrust
         self.mission_check = MissionCheck(self.notices)
         self._fence = fence
@@ -171,7 +171,7 @@ class Conduct:
                 return self._set_point.hold
             self._set_point = None
             self.passage.stay(now.here)
-            self.notices.append(Notice(Severity.WARNING, "GUIDED: set-point is stale, keeping station"))
+            self.notices.append(StatusText(Severity.WARNING, "GUIDED: set-point is stale, keeping station"))
         return self._sail(Mode.GUIDED, now, now.speed_m_s)
 
     def _sail(self, mode: Mode, now: Situation, speed_m_s: float) -> Intent:
@@ -179,7 +179,7 @@ class Conduct:
         target = self.passage.target
         intent = self.passage.update(now.nav, now.frame, now.config.guidance.waypoint_radius_m, speed_m_s)
         if target is not None and self.passage.target is None:
-            self.notices.append(Notice(Severity.INFO, f"{mode.name}: arrived"))
+            self.notices.append(StatusText(Severity.INFO, f"{mode.name}: arrived"))
         return intent
 
     def _sail_home(self, now: Situation) -> Intent:
@@ -187,7 +187,7 @@ class Conduct:
         speed_m_s = now.config.mission.rtl_speed_m_s or now.speed_m_s
         intent = self.way_home.update(now.nav, now.config, speed_m_s, now.now_s)
         if self.way_home.arrived and not arrived:
-            self.notices.append(Notice(Severity.INFO, "RTL: arrived"))
+            self.notices.append(StatusText(Severity.INFO, "RTL: arrived"))
         return intent
 
     def _loiter(self, now: Situation) -> Intent:
@@ -204,8 +204,8 @@ class Conduct:
                 self.passage.stay(now.here)
             return self._sail(Mode.LOITER, now, now.speed_m_s)
         if self.stemming is None:
-            is_set = math.hypot(nav.set_north_m_s, nav.set_east_m_s) > _STILL_M_S
-            upstream = math.atan2(-nav.set_east_m_s, -nav.set_north_m_s)
+            is_set = math.hypot(nav.current_north_m_s, nav.current_east_m_s) > _STILL_M_S
+            upstream = math.atan2(-nav.current_east_m_s, -nav.current_north_m_s)
             self.stemming = HoldHeading(upstream if is_set else nav.heading_rad, 0.0)
         return self.stemming
 
@@ -215,7 +215,7 @@ class Conduct:
         """
         nav = now.nav
         self.passage.stay(self._nearest_inside(now))
-        is_set = math.hypot(nav.set_north_m_s, nav.set_east_m_s) > _CARRIED_M_S
+        is_set = math.hypot(nav.current_north_m_s, nav.current_east_m_s) > _CARRIED_M_S
         if not is_set or lacks_position(nav, now.config.motors.estimate_timeout_s):
             return _STOP
         if not now.now_s - self._groped_s < _GROPE_S + _REST_S:
@@ -227,7 +227,7 @@ class Conduct:
         speed_m_s = now.config.mission.rtl_speed_m_s or now.speed_m_s
         intent = self._way_back.update(now.nav, now.config.guidance.waypoint_radius_m, speed_m_s)
         if self._way_back.arrived and not arrived:
-            self.notices.append(Notice(Severity.INFO, "SMART_RTL: arrived"))
+            self.notices.append(StatusText(Severity.INFO, "SMART_RTL: arrived"))
         return intent
 
     def _circle(self, now: Situation) -> Intent:
@@ -243,7 +243,7 @@ class Conduct:
             if not self._lost_lead:
                 self._lost_lead = True
                 self.passage.stay(now.here)
-                self.notices.append(Notice(Severity.WARNING, f"FOLLOW: {fault}, keeping station"))
+                self.notices.append(StatusText(Severity.WARNING, f"FOLLOW: {fault}, keeping station"))
             return self._sail(Mode.FOLLOW, now, now.speed_m_s)
         self._lost_lead = False
         return self.following.intent(now.nav, now.frame, now.config, now.speed_m_s, now.now_s)

@@ -12,11 +12,11 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
-from companion.core.status_text import Notice, Severity
-from companion.geofence.costmap import WaterGrid
-from companion.geofence.distance_field import HomeField
+from companion.core.status_text import Severity, StatusText
+from companion.geofence.costmap import Costmap
+from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
-from companion.geofence.water_route import WaterWay, is_clear, way_by_water
+from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
 
 # Of fence.margin_m: how far to keep from the lines, less where there is no way else
 _MARGINS = (1.5, 0.75, 0.25)
@@ -37,16 +37,16 @@ class _Basis(NamedTuple):
 class WayHome:
     """rally: the rally points. arrived: it keeps station at the end. Talks to the operator in `notices`."""
 
-    def __init__(self, fence: Fence, notices: list[Notice]) -> None:
+    def __init__(self, fence: Fence, notices: list[StatusText]) -> None:
         self.rally: tuple[LatLon, ...] = ()
         self.arrived = False
         self._fence = fence
         self._notices = notices
         self._goals: tuple[Point, ...] = ()
         self._basis: _Basis | None = None
-        self._field: HomeField | None = None
+        self._field: DistanceField | None = None
         self._attempt = 0
-        self._way: WaterWay | None = None
+        self._way: WaterRoute | None = None
         self._station: KeepStation | None = None  # while the way is not known
         self._look_s = 0.0
         self._is_told = False
@@ -80,7 +80,7 @@ class WayHome:
             self._field.advance()
 
     @property
-    def grid(self) -> WaterGrid | None:
+    def grid(self) -> Costmap | None:
         """The water inside the fence in cells; None while it is not known, or none is needed."""
         field = self._field
         return field.grid if field is not None and field.grid.is_complete else None
@@ -136,7 +136,7 @@ class WayHome:
         """Whether a way from here is known now."""
         goal = self._straight(point)
         if goal is not None:
-            self._way = WaterWay(self._fence, point, [goal], 0.0, config)
+            self._way = WaterRoute(self._fence, point, [goal], 0.0, config)
             return True
         field = self._field
         if field is None or not field.is_complete:
@@ -149,7 +149,7 @@ class WayHome:
         elif not self._is_told:
             self._is_told = True
             self._notices.append(
-                Notice(Severity.WARNING, "RTL: no way home inside the fence, keeping station")
+                StatusText(Severity.WARNING, "RTL: no way home inside the fence, keeping station")
             )
         return False
 
@@ -196,5 +196,5 @@ class WayHome:
         if self._field is not None and old is not None and old._replace(places=basis.places) == basis:
             grid = self._field.grid
         else:
-            grid = WaterGrid(fence, [*self._goals, here], _MARGINS[basis.attempt] * basis.margin_m)
-        self._field = HomeField(fence, self._goals, grid)
+            grid = Costmap(fence, [*self._goals, here], _MARGINS[basis.attempt] * basis.margin_m)
+        self._field = DistanceField(fence, self._goals, grid)

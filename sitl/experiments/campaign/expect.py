@@ -53,7 +53,7 @@ class Expectation(Section, frozen=True):
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class ExpectationVerdict:
     """One expectation in one group. value: None where some run lacks the figure."""
 
     what: str
@@ -65,12 +65,14 @@ class Verdict:
     is_met: bool
 
 
-def judge(expectations: Sequence[Expectation], table: Sequence[Mapping[str, Any]]) -> list[Verdict]:
+def judge(
+    expectations: Sequence[Expectation], table: Sequence[Mapping[str, Any]]
+) -> list[ExpectationVerdict]:
     """Every expectation's verdicts, in order. table: one row a run, by column."""
     return [verdict for expectation in expectations for verdict in _verdicts(expectation, table)]
 
 
-def _verdicts(expectation: Expectation, table: Sequence[Mapping[str, Any]]) -> list[Verdict]:
+def _verdicts(expectation: Expectation, table: Sequence[Mapping[str, Any]]) -> list[ExpectationVerdict]:
     each = (expectation.each,) if isinstance(expectation.each, str) else expectation.each
     if expectation.at_most_times is not None:
         wanted = {**expectation.where, **expectation.against}
@@ -101,13 +103,13 @@ def _group(expectation: Expectation, each: Sequence[str], key: Sequence[Any]) ->
     return ", ".join(f"{column} {value}" for column, value in named) or "all runs"
 
 
-def _verdict(expectation: Expectation, group: str, rows: Sequence[Mapping[str, Any]]) -> Verdict:
+def _verdict(expectation: Expectation, group: str, rows: Sequence[Mapping[str, Any]]) -> ExpectationVerdict:
     value, missing = _value(expectation, rows)
     low, high = expectation.at_least, expectation.at_most
     is_met = value is not None and (low is None or value >= low) and (high is None or value <= high)
     bounds = ([] if low is None else [f"≥ {low:g}"]) + ([] if high is None else [f"≤ {high:g}"])
     what = f"{expectation.of} {expectation.figure}"
-    return Verdict(what, group, ", ".join(bounds), value, len(rows), missing, is_met)
+    return ExpectationVerdict(what, group, ", ".join(bounds), value, len(rows), missing, is_met)
 
 
 def _value(expectation: Expectation, rows: Sequence[Mapping[str, Any]]) -> tuple[float | None, int]:

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from companion.core.state import EstimateFault
-from sitl.reports.estimate_overlay import Belief
+from sitl.reports.estimate_overlay import Estimate
 from sitl.run.sail import Sailing
 from sitl.scenarios.courses import off_path_m
 from sitl.world.world import Truth
@@ -40,7 +40,7 @@ def fault_figures(sailing: Sailing) -> dict[str, float | None]:
     since = beliefs[beliefs[:, 0] >= fault.at_s]
     if not len(since) or not len(truth) or truth[0, 0] > fault.at_s:
         return out
-    bits = since[:, Belief._fields.index("faults")].astype(int)
+    bits = since[:, Estimate._fields.index("faults")].astype(int)
     for name, wanted in (("notice_s", _BITS[fault.what]), ("given_up_s", _LOST)):
         if (bits & wanted).any():
             out[name] = float(since[int((bits & wanted != 0).argmax()), 0] - fault.at_s)
@@ -60,7 +60,7 @@ def _go_astray(
     truth: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
 ) -> None:
     place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
-    believed = slice(Belief._fields.index("north_m"), Belief._fields.index("east_m") + 1)
+    believed = slice(Estimate._fields.index("north_m"), Estimate._fields.index("east_m") + 1)
     rows = np.minimum(np.searchsorted(truth[:, 0], beliefs[:, 0] - 1e-6), len(truth) - 1)
     if not len(rows):
         return

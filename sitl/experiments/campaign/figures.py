@@ -9,7 +9,7 @@ from companion.vehicle.mission.steps import Waypoint
 from sitl.experiments.campaign.fault_figures import fault_figures
 from sitl.experiments.campaign.inevitable import inevitable
 from sitl.experiments.campaign.motor_figures import motor_figures
-from sitl.reports.estimate_overlay import Belief
+from sitl.reports.estimate_overlay import Estimate
 from sitl.run.sail import Result, Sailing
 from sitl.scenarios.courses import tracking
 from sitl.scenarios.station_keeping import station_figures
@@ -61,7 +61,7 @@ def _command_travel_per_s(sailing: Sailing) -> float | None:
     rows = sailing.beliefs.rows
     if len(rows) < 2:
         return None
-    commands = rows[:, [Belief._fields.index("left"), Belief._fields.index("right")]]
+    commands = rows[:, [Estimate._fields.index("left"), Estimate._fields.index("right")]]
     return float(np.abs(np.diff(commands, axis=0)).sum() / (rows[-1, 0] - rows[0, 0]))
 
 

@@ -64,7 +64,7 @@ def inevitable(sailing: Sailing) -> str:
     if survives(scenario, rows, fault, speed_m_s, touch_s):
         return ""
     what = "no power" if speed_m_s == 0.0 else f"one motor: {speed_m_s:.2f} m/s"
-    return f"{what}, in a set of {math.hypot(*_set_m_s(scenario, row)):.2f} m/s"
+    return f"{what}, in a set of {math.hypot(*_current_m_s(scenario, row)):.2f} m/s"
 
 
 def left_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
@@ -98,9 +98,9 @@ def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: flo
     every = max(1, round(STEP_S / (since[1, 0] - since[0, 0]))) if len(since) > 1 else 1
     north_m_s = east_m_s = 0.0
     for row in since[::every]:
-        set_m_s = _set_m_s(scenario, row)
-        north_m_s, east_m_s = north_m_s + set_m_s[0], east_m_s + set_m_s[1]
-        reach.advance(set_m_s, speed_m_s, float(row[0]) - at_s)
+        current_m_s = _current_m_s(scenario, row)
+        north_m_s, east_m_s = north_m_s + current_m_s[0], east_m_s + current_m_s[1]
+        reach.advance(current_m_s, speed_m_s, float(row[0]) - at_s)
         at_s = float(row[0])
         if at_s >= over_s or not reach.is_left:
             return reach.is_left
@@ -113,7 +113,7 @@ def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: flo
     return reach.is_left
 
 
-def _set_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
+def _current_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
     """North and east: the current, and what the wind of the moment makes of a hull that lies beam on."""
     current = row[Truth._fields.index("current_north_m_s")], row[Truth._fields.index("current_east_m_s")]
     wind = row[Truth._fields.index("wind_north_m_s")], row[Truth._fields.index("wind_east_m_s")]
@@ -150,9 +150,9 @@ class _Reach:
         """Whether there is any place."""
         return bool(self._mask.any())
 
-    def advance(self, set_m_s: tuple[float, float], speed_m_s: float, dt_s: float) -> None:
+    def advance(self, current_m_s: tuple[float, float], speed_m_s: float, dt_s: float) -> None:
         """Go on by dt_s: carried by the set, cell by cell, and spread by the boat's own speed."""
-        for axis, speed in enumerate(set_m_s):
+        for axis, speed in enumerate(current_m_s):
             self._drift_m[axis] += speed * dt_s
             while abs(self._drift_m[axis]) >= 0.5 * CELL_M:
                 step = 1 if self._drift_m[axis] > 0.0 else -1

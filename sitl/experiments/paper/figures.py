@@ -12,7 +12,7 @@ from companion.core.output_file import output_file
 from mission_tools.drawing.draw import draw_chart
 from mission_tools.drawing.legend import INK, PAPER
 from sitl.experiments.paper.conditions import CASES, Method, conditions
-from sitl.experiments.paper.step_response import STEP_RAD, Response
+from sitl.experiments.paper.step_response import STEP_RAD, FailsafeActions
 from sitl.experiments.paper.table import Row
 from sitl.experiments.paper.trial import Sailed, planned
 
@@ -21,7 +21,7 @@ CASE_COLOURS = dict(zip(CASES, ("#c0392b", "#1f6fb2", "#2e8b57", "#d08a1d", "#8e
 _DPI = 120
 
 
-def draw_step_responses(responses: Sequence[Response], path: Path) -> None:
+def draw_step_responses(responses: Sequence[FailsafeActions], path: Path) -> None:
     """Fig. 5: one panel a gain set."""
     figure = _figure((12.0, 4.2))
     for column, response in enumerate(responses):

@@ -7,12 +7,12 @@ from matplotlib.figure import Figure
 
 from companion.core.output_file import output_file
 from sitl.experiments.tuning.search import Standing
-from sitl.experiments.tuning.verdict import Verdict
+from sitl.experiments.tuning.verdict import TuningVerdict
 
 _MOST_SHOWN = 3.0  # what costs more lies at the upper edge
 
 
-def draw_search(standings: Sequence[Standing], verdict: Verdict, title: str, path: Path) -> None:
+def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: str, path: Path) -> None:
     """Write it as PNG."""
     figure = Figure(figsize=(8.0, 4.5), layout="constrained")
     axes = figure.subplots()

@@ -6,7 +6,7 @@ from statistics import fmean, stdev
 from typing import NamedTuple
 
 
-class Verdict(NamedTuple):
+class TuningVerdict(NamedTuple):
     """ratio: the mean of costs over those of before; doubt: two standard errors of that mean."""
 
     ratio: float
@@ -18,6 +18,6 @@ class Verdict(NamedTuple):
         return self.ratio + self.doubt < 1.0
 
 
-def judge(ratios: Sequence[float]) -> Verdict:
+def judge(ratios: Sequence[float]) -> TuningVerdict:
     """ratios: of the costs of at least two runs, in the same water with the same seed."""
-    return Verdict(fmean(ratios), 2.0 * stdev(ratios) / math.sqrt(len(ratios)))
+    return TuningVerdict(fmean(ratios), 2.0 * stdev(ratios) / math.sqrt(len(ratios)))

@@ -1,17 +1,17 @@
 """Water and heat in the hull by parameter, while the boat sails. ArduPilot has no names for these."""
 
-from companion.config.parameters import Kind, Knob, Row
+from companion.config.parameters import Kind, ParameterHook, Row
 from sitl.world.faults.parts import LeakPart
 from sitl.world.sensors import HullSensorSettings, SimHull
 
 
-class HullKnobs:
+class HullParameters:
     """Two parameters over the hull's probe and thermometer."""
 
     def __init__(self, hull: SimHull, leak: LeakPart, settings: HullSensorSettings) -> None:
         self._leak = leak
         self.knobs = (
-            Knob(
+            ParameterHook(
                 Row(
                     "SIM_LEAK",
                     Kind.INT32,
@@ -22,7 +22,7 @@ class HullKnobs:
                 ),
                 self._soak,
             ),
-            Knob(
+            ParameterHook(
                 Row(
                     "SIM_HULL_TEMP",
                     Kind.REAL32,

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from companion.config.parameters import Kind, Knob, Row
+from companion.config.parameters import Kind, ParameterHook, Row
 from companion.core.geo import LatLon, LocalFrame
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.injection import Injection
@@ -14,7 +14,7 @@ _RC_KINDS = {1: "off", 2: "wrong", 3: "stuck", 4: "garbage", 5: "failsafe"}  # t
 _SIDES = ("motor_left", "motor_right")
 
 
-class FaultKnobs:
+class FaultParameters:
     """What the parameters have been set to, and what that means for the parts."""
 
     def __init__(self, faults: Faults, injection: Injection, frame: LocalFrame) -> None:
@@ -103,6 +103,6 @@ def _knob(
     low: float = 0.0,
     high: float = 1.0,
     unit: str = "",
-) -> Knob:
+) -> ParameterHook:
     kind = Kind.INT32 if low == 0.0 else Kind.REAL32  # choices, and quantities of either sign
-    return Knob(Row(name, kind, text, default=default, low=low, high=high, unit=unit), turn)
+    return ParameterHook(Row(name, kind, text, default=default, low=low, high=high, unit=unit), turn)

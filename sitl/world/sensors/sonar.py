@@ -6,7 +6,7 @@ from typing import Protocol
 
 import msgspec
 
-from companion.obstacles.perception.servo_scan import Swing
+from companion.obstacles.perception.servo_scan import ServoScan
 from companion.sensors.readings import SonarReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
@@ -58,7 +58,7 @@ class SimSonar:
         self._random = generator(seed, "sonar")
         self._fan_rad = tuple(0.5 * math.radians(settings.cone_deg) * side for side in CONE_RAYS)
         self._grazing = math.cos(math.radians(settings.specular_deg)) if settings.specular_deg < 90.0 else 0.0
-        self._swing = Swing(sweep_bearings_rad(settings))
+        self._swing = ServoScan(sweep_bearings_rad(settings))
         self._servo = _Servo(settings, self._swing.bearing_rad)
         self._pings: deque[SonarReading] = deque(maxlen=64)  # nobody reading must not cost memory
         self._last_range_m: float | None = None

@@ -82,7 +82,7 @@ def test_the_heading_gains_rise_toward_rest_and_are_level_beyond_cruise() -> Non
 def test_it_is_the_speed_through_the_water_that_counts() -> None:
     config = with_value(CONFIG, "heading.slow_gain", 1.5)
     helm = Helm()
-    helm.update(Demand(0.01, 2.0), replace(CRUISING, set_north_m_s=2.0), config, 0.02)
+    helm.update(Demand(0.01, 2.0), replace(CRUISING, current_north_m_s=2.0), config, 0.02)
     assert helm.heading_pid is not None
     assert helm.heading_pid.p == pytest.approx(1.5 * 0.01 * config.heading.kp)
 

@@ -12,12 +12,12 @@ from companion.config.boat_config import Speed
 from companion.config.estimation import Estimation
 from companion.core.state import EstimateFault
 from companion.estimation.current import CurrentFilter
-from companion.estimation.fix_watch import FixWatch
-from companion.estimation.fixing import Fixing
-from companion.estimation.liveliness import Liveliness
+from companion.estimation.gnss_integrity import GnssIntegrityMonitor
+from companion.estimation.gnss_update import GnssUpdate
 from companion.estimation.model import Model
-from companion.estimation.repetition import Repetition
-from companion.estimation.wake import LENGTH, Wake
+from companion.estimation.sensor_timeout import SensorTimeoutMonitor
+from companion.estimation.state_history import LENGTH, StateHistory
+from companion.estimation.stuck_value import StuckValueDetector
 from companion.estimation.water_speed import WaterSpeed
 from companion.sensors.readings import HeadingReading
 
@@ -25,7 +25,11 @@ DT = 0.2
 
 
 def learned(
-    headings_rad: list[float], set_m_s: complex, gain: complex, speed_m_s: float = 2.0, each_s: float = 30.0
+    headings_rad: list[float],
+    current_m_s: complex,
+    gain: complex,
+    speed_m_s: float = 2.0,
+    each_s: float = 30.0,
 ) -> CurrentFilter:
     """A filter that has sailed these courses one after the other."""
     current, rng = CurrentFilter(2.0, 0.035), random.Random(3)
@@ -33,14 +37,14 @@ def learned(
         through = cmath.rect(speed_m_s, heading)
         for _ in range(round(each_s / DT)):
             noise = complex(rng.gauss(0.0, 0.05), rng.gauss(0.0, 0.05))
-            current.update(gain * through + set_m_s + noise, through, 0.01, DT)
+            current.update(gain * through + current_m_s + noise, through, 0.01, DT)
     return current
 
 
 def test_set_gain_and_compass_offset_are_told_apart_once_two_courses_have_been_sailed() -> None:
     true_set, true_gain = complex(0.4, -0.3), cmath.rect(0.9, math.radians(3.0))
     current = learned([0.0, math.pi / 2.0, math.pi, -math.pi / 2.0], true_set, true_gain)
-    assert current.set_m_s == pytest.approx(true_set, abs=0.04)
+    assert current.current_m_s == pytest.approx(true_set, abs=0.04)
     assert abs(current.gain) == pytest.approx(0.9, abs=0.02)
     assert math.degrees(current.turn_rad) == pytest.approx(3.0, abs=0.8)
 
@@ -57,15 +61,15 @@ def test_a_boat_adrift_learns_the_set_at_once() -> None:
     current = CurrentFilter(2.0, 0.035)
     for _ in range(10):
         current.update(complex(0.0, 1.0), 0j, 0.01, DT)
-    assert current.set_m_s == pytest.approx(1j, abs=0.05)
+    assert current.current_m_s == pytest.approx(1j, abs=0.05)
     assert current.gain == 1 + 0j
 
 
 def test_one_absurd_velocity_teaches_nothing_and_a_lasting_one_does() -> None:
     current = learned([0.0, 1.5], 0j, 1 + 0j)
-    before = current.set_m_s
+    before = current.current_m_s
     assert current.update(complex(9.0, 9.0), 2.0 + 0j, 0.01, DT) == 0j
-    assert current.set_m_s == before
+    assert current.current_m_s == before
     for _ in range(300):
         current.update(complex(2.0, 1.5), 2.0 + 0j, 0.01, DT)
     assert current.velocity_m_s(2.0 + 0j) == pytest.approx(complex(2.0, 1.5), abs=0.1)
@@ -107,7 +111,7 @@ def test_water_speed_stays_within_reason(steps: list[tuple[float, float, float, 
 
 
 def test_the_wake_knows_where_the_boat_was_between_two_ticks() -> None:
-    wake = Wake()
+    wake = StateHistory()
     for tick in range(1, 3 * LENGTH):
         wake.advance(0.02 * tick, 1.5 + 0.5j)
     now = wake.time_s
@@ -119,7 +123,7 @@ def test_the_wake_knows_where_the_boat_was_between_two_ticks() -> None:
 
 
 def test_a_habit_of_repeating_is_no_fault_and_a_new_one_is() -> None:
-    repetition, now = Repetition(), 0.0
+    repetition, now = StuckValueDetector(), 0.0
     for _ in range(30):
         repetition.change(now)
         for _ in range(4):
@@ -135,7 +139,7 @@ def test_a_habit_of_repeating_is_no_fault_and_a_new_one_is() -> None:
 
 
 def test_dead_and_wild_sensors_are_told_from_noisy_ones() -> None:
-    rng, good, dead, wild = random.Random(1), *[Liveliness(0.15, 3.0, 0.5) for _ in range(3)]
+    rng, good, dead, wild = random.Random(1), *[SensorTimeoutMonitor(0.15, 3.0, 0.5) for _ in range(3)]
     for tick in range(200):
         now, value = 0.02 * tick, rng.gauss(0.3, 0.01)
         good.update(value, now)
@@ -151,7 +155,7 @@ def test_dead_and_wild_sensors_are_told_from_noisy_ones() -> None:
 
 
 def test_a_story_of_fixes_is_consistent_frozen_or_creeping() -> None:
-    watch = FixWatch()
+    watch = GnssIntegrityMonitor()
     for fix in range(40):
         watch.update(DT * fix, complex(2.0 * DT * fix, 0.0), 2.0 + 0j, 0.1)
     assert watch.is_consistent()
@@ -161,16 +165,16 @@ def test_a_story_of_fixes_is_consistent_frozen_or_creeping() -> None:
         watch.update(DT * fix, complex(15.6, 0.0), 2.0 + 0j, 0.1)
     assert watch.is_frozen(0.0, 0.2)
     assert not watch.is_consistent()
-    creeping = FixWatch()
+    creeping = GnssIntegrityMonitor()
     for fix in range(200):
         creeping.update(DT * fix, complex(2.1 * DT * fix, 0.0), 2.0 + 0j, 0.1)
     assert creeping.is_consistent()
     assert creeping.creep_m() == pytest.approx(3.0, abs=0.2)
 
 
-def fixed() -> Fixing:
+def fixed() -> GnssUpdate:
     """A boat at rest whose position is known well."""
-    fixing = Fixing(Model(Speed(), Estimation()), Estimation())
+    fixing = GnssUpdate(Model(Speed(), Estimation()), Estimation())
     for fix in range(50):
         fixing.take(DT * fix, 0j, 0j + 0.001 * (fix % 2), 0.1, 0)
     return fixing

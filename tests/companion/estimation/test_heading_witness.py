@@ -7,7 +7,7 @@ import random
 import pytest
 
 from companion.estimation.heading import HeadingFilter
-from companion.estimation.witness import Verdict, Witness
+from companion.estimation.heading_consistency import HeadingConsistencyMonitor, HeadingVerdict
 
 TICK_S = 0.02
 SET_M_S = complex(0.4, -0.3)
@@ -17,14 +17,14 @@ class Passage:
     """A boat on a steady course, its heading filter, and the witness beside it."""
 
     def __init__(self, speed_m_s: float = 2.0) -> None:
-        self.filter, self.witness = HeadingFilter(0.26), Witness()
-        self.verdict, self.told_s, self.told_rad = Verdict.NOTHING, math.inf, 0.0
+        self.filter, self.witness = HeadingFilter(0.26), HeadingConsistencyMonitor()
+        self.verdict, self.told_s, self.told_rad = HeadingVerdict.NOTHING, math.inf, 0.0
         self._speed_m_s = speed_m_s
         self._rng = random.Random(4)
         self._tick = 0
         self._heading_rad = 0.5
 
-    def sail(self, seconds: float, compass_rad_s: float = 0.0, gyro_rad_s: float = 0.0) -> Verdict:
+    def sail(self, seconds: float, compass_rad_s: float = 0.0, gyro_rad_s: float = 0.0) -> HeadingVerdict:
         """Go on, turning to and fro a little; the compass drifts and the gyro is off by so much."""
         rng, heading = self._rng, self.filter
         begun = self._tick
@@ -39,7 +39,7 @@ class Passage:
             )
             if self._tick % 10 == 0:
                 self._hear(now_s)
-            if self.verdict is not Verdict.NOTHING:
+            if self.verdict is not HeadingVerdict.NOTHING:
                 break
         return self.verdict
 
@@ -67,7 +67,7 @@ def test_who_is_well_does_not_quarrel() -> None:
 def test_a_compass_that_turns_away_is_found_out_and_the_heading_known_all_the_same(deg_s: float) -> None:
     passage = Passage()
     passage.sail(40.0)
-    assert passage.sail(20.0, compass_rad_s=math.radians(deg_s)) is Verdict.COMPASS
+    assert passage.sail(20.0, compass_rad_s=math.radians(deg_s)) is HeadingVerdict.COMPASS
     assert passage.told_s < 40.0 + 15.0
     assert passage.told_rad < math.radians(5.0)
 
@@ -75,20 +75,20 @@ def test_a_compass_that_turns_away_is_found_out_and_the_heading_known_all_the_sa
 def test_a_compass_that_turns_away_soon_after_boot_is_found_out_too() -> None:
     passage = Passage()
     passage.sail(8.0)
-    assert passage.sail(20.0, compass_rad_s=math.radians(2.0)) is Verdict.COMPASS
+    assert passage.sail(20.0, compass_rad_s=math.radians(2.0)) is HeadingVerdict.COMPASS
 
 
 @pytest.mark.parametrize("deg_s", [-5.0, 3.0, 5.0])
 def test_a_gyro_with_another_bias_is_not_taken_for_a_lying_compass(deg_s: float) -> None:
     passage = Passage()
     passage.sail(40.0)
-    assert passage.sail(60.0, gyro_rad_s=math.radians(deg_s)) is Verdict.GYRO
+    assert passage.sail(60.0, gyro_rad_s=math.radians(deg_s)) is HeadingVerdict.GYRO
 
 
 def test_without_way_nobody_can_tell() -> None:
     passage = Passage(speed_m_s=0.05)
     passage.sail(40.0)
-    assert passage.sail(60.0, compass_rad_s=math.radians(2.0)) is Verdict.NOTHING
+    assert passage.sail(60.0, compass_rad_s=math.radians(2.0)) is HeadingVerdict.NOTHING
 
 
 def test_a_compass_that_was_found_out_has_to_agree_for_a_while() -> None:

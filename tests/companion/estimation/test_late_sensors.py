@@ -9,7 +9,7 @@ import pytest
 from companion.config.boat_config import Speed
 from companion.config.estimation import Estimation
 from companion.core.state import EstimateFault, MotorCommand
-from companion.estimation.lag_watch import PAUSE_S, LagWatch
+from companion.estimation.latency import PAUSE_S, LatencyEstimator
 from companion.estimation.model import Model
 from companion.estimation.yaw_model import YawModel
 from companion.sensors.readings import HeadingReading
@@ -24,9 +24,9 @@ def swing(time_s: float) -> complex:
 
 def watched(
     late_s: float, paused_s: float, seconds: float = 60.0, noise: float = 0.1, scale: float = 1.0
-) -> LagWatch:
+) -> LatencyEstimator:
     """A watch over readings that become late_s late after 20 s, with a pause of paused_s."""
-    watch, rng, heard_s = LagWatch(0.2), random.Random(5), 0.0
+    watch, rng, heard_s = LatencyEstimator(0.2), random.Random(5), 0.0
     for tick in range(round(seconds / 0.1)):
         now_s = 0.1 * tick
         if watch.is_due(now_s):
@@ -58,7 +58,7 @@ def test_what_has_not_paused_cannot_have_become_late() -> None:
 
 
 def test_readings_that_are_in_time_again_are_believed_again() -> None:
-    watch = LagWatch(0.2)
+    watch = LatencyEstimator(0.2)
     lags = []
     for tick in range(900):
         now_s = 0.1 * tick
@@ -76,7 +76,7 @@ def test_readings_that_are_in_time_again_are_believed_again() -> None:
 
 
 def test_a_sensor_that_is_slow_as_a_rule_is_not_doubted_for_it() -> None:
-    watch = LagWatch(0.2)
+    watch = LatencyEstimator(0.2)
     for second in range(1, 60):
         watch.pause(float(second), 1.0)
     assert not watch.is_doubtful(60.0)

@@ -139,7 +139,7 @@ class Failsafes(RuleBasedStateMachine):
     def live(self) -> None:
         vehicle = self.vehicle
         nav = nav_at(time_s=self.now_s, age_s=100.0 if self.is_stale else 0.1)
-        self.nav = replace(nav, faults=self.faults, set_east_m_s=0.4)
+        self.nav = replace(nav, faults=self.faults, current_east_m_s=0.4)
         if self.operator_is_there:
             vehicle.operator.heard(self.now_s)
         if self.planner_is_there:

@@ -6,7 +6,7 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
 from companion.failsafe.actions import Action
-from companion.failsafe.escalation import Ladder, Move
+from companion.failsafe.escalation import Escalation, Move
 from companion.failsafe.table import ROWS, Condition
 from companion.sensors.readings import BatteryReading
 from companion.vehicle.vehicle import Vehicle
@@ -284,7 +284,7 @@ def test_a_relapse_that_is_only_told_stays_told() -> None:
     config = BoatConfig()
     setting = replace(config.failsafe, motor_action=int(Action.NONE))
     row = next(row for row in ROWS if row.condition is Condition.MOTOR_FAILING)
-    ladder, moves = Ladder(row), []
+    ladder, moves = Escalation(row), []
     for tick in range(1200):
         text = "Left motor does not pull" if tick % 400 < 100 else ""
         move = ladder.update(text, setting, 0.1 * tick)

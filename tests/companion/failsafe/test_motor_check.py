@@ -10,21 +10,24 @@ from companion.control.lame import LameHelm
 from companion.core.geo import Point
 from companion.core.intent import Drive, Stop
 from companion.core.state import Demand, NavState
-from companion.failsafe.recovery.motor_check import MotorProbe
+from companion.failsafe.recovery.motor_check import MotorCheck
 from companion.guidance.drift_heading import lee_demand
 
 
 def nav_at(
-    now_s: float = 0.0, yaw_rate: float = 0.0, heading: float = 0.0, set_m_s: tuple[float, float] = (0.0, 0.0)
+    now_s: float = 0.0,
+    yaw_rate: float = 0.0,
+    heading: float = 0.0,
+    current_m_s: tuple[float, float] = (0.0, 0.0),
 ) -> NavState:
     return NavState(
         now_s, 0.0, 0.0, heading, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1,
-        set_north_m_s=set_m_s[0], set_east_m_s=set_m_s[1],
+        current_north_m_s=current_m_s[0], current_east_m_s=current_m_s[1],
     )  # fmt: skip
 
 
 def tried(
-    probe: MotorProbe,
+    probe: MotorCheck,
     left: float,
     right: float,
     wind_rad_s2: float = 0.0,
@@ -61,7 +64,7 @@ def tried(
 @pytest.mark.parametrize("left", [1, 0, -1])
 @pytest.mark.parametrize("right", [1, -1])
 def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wind: float) -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 1.0 * left, 1.0 * right, wind)
     assert (probe.left, probe.right) == (left, right)
     assert probe.is_lame is (left == 0)
@@ -69,7 +72,7 @@ def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wi
 
 
 def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 0.0, 0.0, 0.05)
     assert (probe.left, probe.right) == (1, 1)
     assert probe.is_unclear
@@ -77,27 +80,27 @@ def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
 
 
 def test_a_hull_that_is_turned_by_what_it_touches_teaches_nothing() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 1.0, 1.0, is_aground=True)
     assert (probe.left, probe.right, probe.is_unclear) == (1, 1, True)
 
 
 @pytest.mark.parametrize("left", [1, 0, -1])
 def test_pulses_that_are_not_driven_as_they_are_meant_tell_all_the_same(left: int) -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 1.0 * left, 1.0, 0.05, held_back=0.1)
     assert (probe.left, probe.right) == (left, 1)
 
 
 @given(st.floats(0.2, 3.0), st.floats(-0.1, 0.1), st.sampled_from([1, 0, -1]))
 def test_neither_swing_nor_wind_hides_a_dead_motor(damping_s: float, wind: float, left: int) -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 1.0 * left, 1.0, wind, damping_s=damping_s)
     assert (probe.left, probe.right) == (left, 1)
 
 
 def test_a_motor_presumed_dead_is_tried_soon() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     probe.presume(is_left=True, now_s=100.0)
     assert (probe.left, probe.right, probe.is_running) == (0, 1, False)
     assert probe.fault() == "Left motor does not pull"
@@ -108,7 +111,7 @@ def test_a_motor_presumed_dead_is_tried_soon() -> None:
 
 
 def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 1.0, -1.0)
     tried(probe, 1.0, 1.0)  # as it is driven now
     assert (probe.left, probe.right) == (1, -1)
@@ -117,7 +120,7 @@ def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> N
 
 
 def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     tried(probe, 0.0, 1.0)
     assert not probe.is_due(34.0, has_room=True)
     assert probe.is_due(36.0, has_room=True)
@@ -128,7 +131,7 @@ def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
 
 
 def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurry() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     for wait_s in (25.0, 50.0, 100.0, 120.0, 120.0):
         tried(probe, 0.0, 1.0)  # begins at 10 s
         assert not probe.is_due(9.0 + wait_s, has_room=True)
@@ -140,7 +143,7 @@ def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurr
 
 
 def test_without_an_estimate_the_trying_is_broken_off() -> None:
-    probe = MotorProbe()
+    probe = MotorCheck()
     probe.begin(0.0)
     assert probe.intent(None, 0.0, 0.0, 1.0) == Stop()
     assert not probe.is_running
@@ -166,7 +169,7 @@ def test_a_lame_boat_swings_to_and_fro_about_its_heading() -> None:
 
 
 def test_who_asks_only_for_what_the_water_does_rests() -> None:
-    thrust = LameHelm().update(Demand(0.0, 0.3), nav_at(set_m_s=(0.3, 0.0)), is_left=True, most=1.0)
+    thrust = LameHelm().update(Demand(0.0, 0.3), nav_at(current_m_s=(0.3, 0.0)), is_left=True, most=1.0)
     assert (thrust.left, thrust.right) == (0.0, 0.0)
 
 
@@ -184,7 +187,7 @@ class Wall:
 
 
 def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
-    demand = lee_demand(nav_at(set_m_s=(0.8, 0.0)), Wall(), 0.35)
+    demand = lee_demand(nav_at(current_m_s=(0.8, 0.0)), Wall(), 0.35)
     north = 0.8 + 0.35 * math.cos(demand.heading_rad)
     east = 0.35 * math.sin(demand.heading_rad)
     assert 40.0 / north * east > 15.0
@@ -193,5 +196,5 @@ def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
 
 
 def test_with_room_all_round_it_points_into_the_set() -> None:
-    demand = lee_demand(nav_at(set_m_s=(0.0, -0.8)), Wall(), 0.35)
+    demand = lee_demand(nav_at(current_m_s=(0.0, -0.8)), Wall(), 0.35)
     assert demand.heading_rad == pytest.approx(math.pi / 2.0)

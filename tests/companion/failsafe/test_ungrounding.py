@@ -11,7 +11,7 @@ from companion.config.fence import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.intent import Drive, HoldCourse, Stop
 from companion.core.state import NavState
-from companion.failsafe.recovery.ungrounding import Refloat
+from companion.failsafe.recovery.ungrounding import Ungrounding
 from companion.geofence.fence import Fence, FencePolygon
 
 CONFIG = BoatConfig()
@@ -33,7 +33,7 @@ def nav_at(north_m: float, east_m: float, heading_rad: float) -> NavState:
 
 
 def tries(
-    refloat: Refloat, heading_rad: float, seconds: float, slide_m_s: float = 0.0
+    refloat: Ungrounding, heading_rad: float, seconds: float, slide_m_s: float = 0.0
 ) -> list[tuple[float, Drive]]:
     """What is driven, and since when, by a boat that lies on the north shore."""
     begun: list[tuple[float, Drive]] = []
@@ -48,8 +48,8 @@ def tries(
     return begun
 
 
-def begun_at(now_s: float = 0.0) -> Refloat:
-    refloat = Refloat()
+def begun_at(now_s: float = 0.0) -> Ungrounding:
+    refloat = Ungrounding()
     refloat.begin(now_s)
     return refloat
 

@@ -12,9 +12,9 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import LatLon, Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
-from companion.core.status_text import Notice
-from companion.geofence.costmap import WaterGrid
-from companion.geofence.distance_field import HomeField
+from companion.core.status_text import StatusText
+from companion.geofence.costmap import Costmap
+from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
 from companion.vehicle.modes.rtl import WayHome
 
@@ -23,8 +23,8 @@ L_WATER = FencePolygon(globe(L_CORNERS), is_inclusion=True)
 HOME = Point(0.0, 0.0)
 
 
-def field_of(fence: Fence, *goals: Point, clearance_m: float = 3.0) -> HomeField:
-    field = HomeField(fence, goals, WaterGrid(fence, goals, clearance_m))
+def field_of(fence: Fence, *goals: Point, clearance_m: float = 3.0) -> DistanceField:
+    field = DistanceField(fence, goals, Costmap(fence, goals, clearance_m))
     for _ in range(5000):
         if field.is_complete:
             return field
@@ -33,7 +33,7 @@ def field_of(fence: Fence, *goals: Point, clearance_m: float = 3.0) -> HomeField
 
 
 def way_home(fence: Fence, config: BoatConfig = BoatConfig(), rally: tuple[LatLon, ...] = ()) -> WayHome:  # noqa: B008
-    notices: list[Notice] = []
+    notices: list[StatusText] = []
     way = WayHome(fence, notices)
     way.rally = rally
     home = FRAME.to_global(HOME)
@@ -149,7 +149,7 @@ def test_a_passage_too_narrow_for_the_clearance_is_taken_with_less() -> None:
 
 def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
     wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
-    notices: list[Notice] = []
+    notices: list[StatusText] = []
     way = WayHome(laid(square(100.0), wall), notices)
     start = Point(80.0, 0.0)
     way.begin()
@@ -171,8 +171,8 @@ def test_one_step_of_the_work_is_small_even_for_a_thousand_vertices() -> None:
         (300.0 + 40.0 * math.sin(7.0 * a), a) for a in (math.tau * number / 1000.0 for number in range(1000))
     ]
     fence = laid(FencePolygon(globe([(r * math.cos(a), r * math.sin(a)) for r, a in ring]), True))
-    grid = WaterGrid(fence, [HOME], 3.0)
-    field = HomeField(fence, [HOME], grid)
+    grid = Costmap(fence, [HOME], 3.0)
+    field = DistanceField(fence, [HOME], grid)
     assert sum(1 for cell in grid.free if cell) == 0
     steps = 0
     while not field.is_complete:

@@ -12,9 +12,11 @@ from companion.guidance.course_to_steer import course_to_steer, steerable_speed_
 courses = st.floats(-math.pi, math.pi)
 
 
-def made_good(heading_rad: float, water_m_s: float, set_north: float, set_east: float) -> tuple[float, float]:
-    north = water_m_s * math.cos(heading_rad) + set_north
-    east = water_m_s * math.sin(heading_rad) + set_east
+def made_good(
+    heading_rad: float, water_m_s: float, current_north: float, current_east: float
+) -> tuple[float, float]:
+    north = water_m_s * math.cos(heading_rad) + current_north
+    east = water_m_s * math.sin(heading_rad) + current_east
     return math.atan2(east, north), math.hypot(north, east)
 
 
@@ -24,22 +26,22 @@ def test_still_water_asks_for_the_course_itself() -> None:
 
 @given(courses, st.floats(-0.7, 0.7), st.floats(-0.7, 0.7))
 def test_course_and_speed_are_made_good_within_the_boats_means(
-    course: float, set_north: float, set_east: float
+    course: float, current_north: float, current_east: float
 ) -> None:
-    heading, water = course_to_steer(course, 1.7, set_north, set_east, 0.4, 3.0)
-    way, speed = made_good(heading, water, set_north, set_east)
+    heading, water = course_to_steer(course, 1.7, current_north, current_east, 0.4, 3.0)
+    way, speed = made_good(heading, water, current_north, current_east)
     assert wrap_pi(way - course) == pytest.approx(0.0, abs=1e-9)
     assert speed == pytest.approx(1.7)
 
 
 @given(courses, st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), st.floats(0.0, 5.0))
 def test_the_course_goes_before_the_speed(
-    course: float, set_north: float, set_east: float, speed: float
+    course: float, current_north: float, current_east: float, speed: float
 ) -> None:
-    heading, water = course_to_steer(course, speed, set_north, set_east, 0.4, 3.0)
+    heading, water = course_to_steer(course, speed, current_north, current_east, 0.4, 3.0)
     assert water <= 3.0 + 1e-9
     assert math.cos(heading - course) > 0.0  # the bow never turns away from where the boat is to go
-    across = set_east * math.cos(course) - set_north * math.sin(course)
+    across = current_east * math.cos(course) - current_north * math.sin(course)
     if abs(across) < 2.5:
         offset = water * math.sin(heading - course) + across
         assert offset == pytest.approx(0.0, abs=1e-9)

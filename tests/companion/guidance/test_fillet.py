@@ -49,8 +49,8 @@ def through_water(at: Bend, fillet: Fillet) -> list[tuple[float, float]]:
     found = []
     for node in fillet.nodes:
         course = at.course_rad + node.turned_rad
-        north = node.speed_m_s * math.cos(course) - at.set_north_m_s
-        east = node.speed_m_s * math.sin(course) - at.set_east_m_s
+        north = node.speed_m_s * math.cos(course) - at.current_north_m_s
+        east = node.speed_m_s * math.sin(course) - at.current_east_m_s
         found.append((math.atan2(east, north), math.hypot(north, east)))
     return found
 

@@ -110,10 +110,10 @@ def test_a_boat_that_was_carried_off_its_fillet_sails_the_next_leg_without() -> 
 def test_a_fillet_that_has_been_begun_is_kept_whatever_the_current_does() -> None:
     following = PathFollowing()
     before = replace(NORTHBOUND, north_m=90.0)
-    turning = replace(NORTHBOUND, north_m=98.6, east_m=0.2, heading_rad=0.4, set_north_m_s=0.5)
+    turning = replace(NORTHBOUND, north_m=98.6, east_m=0.2, heading_rad=0.4, current_north_m_s=0.5)
     following.update(CORNER, before, CONFIG)
     kept = following.update(CORNER, turning, CONFIG).tangent_rad
-    assert kept == following.update(CORNER, replace(turning, set_north_m_s=0.0), CONFIG).tangent_rad
+    assert kept == following.update(CORNER, replace(turning, current_north_m_s=0.0), CONFIG).tangent_rad
     slower = FollowLeg(CORNER.start, CORNER.end, 1.0, CORNER.next_end)
     assert kept == following.update(slower, turning, CONFIG).tangent_rad
     onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
@@ -134,7 +134,7 @@ def test_a_bow_that_points_elsewhere_turns_on_the_spot() -> None:
 
 
 def test_the_bow_is_held_against_the_set() -> None:
-    in_a_current = replace(NORTHBOUND, set_east_m_s=0.5)
+    in_a_current = replace(NORTHBOUND, current_east_m_s=0.5)
     demand = _demand(Pilot(), LEG, in_a_current)
     assert demand.heading_rad == pytest.approx(-math.atan(0.5 / 2.0))
     # Along the bow, over ground: what it takes through the water, and the set's part of it.
@@ -145,30 +145,32 @@ def test_the_path_is_made_anew_for_another_current_and_not_for_a_little_change()
     share = NEW_SET_SHARE * CONFIG.guidance.min_speed_m_s
     assert share == pytest.approx(0.1)
     far = replace(NORTHBOUND, north_m=40.0)
-    near = replace(NORTHBOUND, north_m=96.4, set_north_m_s=0.5)
+    near = replace(NORTHBOUND, north_m=96.4, current_north_m_s=0.5)
     speeds = []
     for learned in (0.0, 0.5 - 1.01 * share, 0.5 - 0.99 * share, 0.5):
         pilot = Pilot()
-        _demand(pilot, CORNER, replace(far, set_north_m_s=learned))
+        _demand(pilot, CORNER, replace(far, current_north_m_s=learned))
         # Within a radius of the fillet it is too late, so this is sailed on the path for what was learned.
         speeds.append(_demand(pilot, CORNER, near).speed_m_s)
     pilot = Pilot()
     _demand(pilot, CORNER, far)
-    _demand(pilot, CORNER, replace(far, set_north_m_s=0.5))
+    _demand(pilot, CORNER, replace(far, current_north_m_s=0.5))
     assert _demand(pilot, CORNER, near).speed_m_s == speeds[3]
     assert speeds[0] != speeds[3]
     for changed, is_new in ((1.01 * share, True), (0.99 * share, False)):
         pilot = Pilot()
-        _demand(pilot, CORNER, replace(far, set_north_m_s=0.5 - changed))
-        _demand(pilot, CORNER, replace(far, set_north_m_s=0.5))
+        _demand(pilot, CORNER, replace(far, current_north_m_s=0.5 - changed))
+        _demand(pilot, CORNER, replace(far, current_north_m_s=0.5))
         assert (_demand(pilot, CORNER, near).speed_m_s == speeds[3]) is is_new
 
 
 def test_a_boat_at_rest_is_pointed_for_the_speed_that_it_has_and_not_for_the_one_it_will_have() -> None:
     """At 2 m/s over ground 27° would hold a leg through 1 m/s abeam; at rest that lets the boat drift."""
-    adrift = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0, set_east_m_s=1.0, east_m_s=0.0)
+    adrift = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0, current_east_m_s=1.0, east_m_s=0.0)
     drifting = _demand(Pilot(), LEG, adrift)
-    under_way = _demand(Pilot(), LEG, replace(NORTHBOUND, surge_m_s=2.0, set_east_m_s=1.0, heading_rad=-0.46))
+    under_way = _demand(
+        Pilot(), LEG, replace(NORTHBOUND, surge_m_s=2.0, current_east_m_s=1.0, heading_rad=-0.46)
+    )
     assert under_way.heading_rad == pytest.approx(-math.atan(0.5), abs=0.12)
     assert drifting.heading_rad == pytest.approx(-0.5)  # on its way to 68°
     nearly = _demand(Pilot(), LEG, replace(adrift, heading_rad=-1.0))
@@ -176,8 +178,8 @@ def test_a_boat_at_rest_is_pointed_for_the_speed_that_it_has_and_not_for_the_one
 
 
 def test_a_boat_that_turns_into_a_current_makes_way_meanwhile() -> None:
-    adrift = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0, set_east_m_s=1.0, east_m_s=0.0)
-    still = replace(adrift, set_east_m_s=0.0, heading_rad=1.3)
+    adrift = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0, current_east_m_s=1.0, east_m_s=0.0)
+    still = replace(adrift, current_east_m_s=0.0, heading_rad=1.3)
     assert _demand(Pilot(), LEG, adrift).speed_m_s == pytest.approx(1.0)
     assert _demand(Pilot(), LEG, still).speed_m_s == 0.0
     away = replace(adrift, heading_rad=1.5)
@@ -185,7 +187,7 @@ def test_a_boat_that_turns_into_a_current_makes_way_meanwhile() -> None:
 
 
 def test_the_bow_is_never_pointed_so_far_aside_that_no_way_is_made() -> None:
-    swept = replace(NORTHBOUND, east_m=30.0, set_east_m_s=1.5, surge_m_s=1.0, heading_rad=-1.0)
+    swept = replace(NORTHBOUND, east_m=30.0, current_east_m_s=1.5, surge_m_s=1.0, heading_rad=-1.0)
     assert _demand(Pilot(), LEG, swept).heading_rad == pytest.approx(-1.2)
 
 
@@ -213,7 +215,7 @@ def test_a_leg_without_length_is_sailed_straight_to_its_end() -> None:
 
 
 def test_a_set_from_astern_turns_the_boat_about_before_its_stop() -> None:
-    carried = replace(NORTHBOUND, set_north_m_s=1.0)
+    carried = replace(NORTHBOUND, current_north_m_s=1.0)
     assert _demand(Pilot(), LEG, replace(carried, north_m=80.0)).heading_rad == pytest.approx(0.0)
     early = _demand(Pilot(), LEG, replace(carried, north_m=92.0))
     assert early.speed_m_s < 2.0

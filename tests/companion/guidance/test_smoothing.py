@@ -19,8 +19,10 @@ STILL = (0.0, 0.0)
 STAIRCASE = [Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0), Point(100.0, 50.0)]
 
 
-def smoothed(places: list[Point], set_m_s: tuple[float, float] = STILL, radius_m: float = 2.0) -> SmoothPath:
-    return smooth(places, radius_m, 2.0, set_m_s, CONFIG)
+def smoothed(
+    places: list[Point], current_m_s: tuple[float, float] = STILL, radius_m: float = 2.0
+) -> SmoothPath:
+    return smooth(places, radius_m, 2.0, current_m_s, CONFIG)
 
 
 @st.composite
@@ -39,8 +41,10 @@ sets = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
 
 
 @given(routes(), sets)
-def test_position_and_course_go_on_without_a_leap(places: list[Point], set_m_s: tuple[float, float]) -> None:
-    path = smoothed(places, set_m_s).path
+def test_position_and_course_go_on_without_a_leap(
+    places: list[Point], current_m_s: tuple[float, float]
+) -> None:
+    path = smoothed(places, current_m_s).path
     for one, other in pairwise(path.nodes):
         length_m = math.hypot(other.north_m - one.north_m, other.east_m - one.east_m)
         assert abs(other.course_rad - one.course_rad) < 0.45
@@ -52,9 +56,9 @@ def test_position_and_course_go_on_without_a_leap(places: list[Point], set_m_s: 
 
 @given(routes(), st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
 def test_every_waypoint_is_passed_in_its_turn_within_its_radius(
-    places: list[Point], set_m_s: tuple[float, float]
+    places: list[Point], current_m_s: tuple[float, float]
 ) -> None:
-    made = smoothed(places, set_m_s)
+    made = smoothed(places, current_m_s)
     assert list(made.marks_m) == sorted(made.marks_m)
     for place, mark in zip(places, made.marks_m, strict=False):
         at = made.path.point(mark)
@@ -63,9 +67,9 @@ def test_every_waypoint_is_passed_in_its_turn_within_its_radius(
 
 @given(routes(), sets)
 def test_no_fillet_takes_more_than_its_share_of_a_leg(
-    places: list[Point], set_m_s: tuple[float, float]
+    places: list[Point], current_m_s: tuple[float, float]
 ) -> None:
-    for (before, at, after), fillet in smoothed(places, set_m_s).fillets.items():
+    for (before, at, after), fillet in smoothed(places, current_m_s).fillets.items():
         assert fillet.entry_m <= LEG_SHARE * distance_m(before, at) + 1e-9
         assert fillet.exit_m <= LEG_SHARE * distance_m(at, after) + 1e-9
 

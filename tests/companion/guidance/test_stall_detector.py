@@ -5,7 +5,7 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.state import STOPPED, Demand, MotorCommand, NavState
-from companion.guidance.stall_detector import HELD_S, NOTICE_S, Headway, Verdict
+from companion.guidance.stall_detector import HELD_S, NOTICE_S, StallDetector, StallVerdict
 
 CONFIG = BoatConfig()
 DT = 0.02
@@ -16,40 +16,44 @@ UNDER_WAY = replace(STILL, north_m_s=2.0, surge_m_s=2.0)
 
 
 def judged(
-    headway: Headway, nav: NavState, seconds: float, command: MotorCommand = FULL, demand: Demand = NORTH
-) -> Verdict:
+    headway: StallDetector,
+    nav: NavState,
+    seconds: float,
+    command: MotorCommand = FULL,
+    demand: Demand = NORTH,
+) -> StallVerdict:
     for _ in range(round(seconds / DT)):
         headway.update(demand, command, nav, CONFIG, DT)
     return headway.verdict
 
 
 def test_a_boat_under_way_makes_way() -> None:
-    assert judged(Headway(), UNDER_WAY, 60.0) is Verdict.MAKING_WAY
+    assert judged(StallDetector(), UNDER_WAY, 60.0) is StallVerdict.MAKING_WAY
 
 
 def test_full_throttle_without_way_in_still_water_is_stuck() -> None:
-    headway = Headway()
+    headway = StallDetector()
     judged(headway, UNDER_WAY, 60.0)
-    assert judged(headway, STILL, 0.9 * NOTICE_S) is Verdict.MAKING_WAY
-    assert judged(headway, STILL, 0.2 * NOTICE_S) is Verdict.STUCK
+    assert judged(headway, STILL, 0.9 * NOTICE_S) is StallVerdict.MAKING_WAY
+    assert judged(headway, STILL, 0.2 * NOTICE_S) is StallVerdict.STUCK
 
 
 def test_a_current_as_fast_as_the_boat_leaves_no_headway() -> None:
-    headway = Headway()
-    judged(headway, replace(UNDER_WAY, north_m_s=0.2, set_north_m_s=-2.9), 120.0)
-    assert judged(headway, replace(STILL, set_north_m_s=-3.0), 1.1 * NOTICE_S) is Verdict.NO_HEADWAY
+    headway = StallDetector()
+    judged(headway, replace(UNDER_WAY, north_m_s=0.2, current_north_m_s=-2.9), 120.0)
+    assert judged(headway, replace(STILL, current_north_m_s=-3.0), 1.1 * NOTICE_S) is StallVerdict.NO_HEADWAY
 
 
 def test_a_set_learned_while_stuck_does_not_blame_the_water() -> None:
-    headway = Headway()
+    headway = StallDetector()
     judged(headway, UNDER_WAY, 60.0)
-    assert judged(headway, replace(STILL, set_north_m_s=-3.0), 60.0) is Verdict.STUCK
+    assert judged(headway, replace(STILL, current_north_m_s=-3.0), 60.0) is StallVerdict.STUCK
 
 
 def test_way_made_good_clears_the_verdict() -> None:
-    headway = Headway()
-    assert judged(headway, STILL, 2.0 * NOTICE_S) is Verdict.STUCK
-    assert judged(headway, UNDER_WAY, DT) is Verdict.MAKING_WAY
+    headway = StallDetector()
+    assert judged(headway, STILL, 2.0 * NOTICE_S) is StallVerdict.STUCK
+    assert judged(headway, UNDER_WAY, DT) is StallVerdict.MAKING_WAY
 
 
 @pytest.mark.parametrize(
@@ -64,11 +68,11 @@ def test_way_made_good_clears_the_verdict() -> None:
 )
 def test_who_does_not_try_is_not_judged(command: MotorCommand, demand: Demand, heading_rad: float) -> None:
     nav = replace(STILL, heading_rad=heading_rad)
-    assert judged(Headway(), nav, 60.0, command, demand) is Verdict.MAKING_WAY
+    assert judged(StallDetector(), nav, 60.0, command, demand) is StallVerdict.MAKING_WAY
 
 
 def test_opening_the_loops_begins_anew() -> None:
-    headway = Headway()
+    headway = StallDetector()
     judged(headway, STILL, 0.9 * NOTICE_S)
     headway.update(None, STOPPED, STILL, CONFIG, DT)
     assert headway.stalled_s == 0.0
@@ -79,8 +83,12 @@ NO_WAY = Demand(1.0, 0.0)
 
 
 def held(
-    headway: Headway, command: MotorCommand, seconds: float, turn_rad_s: float = 0.0, drift_m_s: float = 0.0
-) -> Verdict:
+    headway: StallDetector,
+    command: MotorCommand,
+    seconds: float,
+    turn_rad_s: float = 0.0,
+    drift_m_s: float = 0.0,
+) -> StallVerdict:
     for tick in range(round(seconds / DT)):
         now_s = tick * DT
         nav = replace(STILL, heading_rad=turn_rad_s * now_s, east_m=drift_m_s * now_s)
@@ -89,24 +97,24 @@ def held(
 
 
 def test_steering_that_turns_nothing_at_the_shore_is_a_boat_aground() -> None:
-    headway = Headway()
-    assert held(headway, TURNING, 0.9 * HELD_S) is Verdict.MAKING_WAY
+    headway = StallDetector()
+    assert held(headway, TURNING, 0.9 * HELD_S) is StallVerdict.MAKING_WAY
     assert headway.held_s > 5.0
-    assert held(headway, TURNING, 0.2 * HELD_S) is Verdict.AGROUND
+    assert held(headway, TURNING, 0.2 * HELD_S) is StallVerdict.AGROUND
 
 
 def test_thrust_that_moves_nothing_at_the_shore_is_a_boat_aground() -> None:
-    assert held(Headway(), FULL, 1.1 * HELD_S) is Verdict.AGROUND
+    assert held(StallDetector(), FULL, 1.1 * HELD_S) is StallVerdict.AGROUND
 
 
 @pytest.mark.parametrize(("turn", "drift"), [(0.1, 0.0), (0.0, 0.3)])
 def test_a_boat_that_turns_or_drifts_is_afloat(turn: float, drift: float) -> None:
-    assert held(Headway(), TURNING, 60.0, turn, drift) is Verdict.MAKING_WAY
+    assert held(StallDetector(), TURNING, 60.0, turn, drift) is StallVerdict.MAKING_WAY
 
 
 def test_a_boat_that_holds_its_place_with_little_thrust_is_afloat() -> None:
-    assert held(Headway(), MotorCommand(0.1, 0.1), 60.0) is Verdict.MAKING_WAY
+    assert held(StallDetector(), MotorCommand(0.1, 0.1), 60.0) is StallVerdict.MAKING_WAY
 
 
 def test_away_from_every_line_nothing_is_said_of_the_shore() -> None:
-    assert judged(Headway(), STILL, 60.0, TURNING, NO_WAY) is Verdict.MAKING_WAY
+    assert judged(StallDetector(), STILL, 60.0, TURNING, NO_WAY) is StallVerdict.MAKING_WAY

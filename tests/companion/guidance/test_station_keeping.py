@@ -73,7 +73,9 @@ def test_reset_takes_the_bow_as_it_lies() -> None:
     assert station.update(ORIGIN, turned, CONFIG, 0.02).heading_rad == pytest.approx(-2.0)
 
 
-IN_A_CURRENT = replace(STILL, set_north_m_s=-1.0, heading_rad=0.0)  # it flows south, and the bow is into it
+IN_A_CURRENT = replace(
+    STILL, current_north_m_s=-1.0, heading_rad=0.0
+)  # it flows south, and the bow is into it
 
 
 def test_on_the_spot_in_a_current_it_lies_into_it_and_stays_over_ground() -> None:
@@ -119,7 +121,7 @@ def test_an_error_that_stays_is_learned_and_no_more_than_is_allowed() -> None:
 
 def test_a_set_that_comes_and_goes_does_not_change_its_mind() -> None:
     station = StationKeeping()
-    station.update(ORIGIN, replace(STILL, set_north_m_s=-0.25, heading_rad=1.0), CONFIG, 0.02)
-    weaker = replace(STILL, set_north_m_s=-0.15, heading_rad=1.0)
+    station.update(ORIGIN, replace(STILL, current_north_m_s=-0.25, heading_rad=1.0), CONFIG, 0.02)
+    weaker = replace(STILL, current_north_m_s=-0.15, heading_rad=1.0)
     assert station.update(ORIGIN, weaker, CONFIG, 0.02).heading_rad == pytest.approx(0.0)
     assert StationKeeping().update(ORIGIN, weaker, CONFIG, 0.02).heading_rad == pytest.approx(1.0)

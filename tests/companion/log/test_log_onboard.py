@@ -12,7 +12,7 @@ from boat_rig import OK, waypoint
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
 
 from companion.core.state import MotorCommand, NavState, PidOutput
-from companion.core.status_text import Notice, Severity
+from companion.core.status_text import Severity, StatusText
 from companion.log.records import HEADER
 
 pytest_plugins = ("log_fixtures",)
@@ -344,10 +344,10 @@ def test_a_number_that_no_field_holds_costs_a_record_not_the_boat(open_rig: Open
 def test_lines_said_just_before_the_log_began_are_in_it(open_rig: OpenRig, tmp_path: Path) -> None:
     rig = open_rig(tmp_path).ready()
     for number in range(30):
-        rig.logbook.note(Notice(Severity.INFO, f"before {number}"))
+        rig.logbook.note(StatusText(Severity.INFO, f"before {number}"))
     assert rig.arm() == OK
     rig.run(1.2)
-    rig.logbook.note(Notice(Severity.INFO, "x" * 100))
+    rig.logbook.note(StatusText(Severity.INFO, "x" * 100))
     rig.boat.close()
     lines = [line.Message for line in of_kind(read_log(tmp_path / "00001.bin"), "MSG")]
     assert [line for line in lines if line.startswith("before")] == [f"before {n}" for n in range(11, 30)]

@@ -17,9 +17,9 @@ from companion.mavlink.signing import (
     TICKS_PER_S,
     Guard,
     Signatory,
+    SignatureVerdict,
     SigningPolicy,
     Stamps,
-    Verdict,
     is_signed,
     loggable,
     sign,
@@ -118,56 +118,56 @@ def test_each_stream_only_ever_counts_upwards(heard: list[tuple[int, int]]) -> N
     mine, last = signatory(NOW), dict[int, int]()
     for link_id, timestamp in heard:
         is_new = timestamp > last.get(link_id, 0)
-        assert (mine.check(signed_at(timestamp, link_id)) is Verdict.GOOD) is is_new
+        assert (mine.check(signed_at(timestamp, link_id)) is SignatureVerdict.GOOD) is is_new
         if is_new:
             last[link_id] = timestamp
 
 
 def test_a_new_stream_may_be_a_minute_behind_and_no_more() -> None:
-    assert signatory().check(signed_at(NOW - STREAM_LAG)) is Verdict.GOOD
-    assert signatory().check(signed_at(NOW - STREAM_LAG - 1)) is Verdict.OLD
+    assert signatory().check(signed_at(NOW - STREAM_LAG)) is SignatureVerdict.GOOD
+    assert signatory().check(signed_at(NOW - STREAM_LAG - 1)) is SignatureVerdict.OLD
 
 
 def test_without_a_date_what_stations_prove_is_the_time() -> None:
     mine = signatory(now=0)
-    assert mine.check(signed_at(NOW)) is Verdict.GOOD
-    assert mine.check(signed_at(NOW - STREAM_LAG - 1, link_id=1)) is Verdict.OLD
+    assert mine.check(signed_at(NOW)) is SignatureVerdict.GOOD
+    assert mine.check(signed_at(NOW - STREAM_LAG - 1, link_id=1)) is SignatureVerdict.OLD
     assert mine.stamps.take() == NOW
 
 
 def test_a_known_stream_may_be_late_as_long_as_it_counts_upwards() -> None:
     mine = signatory(now=0)
-    assert mine.check(signed_at(NOW)) is Verdict.GOOD
-    assert mine.check(signed_at(NOW + 10 * STREAM_LAG, link_id=1)) is Verdict.GOOD
-    assert mine.check(signed_at(NOW + 1)) is Verdict.GOOD
+    assert mine.check(signed_at(NOW)) is SignatureVerdict.GOOD
+    assert mine.check(signed_at(NOW + 10 * STREAM_LAG, link_id=1)) is SignatureVerdict.GOOD
+    assert mine.check(signed_at(NOW + 1)) is SignatureVerdict.GOOD
 
 
 def test_forged_frames_leave_no_trace() -> None:
     mine = signatory(now=0)
     for system in range(1, 256):
         sender = Address(system, 1)
-        assert mine.check(signed_at(NOW + STREAM_LAG, key=OTHER, sender=sender)) is Verdict.FORGED
+        assert mine.check(signed_at(NOW + STREAM_LAG, key=OTHER, sender=sender)) is SignatureVerdict.FORGED
     assert mine.stamps.seen == 0
-    assert mine.check(signed_at(1, sender=Address(1, 1))) is Verdict.GOOD
+    assert mine.check(signed_at(1, sender=Address(1, 1))) is SignatureVerdict.GOOD
 
 
 def test_the_table_of_streams_is_bounded_and_forgets_only_what_is_out_of_date() -> None:
     mine = signatory()
     old = [signed_at(NOW, n % 256, sender=Address(1, 1 + n // 256)) for n in range(MAX_STREAMS)]
     for one in old:
-        assert mine.check(one) is Verdict.GOOD
-    assert mine.check(signed_at(NOW, sender=Address(9, 9))) is Verdict.OLD, "all streams are alive"
+        assert mine.check(one) is SignatureVerdict.GOOD
+    assert mine.check(signed_at(NOW, sender=Address(9, 9))) is SignatureVerdict.OLD, "all streams are alive"
     mine.stamps.clock = NOW + STREAM_LAG + 1
-    assert mine.check(signed_at(NOW + 1, sender=Address(9, 9))) is Verdict.GOOD
+    assert mine.check(signed_at(NOW + 1, sender=Address(9, 9))) is SignatureVerdict.GOOD
     mine.stamps.clock = NOW  # it jumps back, and what was forgotten is not new for that
-    assert {mine.check(one) for one in old} == {Verdict.OLD}
+    assert {mine.check(one) for one in old} == {SignatureVerdict.OLD}
 
 
 def test_a_restart_does_not_open_the_door_to_what_was_heard_before() -> None:
     stamps = Stamps(seen=NOW)
     again = Signatory(KEY, stamps)
-    assert again.check(signed_at(NOW)) is Verdict.OLD
-    assert again.check(signed_at(NOW + 1)) is Verdict.GOOD
+    assert again.check(signed_at(NOW)) is SignatureVerdict.OLD
+    assert again.check(signed_at(NOW + 1)) is SignatureVerdict.GOOD
 
 
 @given(st.lists(st.one_of(stamps48, st.none())))
@@ -187,7 +187,7 @@ def test_our_stamps_grow_whatever_clock_and_stations_say(events: list[int | None
 
 def test_nobody_can_take_the_count_to_its_end() -> None:
     mine = signatory(now=0)
-    assert mine.check(signed_at(NEVER)) is Verdict.GOOD
+    assert mine.check(signed_at(NEVER)) is SignatureVerdict.GOOD
     assert mine.stamps.seen == 0
     assert timestamp_at(1e12) < NEVER - 364 * 86_400 * TICKS_PER_S
 
@@ -273,16 +273,16 @@ def test_only_a_radio_may_report_its_state_unsigned(version: int) -> None:
 
 def test_another_key_makes_the_old_one_worthless() -> None:
     mine = signatory()
-    assert mine.check(signed_at(NOW)) is Verdict.GOOD
+    assert mine.check(signed_at(NOW)) is SignatureVerdict.GOOD
     mine.change_key(OTHER)
-    assert mine.check(signed_at(NOW + 1)) is Verdict.FORGED
-    assert mine.check(signed_at(NOW, key=OTHER)) is Verdict.GOOD
+    assert mine.check(signed_at(NOW + 1)) is SignatureVerdict.FORGED
+    assert mine.check(signed_at(NOW, key=OTHER)) is SignatureVerdict.GOOD
 
 
 def test_another_key_is_not_bound_by_what_the_old_one_had_proved() -> None:
     mine = Signatory(KEY, Stamps(seen=NOW))
     mine.change_key(OTHER)
-    assert mine.check(signed_at(NOW - 5, key=OTHER)) is Verdict.GOOD
+    assert mine.check(signed_at(NOW - 5, key=OTHER)) is SignatureVerdict.GOOD
 
 
 def test_a_signed_frame_is_decoded_like_any_other() -> None:

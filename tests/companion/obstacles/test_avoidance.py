@@ -20,9 +20,9 @@ from companion.core.intent import (
     Stop,
 )
 from companion.core.state import Demand, NavState
-from companion.core.status_text import Notice
+from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
-from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import PERIOD_S, Avoidance, Stage
 from companion.sensors.readings import SonarReading
 
@@ -35,9 +35,9 @@ def under_way(speed_m_s: float = 1.0, time_s: float = 0.0) -> NavState:
     return msgspec.structs.replace(nav_at(time_s=time_s), north_m_s=speed_m_s, surge_m_s=speed_m_s)
 
 
-def lookout_of(*echoes: tuple[float, float]) -> Lookout:
+def lookout_of(*echoes: tuple[float, float]) -> ObstaclePerception:
     """Bearings in degrees and ranges, each seen three times."""
-    lookout = Lookout(CONFIG.avoidance)
+    lookout = ObstaclePerception(CONFIG.avoidance)
     for time_s in (0.0, 0.1, 0.2):
         pings = [(SonarReading(time_s, math.radians(deg), range_m), None) for deg, range_m in echoes]
         lookout.take(pings, nav_at(time_s=time_s), CONFIG.avoidance, time_s)
@@ -52,8 +52,8 @@ SEALED = tuple((deg, 1.3) for deg in range(-180, 180, 10))
 class Hand:
     """Avoidance with its surroundings held."""
 
-    def __init__(self, lookout: Lookout, config: BoatConfig = CONFIG) -> None:
-        self.notices: list[Notice] = []
+    def __init__(self, lookout: ObstaclePerception, config: BoatConfig = CONFIG) -> None:
+        self.notices: list[StatusText] = []
         self.avoidance = Avoidance(self.notices)
         self.lookout, self.config = lookout, config
         self.now_s = 0.8  # long enough after the last look for it to be no riddle any more
@@ -72,14 +72,14 @@ class Hand:
 
 
 def test_in_open_water_every_intent_goes_through() -> None:
-    hand = Hand(Lookout(CONFIG.avoidance))
+    hand = Hand(ObstaclePerception(CONFIG.avoidance))
     for intent in (LEG, Stop(), Drive(1.0, 0.0), KeepStation(Point(1.0, 1.0)), HoldCourse(1.0, 1.0)):
         assert hand.sail(intent) is intent
     assert hand.avoidance.safe_speed.limited(Demand(0.0, 2.0), under_way(), CONFIG) == Demand(0.0, 2.0)
 
 
 def test_a_tick_in_open_water_costs_less_than_a_microsecond_or_so() -> None:
-    hand, nav, fence = Hand(Lookout(CONFIG.avoidance)), under_way(), Fence()
+    hand, nav, fence = Hand(ObstaclePerception(CONFIG.avoidance)), under_way(), Fence()
     update = hand.avoidance.update
 
     def tick() -> None:
@@ -137,7 +137,7 @@ def test_speed_is_held_to_what_can_be_stopped_from_before_the_thing() -> None:
 
 
 def test_one_echo_alone_only_slows_the_boat() -> None:
-    lookout = Lookout(CONFIG.avoidance)
+    lookout = ObstaclePerception(CONFIG.avoidance)
     lookout.take([(SonarReading(0.3, 0.0, 3.0), None)], under_way(time_s=0.3), CONFIG.avoidance, 0.3)
     hand = Hand(lookout)
     assert hand.sail(LEG) is LEG
@@ -169,7 +169,7 @@ def test_by_hand_nothing_is_steered_and_only_if_asked_for_is_speed_held() -> Non
 
 def test_by_sight_the_boat_sails_no_faster_than_it_sees() -> None:
     config = with_value(CONFIG, "avoidance.by_sight", 1)
-    lookout = Lookout(config.avoidance)
+    lookout = ObstaclePerception(config.avoidance)
     blind, seeing = Hand(lookout, config), Hand(lookout, config)
     blind.sail(LEG)
     assert blind.avoidance.safe_speed.ahead_m_s == CONFIG.guidance.min_speed_m_s

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, KeepStation, Stop
-from companion.obstacles.planning.clearance import SECTOR_RAD, ClearWater, clear_m
 from companion.obstacles.planning.detour import PORT, STARBOARD, Detour, choose_side
+from companion.obstacles.planning.free_space import SECTOR_RAD, FreeSpace, clear_m
 from companion.obstacles.planning.way_ahead import way_ahead
 
 HERE = Point(0.0, 0.0)
@@ -33,14 +33,14 @@ class Walls:
 
 
 def test_a_thing_ahead_shuts_what_its_clearance_takes_up() -> None:
-    water = ClearWater(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
+    water = FreeSpace(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
     assert water.room_m(0.0) == pytest.approx(2.0)
     assert water.room_m(math.asin(1.0 / 3.0) + 2.0 * SECTOR_RAD) == REACH_M
     assert water.room_m(math.pi) == REACH_M
 
 
 def test_the_first_open_course_is_found_on_either_side() -> None:
-    water = ClearWater(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
+    water = FreeSpace(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
     starboard, port = (water.first_open_rad(0.0, side, REACH_M) for side in (STARBOARD, PORT))
     assert starboard is not None
     assert port is not None
@@ -49,7 +49,7 @@ def test_the_first_open_course_is_found_on_either_side() -> None:
 
 
 def test_bounds_on_one_side_shut_it() -> None:
-    water = ClearWater(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
+    water = FreeSpace(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
     water.keep_within(Walls(0.2), 0.0)
     assert water.first_open_rad(0.0, STARBOARD, REACH_M) is None
     assert choose_side(water, 0.0, REACH_M) is not None
@@ -57,21 +57,21 @@ def test_bounds_on_one_side_shut_it() -> None:
 
 
 def test_sides_alike_mean_starboard_and_a_smaller_turn_wins() -> None:
-    alike = ClearWater(HERE, [Point(3.0, 0.1)], 1.0, REACH_M)
+    alike = FreeSpace(HERE, [Point(3.0, 0.1)], 1.0, REACH_M)
     assert choose_side(alike, 0.0, REACH_M)[0] == STARBOARD  # type: ignore[index]
     to_starboard = [Point(3.0, 0.3 * step) for step in range(8)]
-    assert choose_side(ClearWater(HERE, to_starboard, 1.0, REACH_M), 0.0, REACH_M)[0] == PORT  # type: ignore[index]
+    assert choose_side(FreeSpace(HERE, to_starboard, 1.0, REACH_M), 0.0, REACH_M)[0] == PORT  # type: ignore[index]
 
 
 def test_a_boat_inside_the_clearance_may_sail_away_but_not_nearer() -> None:
-    water = ClearWater(HERE, [Point(0.5, 0.0)], 1.0, REACH_M)
+    water = FreeSpace(HERE, [Point(0.5, 0.0)], 1.0, REACH_M)
     assert water.room_m(0.0) == 0.0
     assert water.room_m(math.pi) == REACH_M
 
 
 @given(st.lists(points, max_size=12), st.floats(-math.pi, math.pi))
 def test_an_open_course_is_clear_all_along(things: list[Point], from_rad: float) -> None:
-    water = ClearWater(HERE, things, 1.0, REACH_M)
+    water = FreeSpace(HERE, things, 1.0, REACH_M)
     course = water.first_open_rad(from_rad, STARBOARD, REACH_M)
     if course is None or any(distance_m(HERE, thing) < 1.0 for thing in things):
         return
@@ -134,11 +134,11 @@ def test_a_boat_off_its_leg_comes_back_to_the_line_before_the_end() -> None:
 def test_a_detour_follows_the_edge_and_ends_nearer_the_goal() -> None:
     wall = [Point(3.0, 0.2 * step) for step in range(-10, 11)]
     detour = Detour(HERE, AHEAD, STARBOARD, 0.0)
-    assert detour.steer(HERE, wall, ClearWater(HERE, wall, 1.0, REACH_M), REACH_M)
+    assert detour.steer(HERE, wall, FreeSpace(HERE, wall, 1.0, REACH_M), REACH_M)
     assert 0.7 < detour.course_rad < math.pi
     beside = Point(2.0, 3.4)
     detour.advance(beside, 1.0)
-    assert detour.steer(beside, wall, ClearWater(beside, wall, 1.0, REACH_M), REACH_M)
+    assert detour.steer(beside, wall, FreeSpace(beside, wall, 1.0, REACH_M), REACH_M)
     assert abs(detour.course_rad) < 0.7
     assert detour.has_gained(beside, REACH_M, 0.3)
     assert not detour.has_gained(Point(-3.0, 3.4), 2.0, 0.3)

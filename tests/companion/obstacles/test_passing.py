@@ -10,9 +10,9 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import HoldCourse
 from companion.geofence.fence import Fence
-from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.track import Track
-from companion.obstacles.planning.passing import Passing, choose_passing
+from companion.obstacles.planning.moving_obstacles import MovingObstacleAvoidance, choose_passing
 from companion.obstacles.planning.scene import Scene
 
 CONFIG = BoatConfig()
@@ -21,7 +21,7 @@ SPEED_M_S = 1.0
 
 def scene_with(north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> Scene:
     """A boat at the origin, sailing north, and one mover whose pace is well known."""
-    lookout = Lookout(CONFIG.avoidance)
+    lookout = ObstaclePerception(CONFIG.avoidance)
     mover = Track(1, 0.0, Point(north_m, east_m), 0.4)
     for tenth in range(1, 10):
         time_s = 0.1 * tenth
@@ -37,7 +37,7 @@ def scene_with(north_m: float, east_m: float, north_m_s: float, east_m_s: float)
     return Scene(HoldCourse(0.0, SPEED_M_S), nav, CONFIG, lookout, Fence(), 0.9)
 
 
-def choose(scene: Scene, last: Passing | None = None) -> Passing | None:
+def choose(scene: Scene, last: MovingObstacleAvoidance | None = None) -> MovingObstacleAvoidance | None:
     return choose_passing(scene, 0.0, SPEED_M_S, last)
 
 
@@ -67,11 +67,11 @@ def test_nobody_runs_on_ahead_of_what_crosses(side: float) -> None:
 
 
 def test_what_is_past_is_forgotten_and_the_own_course_sailed_again() -> None:
-    assert choose(scene_with(-1.5, 1.0, -0.5, 0.0), Passing(0.7, 1.0)) is None
+    assert choose(scene_with(-1.5, 1.0, -0.5, 0.0), MovingObstacleAvoidance(0.7, 1.0)) is None
 
 
 def test_alongside_the_stern_is_not_swung_at_it() -> None:
-    last = Passing(0.7, SPEED_M_S)
+    last = MovingObstacleAvoidance(0.7, SPEED_M_S)
     passing = choose(scene_with(0.2, -1.0, -0.3, 0.0), last)
     assert passing is not None
     assert passing.turn_rad >= 0.0

@@ -10,7 +10,7 @@ from companion.config.avoidance import Avoidance
 from companion.core.geo import Point, distance_m
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import SUSPECT
-from companion.obstacles.perception.perception import Lookout
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.sensors.readings import SonarReading
 
 SETTING = Avoidance()
@@ -22,8 +22,8 @@ def ping(time_s: float = 0.0, bearing_rad: float = 0.0, range_m: float | None = 
 
 def seen_from(
     nav: NavState, *pings: SonarReading, now_s: float = 0.0, setting: Avoidance = SETTING
-) -> Lookout:
-    lookout = Lookout(setting)
+) -> ObstaclePerception:
+    lookout = ObstaclePerception(setting)
     lookout.take([(one, None) for one in pings], nav, setting, now_s)
     return lookout
 
@@ -61,7 +61,7 @@ def test_pings_that_cannot_be_are_dropped_and_counted(bad: SonarReading) -> None
 
 def test_a_boat_that_does_not_know_where_it_is_puts_nothing_on_the_map() -> None:
     assert seen_from(nav_at(age_s=10.0), ping()).is_empty
-    lost = Lookout(SETTING)
+    lost = ObstaclePerception(SETTING)
     lost.take([(ping(), None)], None, SETTING, 0.0)
     assert lost.is_empty
     assert lost.dropped == 1
@@ -103,7 +103,7 @@ def test_what_lies_far_behind_is_forgotten_in_time() -> None:
 def test_whatever_a_ranger_says_the_map_stays_sane(
     pings: list[SonarReading], width_rad: float | None
 ) -> None:
-    lookout = Lookout(SETTING)
+    lookout = ObstaclePerception(SETTING)
     lookout.take([(one, width_rad) for one in pings], nav_at(), SETTING, 0.0)
     for thing in lookout.occupancy.things(0.0, SUSPECT):
         assert distance_m(Point(0.0, 0.0), thing) <= SETTING.lookahead_m + 1.0

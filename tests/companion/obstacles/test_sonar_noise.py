@@ -2,11 +2,11 @@
 
 from random import Random
 
-from companion.obstacles.perception.sonar_noise import Babble
+from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 
 
 def test_random_ranges_are_found_out_within_four_seconds_and_forgiven_once_they_end() -> None:
-    babble, random = Babble(), Random(7)
+    babble, random = SonarNoiseMonitor(), Random(7)
     for _ in range(65):
         babble.update(random.uniform(0.02, 4.0), 4.0)
     assert babble.is_babbling
@@ -16,14 +16,14 @@ def test_random_ranges_are_found_out_within_four_seconds_and_forgiven_once_they_
 
 
 def test_a_rock_in_every_other_direction_is_no_nonsense() -> None:
-    babble = Babble()
+    babble = SonarNoiseMonitor()
     for n in range(500):
         babble.update((1.0, 1.1, 3.5, 3.4, None)[n % 5], 4.0)
         assert not babble.is_babbling
 
 
 def test_a_range_that_never_changes_is_no_nonsense() -> None:
-    babble = Babble()
+    babble = SonarNoiseMonitor()
     for _ in range(200):
         babble.update(2.0, 4.0)
     assert not babble.is_babbling

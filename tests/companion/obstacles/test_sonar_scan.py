@@ -3,7 +3,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, STALE_S, UNKNOWN_CM, Sweep
+from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, STALE_S, UNKNOWN_CM, SonarScan
 from companion.sensors.readings import SonarReading
 
 BEAM_RAD = math.radians(15.0)
@@ -17,12 +17,12 @@ pings = st.builds(
 
 
 def test_nothing_seen_is_all_unknown() -> None:
-    assert Sweep().distances_cm(0.0) == ([UNKNOWN_CM] * SECTORS, 0)
-    assert Sweep().is_empty(0.0)
+    assert SonarScan().distances_cm(0.0) == ([UNKNOWN_CM] * SECTORS, 0)
+    assert SonarScan().is_empty(0.0)
 
 
 def test_a_ping_fills_its_beam_and_no_more() -> None:
-    sweep = Sweep()
+    sweep = SonarScan()
     sweep.add(SonarReading(1.0, math.pi / 2, 1.5), BEAM_RAD)
     distances, farthest_cm = sweep.distances_cm(1.0)
     assert {number for number, cm in enumerate(distances) if cm == 150} == {17, 18, 19}
@@ -31,14 +31,14 @@ def test_a_ping_fills_its_beam_and_no_more() -> None:
 
 
 def test_a_beam_across_the_bow_wraps_round() -> None:
-    sweep = Sweep()
+    sweep = SonarScan()
     sweep.add(SonarReading(1.0, -0.01, None), 1.2 * BEAM_RAD)
     distances, farthest_cm = sweep.distances_cm(1.0)
     assert {number for number, cm in enumerate(distances) if cm == farthest_cm + 1} == {71, 0, 1}
 
 
 def test_clear_as_far_as_a_short_ranger_sees_is_not_clear_as_far_as_a_long_one() -> None:
-    sweep = Sweep()
+    sweep = SonarScan()
     sweep.add(SonarReading(1.0, 0.0, None, max_range_m=4.0), SECTOR_RAD)
     sweep.add(SonarReading(1.0, math.pi, 6.0, max_range_m=10.0), SECTOR_RAD)
     distances, farthest_cm = sweep.distances_cm(1.0)
@@ -48,7 +48,7 @@ def test_clear_as_far_as_a_short_ranger_sees_is_not_clear_as_far_as_a_long_one()
 
 
 def test_what_was_seen_long_ago_is_forgotten() -> None:
-    sweep = Sweep()
+    sweep = SonarScan()
     sweep.add(SonarReading(1.0, 0.0, 1.0))
     assert sweep.distances_cm(1.0 + STALE_S)[0][0] == 100
     assert sweep.distances_cm(1.01 + STALE_S)[0][0] == UNKNOWN_CM
@@ -57,7 +57,7 @@ def test_what_was_seen_long_ago_is_forgotten() -> None:
 
 @given(st.lists(st.tuples(pings, st.floats(0.0, 10.0)), max_size=30), st.floats(0.0, 15.0))
 def test_whatever_is_seen_fits_the_message(seen: list[tuple[SonarReading, float]], now_s: float) -> None:
-    sweep = Sweep()
+    sweep = SonarScan()
     for ping, beam_rad in seen:
         sweep.add(ping, beam_rad)
     distances, farthest_cm = sweep.distances_cm(now_s)
@@ -67,7 +67,7 @@ def test_whatever_is_seen_fits_the_message(seen: list[tuple[SonarReading, float]
 
 @given(pings, st.floats(0.0, 10.0))
 def test_the_sector_that_a_ping_points_at_always_has_it(ping: SonarReading, beam_rad: float) -> None:
-    sweep = Sweep()
+    sweep = SonarScan()
     sweep.add(ping, beam_rad)
     sector = round(ping.bearing_rad / SECTOR_RAD) % SECTORS
     assert sweep.distances_cm(ping.time_s)[0][sector] != UNKNOWN_CM

@@ -9,7 +9,7 @@ from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_puzzling
 from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import Tracks
+from companion.obstacles.perception.tracks import ObstacleTracks
 
 REACH_M = 4.0
 
@@ -18,8 +18,8 @@ def under_way(speed_m_s: float) -> NavState:
     return msgspec.structs.replace(nav_at(), north_m_s=speed_m_s, surge_m_s=speed_m_s)
 
 
-def tracks_of(*tracks: Track) -> Tracks:
-    out = Tracks(1.0)
+def tracks_of(*tracks: Track) -> ObstacleTracks:
+    out = ObstacleTracks(1.0)
     out.all += tracks
     return out
 
@@ -31,14 +31,14 @@ def track(north_m: float, east_m: float, alone: int = 1, seen_s: float = 0.0) ->
 
 
 def test_a_slow_boat_looks_all_round_and_a_fast_one_ahead() -> None:
-    assert choose_sector(under_way(0.2), Tracks(1.0), REACH_M, 0.0, is_open=True) == ALL_ROUND
-    ahead = choose_sector(under_way(2.0), Tracks(1.0), REACH_M, 0.0, is_open=True)
+    assert choose_sector(under_way(0.2), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True) == ALL_ROUND
+    ahead = choose_sector(under_way(2.0), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True)
     assert ahead.port_rad == -ahead.starboard_rad
     assert math.radians(45.0) < ahead.starboard_rad < math.radians(90.0)
 
 
 def test_among_things_that_lie_still_it_looks_all_round() -> None:
-    assert choose_sector(under_way(2.0), Tracks(1.0), REACH_M, 0.0, is_open=False) == ALL_ROUND
+    assert choose_sector(under_way(2.0), ObstacleTracks(1.0), REACH_M, 0.0, is_open=False) == ALL_ROUND
 
 
 def test_what_is_new_and_alone_is_looked_at_until_it_is_known() -> None:

@@ -8,7 +8,7 @@ import pytest
 from companion.core.geo import Point
 from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import LOST_S, MAX_TRACKS, Tracks
+from companion.obstacles.perception.tracks import LOST_S, MAX_TRACKS, ObstacleTracks
 from sitl.world.sensors.sampling import generator
 
 WIDTH_RAD = math.radians(15.0)
@@ -35,9 +35,9 @@ def echo_m(eye: Point, bearing_rad: float, centre: Point) -> float:
     return nearest if nearest <= 4.0 else math.inf
 
 
-def follow(thing: Path, boat: Path, seconds: float, seed: int = 1) -> tuple[Tracks, list[bool]]:
+def follow(thing: Path, boat: Path, seconds: float, seed: int = 1) -> tuple[ObstacleTracks, list[bool]]:
     """Look out for so long; the tracks, and whether anything was taken for a mover at each look."""
-    tracks, occupancy, noise = Tracks(1.0), Occupancy(0.2, 25.0), generator(seed, "tracks")
+    tracks, occupancy, noise = ObstacleTracks(1.0), Occupancy(0.2, 25.0), generator(seed, "tracks")
     moved = []
     for number in range(round(seconds / 0.06)):
         now_s = 0.06 * number
@@ -91,7 +91,7 @@ def test_its_speed_is_told_with_an_honest_doubt() -> None:
 
 
 def test_a_long_shore_is_not_followed() -> None:
-    tracks, occupancy = Tracks(1.0), Occupancy(0.2, 25.0)
+    tracks, occupancy = ObstacleTracks(1.0), Occupancy(0.2, 25.0)
     for number in range(48):
         bearing = sweep_rad(number)
         range_m = 2.0 / math.cos(bearing) if abs(bearing) < 1.0 else math.inf
@@ -107,7 +107,7 @@ def test_what_is_out_of_sight_for_long_is_forgotten() -> None:
 
 
 def test_there_are_never_more_tracks_than_there_is_room_for() -> None:
-    tracks, occupancy = Tracks(0.05), Occupancy(0.2, 25.0)
+    tracks, occupancy = ObstacleTracks(0.05), Occupancy(0.2, 25.0)
     for number in range(200):
         bearing = 0.5 * number
         beam = Beam(0.06 * number, Point(3.0 * number, 0.0), bearing, WIDTH_RAD, 2.0, 4.0)

@@ -11,8 +11,8 @@ from companion.mavlink.signing import (
     EPOCH_UNIX_S,
     STREAM_LAG,
     TICKS_PER_S,
+    SignatureVerdict,
     Stamps,
-    Verdict,
     sign,
     timestamp_at,
 )
@@ -156,11 +156,11 @@ def test_what_was_heard_before_a_clean_restart_is_refused_after_it() -> None:
     storage = keyed(MemoryStorage())
     store = SigningStore(storage, UNIX_S)
     last = sign(HEARTBEAT, KEY, 0, NOW + 17)
-    assert store.boat.check(last) is Verdict.GOOD
+    assert store.boat.check(last) is SignatureVerdict.GOOD
     store.close()
     again = SigningStore(storage, UNIX_S)
-    assert again.boat.check(last) is Verdict.OLD
-    assert again.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 18)) is Verdict.GOOD
+    assert again.boat.check(last) is SignatureVerdict.OLD
+    assert again.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 18)) is SignatureVerdict.GOOD
 
 
 def test_after_a_power_cut_at_most_half_a_minute_can_be_played_again() -> None:
@@ -170,9 +170,9 @@ def test_after_a_power_cut_at_most_half_a_minute_can_be_played_again() -> None:
     for second in range(120):
         store.tick(UNIX_S + second)
         frames.append(sign(HEARTBEAT, KEY, 0, NOW + second * TICKS_PER_S))
-        assert store.boat.check(frames[-1]) is Verdict.GOOD
+        assert store.boat.check(frames[-1]) is SignatureVerdict.GOOD
     again = SigningStore(storage, UNIX_S + 120)
-    assert {again.boat.check(frame) for frame in frames[:-31]} == {Verdict.OLD}
+    assert {again.boat.check(frame) for frame in frames[:-31]} == {SignatureVerdict.OLD}
 
 
 def test_a_key_is_kept_over_a_restart_in_a_file_of_its_owner_alone(tmp_path: Path) -> None:
@@ -207,7 +207,7 @@ def test_a_new_key_counts_from_where_its_holders_are() -> None:
     store.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 100 * STREAM_LAG))  # somebody's clock was years ahead
     other = SigningKey.from_passphrase("battery staple")
     store.change_key(other, NOW)
-    assert store.boat.check(sign(HEARTBEAT, other, 0, NOW)) is Verdict.GOOD
+    assert store.boat.check(sign(HEARTBEAT, other, 0, NOW)) is SignatureVerdict.GOOD
 
 
 OTHER = SigningKey.from_passphrase("battery staple")
@@ -226,26 +226,26 @@ def test_a_key_that_comes_back_does_not_make_recorded_frames_valid_again(
     store = SigningStore(storage)
     recorded = [heartbeat_at(NOW + second * TICKS_PER_S) for second in range(5)]
     for frame in recorded:
-        assert store.boat.check(frame) is Verdict.GOOD
+        assert store.boat.check(frame) is SignatureVerdict.GOOD
     store.change_key(between, 0)
     if restarts == "under the other key":
         store = SigningStore(storage)
     store.change_key(KEY, 0)
     if restarts == "after both":
         store = SigningStore(storage)
-    assert {store.boat.check(frame) for frame in recorded} == {Verdict.OLD}
-    assert store.boat.check(heartbeat_at(NOW + 6 * TICKS_PER_S)) is Verdict.GOOD
+    assert {store.boat.check(frame) for frame in recorded} == {SignatureVerdict.OLD}
+    assert store.boat.check(heartbeat_at(NOW + 6 * TICKS_PER_S)) is SignatureVerdict.GOOD
 
 
 def test_a_key_comes_back_after_more_keys_than_are_remembered() -> None:
     store = SigningStore(keyed(MemoryStorage()))
     recorded = heartbeat_at(NOW)
-    assert store.boat.check(recorded) is Verdict.GOOD
+    assert store.boat.check(recorded) is SignatureVerdict.GOOD
     for number in range(MAX_KEYS + 3):
         store.change_key(SigningKey.from_passphrase(f"key {number}"), 0)
     store.change_key(KEY, 0)
-    assert store.boat.check(recorded) is Verdict.OLD
-    assert store.boat.check(heartbeat_at(NOW + 1)) is Verdict.GOOD
+    assert store.boat.check(recorded) is SignatureVerdict.OLD
+    assert store.boat.check(heartbeat_at(NOW + 1)) is SignatureVerdict.GOOD
 
 
 def test_as_many_keys_as_are_remembered_do_not_bind_each_other() -> None:
@@ -270,19 +270,19 @@ def test_a_change_of_the_boats_key_does_not_reopen_the_links_with_a_key_of_their
     storage = keyed(MemoryStorage())
     store = SigningStore(storage)
     recorded = heartbeat_at(NOW, OTHER)
-    assert store.signatory(str(path)).check(recorded) is Verdict.GOOD
+    assert store.signatory(str(path)).check(recorded) is SignatureVerdict.GOOD
     store.change_key(SigningKey.from_passphrase("a third"), 0)
-    assert store.signatory(str(path)).check(recorded) is Verdict.OLD
+    assert store.signatory(str(path)).check(recorded) is SignatureVerdict.OLD
     again = SigningStore(storage)
-    assert again.signatory(str(path)).check(recorded) is Verdict.OLD
+    assert again.signatory(str(path)).check(recorded) is SignatureVerdict.OLD
 
 
 def test_a_file_of_an_earlier_version_binds_every_key() -> None:
     storage = keyed(MemoryStorage())
     storage.content[STAMPS_FILE] = b'{"first": 1, "seen": %d}' % NOW
     store = SigningStore(storage)
-    assert store.boat.check(heartbeat_at(NOW)) is Verdict.OLD
-    assert store.boat.check(heartbeat_at(NOW + 1)) is Verdict.GOOD
+    assert store.boat.check(heartbeat_at(NOW)) is SignatureVerdict.OLD
+    assert store.boat.check(heartbeat_at(NOW + 1)) is SignatureVerdict.GOOD
 
 
 def test_the_tag_of_a_key_is_not_the_key() -> None:

@@ -10,7 +10,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import FrameFinder
 from companion.mavlink.framing import Frame
 from companion.mavlink.layout import LAYOUTS
-from companion.router.repeats import Repeats
+from companion.router.duplicate_filter import DuplicateFilter
 from companion.router.router import NOWHERE, Router
 from companion.router.routes import EXPIRY_S, MAX_HEARD
 from companion.router.targets import EVERYBODY, target_of
@@ -123,7 +123,7 @@ def test_a_frame_that_another_link_has_brought_is_dropped_and_one_said_twice_is_
 def test_no_frame_is_passed_on_for_two_links_within_half_a_window(
     seen: list[tuple[int, int, float]],
 ) -> None:
-    repeats, now_s, first = Repeats(window_s=0.5), 0.0, dict[int, tuple[int, float]]()
+    repeats, now_s, first = DuplicateFilter(window_s=0.5), 0.0, dict[int, tuple[int, float]]()
     for channel, number, pause_s in seen:
         now_s += pause_s
         is_repeat = repeats.is_repeat(bytes([number]), channel, now_s)
@@ -137,7 +137,7 @@ def test_no_frame_is_passed_on_for_two_links_within_half_a_window(
 
 
 def test_what_is_remembered_of_frames_is_bounded() -> None:
-    repeats = Repeats(max_frames=100)
+    repeats = DuplicateFilter(max_frames=100)
     for number in range(10_000):
         repeats.is_repeat(number.to_bytes(4, "little"), 1, 0.0)
     assert len(repeats._recent) + len(repeats._older) <= 100

@@ -11,12 +11,12 @@ from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.router.budget import Budget
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import Filter, Policy
 from companion.router.status import Reporter
-from companion.router.waiting import MAX_BYTES, WaitingRoom
+from companion.router.token_bucket import TokenBucket
+from companion.router.tx_queue import MAX_BYTES, TxQueue
 
 OTHER = Address(2, 1)
 ATTITUDE = dialect.MAVLINK_MSG_ID_ATTITUDE
@@ -99,7 +99,7 @@ def test_a_rate_cap_counts_each_sender_on_its_own() -> None:
 
 
 def test_telemetry_keeps_to_the_line_and_its_radio_slows_it_down() -> None:
-    def sent_in(seconds: float, budget: Budget, began_s: float) -> int:
+    def sent_in(seconds: float, budget: TokenBucket, began_s: float) -> int:
         sent = 0
         for tick in range(round(seconds / 0.02)):
             now_s = began_s + 0.02 * tick
@@ -108,7 +108,7 @@ def test_telemetry_keeps_to_the_line_and_its_radio_slows_it_down() -> None:
                 sent += 40
         return sent
 
-    budget = Budget(5000.0)
+    budget = TokenBucket(5000.0)
     assert sent_in(10.0, budget, 0.0) == pytest.approx(50_000, rel=0.05)
     for _ in range(3):
         budget.on_radio_status(10)
@@ -127,7 +127,7 @@ def test_answers_go_before_telemetry_and_what_is_stale_is_dropped() -> None:
             taken.append(data)
         return not is_full
 
-    room = WaitingRoom(send, None, stale_s=1.0)
+    room = TxQueue(send, None, stale_s=1.0)
     room.put(b"old", False, 0.0)
     room.put(b"telemetry", False, 0.9)
     room.put(b"answer", True, 0.95)
@@ -149,7 +149,7 @@ def test_what_waits_is_bounded_and_nothing_is_lost_uncounted(
         sent += has_room
         return has_room
 
-    room = WaitingRoom(send, None, stale_s=5.0)
+    room = TxQueue(send, None, stale_s=5.0)
     for number, (size, is_urgent, opens) in enumerate(puts):
         has_room = opens
         room.put(bytes(size), is_urgent, 0.01 * number)

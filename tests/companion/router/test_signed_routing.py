@@ -15,7 +15,7 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import build_frame
 from companion.mavlink.layout import LAYOUTS
-from companion.mavlink.signing import Guard, Signatory, Stamps, Verdict, is_signed, sign
+from companion.mavlink.signing import Guard, Signatory, SignatureVerdict, Stamps, is_signed, sign
 from companion.mavlink.signing_key import SigningKey
 from companion.router.channel import Channel
 from companion.router.channels import Channels
@@ -104,7 +104,7 @@ def test_whatever_overtakes_what_on_a_slow_link_the_timestamps_leave_in_order(
         channel._emit(own, 0, 1, is_urgent, 0.05 * number)
         channel.drain(0.05 * number)
         if is_read:
-            assert {peer.check(frame) for frame in far.receive()} <= {Verdict.GOOD}
+            assert {peer.check(frame) for frame in far.receive()} <= {SignatureVerdict.GOOD}
 
 
 def test_a_radio_s_budget_counts_the_signatures() -> None:

@@ -10,7 +10,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
 from companion.core.modes import Mode
 from companion.core.requests import ChangeMode, SetHome, StartMission
-from companion.core.status_text import Notice
+from companion.core.status_text import StatusText
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
@@ -21,7 +21,7 @@ from companion.vehicle.vehicle import Vehicle
 CMD = dialect
 
 
-def afloat(vehicle: Vehicle, north_m: float, now_s: float) -> list[Notice]:
+def afloat(vehicle: Vehicle, north_m: float, now_s: float) -> list[StatusText]:
     """The boat is there, and decides."""
     vehicle.sense(nav_at(north_m, time_s=now_s), FRAME, None, None, now_s)
     vehicle.decide()

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 
-from companion.router.budget import Budget
+from companion.router.token_bucket import TokenBucket
 
 MAX_BYTES = 16 * 1024  # for each of the two queues
 
@@ -36,14 +36,14 @@ class _Queue:
         return dropped
 
 
-class WaitingRoom:
+class TxQueue:
     """Stands before a link that cannot take everything at once.
 
     Urgent frames (answers, commands, transfers) go as soon as the link takes them. Telemetry keeps to the
     budget. What has waited for stale_s is dropped and counted: an old attitude is worth nothing.
     """
 
-    def __init__(self, send: Callable[[bytes], bool], budget: Budget | None, stale_s: float) -> None:
+    def __init__(self, send: Callable[[bytes], bool], budget: TokenBucket | None, stale_s: float) -> None:
         self.dropped = 0
         self.overhead_bytes = 0  # what `send` adds to each frame
         self._send = send

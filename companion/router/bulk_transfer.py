@@ -24,7 +24,7 @@ DOWNLOAD_IDS = _LOG_REQUESTS | _LOG_REPLIES | {_FTP}
 """The messages that `note` and `limit` want to see; for others they do nothing."""
 
 
-class Downloads:
+class BulkTransferThrottle:
     """Requests under way, a time stamp for each vehicle and channel that it was asked from."""
 
     def __init__(self) -> None:

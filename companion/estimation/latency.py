@@ -26,7 +26,7 @@ _LEAST_STEPS: Final = 2  # less is the model's own fault
 _SLACK_S: Final = 1e-3
 
 
-class LagWatch:
+class LatencyEstimator:
     """lag_s: what has to be taken off the stamps. until_s: as long as there is something to `compare`."""
 
     __slots__ = (

@@ -5,7 +5,7 @@ from typing import Final
 
 from companion.core.units import wrap_pi
 from companion.estimation.heading import HeadingFilter
-from companion.estimation.lag_watch import PAUSE_S, LagWatch
+from companion.estimation.latency import PAUSE_S, LatencyEstimator
 from companion.estimation.yaw_model import YawModel
 from companion.sensors.readings import HeadingReading
 
@@ -24,7 +24,7 @@ _ALONE_RAD: Final = 0.1  # more doubt,
 _LEAN_S: Final = 4.0  # where it also says what turns the boat besides steering
 
 
-class HeadingReckoning:
+class HeadingPropagation:
     """heading_rad and yaw_rate_rad_s are those of now; `filter` has them as of the latest reading."""
 
     __slots__ = (
@@ -36,7 +36,7 @@ class HeadingReckoning:
         """gate_rad: how far a compass may be off the gyro."""
         self.filter = HeadingFilter(gate_rad)
         self.model = YawModel()
-        self.late = LagWatch(_TURNING_RAD_S)  # of the compass, with its gyro
+        self.late = LatencyEstimator(_TURNING_RAD_S)  # of the compass, with its gyro
         self.heading_rad = self.yaw_rate_rad_s = 0.0
         self._heard_s = -math.inf  # when the latest reading came, whatever time it is about
         self._pause_s = 0.0  # usual between two readings

@@ -4,7 +4,7 @@ WINDOW_S = 0.5
 MAX_FRAMES = 4096
 
 
-class Repeats:
+class DuplicateFilter:
     """Remembers frames for half a window to a whole one, and fewer seconds in a flood.
 
     A link may say the same twice, which it does when it is asked twice; only what another link has said

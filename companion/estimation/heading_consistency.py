@@ -27,7 +27,7 @@ _WRONG_M_S: Final = 0.15  # and how far off the other one must be
 _GIVE_UP_S: Final = 120.0  # without way nobody can tell
 
 
-class Verdict(Enum):
+class HeadingVerdict(Enum):
     """What the witness has to say."""
 
     NOTHING = 0
@@ -35,19 +35,30 @@ class Verdict(Enum):
     GYRO = 2  # or the gyro
 
 
-class Witness:
+class HeadingConsistencyMonitor:
     """gap_rad: by how much its heading lies clockwise of the filter's. bias_rad_s: the gyro's, as it has it.
 
-    set_m_s and gain: of the water and of thrust, as they were before a quarrel began.
+    current_m_s and gain: of the water and of thrust, as they were before a quarrel began.
     """
 
     __slots__ = (
-        "_age_s", "_compass_off", "_drawn_rad", "_gyro_off", "_heard_s", "_kept_s", "_later", "_quarrel_s",
-        "bias_rad_s", "gain", "gap_rad", "is_quarrel", "set_m_s",
+        "_age_s",
+        "_compass_off",
+        "_drawn_rad",
+        "_gyro_off",
+        "_heard_s",
+        "_kept_s",
+        "_later",
+        "_quarrel_s",
+        "bias_rad_s",
+        "current_m_s",
+        "gain",
+        "gap_rad",
+        "is_quarrel",
     )  # fmt: skip
 
     def __init__(self) -> None:
-        self.set_m_s, self.gain = 0j, 1 + 0j
+        self.current_m_s, self.gain = 0j, 1 + 0j
         self._later = (0j, 1 + 0j)
         self._kept_s = math.inf
         self.begin(0.0, 0.0)
@@ -59,14 +70,14 @@ class Witness:
         self.is_quarrel = False
         self._quarrel_s = self._heard_s = self._compass_off = self._gyro_off = 0.0
 
-    def keep(self, set_m_s: complex, gain: complex, dt_s: float) -> None:
+    def keep(self, current_m_s: complex, gain: complex, dt_s: float) -> None:
         """Remember set and gain while all is well."""
         self._kept_s += dt_s
         if self._kept_s >= _KEEP_S and not self.is_quarrel:
             first = self._kept_s == math.inf
             self._kept_s = 0.0
-            self.set_m_s, self.gain = (set_m_s, gain) if first else self._later
-            self._later = (set_m_s, gain)
+            self.current_m_s, self.gain = (current_m_s, gain) if first else self._later
+            self._later = (current_m_s, gain)
 
     def update(self, drawn_rad: float, bias_rad_s: float, dt_s: float) -> None:
         """Go on by dt_s.
@@ -84,13 +95,13 @@ class Witness:
             self.is_quarrel = abs(gap) > _QUARREL_RAD
         self.gap_rad = gap
 
-    def judge(self, over_ground: complex, through_water: complex, dt_s: float) -> Verdict:
+    def judge(self, over_ground: complex, through_water: complex, dt_s: float) -> HeadingVerdict:
         """Hear a velocity over ground, in a quarrel; through_water: as the filter's heading has it."""
         self._quarrel_s += dt_s
         bow = self.gain * through_water
         turned = bow * cmath.rect(1.0, self.gap_rad)
         if abs(turned - bow) > _TELLING_M_S:
-            off = over_ground - self.set_m_s
+            off = over_ground - self.current_m_s
             share = min(dt_s / _HEAR_S, 1.0) if self._heard_s > _HEAR_S else dt_s / (self._heard_s + dt_s)
             self._heard_s += dt_s
             self._compass_off += share * (abs(off - bow) ** 2 - self._compass_off)
@@ -98,5 +109,5 @@ class Witness:
         if self._heard_s >= _ENOUGH_S:
             worst = max(self._compass_off, self._gyro_off)
             if worst > _WRONG_M_S * _WRONG_M_S and min(self._compass_off, self._gyro_off) < _CLEAR * worst:
-                return Verdict.COMPASS if self._compass_off == worst else Verdict.GYRO
-        return Verdict.GYRO if self._quarrel_s > _GIVE_UP_S else Verdict.NOTHING
+                return HeadingVerdict.COMPASS if self._compass_off == worst else HeadingVerdict.GYRO
+        return HeadingVerdict.GYRO if self._quarrel_s > _GIVE_UP_S else HeadingVerdict.NOTHING

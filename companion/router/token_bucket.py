@@ -10,7 +10,7 @@ _FULL_SPEED = 1.0
 _STEPS = ((20, 0.6), (50, 0.85), (90, 1.0), (101, 1.25))
 
 
-class Budget:
+class TokenBucket:
     """A bucket that fills at the line's rate. Urgent frames may leave it in debt; telemetry then waits.
 
     The radio's own reports make it fill more slowly than the line's nominal rate, never faster.

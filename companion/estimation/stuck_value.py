@@ -11,7 +11,7 @@ _PATIENCE: Final = 4.0  # times the longest run so far
 _ENOUGH: Final = 20  # changes, before the habit counts as known
 
 
-class Repetition:
+class StuckValueDetector:
     """run_s is for how long the reading has been the same; is_condemned: that run is no habit but a fault."""
 
     __slots__ = ("_changes", "_longest_s", "_since_s", "is_condemned", "run_s")

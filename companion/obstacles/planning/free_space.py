@@ -30,7 +30,7 @@ class Bounds(Protocol):
         """How far one can go along a course, at most reach_m."""
 
 
-class ClearWater:
+class FreeSpace:
     """The directions from one place, SECTORS of them, clockwise from north."""
 
     __slots__ = ("_at", "_bounds", "_inside_m", "_rooms_m")

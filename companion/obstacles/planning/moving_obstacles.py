@@ -45,7 +45,7 @@ _ALIKE_M_S: Final = 0.1
 Pose = tuple[float, float, float, float]
 
 
-class Passing(NamedTuple):
+class MovingObstacleAvoidance(NamedTuple):
     """A turn off the course asked for, positive to starboard, and a speed; a negative one is astern, with
     the bow as it is.
     """
@@ -54,12 +54,14 @@ class Passing(NamedTuple):
     speed_m_s: float
 
 
-def choose_passing(scene: Scene, course_rad: float, speed_m_s: float, last: Passing | None) -> Passing | None:
+def choose_passing(
+    scene: Scene, course_rad: float, speed_m_s: float, last: MovingObstacleAvoidance | None
+) -> MovingObstacleAvoidance | None:
     """How to let pass what moves; None where nothing that moves comes near."""
     is_alongside = _is_alongside(scene)
     if not is_alongside and _nearness(scene, course_rad, speed_m_s)[0] <= 0.0:
         return None
-    best, least = Passing(0.0, speed_m_s), math.inf
+    best, least = MovingObstacleAvoidance(0.0, speed_m_s), math.inf
     crossing = _crossing(scene, course_rad)
     for turn in _TURNS_RAD:
         course = wrap_pi(course_rad + turn)
@@ -74,7 +76,7 @@ def choose_passing(scene: Scene, course_rad: float, speed_m_s: float, last: Pass
             if last is not None and last.turn_rad == turn and abs(last.speed_m_s - speed) < _ALIKE_M_S:
                 cost -= _HABIT
             if cost < least:
-                best, least = Passing(turn, speed), cost
+                best, least = MovingObstacleAvoidance(turn, speed), cost
     if best != (0.0, speed_m_s):
         return best
     return last if is_alongside else None
@@ -184,7 +186,7 @@ def _way_sailed(scene: Scene, course_rad: float, speed_m_s: float) -> list[Pose]
     fastest, turning = handling.turn_rate_rad_s, nav.yaw_rate_rad_s
     takes_up = 1.0 - math.exp(-_STEP_S / _TURN_LAG_S)
     gains, loses = _GAINS * guidance.accel_m_s2 * _STEP_S, _LOSES * guidance.accel_m_s2 * _STEP_S
-    set_n, set_e = nav.set_north_m_s, nav.set_east_m_s
+    current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
     target = heading if speed_m_s <= 0.0 else scene.heading_for_rad(course_rad, speed_m_s)
     if speed_m_s <= 0.0:
         loses = _STOPS * guidance.accel_m_s2 * _STEP_S
@@ -197,7 +199,7 @@ def _way_sailed(scene: Scene, course_rad: float, speed_m_s: float) -> list[Pose]
         wanted = steered_speed_m_s(speed_m_s, error, guidance) if speed_m_s > 0.0 else speed_m_s
         surge += min(max(wanted - surge, -loses), gains)
         ahead_n, ahead_e = math.cos(heading), math.sin(heading)
-        aside = set_e * ahead_n - set_n * ahead_e  # the set along the bow is in the speed over ground
+        aside = current_e * ahead_n - current_n * ahead_e  # the set along the bow is in the speed over ground
         north += _STEP_S * (surge * ahead_n - aside * ahead_e)
         east += _STEP_S * (surge * ahead_e + aside * ahead_n)
         way.append((north, east, ahead_n, ahead_e))

@@ -4,7 +4,7 @@ import math
 from collections import deque
 from typing import Final
 
-from companion.estimation.repetition import Repetition
+from companion.estimation.stuck_value import StuckValueDetector
 
 FROZEN_S: Final = 1.0  # so long a run of equal fixes is one while the boat moves
 _SPAN_S: Final = 1.2  # over which positions and velocities are compared
@@ -19,7 +19,7 @@ _SCATTER_S: Final = 10.0  # in which the scatter is learned
 _ODD_STEP: Final = 9.0  # of its variance: a leap teaches nothing
 
 
-class FixWatch:
+class GnssIntegrityMonitor:
     """Looks at each fix before anything is made of it."""
 
     __slots__ = (
@@ -27,7 +27,7 @@ class FixWatch:
     )  # fmt: skip
 
     def __init__(self) -> None:
-        self._repetition = Repetition()
+        self._repetition = StuckValueDetector()
         self._at = 0j
         self._velocity: complex | None = None
         self._way_m = 0j

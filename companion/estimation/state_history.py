@@ -5,7 +5,7 @@ from typing import Final
 LENGTH: Final = 128  # ticks, two and a half seconds
 
 
-class Wake:
+class StateHistory:
     """A ring of the last LENGTH ticks.
 
     way_m is the way through the water since boot, velocity_m_s the velocity through it, both north + i east.

@@ -11,8 +11,8 @@ from typing import Final
 from companion.config.estimation import Estimation
 from companion.core.state import EstimateFault
 from companion.estimation.current import SET_SHARE
-from companion.estimation.fix_watch import FixWatch
-from companion.estimation.lag_watch import PAUSE_S, LagWatch
+from companion.estimation.gnss_integrity import GnssIntegrityMonitor
+from companion.estimation.latency import PAUSE_S, LatencyEstimator
 from companion.estimation.model import Model
 from companion.estimation.position import UNMODELLED_S, PositionFilter
 
@@ -37,7 +37,7 @@ _LATE: Final = int(EstimateFault.GNSS_LATE)
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 
 
-class Fixing:
+class GnssUpdate:
     """accepted_s: the time of the latest position believed; resets: how often it was begun anew."""
 
     __slots__ = (
@@ -49,8 +49,8 @@ class Fixing:
     def __init__(self, model: Model, setting: Estimation) -> None:
         self._model = model
         self._setting = setting
-        self._watch = FixWatch()
-        self.late = LagWatch(_SWINGING_M_S)
+        self._watch = GnssIntegrityMonitor()
+        self.late = LatencyEstimator(_SWINGING_M_S)
         self._fix_s = self._velocity_s = self._odd_since_s = -math.inf
         self._way_m = 0j  # through the water, at the time of the latest fix
         self._strayed_m = self._rejected = self._hung_m = 0.0
@@ -80,10 +80,10 @@ class Fixing:
         unmodelled = position.unmodelled_m_s
         through = wake.velocity_m_s
         way_m = wake.way_m + through * (now_s - wake.time_s) - self._way_m
-        carried = current.gain * way_m + current.set_m_s * ahead_s
+        carried = current.gain * way_m + current.current_m_s * ahead_s
         return (
             position.position_m + carried + unmodelled * (UNMODELLED_S * (1.0 - fading)),
-            current.gain * through + current.set_m_s + unmodelled * fading,
+            current.gain * through + current.current_m_s + unmodelled * fading,
         )
 
     def pass_time(self, now_s: float) -> None:
@@ -134,7 +134,7 @@ class Fixing:
             watch.forget_creep()
             return
         dt = time_s - position.time_s
-        carried = model.current.gain * (way_m - self._way_m) + model.current.set_m_s * dt
+        carried = model.current.gain * (way_m - self._way_m) + model.current.current_m_s * dt
         self._way_m = way_m
         pushed = model.pushed_m2_s3(through)
         position.predict(time_s, carried, sigma_m, pushed)

@@ -6,7 +6,7 @@ A dead sensor says the same again and again; a broken one leaps about as no hull
 from typing import Final
 
 from companion.core.units import wrap_pi
-from companion.estimation.repetition import Repetition
+from companion.estimation.stuck_value import StuckValueDetector
 
 _LATELY_S: Final = 0.3
 _WILD: Final = 0.5  # share of leaps lately that is too much
@@ -14,7 +14,7 @@ _CALM: Final = 0.1  # and all is well again
 _NONE: Final = 1e9  # no reading is this
 
 
-class Liveliness:
+class SensorTimeoutMonitor:
     """is_good says that nothing is wrong."""
 
     __slots__ = (
@@ -26,7 +26,7 @@ class Liveliness:
         """A change by more than leap + leap_per_s × time is none. least_s: so long the same is dead."""
         self.is_good = True
         self._is_wild = False
-        self._repetition = Repetition()
+        self._repetition = StuckValueDetector()
         self._leap = leap
         self._leap_per_s = leap_per_s
         self._least_s = least_s
