@@ -71,8 +71,12 @@ class Leg:
             return False
         if abs(cross_m) <= PASSED_RADII * radius_m:
             return True
-        self._line, self._intent = Line(nav.point, self.end), None
+        self.begin_at(nav.point)
         return False
+
+    def begin_at(self, start: Point) -> None:
+        """Aim at the end from another place."""
+        self._line, self._intent = Line(start, self.end), None
 
     def intent(self, speed_m_s: float) -> FollowLeg:
         """Sail it at this speed over ground."""

@@ -212,7 +212,8 @@ class MissionProgress:
         under_way.look_ahead(self.mission, self.current_seq, self.jumps, frame, own_radius_m)
         if math.isnan(self._begun_s):
             if not leg.has_ended(nav, own_radius_m):
-                return under_way.intent(leg, self._leg_start, self.speed_m_s or config.speed.cruise_m_s)
+                speed_m_s = self.speed_m_s or config.speed.cruise_m_s
+                return under_way.intent(leg, self._leg_start, speed_m_s, nav.point)
             self.reached.append(self.current_seq)
             self._station = leg.end
             self._begun_s = now_s

@@ -3,9 +3,9 @@
 Waypoints that lie close together are sailed on a fair line (`fair_line.py`), each still reached in its turn.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from companion.core.geo import LocalFrame, Point
+from companion.core.geo import Line, LocalFrame, Point
 from companion.core.intent import FollowLeg
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.fair_line import fair_line
@@ -91,12 +91,17 @@ class MissionRoute:
         self._places, self._radii_m, self._is_open, self._intent = places, radii_m, is_open, None
         self._corners = fair_line(places, [radius_m or own_radius_m for radius_m in radii_m])
 
-    def intent(self, leg: Leg, start: Point | None, speed_m_s: float) -> FollowLeg:
-        """Sail from corner to corner, as long as the leg begins at start; else the leg alone."""
+    def intent(self, leg: Leg, start: Point | None, speed_m_s: float, here: Point) -> FollowLeg:
+        """Sail from corner to corner, as long as the leg begins at start; else the leg alone.
+
+        A boat that has passed the last corner without ending the leg sails to the leg's end from where it is.
+        """
+        at = self._chord()
+        if self._corners and _is_beyond(self._corners[at:], here):
+            leg.begin_at(here)
         if not self._corners or leg.start != start:
             self._corners = []
             return leg.intent(speed_m_s)
-        at = self._chord()
         ahead = [corner for corner, _ in self._corners[at : at + 3 + _MOST_CORNERS]]
         old = self._intent
         if old is None or (old.start, old.end, old.speed_m_s) != (ahead[0], ahead[1], speed_m_s):
@@ -116,6 +121,14 @@ class MissionRoute:
         while at < len(self._corners) - 2 and self._corners[at + 1][1] <= self._passed:
             at += 1
         return at
+
+
+def _is_beyond(corners: Sequence[tuple[Point, int]], here: Point) -> bool:
+    """Whether the route ends with these two corners, and the boat has passed the second one."""
+    if len(corners) != 2:
+        return False
+    line = Line(corners[0][0], corners[1][0])
+    return line.along_and_cross_track_m(here)[0] > line.length_m
 
 
 def waypoints_ahead(mission: Mission, seq: int, jumps: Mapping[int, int]) -> tuple[list[Waypoint], bool]:

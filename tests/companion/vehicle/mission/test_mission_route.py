@@ -142,6 +142,22 @@ def test_a_boat_that_was_swept_away_from_a_short_leg_aims_at_its_waypoint_again(
     assert intent.end == pytest.approx((1.0, 0.0), abs=1e-3)
 
 
+def test_a_boat_that_passes_the_end_of_a_short_last_leg_turns_back_to_it() -> None:
+    """The last leg leads back, so on the line straight to its end the boat can pass that unnoticed."""
+    progress = mission((20.0, 0.0), (40.0, 0.0), (39.0, 1.0))
+    for north in range(40):
+        progress.update(nav_at(float(north), 0.0), FRAME, CONFIG, 0.0)
+    progress.update(nav_at(39.5, -2.5), FRAME, CONFIG, 0.0)
+    progress.update(nav_at(41.0, -2.5), FRAME, CONFIG, 0.0)
+    assert progress.current_seq == 3
+    for north, east in ((43.0, -2.5), (45.0, -2.5), (60.0, -2.5)):
+        intent = progress.update(nav_at(north, east), FRAME, CONFIG, 0.0)
+        assert isinstance(intent, FollowLeg)
+        assert intent.end == pytest.approx((39.0, 1.0), abs=1e-3)
+        along_m, _ = intent.line.along_and_cross_track_m(Point(north, east))
+        assert along_m < intent.line.length_m
+
+
 def test_a_ring_of_short_legs_is_sailed_round_and_round() -> None:
     ring = [(4.0 * math.sin(n * math.pi / 4), 4.0 * math.cos(n * math.pi / 4)) for n in range(8)]
     progress = progress_of(*(Waypoint(place(*at)) for at in ring), Jump(1, 2))
