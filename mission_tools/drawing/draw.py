@@ -176,7 +176,7 @@ def draw_picture(
         draw_waypoints(axes, route)
     elif track:
         draw_waypoints(axes, (track[0], track[-1]))
-    _hide_crowded_names(axes)
+    arrange_names(axes)
     draw_frame(axes, chart, view)
     draw_scale_bar(axes, view)
     draw_north_arrow(axes)
@@ -294,8 +294,11 @@ def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
     )  # fmt: skip
 
 
-def _hide_crowded_names(axes: Axes) -> None:
-    """Of names that would lie over each other only the first stays; Start, Goal and numbers all do."""
+def arrange_names(axes: Axes) -> None:
+    """Move names that the frame would cut; where names overlap, show only the first.
+
+    Start, Goal and numbers always stay. The layout of the figure must be final.
+    """
     taken: list[Bbox] = []
     frame = axes.get_window_extent()
     for text in axes.texts:

@@ -101,7 +101,7 @@ def tune(
 def _sail_all(
     trials: Trials, before: Gains, seed: int, candidates: int, ledger: Ledger, crew: Crew, console: Console
 ) -> Found:
-    """Search, and sail the best and the gains of before on other seeds."""
+    """Search, then sail the best gains and the boat's own on other seeds."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("", total=None)
@@ -119,7 +119,7 @@ def _sail_all(
         for standing in search(trials, before, seed, sail, candidates):
             standings.append(standing)
             compared, ratio = len(standing.ratios), standing.ratios[0]
-            console.print(f"round {standing.round}: the best of {compared} costs {ratio:.3f} of before")
+            console.print(f"round {standing.round}: the best of {compared}: cost relative to baseline {ratio:.3f}")
             progress.update(task, description=f"round {standing.round} of {len(REACHES)}")
         progress.update(task, description="check")
         return standings, _checked(trials, before, standings[-1].best, seed + 100, sail)
@@ -140,7 +140,7 @@ def _print(
     table = Table("", "before", "best found", box=None)
     for path in before:
         table.add_row(path, f"{before[path]:g}", f"{after[path]:g}")
-    table.add_row("cost over before", "1", f"{verdict.ratio:.3f} ± {verdict.doubt:.3f}")
+    table.add_row("cost relative to baseline", "1", f"{verdict.ratio:.3f} ± {verdict.doubt:.3f}")
     for figure in _FIGURES:
         table.add_row(figure, *(_told(_mean(outcomes, figure)) for outcomes in checked.values()))
     console.print(table)

@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from companion.core.geo import Point
 from companion.core.output_file import output_file
-from mission_tools.drawing.draw import draw_chart
+from mission_tools.drawing.draw import arrange_names, draw_chart
 from mission_tools.drawing.legend import INK, PAPER
 from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.step_response import STEP_RAD, FailsafeActions
@@ -19,6 +20,7 @@ from sitl.experiments.paper.trial import Sailed, planned
 COLOURS = {Method.ON_OFF: "#c0392b", Method.PID: "#1f6fb2", Method.LOS: "#2e8b57", Method.EXACT: "#8e6bbf"}
 CASE_COLOURS = dict(zip(CASES, ("#c0392b", "#1f6fb2", "#2e8b57", "#d08a1d", "#8e6bbf"), strict=True))
 _DPI = 120
+_NAME_M = 0.09  # of the chart to the east of the pool: the box's name ends there
 
 
 def draw_step_responses(responses: Sequence[FailsafeActions], path: Path) -> None:
@@ -71,7 +73,8 @@ def draw_tracks(runs: Sequence[Sailed], path: Path) -> None:
     for row, method in enumerate(methods):
         for column, case in enumerate(CASES):
             axes = figure.add_subplot(len(methods), len(CASES), row * len(CASES) + column + 1)
-            _pool(axes)
+            points = planned(case, method.is_exact)
+            _pool(axes, points)
             axes.tick_params(labelleft=column == 0, labelsize=7)
             for run in runs:
                 if run.trial.case == case and run.trial.method == method:
@@ -79,7 +82,6 @@ def draw_tracks(runs: Sequence[Sailed], path: Path) -> None:
                         [p.east_m for p in run.track], [p.north_m for p in run.track],
                         color=COLOURS[method], linewidth=0.9, alpha=0.6, zorder=8,
                     )  # fmt: skip
-            points = planned(case, method.is_exact)
             axes.plot(
                 [p.east_m for p in points],
                 [p.north_m for p in points],
@@ -135,11 +137,11 @@ def _bars(
     axes.grid(axis="y", alpha=0.3)
 
 
-def _pool(axes: Axes) -> None:
+def _pool(axes: Axes, route: Sequence[Point] = ()) -> None:
     chart = conditions("1", 0).chart
     west, south, east, north = chart.water.bounds
-    draw_chart(axes, chart, 0.0, ())
-    axes.set(xlim=(west - 0.03, east + 0.03), ylim=(south - 0.03, north + 0.03), aspect="equal")
+    draw_chart(axes, chart, 0.0, route)
+    axes.set(xlim=(west - 0.03, east + _NAME_M), ylim=(south - 0.03, north + 0.03), aspect="equal")
 
 
 def _figure(size: tuple[float, float]) -> Figure:
@@ -150,5 +152,8 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 def _save(figure: Figure, path: Path, title: str) -> None:
     figure.suptitle(title, fontsize=14, fontweight="bold", color=INK)
+    figure.draw_without_rendering()  # names are arranged by where the layout has put the axes
+    for axes in figure.axes:
+        arrange_names(axes)
     with output_file(path) as aside:
         figure.savefig(aside)

@@ -1,5 +1,6 @@
-"""A search for gains as a picture: every comparison, and how what was found does on other seeds."""
+"""A search for gains as a picture: the cost of every set of gains, and of the best one on other seeds."""
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from companion.core.output_file import output_file
 from sitl.experiments.tuning.search import Standing
 from sitl.experiments.tuning.verdict import TuningVerdict
 
-_MOST_SHOWN = 3.0  # what costs more lies at the upper edge
+_MOST_SHOWN = 3.0  # higher costs are drawn at the upper edge
 
 
 def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: str, path: Path) -> None:
@@ -20,7 +21,7 @@ def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: st
     for place, standing in zip(places, standings, strict=True):
         shown = [min(ratio, _MOST_SHOWN) for ratio in standing.ratios]
         axes.plot([place] * len(shown), shown, "o", color=f"C{standing.round - 1}", alpha=0.5, markersize=5)
-    axes.plot(places, [standing.ratios[0] for standing in standings], "-", color="0.3", label="best so far")
+    axes.plot(places, [standing.ratios[0] for standing in standings], "-", color="0.3", label="best of the comparison")
     axes.errorbar(
         [len(standings) + 1],
         [verdict.ratio],
@@ -28,17 +29,27 @@ def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: st
         fmt="s",
         color="k",
         capsize=4,
-        label="on other seeds",
+        label="best gains on other seeds",
     )
-    axes.axhline(1.0, color="0.6", linestyle="--", label="the gains of before")
+    axes.axhline(1.0, color="0.6", linestyle="--", label="baseline: the boat's own gains")
     axes.set_yscale("log")
     axes.set_yticks([0.5, 0.7, 1.0, 1.5, 2.0], ["0.5", "0.7", "1", "1.5", "2"])
     axes.set_ylim(top=1.05 * _MOST_SHOWN)
     axes.minorticks_off()
-    axes.set_xticks([*places, len(standings) + 1], [*(f"round {s.round}" for s in standings), "check"])
+    axes.set_xticks([*places, len(standings) + 1], [*_labels(standings), "check"])
     axes.tick_params(axis="x", rotation=45)
-    axes.set_ylabel("cost over that of before")
+    axes.set_ylabel("cost relative to baseline")
     axes.set_title(title)
     axes.legend(loc="upper right")
     with output_file(path) as aside:
         figure.savefig(aside, dpi=110)
+
+
+def _labels(standings: Sequence[Standing]) -> list[str]:
+    """A round and which of its comparisons: each sails the better half of the one before on more seeds."""
+    counts: Counter[int] = Counter()
+    labels = []
+    for standing in standings:
+        counts[standing.round] += 1
+        labels.append(f"round {standing.round}.{counts[standing.round]}")
+    return labels

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class TuningVerdict(NamedTuple):
-    """ratio: the mean of costs over those of before; doubt: two standard errors of that mean."""
+    """ratio: the mean of costs relative to the baseline; doubt: two standard errors of that mean."""
 
     ratio: float
     doubt: float
