@@ -119,7 +119,9 @@ def _sail_all(
         for standing in search(trials, before, seed, sail, candidates):
             standings.append(standing)
             compared, ratio = len(standing.ratios), standing.ratios[0]
-            console.print(f"round {standing.round}: the best of {compared}: cost relative to baseline {ratio:.3f}")
+            console.print(
+                f"round {standing.round}: best of {compared}: cost relative to baseline {ratio:.3f}"
+            )
             progress.update(task, description=f"round {standing.round} of {len(REACHES)}")
         progress.update(task, description="check")
         return standings, _checked(trials, before, standings[-1].best, seed + 100, sail)

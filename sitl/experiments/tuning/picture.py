@@ -21,7 +21,7 @@ def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: st
     for place, standing in zip(places, standings, strict=True):
         shown = [min(ratio, _MOST_SHOWN) for ratio in standing.ratios]
         axes.plot([place] * len(shown), shown, "o", color=f"C{standing.round - 1}", alpha=0.5, markersize=5)
-    axes.plot(places, [standing.ratios[0] for standing in standings], "-", color="0.3", label="best of the comparison")
+    axes.plot(places, [standing.ratios[0] for standing in standings], "-", color="0.3", label="best")
     axes.errorbar(
         [len(standings) + 1],
         [verdict.ratio],
@@ -29,7 +29,7 @@ def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: st
         fmt="s",
         color="k",
         capsize=4,
-        label="best gains on other seeds",
+        label="best on other seeds",
     )
     axes.axhline(1.0, color="0.6", linestyle="--", label="baseline: the boat's own gains")
     axes.set_yscale("log")
