@@ -145,8 +145,8 @@ def test_a_boat_that_was_swept_away_from_a_short_leg_aims_at_its_waypoint_again(
 def test_a_boat_that_passes_the_end_of_a_short_last_leg_turns_back_to_it() -> None:
     """The last leg leads back, so on the line straight to its end the boat can pass that unnoticed."""
     progress = mission((20.0, 0.0), (40.0, 0.0), (39.0, 1.0))
-    for north in range(40):
-        progress.update(nav_at(float(north), 0.0), FRAME, CONFIG, 0.0)
+    for along in range(40):
+        progress.update(nav_at(float(along), 0.0), FRAME, CONFIG, 0.0)
     progress.update(nav_at(39.5, -2.5), FRAME, CONFIG, 0.0)
     progress.update(nav_at(41.0, -2.5), FRAME, CONFIG, 0.0)
     assert progress.current_seq == 3
