@@ -13,7 +13,7 @@ from companion.core.output_file import output_file
 from mission_tools.drawing.draw import arrange_names, draw_chart
 from mission_tools.drawing.legend import INK, PAPER
 from sitl.experiments.paper.conditions import CASES, Method, conditions
-from sitl.experiments.paper.step_response import STEP_RAD, FailsafeActions
+from sitl.experiments.paper.step_response import STEP_RAD, StepResponse
 from sitl.experiments.paper.table import Row
 from sitl.experiments.paper.trial import Sailed, planned
 
@@ -23,7 +23,7 @@ _DPI = 120
 _NAME_M = 0.09  # of the chart to the east of the pool: the box's name ends there
 
 
-def draw_step_responses(responses: Sequence[FailsafeActions], path: Path) -> None:
+def draw_step_responses(responses: Sequence[StepResponse], path: Path) -> None:
     """Fig. 5: one panel a gain set."""
     figure = _figure((12.0, 4.2))
     for column, response in enumerate(responses):

@@ -25,7 +25,7 @@ _BAND = 0.05  # of the step
 
 
 @dataclass(frozen=True, slots=True)
-class FailsafeActions:
+class StepResponse:
     """Heading after the step, from where it was, as the boat truly turned.
 
     rise_s: from 10 to 90 % of the step; settle_s: until it stays within 5 % of it; None if it never does.
@@ -62,7 +62,7 @@ class FailsafeActions:
         return next(reached, None)
 
 
-def step_responses(seed: int = 1) -> list[FailsafeActions]:
+def step_responses(seed: int = 1) -> list[StepResponse]:
     """One response for each gain set, in the pool boat's own water without walls.
 
     Raises:
@@ -72,7 +72,7 @@ def step_responses(seed: int = 1) -> list[FailsafeActions]:
     return [_respond(scenario, gains) for gains in GAIN_SETS]
 
 
-def _respond(scenario: Scenario, gains: tuple[float, float, float]) -> FailsafeActions:
+def _respond(scenario: Scenario, gains: tuple[float, float, float]) -> StepResponse:
     kp, ki, kd = gains
     heading = msgspec.structs.replace(scenario.vehicle.heading, kp=kp, ki=ki, kd=kd)
     vehicle = msgspec.structs.replace(scenario.vehicle, heading=heading)
@@ -89,7 +89,7 @@ def _respond(scenario: Scenario, gains: tuple[float, float, float]) -> FailsafeA
     start = lockstep.world.truth.heading_rad
     times, headings = _hold(lockstep, law, STEP_RAD, WATCH_S)
     lockstep.close()
-    return FailsafeActions(gains, tuple(times), tuple(wrap_pi(heading - start) for heading in headings))
+    return StepResponse(gains, tuple(times), tuple(wrap_pi(heading - start) for heading in headings))
 
 
 def _hold(
