@@ -54,7 +54,7 @@ fuzz: setup  ## coverage-guided fuzzing; also FUZZ_SECONDS=60 for each target, T
 fast: setup  ## compile the hot modules in place (needs a C compiler, takes minutes): same bytes, half the time
 	$(BIN)/python -m compiled build
 	cd / && $(abspath $(BIN))/boat-companion version && $(abspath $(BIN))/boat-sitl --help >/dev/null
-	$(BIN)/python -m pytest -n 0 -q tests/sitl/test_compiled.py
+	$(BIN)/python -m pytest -n 0 -q tests/sitl/run/test_compiled.py
 
 slow: setup  ## back to the sources alone
 	$(BIN)/python -m compiled remove

@@ -15,7 +15,7 @@ from mission_tools.mission.mission import FencePolygon
 
 LAT, LON = 50.0, 10.0
 START, GOAL = Point(50.0, -150.0), Point(-50.0, 150.0)
-POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
+POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 
 Json = dict[str, Any]
 

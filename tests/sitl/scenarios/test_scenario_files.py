@@ -13,8 +13,8 @@ from mission_tools.planning.planner import PlanSettings, plan
 from sitl.scenarios.layers import merge, parse_overrides
 from sitl.scenarios.scenario import load_scenario, scenario_names
 
-SCENARIOS = Path(__file__).parents[2] / "sitl" / "scenarios"
-BOATS = Path(__file__).parents[2] / "sitl" / "boats"
+SCENARIOS = Path(__file__).parents[3] / "sitl" / "scenarios"
+BOATS = Path(__file__).parents[3] / "sitl" / "boats"
 CASES = ("1", "2", "3", "4", "5")
 
 

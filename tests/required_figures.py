@@ -1,6 +1,6 @@
-"""The figures that every run is asked for, whatever else it tells."""
+"""The figures that every run reports."""
 
-ASKED = {
+REQUIRED = {
     "sim_seconds",
     "cpu_seconds",
     "real_time_factor",

@@ -1,8 +1,8 @@
 import dataclasses
 
 import pytest
-from asked_figures import ASKED
 from boat_rig import HOME_ITEM, scenario, waypoint
+from required_figures import REQUIRED
 
 from companion.core.geo import LatLon
 from companion.mavlink.items import MissionItem
@@ -66,7 +66,7 @@ def test_a_start_that_is_refused_is_told_with_its_reason() -> None:
 
 def test_a_result_names_every_figure_that_was_asked_for() -> None:
     names = {field.name for field in dataclasses.fields(Sailing(scenario("open"), ITEMS).run())}
-    assert names >= ASKED
+    assert names >= REQUIRED
 
 
 def test_the_outline_of_the_water_goes_aboard_as_a_fence_before_the_mission() -> None:

@@ -25,8 +25,8 @@ from mission_tools.planning.heuristics import HEURISTICS
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 from mission_tools.planning.smooth import path_length_m
 
-SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
-POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
+SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
+POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 JETTY, MILL = Point(-150.0, -194.0), Point(232.0, 222.0)
 TOLERANCE_M = 0.01

@@ -16,7 +16,7 @@ from mission_tools.planning.expansion import EightNeighbours
 from mission_tools.planning.grid import Grid, grid_from_rows
 from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
 
-MOVING_AI = Path(__file__).parents[3] / "shared" / "maps" / "movingai"
+MOVING_AI = Path(__file__).parents[4] / "shared" / "maps" / "movingai"
 SQRT2 = math.sqrt(2.0)
 
 

@@ -16,8 +16,8 @@ from mission_tools.maps import load_geojson
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.maps.projection import to_local
 
-SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
-POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
+SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
+POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 SHORE_FILES = sorted(SHORE.glob("*.geojson"))
 ORIGIN = LatLon(50.0, -1.2)
 FRAME = LocalFrame(ORIGIN)

@@ -12,7 +12,7 @@ from sitl.scenarios.scenario import Scenario, load_scenario
 from sitl.world.drive import Thruster
 from sitl.world.world import World
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
 DT_S = 0.02
 DROP_V = {

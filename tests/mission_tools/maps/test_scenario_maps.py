@@ -10,7 +10,7 @@ from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Source, load_source
 from mission_tools.maps.scenario import decode_scenario
 
-POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
+POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 ORIGIN = "[origin]\nlat_deg = 50.0\nlon_deg = -1.2\n"
 
 

@@ -3,7 +3,7 @@ import json
 from pathlib import Path
 
 import pytest
-from asked_figures import ASKED
+from required_figures import REQUIRED
 
 from sitl.__main__ import run_program
 from sitl.cli.arguments import with_json_told_apart
@@ -31,7 +31,7 @@ def test_the_json_has_the_figures_that_were_asked_for_and_a_few_more(
 ) -> None:
     assert run_program(["sail", "open", "--mission", str(mission), "--json"]) == 0
     figures = json.loads(capsys.readouterr().out)
-    assert set(figures) == ASKED | EXTRA
+    assert set(figures) == REQUIRED | EXTRA
     assert figures["completed"] is True
     assert figures["waypoints_reached"] == 2
     assert figures["min_clearance_m"] is None

@@ -15,7 +15,7 @@ from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
 from sitl.world.shore import Shore
 
-REAL_SHORES = Path(__file__).parents[3] / "shared" / "maps" / "shore"
+REAL_SHORES = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 SQUARE = shapely.box(-10.0, -10.0, 10.0, 10.0)
 ROCK = Polygon([(2.0, 1.0), (3.0, 1.0), (3.0, 2.0), (2.0, 2.0)])
