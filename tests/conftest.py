@@ -34,14 +34,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests against the wall clock share their machine with whatever else runs there: each may be tried
-    again, and says so in the report. Tests in simulated time get no second chance.
-
-    Tests are for the sources: compiled modules stand before them, old or not, and let nothing be put in
+    """Tests are for the sources: compiled modules stand before them, old or not, and let nothing be put in
     place of what they hold.
     """
     if libraries() and any(item.path.name != "test_compiled.py" for item in items):
         raise pytest.UsageError("modules are compiled, and tests are for their sources: run make slow first")
-    for item in items:
-        if item.get_closest_marker("realtime") is not None:
-            item.add_marker(pytest.mark.flaky(reruns=2))

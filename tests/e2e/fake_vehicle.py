@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from patience import MOMENT_S
 from pymavlink.dialects.v20 import all as dialect
 
 HOLD, AUTO = 4, 10
@@ -75,7 +76,7 @@ class FakeVehicle:
     def close(self) -> None:
         """Stop the thread and close the sockets."""
         self._stop.set()
-        self._thread.join(5.0)
+        self._thread.join(MOMENT_S)
         self._server.close()
 
     def _serve(self) -> None:

@@ -5,6 +5,7 @@ import socket
 import threading
 import time
 
+from patience import MOMENT_S
 from pymavlink.dialects.v20 import all as dialect
 
 from sitl.radio.channel import Channel, Quality
@@ -20,7 +21,7 @@ class LossyRelay:
         self._station: tuple[str, int] | None = None
         self._near = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._near.bind(("127.0.0.1", 0))
-        self._far = socket.create_connection(("127.0.0.1", boat_port), timeout=5.0)
+        self._far = socket.create_connection(("127.0.0.1", boat_port), timeout=MOMENT_S)
         self._far.settimeout(None)
         self._reader = dialect.MAVLink(None)
         self._reader.robust_parsing = True
@@ -40,7 +41,7 @@ class LossyRelay:
     def close(self) -> None:
         """Hang up both."""
         self._is_over.set()
-        self._thread.join(5.0)
+        self._thread.join(MOMENT_S)
         self._near.close()
         self._far.close()
 

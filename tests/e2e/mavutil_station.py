@@ -69,14 +69,22 @@ class MavutilStation:
                 return message
         raise AssertionError(f"no such {kinds} within {timeout_s} s")
 
-    def listen(self, seconds: float) -> list[Message]:
-        """Everything that is heard within a time."""
-        end_s = time.monotonic() + seconds
-        heard = []
-        while (left_s := end_s - time.monotonic()) > 0.0:
-            message = self.link.recv_match(blocking=True, timeout=left_s)
-            if message is not None:
-                heard.append(message)
+    def mode(self) -> int:
+        """The mode in the boat's next heartbeat: it passes on those of other programs, which have none."""
+        return int(self.wait_for("HEARTBEAT", lambda beat: beat.get_srcSystem() == BOAT[0]).custom_mode)
+
+    def listen(self, boat_s: float) -> list[Message]:
+        """Everything that is heard from now on, until the boat's own clock has advanced by a time.
+
+        A busy machine stretches the boat's time, so a wait by the wall clock may see none of it pass.
+        """
+        self.drain()
+        heard = [self.wait_for("SYSTEM_TIME")]
+        end_ms = heard[0].time_boot_ms + 1000.0 * boat_s
+        while getattr(heard[-1], "time_boot_ms", 0.0) < end_ms:
+            message = self.link.recv_match(blocking=True, timeout=MOMENT_S)
+            assert message is not None, f"nothing was heard for {MOMENT_S} s"
+            heard.append(message)
         return heard
 
     def drain(self) -> None:

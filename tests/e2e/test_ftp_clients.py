@@ -70,12 +70,14 @@ def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
     (proxy.room / "new.parm").write_text("HDG_KP 3.5\nWP_RADIUS 4\n", encoding="ascii")
     proxy.say("param ftpload new.parm")
     proxy.wait_for("Sending 2 params")
+    stored = state / "params.parm"
+    until(lambda: stored.exists() and "WP_RADIUS 4" in stored.read_text(encoding="ascii"))
     said = len(proxy.out)
     proxy.say("param fetch")
     proxy.wait_for(rf"Received {SERVED} parameters", after=said)
     proxy.say("param show WP_RADIUS")
     assert float(proxy.wait_for(r"WP_RADIUS +([0-9.]+)", after=said)[1]) == 4.0
-    assert "HDG_KP 3.5" in (state / "params.parm").read_text(encoding="ascii")
+    assert "HDG_KP 3.5" in stored.read_text(encoding="ascii")
     proxy.hang_up()
     proxy.wait()
     assert "Traceback" not in proxy.out + proxy.err

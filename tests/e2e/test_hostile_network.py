@@ -7,6 +7,7 @@ import socket
 import pytest
 from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavutil_station import OpenStation
+from patience import MOMENT_S
 from programs import RunBoat
 from pymavlink.dialects.v20 import all as dialect
 
@@ -25,8 +26,8 @@ def test_silent_connections_and_magic_bytes_keep_no_station_from_the_boat(
     first.mav.heartbeat_send(dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, 0)
     with contextlib.ExitStack() as hanging_up:
         for _ in range(SILENT):
-            hanging_up.enter_context(socket.create_connection(("127.0.0.1", boat.port), timeout=20.0))
-        flood = hanging_up.enter_context(socket.create_connection(("127.0.0.1", boat.port), timeout=20.0))
+            hanging_up.enter_context(socket.create_connection(("127.0.0.1", boat.port), timeout=MOMENT_S))
+        flood = hanging_up.enter_context(socket.create_connection(("127.0.0.1", boat.port), timeout=MOMENT_S))
         for magic in (b"\xfd", b"\xfe"):
             flood.sendall(magic * (GARBAGE_BYTES // 2))
         late = open_station(boat.port, 254)

@@ -39,7 +39,7 @@ def make_a_log(station: MavutilStation, state: Path, number: int) -> bytes:
     size = -1
     while size != path.stat().st_size:
         size = path.stat().st_size
-        station.listen(1.5)  # a log that is being written grows once a second
+        station.listen(3.0)  # a log that is being written grows once a second
     return path.read_bytes()
 
 

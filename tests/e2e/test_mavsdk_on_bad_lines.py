@@ -13,6 +13,7 @@ from mavsdk.logging import log_subscribe
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.mission_raw import MissionRawError
 from mavutil_station import Place, zigzag
+from patience import JOB_S, MOMENT_S
 from programs import RunningBoat, start_boat
 
 from sitl.radio.channel import Quality
@@ -62,14 +63,14 @@ async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> Non
     configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
     async with Mavsdk(configuration) as mavsdk:
         await mavsdk.add_any_connection(f"udpout://127.0.0.1:{old_relay.port}")
-        system = await mavsdk.first_autopilot(10.0)
+        system = await mavsdk.first_autopilot(MOMENT_S)
         assert system is not None
         missions = MissionRawAsync(system)
         await missions.upload_mission(raw(OLD))
         missions.destroy()
     async with Mavsdk(configuration) as mavsdk:
         await mavsdk.add_any_connection(f"udpout://127.0.0.1:{relay.port}")
-        system = await mavsdk.first_autopilot(30.0)
+        system = await mavsdk.first_autopilot(MOMENT_S)
         assert system is not None
         missions = MissionRawAsync(system)
         began_s, uploaded = time.monotonic(), False
@@ -94,7 +95,7 @@ def test_a_plan_arrives_whole_or_not_at_all(boat: RunningBoat, loss: float) -> N
     clean = LossyRelay(boat.port, Quality(), 1)
     relay = LossyRelay(boat.port, Quality(loss, delay_s=0.02, jitter_s=0.03, duplication=0.05), 3)
     try:
-        asyncio.run(asyncio.wait_for(transfer(relay, clean, loss), 90.0))
+        asyncio.run(asyncio.wait_for(transfer(relay, clean, loss), JOB_S))
     finally:
         relay.close()
         clean.close()
