@@ -21,10 +21,10 @@ class Effect(NamedTuple):
 
 def _timing(slow: float, delayed_s: float, period_s: float) -> dict[str, Effect]:
     return {
-        "off": Effect(0.0, "says nothing any more"),
-        "slow": Effect(slow, "only every size-th reading comes", 1.0),
+        "off": Effect(0.0, "silent"),
+        "slow": Effect(slow, "only every size-th reading arrives", 1.0),
         "delayed": Effect(
-            delayed_s, "readings come size seconds late, stamped as if they were fresh", 0.0, 60.0
+            delayed_s, "readings arrive size seconds late, with current time stamps", 0.0, 60.0
         ),
         "intermittent": Effect(period_s, "silent for the first half of every size seconds", 0.04),
     }
@@ -32,61 +32,57 @@ def _timing(slow: float, delayed_s: float, period_s: float) -> dict[str, Effect]
 
 _MOTOR = {
     "off": Effect(0.0, "no thrust, whatever the command"),
-    "wrong": Effect(-1.0, "turns the other way round; size is the gain of the command", -1.0, 1.0),
+    "wrong": Effect(-1.0, "runs in reverse; size is the gain of the command", -1.0, 1.0),
     "slow": Effect(0.5, "weak; size is the gain of the command", -1.0, 1.0),
-    "stuck": Effect(
-        1.0, "weed holds the propeller; size is how much of it, 0..1: at 0.4 most motors stall", 0.0, 1.0
-    ),
-    "weed": Effect(
-        0.2, "weed on the propeller; size is how much of it, 0..1: at 0.4 most motors stall", 0.0, 1.0
-    ),
+    "stuck": Effect(1.0, "weed blocks the propeller; size 0..1: most motors stall at 0.4", 0.0, 1.0),
+    "weed": Effect(0.2, "weed on the propeller; size 0..1: most motors stall at 0.4", 0.0, 1.0),
     "intermittent": Effect(2.0, "a loose contact: no thrust in the first half of every size seconds", 0.04),
 }
 
 CATALOGUE: dict[str, dict[str, Effect]] = {
     "gnss": {
         **_timing(10.0, 2.0, 4.0),
-        "no_fix": Effect(0.0, "goes on talking, without a fix"),
-        "stuck": Effect(0.0, "the same position and velocity again and again, stamped fresh"),
+        "no_fix": Effect(0.0, "sends readings without a fix"),
+        "stuck": Effect(0.0, "repeats one position and velocity, with current time stamps"),
         "garbage": Effect(1000.0, "positions anywhere within size metres", 0.0),
         "wrong": Effect(10.0, "jumps by size metres towards towards_deg and stays there"),
-        "drift": Effect(0.5, "spoofed: pulled away at size m/s towards towards_deg"),
-        "jammed": Effect(5.0, "noise grows for size seconds; then it stands still without a fix", 0.04),
+        "drift": Effect(0.5, "spoofed: drifts at size m/s towards towards_deg"),
+        "jammed": Effect(5.0, "noise grows for size seconds, then no fix", 0.04),
     },
     "compass": {
         **_timing(50.0, 1.0, 2.0),
-        "stuck": Effect(0.0, "the same heading again and again, stamped fresh"),
+        "stuck": Effect(0.0, "repeats one heading, with current time stamps"),
         "garbage": Effect(0.0, "any heading"),
         "wrong": Effect(45.0, "off by size degrees"),
-        "drift": Effect(2.0, "turns away by size degrees a second"),
+        "drift": Effect(2.0, "drifts by size degrees a second"),
     },
     "gyro": {
-        "off": Effect(0.0, "says nothing any more"),
-        "stuck": Effect(0.0, "the same rate again and again"),
+        "off": Effect(0.0, "silent"),
+        "stuck": Effect(0.0, "repeats one turn rate"),
         "garbage": Effect(60.0, "any rate up to size degrees a second", 0.0),
         "wrong": Effect(5.0, "off by size degrees a second"),
     },
     "sonar": {
         **_timing(10.0, 1.0, 2.0),
         "stuck": Effect(0.0, "the same range at every bearing"),
-        "deaf": Effect(0.0, "pings go out, and no echo is heard"),
+        "deaf": Effect(0.0, "pings without echoes"),
         "garbage": Effect(0.0, "any range"),
         "wrong": Effect(-0.5, "ranges off by size metres"),
     },
     "battery": {
         **_timing(50.0, 5.0, 10.0),
-        "stuck": Effect(0.0, "the same voltage and current again and again"),
+        "stuck": Effect(0.0, "repeats one voltage and current"),
         "garbage": Effect(0.0, "any voltage and current"),
         "wrong": Effect(-2.0, "the voltage is off by size volts"),
     },
     "rc": {
         **_timing(50.0, 1.0, 4.0),
-        "failsafe": Effect(0.0, "has lost its transmitter, and says so"),
-        "stuck": Effect(0.0, "the same channels again and again, stamped fresh"),
+        "failsafe": Effect(0.0, "has lost its transmitter and reports it"),
+        "stuck": Effect(0.0, "repeats the same channels, with current time stamps"),
         "garbage": Effect(0.0, "any pulse on every channel"),
         "wrong": Effect(
             900.0,
-            "has lost its transmitter, and puts out pulses set for that: throttle size µs",
+            "has lost its transmitter and sends preset pulses: throttle size µs",
             500.0,
             2500.0,
         ),
@@ -94,30 +90,28 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
     "leak": {
         "wet": Effect(0.0, "water at the probe in the hull"),
         "intermittent": Effect(
-            2.0, "water that sloshes: at the probe for the first half of every size seconds", 0.04
+            2.0, "sloshing water: at the probe for the first half of every size seconds", 0.04
         ),
-        "off": Effect(0.0, "the probe says nothing any more"),
+        "off": Effect(0.0, "the probe is silent"),
     },
     "thermometer": {
-        "hot": Effect(10.0, "it gets hotter in the hull by size degrees Celsius a minute, up to 110", 0.0),
+        "hot": Effect(10.0, "the hull heats by size °C a minute, up to 110", 0.0),
         "wrong": Effect(20.0, "off by size degrees Celsius"),
-        "off": Effect(0.0, "says nothing any more"),
+        "off": Effect(0.0, "silent"),
     },
     "motor_left": _MOTOR,
     "motor_right": _MOTOR,
     "link": {
-        "off": Effect(0.0, "nothing comes through either way"),
+        "off": Effect(0.0, "no frames in either direction"),
         "slow": Effect(300.0, "size bytes a second each way", 1.0),
-        "delayed": Effect(2.0, "everything takes size seconds longer", 0.0),
-        "intermittent": Effect(4.0, "nothing comes through in the first half of every size seconds", 0.04),
-        "lossy": Effect(0.5, "a share of size is lost each way", 0.0, 1.0),
+        "delayed": Effect(2.0, "a delay of size seconds", 0.0),
+        "intermittent": Effect(4.0, "no frames in the first half of every size seconds", 0.04),
+        "lossy": Effect(0.5, "the share size is lost each way", 0.0, 1.0),
     },
-    "computer": {"off": Effect(0.0, "no power; when it is back, the boat's program begins anew")},
-    "cpu": {"slow": Effect(1.5, "too slow: the boat's program needs size times the tick that it has", 0.0)},
-    "clock": {
-        "wrong": Effect(10.0, "leaps ahead by size seconds, as if the program had hung; never goes back", 0.0)
-    },
-    "disk": {"off": Effect(0.0, "full: nothing can be stored")},
+    "computer": {"off": Effect(0.0, "no power; the boat's program restarts when power returns")},
+    "cpu": {"slow": Effect(1.5, "too slow: the program needs size times its tick", 0.0)},
+    "clock": {"wrong": Effect(10.0, "jumps ahead by size seconds, as after a hang; never back", 0.0)},
+    "disk": {"off": Effect(0.0, "full: nothing is stored")},
 }
 
 
