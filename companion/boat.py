@@ -92,7 +92,7 @@ class Boat:
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
-        self.steering = GuidancePipeline(self.vehicle, config)
+        self.steering = GuidancePipeline(config, self.vehicle.notices)
         self.trim = ThrusterTrim()
         self.net = SafetyNet()
         self.resume = Resume(storage, self.vehicle)
@@ -288,17 +288,17 @@ class Boat:
             self.vehicle.tell(Severity.WARNING, text)
 
     def _steer(self, now_s: float) -> MotorCommand:
-        steering, config, nav = self.steering, self.parameters.config, self.nav
+        steering, config, nav, vehicle = self.steering, self.parameters.config, self.nav, self.vehicle
         trials = self.trials
         if steering.is_due(now_s) or trials.is_running:
             self._show_signs(now_s)
-            intent = self.vehicle.decide()
+            intent = vehicle.decide()
             if trials.is_running:
                 if steering.avoidance.stage is not Stage.CLEAR:
                     trials.stop("an obstacle")
                 is_slowed = steering.avoidance.safe_speed.ahead_m_s < math.inf
                 intent = trials.update(intent, nav, self.senses.fix, self.command, is_slowed, now_s)
-            steering.guide(intent, nav, config, now_s)
+            steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
             thrust = self.motor_test.thrust(now_s)  # which may be the end of it
             return steering.turn(
@@ -308,7 +308,7 @@ class Boat:
                 may_turn=self.motor_test.is_running,
                 command_age_s=now_s - self.motor_test.decided_s,
             )
-        return steering.drive(nav, config, now_s, TICK_S)
+        return steering.drive(nav, vehicle.status, config, now_s, TICK_S)
 
     def look(self) -> Snapshot:
         """Everything there is to tell of the present tick."""

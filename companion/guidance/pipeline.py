@@ -13,13 +13,15 @@ from companion.control.helm import Helm
 from companion.control.lame import LAME_SHARE, LameHelm
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import STOPPED, Demand, MotorCommand, NavState, Thrust
+from companion.core.status_text import StatusText
+from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.brake import FenceBrake
+from companion.geofence.fence import Fence
 from companion.guidance.drift_heading import lee_demand
 from companion.guidance.pilot import Pilot
 from companion.guidance.stall_detector import StallDetector
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Avoidance
-from companion.vehicle.vehicle import Vehicle
 
 GUIDANCE_S = 0.1
 _LEE_S = 2.0  # how often the way of a boat adrift is chosen anew
@@ -34,19 +36,19 @@ class GuidancePipeline:
 
     __slots__ = (
         "_command", "_due_s", "_fence_brake", "_guided_s", "_lame", "_lee", "_lee_due_s", "_pilot",
-        "_steered", "_vehicle", "avoidance", "demand", "gate", "headway", "helm", "lookout",
+        "_steered", "avoidance", "demand", "gate", "headway", "helm", "lookout",
     )  # fmt: skip
 
-    def __init__(self, vehicle: Vehicle, config: BoatConfig) -> None:
+    def __init__(self, config: BoatConfig, notices: list[StatusText]) -> None:
+        """notices: where messages to the operator are appended."""
         self.lookout = ObstaclePerception(config.avoidance)
-        self.avoidance = Avoidance(vehicle.conduct.notices)
+        self.avoidance = Avoidance(notices)
         self.helm = Helm()
         self.gate = Gate()
         self.headway = StallDetector()
         self.demand: Demand | None = None
-        self._vehicle = vehicle
         self._pilot = Pilot()
-        self._fence_brake = FenceBrake(vehicle.conduct.notices)
+        self._fence_brake = FenceBrake(notices)
         self._steered: Demand | Drive | Stop = _STOP
         self._command = STOPPED
         self._due_s = 0.0
@@ -74,68 +76,82 @@ class GuidancePipeline:
         """Whether guidance decides at this tick."""
         return now_s >= self._due_s - _SLACK_S
 
-    def guide(self, intent: Intent, nav: NavState | None, config: BoatConfig, now_s: float) -> None:
-        """Decide what the loops are to hold until GUIDANCE_S from now."""
+    def guide(
+        self,
+        intent: Intent,
+        nav: NavState | None,
+        status: VehicleStatus,
+        fence: Fence,
+        config: BoatConfig,
+        now_s: float,
+    ) -> None:
+        """Decide what the control loops hold for the next GUIDANCE_S."""
         dt_s = min(max(now_s - self._guided_s, 0.0), 2.0 * GUIDANCE_S)
         self._guided_s = now_s
         self._due_s = now_s + GUIDANCE_S
-        vehicle = self._vehicle
-        is_at_line = nav is not None and vehicle.fence.is_near(nav.point, _AT_LINE_M)
+        is_at_line = nav is not None and fence.is_near(nav.point, _AT_LINE_M)
         self.headway.update(self.demand, self._command, nav, config, dt_s, is_at_line=is_at_line)
-        if vehicle.drills.refloat.is_running:  # what it is to keep clear of, it lies on
+        if status.is_ungrounding:  # what it is to keep clear of, it lies on
             self.avoidance.reset()
             steered = self._pilot.update(intent, nav, config, dt_s)
         else:
-            steered = self._keep_clear(intent, nav, config, dt_s, now_s)
-        if vehicle.probe.is_lame and isinstance(steered, Demand) and nav is not None:
-            steered = self._limp(steered, nav, config, now_s)
+            steered = self._keep_clear(intent, nav, status, fence, config, dt_s, now_s)
+        if _is_lame(status) and isinstance(steered, Demand) and nav is not None:
+            steered = self._limp(steered, nav, fence, config, now_s)
         self._steered = steered
         self.demand = steered if isinstance(steered, Demand) else None
 
     def _keep_clear(
-        self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float, now_s: float
+        self,
+        intent: Intent,
+        nav: NavState | None,
+        status: VehicleStatus,
+        fence: Fence,
+        config: BoatConfig,
+        dt_s: float,
+        now_s: float,
     ) -> Demand | Drive | Stop:
         """The pilot between avoidance and fence."""
-        vehicle = self._vehicle
         intent = self.avoidance.update(
-            intent, nav, config, self.lookout, vehicle.fence, is_by_hand=vehicle.mode.is_by_hand, now_s=now_s
+            intent, nav, config, self.lookout, fence, is_by_hand=status.mode.is_by_hand, now_s=now_s
         )
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
         steered = self.avoidance.safe_speed.limited(steered, nav, config)
-        if vehicle.probe.is_running:  # its pulses say nothing unless they are driven as they are meant
+        if status.is_checking_motors:  # its pulses say nothing unless they are driven as they are meant
             return steered
-        return self._fence_brake.limit(steered, intent, nav, vehicle.fence, config, dt_s)
+        return self._fence_brake.limit(steered, intent, nav, fence, config, dt_s)
 
-    def _limp(self, wanted: Demand, nav: NavState, config: BoatConfig, now_s: float) -> Demand:
+    def _limp(self, wanted: Demand, nav: NavState, fence: Fence, config: BoatConfig, now_s: float) -> Demand:
         """One motor: near a line, or in faster water, the boat can but choose where it is carried."""
         speed_m_s = LAME_SHARE * config.handling.top_speed_m_s
         is_slow = math.hypot(nav.current_north_m_s, nav.current_east_m_s) <= speed_m_s
-        if is_slow and not self._vehicle.fence.is_near(nav.point, _LAME_ROOM_M):
+        if is_slow and not fence.is_near(nav.point, _LAME_ROOM_M):
             self._lee = None
             return wanted
         if self._lee is None or now_s >= self._lee_due_s:
             self._lee_due_s = now_s + _LEE_S
-            self._lee = lee_demand(nav, self._vehicle.fence, speed_m_s)
+            self._lee = lee_demand(nav, fence, speed_m_s)
         return self._lee
 
-    def drive(self, nav: NavState | None, config: BoatConfig, now_s: float, dt_s: float) -> MotorCommand:
+    def drive(
+        self, nav: NavState | None, status: VehicleStatus, config: BoatConfig, now_s: float, dt_s: float
+    ) -> MotorCommand:
         """Close the loops for one tick."""
-        steered, vehicle = self._steered, self._vehicle
-        probe = vehicle.probe
-        if probe.is_lame and isinstance(steered, Demand) and nav is not None:
+        steered = self._steered
+        if _is_lame(status) and isinstance(steered, Demand) and nav is not None:
             most = config.speed.max_throttle
-            thrust = self._lame.update(steered, nav, is_left=probe.left != 0, most=most)
+            thrust = self._lame.update(steered, nav, is_left=status.left_motor != 0, most=most)
         else:
             thrust = self.helm.update(steered, nav, config, dt_s)
         command = self.gate.check(
             thrust,
-            armed=vehicle.armed,
+            armed=status.armed,
             command_age_s=now_s - self._guided_s,
             nav=nav,
             needs_estimate=not isinstance(steered, Drive),
             setting=config.motors,
             dt_s=dt_s,
-            needs_position=vehicle.conduct.stemming is None,
+            needs_position=status.needs_position,
             estimate_age_s=now_s - nav.time_s if nav is not None else 0.0,
         )
         if command.reason:
@@ -157,3 +173,7 @@ class GuidancePipeline:
             setting=config.motors,
             dt_s=dt_s,
         )
+
+
+def _is_lame(status: VehicleStatus) -> bool:
+    return status.left_motor == 0 or status.right_motor == 0

@@ -10,6 +10,7 @@ from companion.core.modes import COMES_INSIDE, Mode
 from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
+from companion.core.vehicle_status import VehicleStatus
 from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.failsafe.response import NO_HEADING, TRY_AGAIN_S, FailsafeActions
@@ -54,13 +55,29 @@ class Vehicle:
         self._response = FailsafeActions(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
-        self._notices = self.conduct.notices
+        self.notices = self.conduct.notices  # for the operator, until `take_notices`
         self._now_s = 0.0
 
     @property
     def target(self) -> LatLon | None:
         """Where GUIDED or RTL is under way to; None once there."""
         return self.conduct.passage.target
+
+    @property
+    def status(self) -> VehicleStatus:
+        """What other parts of the boat depend on, for this tick."""
+        probe = self.probe
+        return VehicleStatus(
+            self.mode,
+            self.armed,
+            self.failsafes.active,
+            self.conduct.stemming is None,
+            self.drills.refloat.is_running,
+            probe.is_running,
+            probe.left,
+            probe.right,
+            self.is_restarting,
+        )
 
     # What the owner calls each tick
 
@@ -123,10 +140,10 @@ class Vehicle:
 
     def take_notices(self) -> list[StatusText]:
         """Lines for the operator since the last call."""
-        if not self._notices:
+        if not self.notices:
             return []
-        notices = self._notices.copy()
-        self._notices.clear()
+        notices = self.notices.copy()
+        self.notices.clear()
         return notices
 
     # What stations ask
@@ -299,7 +316,7 @@ class Vehicle:
         return ACCEPTED
 
     def tell(self, severity: int, text: str) -> None:
-        self._notices.append(StatusText(severity, text))
+        self.notices.append(StatusText(severity, text))
 
     def refuse(self, reason: str) -> Outcome:
         """Say why a request is not carried out. Stations pop up an error; a warning they only list."""
