@@ -56,14 +56,14 @@ class Boat:
         unix_offset_s: float = 0.0,
         logbook: Logbook | None = None,
     ) -> None:
-        self.parameters = Parameters(config, ROWS, storage, hardware.knobs)
+        self.parameters = Parameters(config, ROWS, storage, hardware.parameter_hooks)
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.motor_test = MotorTest(self.vehicle)
         self.trials = Trials(self.vehicle)
         self.transmitter = Transmitter(self.vehicle)
         self.vehicle.conduct.sticks.radio.is_fitted = hardware.rc is not None
-        self.senses = SensorSuite(hardware, ExternalSensors(config.external))
+        self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
         self.signing = SigningStore(storage, unix_offset_s)
         for port in ports:
@@ -80,10 +80,10 @@ class Boat:
             channels=self.channels.open,
             motor_test=self.motor_test,
             trials=self.trials,
-            external=self.senses.external,
-            gauge=self.senses.gauge,
+            external=self.sensors.external,
+            gauge=self.sensors.gauge,
             faults=hardware.faults,
-            look=self.look,
+            take_snapshot=self.take_snapshot,
         )
         if logbook is not None:
             logbook.onboard = OnboardLog(
@@ -92,7 +92,7 @@ class Boat:
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
-        self.steering = GuidancePipeline(config, self.vehicle.notices)
+        self.steering = GuidancePipeline(config, self.vehicle.status_texts)
         self.trim = ThrusterTrim()
         self.net = SafetyNet()
         self.resume = Resume(storage, self.vehicle)
@@ -146,8 +146,8 @@ class Boat:
         if not may_drive and (self.command.left or self.command.right):
             self._hardware.motors.stop()  # a disarmed boat does not wait for its next tick
             self.command = STOPPED
-        self.steering.hurry()
-        self.endpoint.tell_changes()
+        self.steering.request_update()
+        self.endpoint.announce_changes()
         self._flush()
 
     def step(self, now_s: float) -> None:
@@ -178,8 +178,8 @@ class Boat:
         probe, left, right = self.vehicle.probe, self.trim.left, self.trim.right
         self._hardware.motors.write(-left if probe.left < 0 else left, -right if probe.right < 0 else right)
         if self._logbook is not None:
-            self._logbook.tick(now_s, self.look, self.channels)
-        self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.senses.compass, self.load)
+            self._logbook.tick(now_s, self.take_snapshot, self.channels)
+        self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.sensors.compass, self.load)
         self.resume.tick(now_s)
         self._flush()
 
@@ -197,12 +197,12 @@ class Boat:
         self.command = STOPPED
         self.motor_test.stop()
         self.trials.stop("fault in the program")
-        self.steering.begin_anew()
+        self.steering.reset()
         fall = self.net.caught(error)
         what = f"Fault in the program: {type(error).__name__}, {outcome}"
         self.vehicle.halt(what, disarms=fall is not Fall.HOLD or not has_stopped)
         try:
-            self.endpoint.tell_changes()
+            self.endpoint.announce_changes()
             self._flush()
         except Exception:
             logger.exception("what has happened cannot be told")
@@ -215,23 +215,23 @@ class Boat:
         if cutoff is not None and cutoff.trips != self._trips:
             self._trips = cutoff.trips
             timeout_s = self.parameters.config.motors.command_timeout_s
-            self.vehicle.tell(Severity.CRITICAL, f"Program stalled: motors cut off after {timeout_s:g} s")
+            self.vehicle.notify(Severity.CRITICAL, f"Program stalled: motors cut off after {timeout_s:g} s")
 
     def _show_signs(self, now_s: float) -> None:
         """What the failsafes look at, as far as the vehicle does not know it itself."""
         if not self.vehicle.failsafes.is_due(now_s):
             return
-        signs, senses = self.vehicle.failsafes.signs, self.senses
+        signs, sensors = self.vehicle.failsafes.signs, self.sensors
         signs.left, signs.right = self.command.left, self.command.right
         gives_way = self.steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
         touches = self.steering.headway.held_s > _TOUCHES_S
         signs.gives_way = gives_way or touches or self.trials.is_running
         signs.headway = self.steering.headway.verdict
         signs.load = self.load
-        signs.consumed_mah = senses.consumed_mah
-        signs.heading, signs.hull = senses.compass, senses.hull
-        if senses.sonar is not None and not self.steering.lookout.is_babbling:
-            signs.sonar_s = senses.sonar.time_s
+        signs.consumed_mah = sensors.consumed_mah
+        signs.heading, signs.hull = sensors.compass, sensors.hull
+        if sensors.sonar is not None and not self.steering.perception.is_noisy:
+            signs.sonar_s = sensors.sonar.time_s
         signs.storage_fault = self.resume.fault
         if self._logbook is not None and self._logbook.sink.fault:
             signs.storage_fault = self._logbook.sink.fault
@@ -252,23 +252,23 @@ class Boat:
         self._storage.close()
 
     def _sense(self, now_s: float) -> None:
-        senses, estimator = self.senses, self.estimator
-        senses.read(self.parameters.config, now_s, self.command)
+        sensors, estimator = self.sensors, self.estimator
+        sensors.read(self.parameters.config, now_s, self.command)
         if estimator.frame is None:
-            estimator.frame_to_lay = senses.external.frame
-        elif senses.external.frame is None:
-            senses.external.frame = estimator.frame
-        self.nav = estimator.update(senses.fix, senses.heading, now_s, self.command)
+            estimator.preset_frame = sensors.external.frame
+        elif sensors.external.frame is None:
+            sensors.external.frame = estimator.frame
+        self.nav = estimator.update(sensors.fix, sensors.heading, now_s, self.command)
         if estimator.far_m or self._far_m:
             self._begin_elsewhere()
-        if senses.pings:
-            lookout = self.steering.lookout
-            lookout.take(senses.pings, self.nav, self.parameters.config.avoidance, now_s)
-            senses.look(lookout.sector)
-        self._wall_time.keep(senses.fix, self.endpoint.unix_offset_s, is_fix_own=senses.is_fix_own)
-        self.vehicle.sense(self.nav, estimator.frame, senses.fix, senses.battery, now_s)
-        if senses.rc is not None and self.transmitter.update(senses.rc, now_s):
-            self.steering.hurry()
+        if sensors.pings:
+            perception = self.steering.perception
+            perception.ingest(sensors.pings, self.nav, self.parameters.config.avoidance, now_s)
+            sensors.point_sonar(perception.sector)
+        self._wall_time.update(sensors.fix, self.endpoint.unix_offset_s, is_fix_own=sensors.is_fix_own)
+        self.vehicle.sense(self.nav, estimator.frame, sensors.fix, sensors.battery, now_s)
+        if sensors.rc is not None and self.transmitter.update(sensors.rc, now_s):
+            self.steering.request_update()
 
     def _begin_elsewhere(self) -> None:
         """Every fix lies beyond the local frame: a disarmed boat lays another, an armed one says so."""
@@ -277,15 +277,15 @@ class Boat:
         if far_m == 0.0:
             return
         if not self.vehicle.armed:
-            if self.senses.external.frame is estimator.frame:
-                self.senses.external.frame = None
-            estimator.lay_anew()
-            self.steering.begin_anew()
+            if self.sensors.external.frame is estimator.frame:
+                self.sensors.external.frame = None
+            estimator.reset_origin()
+            self.steering.reset()
             self.vehicle.begin_elsewhere(far_m)
             self._far_m = 0.0
         elif not was_far:
             text = f"GPS: {far_m / 1e3:.0f} km from where the boat was, not used until disarmed"
-            self.vehicle.tell(Severity.WARNING, text)
+            self.vehicle.notify(Severity.WARNING, text)
 
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav, vehicle = self.steering, self.parameters.config, self.nav, self.vehicle
@@ -297,7 +297,7 @@ class Boat:
                 if steering.avoidance.stage is not Stage.CLEAR:
                     trials.stop("an obstacle")
                 is_slowed = steering.avoidance.safe_speed.ahead_m_s < math.inf
-                intent = trials.update(intent, nav, self.senses.fix, self.command, is_slowed, now_s)
+                intent = trials.update(intent, nav, self.sensors.fix, self.command, is_slowed, now_s)
             steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
             thrust = self.motor_test.thrust(now_s)  # which may be the end of it
@@ -310,9 +310,9 @@ class Boat:
             )
         return steering.drive(nav, vehicle.status, config, now_s, TICK_S)
 
-    def look(self) -> Snapshot:
+    def take_snapshot(self) -> Snapshot:
         """Everything there is to tell of the present tick."""
-        senses = self.senses
+        sensors = self.sensors
         return Snapshot(
             now_s=self._now_s,
             unix_s=self._wall_time.unix_s(self._now_s),
@@ -320,19 +320,19 @@ class Boat:
             vehicle=self.vehicle,
             nav=self.nav,
             frame=self.estimator.frame,
-            fix=senses.fix,
-            battery=senses.battery,
-            sonar=senses.sonar,
+            fix=sensors.fix,
+            battery=sensors.battery,
+            sonar=sensors.sonar,
             demand=self.steering.demand,
             heading_pid=self.steering.helm.heading_pid,
             command=self.command,
-            consumed_mah=senses.consumed_mah,
-            battery_percent=senses.gauge.percent,
+            consumed_mah=sensors.consumed_mah,
+            battery_percent=sensors.gauge.percent,
             load=self.load,
             speed_pid=self.steering.helm.speed_pid,
-            heading=senses.compass,
-            sweep=senses.sweep,
-            lookout=self.steering.lookout,
+            heading=sensors.compass,
+            sweep=sensors.sweep,
+            perception=self.steering.perception,
             avoidance=self.steering.avoidance,
             free_memory_bytes=self.free_memory_bytes,
         )
@@ -340,5 +340,5 @@ class Boat:
     def _flush(self) -> None:
         outbox = self.endpoint.outbox
         if not outbox.is_empty:
-            for message, channel in outbox.take():
+            for message, channel in outbox.drain():
                 self.channels.send(message, channel)

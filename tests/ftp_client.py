@@ -87,7 +87,7 @@ class Served:
         """What has been sent to a station; the rest is thrown away."""
         return [
             reply_of(bytes(out.message.payload))
-            for out in self.outbox.take()
+            for out in self.outbox.drain()
             if out.channel == origin.channel
             and out.message.get_type() == "FILE_TRANSFER_PROTOCOL"
             and (out.message.target_system, out.message.target_component) == tuple(origin.address)

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from companion.config.boat_config import load_config
-from companion.config.parts import L298N
+from companion.config.parts import MotorsPart
 from companion.core.errors import ConfigError
 
 _PINCTRL = "pinctrl"  # of Raspberry Pi OS; "op dl" is output, driven low
@@ -24,7 +24,7 @@ def main(arguments: list[str]) -> int:
     if len(arguments) != 1:
         sys.stderr.write("motors_off: expected the boat's TOML file\n")
         return 2
-    code, motors = 0, L298N(driver="l298n")
+    code, motors = 0, MotorsPart(driver="l298n")
     try:
         motors = load_config(Path(arguments[0])).parts.motors
     except ConfigError as error:

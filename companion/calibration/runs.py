@@ -171,7 +171,7 @@ class Pair(NamedTuple):
         """Mean command."""
         return 0.5 * (self.out.right + self.back.right)
 
-    def set_along_m_s(self, run: Run) -> float:
+    def current_along_m_s(self, run: Run) -> float:
         """What the water adds to a run's speed over ground."""
         north = 0.5 * (self.out.north_m_s + self.back.north_m_s)
         east = 0.5 * (self.out.east_m_s + self.back.east_m_s)
@@ -219,7 +219,7 @@ def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle:
         first, second = high - golden * (high - low), low + golden * (high - low)
         costs = [
             sum(
-                _misfit(run, pair.set_along_m_s(run), throttle, cruise_m_s, cruise_throttle, math.exp(at))
+                _misfit(run, pair.current_along_m_s(run), throttle, cruise_m_s, cruise_throttle, math.exp(at))
                 for run in pair
             )
             for at in (first, second)

@@ -8,7 +8,7 @@ from msgspec import Meta
 from companion.config.section import NonNegative, Positive, Section
 
 
-class Avoidance(Section, frozen=True):
+class AvoidanceSetting(Section, frozen=True):
     """Looking out, and keeping clear. Distances are from the boat's centre.
 
     enable: Rover's AVOID_ENABLE, a sum of 1 fence, 2 what the rangers see; goes_round: Rover's OA_TYPE, 0
@@ -29,6 +29,6 @@ class Avoidance(Section, frozen=True):
     retry_s: Positive = 30.0  # until the next try after that
 
     @property
-    def is_looking_out(self) -> bool:
+    def avoids_obstacles(self) -> bool:
         """Whether anything is done about what the rangers see."""
         return bool(self.enable & 2)

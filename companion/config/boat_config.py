@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from companion.config.avoidance import Avoidance
+from companion.config.avoidance import AvoidanceSetting
 from companion.config.estimation import Estimation
 from companion.config.failsafe import Failsafe
 from companion.config.fence import FenceSetting
@@ -85,7 +85,7 @@ class Speed(Section, frozen=True):
     max_throttle: Share = 1.0
 
 
-class Motors(Section, frozen=True):
+class MotorLimits(Section, frozen=True):
     """The gate's limits, and how long a thrust command stays good."""
 
     slew_per_s: Positive = 4.0  # full scale per second; reversal passes through zero
@@ -153,7 +153,7 @@ class Arming(Section, frozen=True):
     repeat_s: Positive = 30.0  # between two reports of what keeps the boat from arming
 
 
-class Battery(Section, frozen=True):
+class BatteryPack(Section, frozen=True):
     """The pack: 3S LiPo by default."""
 
     capacity_mah: Positive = 2200.0
@@ -196,7 +196,7 @@ class Mavlink(Section, frozen=True):
     stream_hz: NonNegative = 4.0  # telemetry before anyone has asked for rates
 
 
-class Storage(Section, frozen=True):
+class StorageSetting(Section, frozen=True):
     """Where missions and parameters live. An empty folder keeps them in memory only.
 
     status_file is what `boat-companion links` reads, written once a second, best on a file system in memory;
@@ -229,7 +229,7 @@ class BoatConfig(Section, frozen=True):
     identity: Identity = Identity()
     heading: Heading = Heading()
     speed: Speed = Speed()
-    motors: Motors = Motors()
+    motors: MotorLimits = MotorLimits()
     thrusters: Thrusters = Thrusters()
     guidance: Guidance = Guidance()
     handling: Handling = Handling()
@@ -239,14 +239,14 @@ class BoatConfig(Section, frozen=True):
     follow: Follow = Follow()
     failsafe: Failsafe = Failsafe()
     fence: FenceSetting = FenceSetting()
-    avoidance: Avoidance = Avoidance()
+    avoidance: AvoidanceSetting = AvoidanceSetting()
     arming: Arming = Arming()
-    battery: Battery = Battery()
+    battery: BatteryPack = BatteryPack()
     trim: Trim = Trim()
     external: External = External()
     rc: Rc = Rc()
     mavlink: Mavlink = Mavlink()
-    storage: Storage = Storage()
+    storage: StorageSetting = StorageSetting()
     log: Log = Log()
     parts: Parts = Parts()
 

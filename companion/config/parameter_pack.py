@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from itertools import takewhile
 from typing import NamedTuple
 
-from companion.config.parameters import Kind, Parameters
+from companion.config.parameters import Parameters, ParameterType
 
 BLOCK_BYTES = 239  # of a file transfer; padding is for blocks of this size
 NAME_BYTES = 16
@@ -25,7 +25,7 @@ _MAGIC, _MAGIC_DEFAULTS = 0x671B, 0x671C
 _HAS_DEFAULT = 0x10
 _SHARED_MAX = 15
 # ArduPilot's own numbers of types, not MAV_PARAM_TYPE
-_TYPES = {Kind.INT8: 1, Kind.INT16: 2, Kind.INT32: 3, Kind.REAL32: 4}
+_TYPES = {ParameterType.INT8: 1, ParameterType.INT16: 2, ParameterType.INT32: 3, ParameterType.REAL32: 4}
 _VALUES = {1: struct.Struct("<b"), 2: struct.Struct("<h"), 3: struct.Struct("<i"), 4: struct.Struct("<f")}
 
 
@@ -33,23 +33,24 @@ class PackError(ValueError):
     """What is no packed parameter file; says where and why."""
 
 
-class Entry(NamedTuple):
+class PackedParameter(NamedTuple):
     """One parameter of a file."""
 
     name: str
-    kind: Kind
+    kind: ParameterType
     value: float
     default: float
 
 
-def entries_of(parameters: Parameters) -> list[Entry]:
+def entries_of(parameters: Parameters) -> list[PackedParameter]:
     """All parameters as they are now, in the order of their indexes."""
     return [
-        Entry(row.name, row.kind, parameters.value(row), parameters.default(row)) for row in parameters.rows
+        PackedParameter(row.name, row.kind, parameters.value(row), parameters.default(row))
+        for row in parameters.rows
     ]
 
 
-def pack(entries: Sequence[Entry], total: int, *, with_defaults: bool = False) -> bytes:
+def pack(entries: Sequence[PackedParameter], total: int, *, with_defaults: bool = False) -> bytes:
     """The file of these entries; total is how many parameters there are. A default equal to its value is left
     out, which stands for just that."""
     file = bytearray(_HEADER.pack(_MAGIC_DEFAULTS if with_defaults else _MAGIC, len(entries), total))
@@ -77,11 +78,11 @@ def _common(one: str, other: str) -> int:
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
 
 
-def _fitting(kind: Kind, value: float) -> float:
+def _fitting(kind: ParameterType, value: float) -> float:
     """What the type can hold: a configuration may go beyond it, and one value must not cost all others."""
-    if kind is Kind.REAL32:
+    if kind is ParameterType.REAL32:
         return value
-    limit = {Kind.INT8: 0x7F, Kind.INT16: 0x7FFF, Kind.INT32: 0x7FFFFFFF}[kind]
+    limit = {ParameterType.INT8: 0x7F, ParameterType.INT16: 0x7FFF, ParameterType.INT32: 0x7FFFFFFF}[kind]
     return max(-limit, min(round(value), limit))
 
 

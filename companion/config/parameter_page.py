@@ -5,10 +5,15 @@ from collections.abc import Iterable
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import Kind, Parameters, Row
+from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.persistence.storage import MemoryStorage
 
-_TYPES = {Kind.INT8: "INT8", Kind.INT16: "INT16", Kind.INT32: "INT32", Kind.REAL32: "REAL32"}
+_TYPES = {
+    ParameterType.INT8: "INT8",
+    ParameterType.INT16: "INT16",
+    ParameterType.INT32: "INT32",
+    ParameterType.REAL32: "REAL32",
+}
 
 _INTRODUCTION = """\
 # Parameters
@@ -36,7 +41,7 @@ Ground stations insist on these. They say what is so on this boat and cannot be 
 """
 
 
-def parameter_page(rows: tuple[Row, ...] = ROWS) -> str:
+def parameter_page(rows: tuple[ParameterRow, ...] = ROWS) -> str:
     """The page in Markdown."""
     parameters = Parameters(BoatConfig(), rows, MemoryStorage())
     live = [
@@ -77,11 +82,11 @@ def _table(head: tuple[str, ...], lines: Iterable[tuple[str, ...]]) -> list[str]
     return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in (head, rule, *lines)]
 
 
-def _meaning(row: Row) -> str:
+def _meaning(row: ParameterRow) -> str:
     return f"{row.text} (from the next start on)" if row.needs_restart else row.text
 
 
-def _values(rows: Iterable[Row]) -> Iterable[tuple[str, str]]:
+def _values(rows: Iterable[ParameterRow]) -> Iterable[tuple[str, str]]:
     """Parameters that share their values or bits, and what these stand for."""
     shared: dict[str, list[str]] = {}
     for row in rows:
@@ -96,11 +101,11 @@ def _number(value: float) -> str:
     return f"{value:.7g}"
 
 
-def _range(row: Row) -> str:
+def _range(row: ParameterRow) -> str:
     low = _number(row.low) if math.isfinite(row.low) else ""
     high = _number(row.high) if math.isfinite(row.high) else ""
     return f"{low}…{high}" if low or high else ""
 
 
-def _key(row: Row) -> str:
+def _key(row: ParameterRow) -> str:
     return f"`{row.path}`" if row.path else ""

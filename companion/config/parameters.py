@@ -31,7 +31,7 @@ _LONGEST_TOLD = 40  # characters of a line that cannot be read
 _LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
 
 
-class Kind(IntEnum):
+class ParameterType(IntEnum):
     """MAV_PARAM_TYPE, as far as the table uses it."""
 
     INT8 = 2
@@ -49,7 +49,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ParameterRow:
     """One parameter. `path` is a field of the configuration; without one the row keeps `default` itself.
 
     value = field × scale. read_only rows are documented constants. values: all that it may be, where it is a
@@ -58,7 +58,7 @@ class Row:
     """
 
     name: str
-    kind: Kind
+    kind: ParameterType
     text: str
     path: str = ""
     default: float = 0.0
@@ -82,8 +82,8 @@ class Row:
 class ParameterHook:
     """A parameter over something outside the configuration: `turn` is called with each new value."""
 
-    row: Row
-    turn: Callable[[float], None]
+    row: ParameterRow
+    apply: Callable[[float], None]
 
 
 class Stored(NamedTuple):
@@ -99,14 +99,18 @@ class Parameters:
     """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
 
     def __init__(
-        self, config: BoatConfig, rows: tuple[Row, ...], storage: Storage, knobs: Sequence[ParameterHook] = ()
+        self,
+        config: BoatConfig,
+        rows: tuple[ParameterRow, ...],
+        storage: Storage,
+        parameter_hooks: Sequence[ParameterHook] = (),
     ) -> None:
         """knobs: further parameters, which the hardware brings along."""
-        if knobs:
-            rows = tuple(sorted((*rows, *(knob.row for knob in knobs)), key=lambda row: row.name))
+        if parameter_hooks:
+            rows = tuple(sorted((*rows, *(hook.row for hook in parameter_hooks)), key=lambda row: row.name))
         self.config = config
         self.rows = rows
-        self._knobs = {knob.row.name: knob.turn for knob in knobs}
+        self._hooks = {hook.row.name: hook.apply for hook in parameter_hooks}
         self._storage = storage
         self._index = {row.name: index for index, row in enumerate(rows)}
         self._kept = {row.name: row.default for row in rows if not row.path}
@@ -126,7 +130,7 @@ class Parameters:
             index for index, row in enumerate(self.rows) if row.name == name or (path and row.path == path)
         ]
 
-    def value(self, row: Row) -> float:
+    def value(self, row: ParameterRow) -> float:
         """The value as stations see it: a whole number or a 32-bit float, which is all the wire carries."""
         if not row.path:
             return _as_float32(self._kept[row.name])
@@ -134,9 +138,9 @@ class Parameters:
             is_chosen = attrgetter(row.path)(self.config) == row.choice.setting
             return float(row.choice.value) if is_chosen else 0.0
         value = float(attrgetter(row.path)(self.config)) * row.scale
-        return _as_float32(value if row.kind is Kind.REAL32 else round(value))
+        return _as_float32(value if row.kind is ParameterType.REAL32 else round(value))
 
-    def default(self, row: Row) -> float:
+    def default(self, row: ParameterRow) -> float:
         """The value before any station has changed it: the configuration file's."""
         return self._defaults[self._index[row.name]]
 
@@ -168,7 +172,7 @@ class Parameters:
         """Whether the medium does not have the present value yet; `take_stored` will name it."""
         return any(name in values and not saving.is_done() for saving, values, _ in self._savings)
 
-    def take_stored(self) -> list[Stored]:
+    def poll_saves(self) -> list[Stored]:
         """The saves that have ended since the last call. To be asked every tick."""
         ended: list[Stored] = []
         while self._savings and self._savings[0][0].is_done():
@@ -195,14 +199,14 @@ class Parameters:
             return f"{name}: not a number that fits 32 bits"
         if not row.low <= value <= row.high:
             return f"{name}: {value:g} is outside {row.low:g}..{row.high:g}"
-        if row.kind is not Kind.REAL32:
+        if row.kind is not ParameterType.REAL32:
             value = float(round(value))
         if row.values and value not in [number for number, _ in row.values]:
             return f"{name}: {value:g} is none of {', '.join(str(number) for number, _ in row.values)}"
         if not row.path:
             self._kept[name] = value
-            if name in self._knobs:
-                self._knobs[name](value)
+            if name in self._hooks:
+                self._hooks[name](value)
             return ""
         try:
             self.config = with_value(self.config, row.path, self._field_value(row, value))
@@ -210,7 +214,7 @@ class Parameters:
             return f"{name}: {error}"
         return ""
 
-    def _field_value(self, row: Row, value: float) -> object:
+    def _field_value(self, row: ParameterRow, value: float) -> object:
         current = attrgetter(row.path)(self.config)
         if row.choice is not None:
             if value != 0.0:

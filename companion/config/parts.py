@@ -8,7 +8,7 @@ from msgspec import Meta
 from companion.config.section import NonNegative, Positive, Section
 
 
-class L298N(Section, frozen=True):
+class MotorsPart(Section, frozen=True):
     """Pins in BCM numbers."""
 
     driver: Literal["l298n", "none"] = "none"
@@ -74,7 +74,7 @@ class HullPart(Section, frozen=True):
 class Parts(Section, frozen=True):
     """Which driver moves which part of this boat."""
 
-    motors: L298N = L298N()
+    motors: MotorsPart = MotorsPart()
     gnss: GnssPart = GnssPart()
     compass: CompassPart = CompassPart()
     sonar: SonarPart = SonarPart()

@@ -7,7 +7,7 @@ through zero on its way from ahead to astern, and is dropped inside the dead ban
 
 import math
 
-from companion.config.boat_config import Motors
+from companion.config.boat_config import MotorLimits
 from companion.core.health import lacks_heading, lacks_position
 from companion.core.state import MotorCommand, NavState, Thrust
 from companion.core.units import clamp
@@ -30,7 +30,7 @@ class Gate:
         command_age_s: float,
         nav: NavState | None,
         needs_estimate: bool,
-        setting: Motors,
+        setting: MotorLimits,
         dt_s: float,
         needs_position: bool = True,
         estimate_age_s: float = 0.0,
@@ -65,7 +65,7 @@ def _objection(
     armed: bool,
     command_age_s: float,
     nav: NavState | None,
-    setting: Motors,
+    setting: MotorLimits,
     needs_position: bool,
     estimate_age_s: float,
 ) -> str:

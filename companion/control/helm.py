@@ -43,7 +43,7 @@ class Helm:
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
-        current_along = nav.set_along_m_s(nav.heading_rad)
+        current_along = nav.current_along_m_s(nav.heading_rad)
         heading = self._heading.update(
             demand.heading_rad,
             nav.heading_rad,

@@ -29,7 +29,7 @@ class LameHelm:
 
     def update(self, demand: Demand, nav: NavState, *, is_left: bool, most: float) -> Thrust:
         """Thrust for this tick. is_left: which motor is left. most: of its command, 0..1."""
-        through_m_s = demand.speed_m_s - nav.set_along_m_s(demand.heading_rad)
+        through_m_s = demand.speed_m_s - nav.current_along_m_s(demand.heading_rad)
         if abs(through_m_s) < _IDLE_M_S:
             return _NO_THRUST
         wanted = demand.heading_rad if through_m_s > 0.0 else demand.heading_rad + math.pi

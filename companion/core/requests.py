@@ -95,7 +95,7 @@ class ManualInput:
 
 
 @dataclass(frozen=True, slots=True)
-class Sighting:
+class OtherVehicle:
     """Another vehicle says where it is, and how it moves over ground."""
 
     system_id: int
@@ -116,5 +116,5 @@ Request = (
     | ChangeSpeed
     | SetHome
     | ManualInput
-    | Sighting
+    | OtherVehicle
 )

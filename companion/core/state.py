@@ -58,7 +58,7 @@ class NavState(Struct, frozen=True, gc=False):
         """Where the boat is."""
         return Point(self.north_m, self.east_m)
 
-    def set_along_m_s(self, course_rad: float) -> float:
+    def current_along_m_s(self, course_rad: float) -> float:
         """How fast water and wind carry the boat that way, negative against it."""
         return self.current_north_m_s * math.cos(course_rad) + self.current_east_m_s * math.sin(course_rad)
 

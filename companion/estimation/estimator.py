@@ -58,10 +58,10 @@ class Estimator:
         "_setting",
         "_sigma_m",
         "far_m",
-        "fixing",
         "frame",
-        "frame_to_lay",
+        "gnss",
         "model",
+        "preset_frame",
     )
 
     def __init__(self, speed: Speed | None = None, setting: Estimation | None = None) -> None:
@@ -72,9 +72,9 @@ class Estimator:
         self._far_since_s = self._far_heard_s = -math.inf
         self._faults = 0
         self.frame: LocalFrame | None = None
-        self.frame_to_lay: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
+        self.preset_frame: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
         self.model = Model(speed or Speed(), setting)
-        self.fixing = GnssUpdate(self.model, setting)
+        self.gnss = GnssUpdate(self.model, setting)
 
     def update(
         self,
@@ -88,20 +88,20 @@ class Estimator:
         command: what the motors have been doing since the last call; None: nobody knows, so nothing.
         With only one of position and heading known, the other one is 0 with an infinite age.
         """
-        model, fixing = self.model, self.fixing
+        model, gnss = self.model, self.gnss
         yaw = model.advance(heading, now_s, command)
-        if fix is not None and fixing.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
-            self._take_fix(fix, now_s)
-        position_age, heading_age = now_s - fixing.accepted_s, now_s - model.heading.time_s
+        if fix is not None and gnss.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
+            self._ingest_fix(fix, now_s)
+        position_age, heading_age = now_s - gnss.accepted_s, now_s - model.heading.time_s
         if position_age == math.inf and heading_age == math.inf:
             return None
         yaw = wrap_pi(yaw + model.current.turn_rad)
         here = velocity = 0j
         if self.frame is not None:
-            here, velocity = fixing.here(now_s)
+            here, velocity = gnss.here(now_s)
         if now_s >= self._health_due_s:
             self._health_due_s = now_s + _HEALTH_S
-            self._examine(now_s)
+            self._check_health(now_s)
         setting, faults = self._setting, self._faults
         if setting.gnss_timeout_s < position_age < math.inf and not faults & _POSITION_LOST:
             position_age = setting.gnss_timeout_s  # dead reckoning stands in
@@ -114,7 +114,7 @@ class Estimator:
             here.real,
             here.imag,
             yaw,
-            model.reckoning.yaw_rate_rad_s,
+            model.propagation.yaw_rate_rad_s,
             velocity.real,
             velocity.imag,
             in_hull.real,
@@ -127,15 +127,15 @@ class Estimator:
             faults,
         )
 
-    def _examine(self, now_s: float) -> None:
+    def _check_health(self, now_s: float) -> None:
         """How certain the position is, and what is wrong."""
         self._faults = self.model.faults()
         if self.frame is not None:
-            self.fixing.pass_time(now_s)
-            self._sigma_m = self.fixing.sigma_m
-            self._faults |= self.fixing.faults(now_s)
+            self.gnss.advance(now_s)
+            self._sigma_m = self.gnss.sigma_m
+            self._faults |= self.gnss.faults(now_s)
 
-    def _take_fix(self, fix: GnssFix, now_s: float) -> None:
+    def _ingest_fix(self, fix: GnssFix, now_s: float) -> None:
         if not now_s - fix.time_s <= MAX_FIX_AGE_S:
             return
         sigma_m = fix.horizontal_accuracy_m
@@ -149,7 +149,7 @@ class Estimator:
             if not abs(fix.north_m_s) + abs(fix.east_m_s) <= MAX_SPEED_M_S:
                 return
         if self.frame is None:
-            chosen = self.frame_to_lay
+            chosen = self.preset_frame
             if chosen is None or not _is_near(chosen.to_local(fix.position)):
                 chosen = LocalFrame(fix.position)
             self.frame = chosen
@@ -159,22 +159,22 @@ class Estimator:
             self._far_heard_s = -math.inf
             sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m, MIN_SIGMA_M)
             sigma_m /= math.sqrt(2.0)
-            self.fixing.take(fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter)
+            self.gnss.update(fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter)
         elif fix.time_s > self._far_heard_s:
-            self._hear_from_afar(fix.time_s, math.hypot(*at))
+            self._note_far_fix(fix.time_s, math.hypot(*at))
 
-    def _hear_from_afar(self, time_s: float, far_m: float) -> None:
+    def _note_far_fix(self, time_s: float, far_m: float) -> None:
         if time_s - self._far_heard_s > _FAR_GAP_S:
             self._far_since_s = time_s
         self._far_heard_s = time_s
         self.far_m = far_m if time_s - self._far_since_s >= FAR_S else 0.0
 
-    def lay_anew(self) -> None:
+    def reset_origin(self) -> None:
         """Lay the frame at the next good fix, and begin the position there. Heading and current stay."""
-        resets = self.fixing.resets + 1
+        resets = self.gnss.resets + 1
         self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
-        self.fixing = GnssUpdate(self.model, self._setting)
-        self.fixing.resets = resets
+        self.gnss = GnssUpdate(self.model, self._setting)
+        self.gnss.resets = resets
 
 
 def _is_near(at: Point) -> bool:

@@ -23,41 +23,48 @@ class GnssIntegrityMonitor:
     """Looks at each fix before anything is made of it."""
 
     __slots__ = (
-        "_at", "_long_story", "_repetition", "_sigma_m", "_story", "_variance_m2", "_velocity", "_way_m",
+        "_at",
+        "_displacement_m",
+        "_history",
+        "_long_history",
+        "_repetition",
+        "_sigma_m",
+        "_variance_m2",
+        "_velocity",
     )  # fmt: skip
 
     def __init__(self) -> None:
         self._repetition = StuckValueDetector()
         self._at = 0j
         self._velocity: complex | None = None
-        self._way_m = 0j
+        self._displacement_m = 0j
         self._sigma_m = self._variance_m2 = 0.0
-        self._story: deque[tuple[float, complex]] = deque(maxlen=_MOST)
-        self._long_story: deque[tuple[float, complex]] = deque(maxlen=_CREEP_S + 1)
+        self._history: deque[tuple[float, complex]] = deque(maxlen=_MOST)
+        self._long_history: deque[tuple[float, complex]] = deque(maxlen=_CREEP_S + 1)
 
     def update(self, time_s: float, at: complex, velocity: complex | None, sigma_m: float) -> None:
         """A fix later than the last one: position in m and velocity in m/s, north + i east.
 
         sigma_m: of a position's error within minutes, per axis.
         """
-        is_same = bool(self._story) and at == self._at and velocity == self._velocity
-        if self._story:
-            dt = time_s - self._story[-1][0]
+        is_same = bool(self._history) and at == self._at and velocity == self._velocity
+        if self._history:
+            dt = time_s - self._history[-1][0]
             if dt > _SPAN_S:
-                self._story.clear()
-                self._long_story.clear()
+                self._history.clear()
+                self._long_history.clear()
             else:
                 now, before = velocity or 0j, self._velocity or 0j
-                self._way_m += 0.5 * dt * (now + before)
+                self._displacement_m += 0.5 * dt * (now + before)
         self._at, self._velocity = at, velocity
-        self._learn(time_s, at - self._way_m, sigma_m)
-        self._story.append((time_s, at - self._way_m))
+        self._learn(time_s, at - self._displacement_m, sigma_m)
+        self._history.append((time_s, at - self._displacement_m))
         if velocity is None:
-            self._long_story.clear()
-        elif not self._long_story or time_s - self._long_story[-1][0] >= 1.0:
-            self._long_story.append(self._story[-1])
-        while time_s - self._story[0][0] > _SPAN_S:
-            self._story.popleft()
+            self._long_history.clear()
+        elif not self._long_history or time_s - self._long_history[-1][0] >= 1.0:
+            self._long_history.append(self._history[-1])
+        while time_s - self._history[0][0] > _SPAN_S:
+            self._history.popleft()
         if is_same:
             self._repetition.repeat(time_s)
         else:
@@ -68,8 +75,8 @@ class GnssIntegrityMonitor:
         self._sigma_m = sigma_m
         if self._variance_m2 == 0.0:
             self._variance_m2 = (sigma_m / _SCATTERS) ** 2
-        if self._story and self._velocity is not None:
-            (before_s, before), variance = self._story[-1], self._variance_m2
+        if self._history and self._velocity is not None:
+            (before_s, before), variance = self._history[-1], self._variance_m2
             step = 0.25 * abs(told - before) ** 2  # two axes, two positions
             if step < _ODD_STEP * max(variance, (sigma_m / _SCATTERS) ** 2):
                 self._variance_m2 += min((time_s - before_s) / _SCATTER_S, 0.2) * (step - variance)
@@ -89,23 +96,23 @@ class GnssIntegrityMonitor:
             return False
         told = 0.0 if self._velocity is None else abs(self._velocity)
         if max(told, speed_m_s) > least_m_s or repetition.is_unusual(FROZEN_S):
-            repetition.is_condemned = True
-        return repetition.is_condemned
+            repetition.is_faulty = True
+        return repetition.is_faulty
 
     def is_consistent(self) -> bool:
         """Whether the positions of the last second went where the velocities led."""
-        first, last = self._story[0][1], self._story[-1][1]
-        return len(self._story) > 1 and abs(last - first) < _OFF_SIGMAS * self.scatter_m
+        first, last = self._history[0][1], self._history[-1][1]
+        return len(self._history) > 1 and abs(last - first) < _OFF_SIGMAS * self.scatter_m
 
     def creep_m(self) -> float:
         """How far the positions have crept away from their velocities in half a minute, 0 if not at all."""
-        if len(self._long_story) < 2:
+        if len(self._long_history) < 2:
             return 0.0
-        (began_s, first), (time_s, last) = self._long_story[0], self._story[-1]
+        (began_s, first), (time_s, last) = self._long_history[0], self._history[-1]
         crept_m = abs(last - first)
         most_m = _CREEP_SIGMAS * self.scatter_m + _CREEP_M_S * (time_s - began_s)
         return crept_m if crept_m > most_m else 0.0
 
-    def forget_creep(self) -> None:
+    def reset_creep(self) -> None:
         """Begin that half minute anew."""
-        self._long_story.clear()
+        self._long_history.clear()

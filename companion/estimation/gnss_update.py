@@ -10,7 +10,7 @@ from typing import Final
 
 from companion.config.estimation import Estimation
 from companion.core.state import EstimateFault
-from companion.estimation.current import SET_SHARE
+from companion.estimation.current import CURRENT_SHARE
 from companion.estimation.gnss_integrity import GnssIntegrityMonitor
 from companion.estimation.latency import PAUSE_S, LatencyEstimator
 from companion.estimation.model import Model
@@ -41,20 +41,35 @@ class GnssUpdate:
     """accepted_s: the time of the latest position believed; resets: how often it was begun anew."""
 
     __slots__ = (
-        "_fix_s", "_hung_m", "_hung_s", "_is_frozen", "_model", "_odd_since_s", "_passed_s", "_rejected",
-        "_reset_counter", "_setting", "_strayed_m", "_velocity_s", "_watch", "_way_m", "accepted_s", "late",
-        "position", "resets",
+        "_displacement_m",
+        "_drift_m",
+        "_fix_s",
+        "_integrity",
+        "_is_frozen",
+        "_model",
+        "_outlier_since_s",
+        "_passed_s",
+        "_rejected_share",
+        "_reset_counter",
+        "_setting",
+        "_stall_drift_m",
+        "_stalled_s",
+        "_velocity_s",
+        "accepted_s",
+        "latency",
+        "position",
+        "resets",
     )  # fmt: skip
 
     def __init__(self, model: Model, setting: Estimation) -> None:
         self._model = model
         self._setting = setting
-        self._watch = GnssIntegrityMonitor()
-        self.late = LatencyEstimator(_SWINGING_M_S)
-        self._fix_s = self._velocity_s = self._odd_since_s = -math.inf
-        self._way_m = 0j  # through the water, at the time of the latest fix
-        self._strayed_m = self._rejected = self._hung_m = 0.0
-        self._hung_s = math.inf  # since when the loop was not run, and how far that may have led astray
+        self._integrity = GnssIntegrityMonitor()
+        self.latency = LatencyEstimator(_SWINGING_M_S)
+        self._fix_s = self._velocity_s = self._outlier_since_s = -math.inf
+        self._displacement_m = 0j  # through the water, at the time of the latest fix
+        self._drift_m = self._rejected_share = self._stall_drift_m = 0.0
+        self._stalled_s = math.inf  # since when the loop was not run, and how far that may have led astray
         self._passed_s = 0.0
         self._is_frozen = False
         self._reset_counter = 0
@@ -70,37 +85,40 @@ class GnssUpdate:
     @property
     def sigma_m(self) -> float:
         """One standard deviation of the position, per axis."""
-        return math.sqrt(self.position.variance_m2) + self._strayed_m + self._hung_m
+        return math.sqrt(self.position.variance_m2) + self._drift_m + self._stall_drift_m
 
     def here(self, now_s: float) -> tuple[complex, complex]:
         """Position in m and velocity over ground in m/s, north + i east."""
-        position, current, wake = self.position, self._model.current, self._model.wake
+        position, current, history = self.position, self._model.current, self._model.history
         ahead_s = now_s - position.time_s
         fading = math.exp(-ahead_s / UNMODELLED_S)
         unmodelled = position.unmodelled_m_s
-        through = wake.velocity_m_s
-        way_m = wake.way_m + through * (now_s - wake.time_s) - self._way_m
+        through = history.velocity_m_s
+        way_m = history.displacement_m + through * (now_s - history.time_s) - self._displacement_m
         carried = current.gain * way_m + current.current_m_s * ahead_s
         return (
             position.position_m + carried + unmodelled * (UNMODELLED_S * (1.0 - fading)),
             current.gain * through + current.current_m_s + unmodelled * fading,
         )
 
-    def pass_time(self, now_s: float) -> None:
+    def advance(self, now_s: float) -> None:
         """The boat strays while no position is believed. To be called some times a second."""
         dt = now_s - self._passed_s
         self._passed_s = now_s
-        if self.late.is_due(now_s):
-            self.late.expect(now_s, self._model.current.gain * self._model.wake.velocity_m_s)
+        if self.latency.is_due(now_s):
+            self.latency.add_expected(now_s, self._model.current.gain * self._model.history.velocity_m_s)
         if dt > _HUNG_S:
-            self._hung_s, self._hung_m = now_s - dt, self._hung_m + _HUNG * self._model.cruise_m_s * dt
+            self._stalled_s, self._stall_drift_m = (
+                now_s - dt,
+                self._stall_drift_m + _HUNG * self._model.cruise_m_s * dt,
+            )
         if now_s - self.accepted_s > _GAP_S:
             model = self._model
             by_velocity = now_s - self._velocity_s <= _GAP_S
             doubt_m_s = _BY_VELOCITY * model.cruise_m_s if by_velocity else model.doubt_m_s()
-            self._strayed_m += dt * doubt_m_s
+            self._drift_m += dt * doubt_m_s
 
-    def take(
+    def update(
         self, time_s: float, at: complex, velocity: complex | None, sigma_m: float, reset_counter: int
     ) -> None:
         """What a fix says about the boat where it was then.
@@ -108,92 +126,94 @@ class GnssUpdate:
         at: m, velocity: m/s, None where the receiver does not say. sigma_m: per axis. reset_counter: another
         one than before means that the source has begun anew, and is believed wherever that is.
         """
-        position, model, watch = self.position, self._model, self._watch
+        position, model, watch = self.position, self._model, self._integrity
         pause_s, self._fix_s = time_s - self._fix_s, time_s
         watch.update(time_s, at, velocity, sigma_m)
         if PAUSE_S < pause_s < math.inf:
-            self.late.pause(time_s, pause_s)
-        is_otherwise_late = velocity is not None and self.late.compare(time_s, velocity)
-        told_s, time_s = time_s, time_s - self.late.lag_s
-        way_m, through = model.wake.at(time_s)
+            self.latency.note_gap(time_s, pause_s)
+        is_otherwise_late = velocity is not None and self.latency.compare(time_s, velocity)
+        told_s, time_s = time_s, time_s - self.latency.lag_s
+        way_m, through = model.history.at(time_s)
         # A pose from a camera over a pool is a hundred times finer than a satellite's; so is its velocity.
         variance = min(VELOCITY_SIGMA_M_S, sigma_m) ** 2
         is_new = reset_counter != self._reset_counter or is_otherwise_late
         if self.accepted_s == -math.inf or is_new:
             self.resets += self.accepted_s > -math.inf
             self._reset_counter = reset_counter
-            self._begin(time_s, at, velocity, sigma_m, variance, way_m, through)
+            self._start(time_s, at, velocity, sigma_m, variance, way_m, through)
             self.accepted_s = self._velocity_s = told_s
             return
-        if time_s > self._hung_s:  # an older one tells nothing of where the boat has been carried since
-            self._strayed_m += self._hung_m
-            self._hung_m, self._hung_s = 0.0, math.inf
+        if time_s > self._stalled_s:  # an older one tells nothing of where the boat has been carried since
+            self._drift_m += self._stall_drift_m
+            self._stall_drift_m, self._stalled_s = 0.0, math.inf
         modelled = model.current.velocity_m_s(through)
         self._is_frozen = watch.is_frozen(abs(modelled), _AT_REST * model.cruise_m_s)
         if self._is_frozen:
-            watch.forget_creep()
+            watch.reset_creep()
             return
         dt = time_s - position.time_s
-        carried = model.current.gain * (way_m - self._way_m) + model.current.current_m_s * dt
-        self._way_m = way_m
-        pushed = model.pushed_m2_s3(through)
+        carried = model.current.gain * (way_m - self._displacement_m) + model.current.current_m_s * dt
+        self._displacement_m = way_m
+        pushed = model.process_noise_m2_s3(through)
         position.predict(time_s, carried, sigma_m, pushed)
         noise = position.noise_m2_s3 + pushed
         is_consistent = watch.is_consistent()
         # Late positions do not fit, and their velocities are late, too.
-        is_doubtful = self.late.is_doubtful(told_s) and not position.fits(
-            at, sigma_m, self._strayed_m * self._strayed_m
+        is_doubtful = self.latency.is_uncertain(told_s) and not position.fits(
+            at, sigma_m, self._drift_m * self._drift_m
         )
         if (
             velocity is not None
             and not is_doubtful
-            and position.take_velocity(velocity - modelled - position.unmodelled_m_s, variance, is_consistent)
+            and position.update_velocity(
+                velocity - modelled - position.unmodelled_m_s, variance, is_consistent
+            )
         ):
             self._velocity_s = told_s
             position.unmodelled_m_s -= model.learn(velocity, through, variance, noise, dt)
-            position.unmodelled_m_s -= model.nudge(position.unmodelled_m_s, dt)
+            position.unmodelled_m_s -= model.absorb_unmodelled(position.unmodelled_m_s, dt)
         if self._accepts(time_s, at, sigma_m, is_consistent, dt):
-            position.stray(self._strayed_m * self._strayed_m)
-            self._strayed_m = 0.0
-            position.take_position(at, sigma_m)
+            position.inflate(self._drift_m * self._drift_m)
+            self._drift_m = 0.0
+            position.update_position(at, sigma_m)
             self.accepted_s = told_s
             if velocity is None:
                 measured = model.current.velocity_m_s(through) + position.unmodelled_m_s
                 position.unmodelled_m_s -= model.learn(
                     measured, through, position.unmodelled_variance, noise, dt
                 )
-        elif self._may_begin_anew(time_s, is_consistent):
+        elif self._may_restart(time_s, is_consistent):
             self.resets += 1
-            self._begin(time_s, at, velocity, sigma_m, variance, way_m, through)
+            self._start(time_s, at, velocity, sigma_m, variance, way_m, through)
 
     def _accepts(self, time_s: float, at: complex, sigma_m: float, is_consistent: bool, dt: float) -> bool:
         """Whether a position is believed."""
-        position, watch = self.position, self._watch
-        fits = position.fits(at, sigma_m, self._strayed_m * self._strayed_m)
+        position, watch = self.position, self._integrity
+        fits = position.fits(at, sigma_m, self._drift_m * self._drift_m)
         if not is_consistent:
-            watch.forget_creep()
+            watch.reset_creep()
         crept_m = watch.creep_m()
-        is_good = fits and crept_m == 0.0 and (is_consistent or self._rejected < _SUSPECT)
-        self._rejected += min(dt, 1.0) * ((0.0 if is_good else 1.0) - self._rejected)
+        is_good = fits and crept_m == 0.0 and (is_consistent or self._rejected_share < _SUSPECT)
+        self._rejected_share += min(dt, 1.0) * ((0.0 if is_good else 1.0) - self._rejected_share)
         if is_good:
-            self._odd_since_s = math.inf
+            self._outlier_since_s = math.inf
             return True
-        if not is_consistent or self._odd_since_s == math.inf:
-            self._odd_since_s = time_s
+        if not is_consistent or self._outlier_since_s == math.inf:
+            self._outlier_since_s = time_s
         step_m = abs(at - position.position_m)
         if crept_m > 0.0:
             if fits:  # so far it may have led the boat astray
-                self._strayed_m = max(self._strayed_m, crept_m)
-        elif step_m < _STEP_S * self._model.cruise_m_s and time_s - self._odd_since_s > _STEP_WAIT_S:
-            self._strayed_m = max(self._strayed_m, step_m)
+                self._drift_m = max(self._drift_m, crept_m)
+        elif step_m < _STEP_S * self._model.cruise_m_s and time_s - self._outlier_since_s > _STEP_WAIT_S:
+            self._drift_m = max(self._drift_m, step_m)
         return False
 
-    def _may_begin_anew(self, time_s: float, is_consistent: bool) -> bool:
+    def _may_restart(self, time_s: float, is_consistent: bool) -> bool:
         """Whether fixes that do not fit are better than what the boat has left."""
         is_idle = time_s - max(self._model.idle_since_s, self.accepted_s) > _IDLE_RESET_S
-        return self.is_spent(time_s) or (is_idle and is_consistent)
+        return self.has_expired(time_s) or (is_idle and is_consistent)
 
-    def _begin(
+    def _start(
         self,
         time_s: float,
         at: complex,
@@ -205,18 +225,18 @@ class GnssUpdate:
     ) -> None:
         """Start the position at a fix."""
         position, model = self.position, self._model
-        position.start(time_s, at, sigma_m, SET_SHARE * model.cruise_m_s)
+        position.start(time_s, at, sigma_m, CURRENT_SHARE * model.cruise_m_s)
         if velocity is not None:
-            position.take_velocity(velocity - model.current.velocity_m_s(through), variance, True)
+            position.update_velocity(velocity - model.current.velocity_m_s(through), variance, True)
             self._velocity_s = time_s
-        self._watch.forget_creep()
-        self._way_m = way_m
+        self._integrity.reset_creep()
+        self._displacement_m = way_m
         self.accepted_s = self._passed_s = time_s
-        self._odd_since_s = math.inf
-        self._strayed_m = self._rejected = self._hung_m = 0.0
-        self._hung_s = math.inf
+        self._outlier_since_s = math.inf
+        self._drift_m = self._rejected_share = self._stall_drift_m = 0.0
+        self._stalled_s = math.inf
 
-    def is_spent(self, now_s: float) -> bool:
+    def has_expired(self, now_s: float) -> bool:
         """Whether dead reckoning has gone on for too long; without a heading there is none."""
         setting = self._setting
         age_s = now_s - max(self.accepted_s, self._velocity_s)
@@ -227,13 +247,13 @@ class GnssUpdate:
 
     def faults(self, now_s: float) -> int:
         """Bits of EstimateFault."""
-        faults = _LATE if self.late.lag_s > 0.0 else 0
+        faults = _LATE if self.latency.lag_s > 0.0 else 0
         if now_s - self._fix_s > self._setting.gnss_timeout_s:
             faults = _LOST
         elif self._is_frozen:
             faults = _FROZEN
-        if self._rejected > _REJECTED:
+        if self._rejected_share > _REJECTED:
             faults |= _JUMPING
-        if now_s - self.accepted_s > self._setting.gnss_timeout_s and self.is_spent(now_s):
+        if now_s - self.accepted_s > self._setting.gnss_timeout_s and self.has_expired(now_s):
             faults |= _POSITION_LOST
         return faults

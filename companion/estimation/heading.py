@@ -53,10 +53,32 @@ class HeadingFilter:
     """
 
     __slots__ = (
-        "_agreed_rad", "_agrees_s", "_block_s", "_blocks", "_compass", "_count", "_gyro", "_is_disowned",
-        "_odd", "_off_since_s", "_rate_rad_s", "_sum_rad", "_turned_rad", "bias_rad_s", "compass_s",
-        "drawn_rad", "gate_rad", "has_gyro", "heading_rad", "is_idle", "is_off", "resets", "sigma_rad",
-        "starts", "time_s", "yaw_rate_rad_s",
+        "_agreed_rad",
+        "_agrees_s",
+        "_block_s",
+        "_blocks",
+        "_compass",
+        "_count",
+        "_gyro",
+        "_is_compass_rejected",
+        "_off_since_s",
+        "_outlier_share",
+        "_rate_rad_s",
+        "_sum_rad",
+        "_turned_rad",
+        "bias_rad_s",
+        "compass_s",
+        "corrected_rad",
+        "gate_rad",
+        "has_gyro",
+        "heading_rad",
+        "is_idle",
+        "is_off",
+        "resets",
+        "sigma_rad",
+        "starts",
+        "time_s",
+        "yaw_rate_rad_s",
     )  # fmt: skip
 
     def __init__(self, gate_rad: float) -> None:
@@ -69,12 +91,12 @@ class HeadingFilter:
         self.is_off = False
         self.is_idle = True
         self.resets = self.starts = 0
-        self.drawn_rad = 0.0
-        self._is_disowned = False  # somebody knows that the compass lies
+        self.corrected_rad = 0.0
+        self._is_compass_rejected = False  # somebody knows that the compass lies
         self._agreed_rad = self._agrees_s = 0.0
         self._compass = SensorTimeoutMonitor(_LEAP_RAD, _LEAP_RAD_S, _STUCK_S)
         self._gyro = SensorTimeoutMonitor(_JERK_RAD_S, _JERK_RAD_S2, 0.5 * _STUCK_S)
-        self._odd = 0.0
+        self._outlier_share = 0.0
         self._turned_rad = 0.0  # by the gyro, since the compass has last said something new
         self._rate_rad_s = 0.0
         self._sum_rad = 0.0
@@ -83,7 +105,7 @@ class HeadingFilter:
         self._off_since_s = math.inf
 
     def update(
-        self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None, bent_rad: float = 0.0
+        self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None, extra_turn_rad: float = 0.0
     ) -> None:
         """Take a reading, later than the one before.
 
@@ -97,49 +119,51 @@ class HeadingFilter:
             if not self._gyro.is_good and not math.isnan(heading_rad):
                 yaw_rate_rad_s = None
         if dt > RESTART_S and not math.isnan(heading_rad):
-            self.begin(time_s, heading_rad, yaw_rate_rad_s)
+            self.start(time_s, heading_rad, yaw_rate_rad_s)
         elif yaw_rate_rad_s is None:
-            self._go_without_gyro(time_s, dt, heading_rad, bent_rad)
+            self._update_without_gyro(time_s, dt, heading_rad, extra_turn_rad)
         else:
-            self._go_by_gyro(time_s, dt, heading_rad, yaw_rate_rad_s, bent_rad)
+            self._update_with_gyro(time_s, dt, heading_rad, yaw_rate_rad_s, extra_turn_rad)
 
-    def begin(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
+    def start(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
         """Start at a reading, or start anew."""
         self.time_s = time_s
         self.heading_rad = wrap_pi(heading_rad)
         self.starts += 1
-        self._is_disowned = False
+        self._is_compass_rejected = False
         self.has_gyro = yaw_rate_rad_s is not None
         self._rate_rad_s = yaw_rate_rad_s or 0.0
         self.yaw_rate_rad_s = self._rate_rad_s - self.bias_rad_s if self.has_gyro else 0.0
         self._compass.update(heading_rad, time_s)
-        self._turned_rad = self._sum_rad = self._odd = 0.0
+        self._turned_rad = self._sum_rad = self._outlier_share = 0.0
         self._count = self._blocks = 0
-        self._believe(time_s)
+        self._accept_compass(time_s)
 
-    def _believe(self, time_s: float) -> None:
+    def _accept_compass(self, time_s: float) -> None:
         self.compass_s = self._block_s = time_s
         self.sigma_rad = _SIGMA_RAD
         self._off_since_s = math.inf
         self.is_off = False
 
-    def _go_without_gyro(self, time_s: float, dt: float, heading_rad: float, bent_rad: float) -> None:
+    def _update_without_gyro(
+        self, time_s: float, dt: float, heading_rad: float, extra_turn_rad: float
+    ) -> None:
         self.has_gyro = False
-        predicted = self.heading_rad + self.yaw_rate_rad_s * dt + bent_rad
+        predicted = self.heading_rad + self.yaw_rate_rad_s * dt + extra_turn_rad
         residual = wrap_pi(heading_rad - predicted)
         fade = math.exp(-dt / COMPASS_TIME_S)
         self.heading_rad = wrap_pi(predicted + (1.0 - fade * fade) * residual)
         self.yaw_rate_rad_s += (1.0 - fade) * (1.0 - fade) / dt * residual
         self._compass.update(heading_rad, time_s)
         if self._compass.is_good:
-            self._odd = 0.0
-            self._believe(time_s)
+            self._outlier_share = 0.0
+            self._accept_compass(time_s)
 
-    def _go_by_gyro(
-        self, time_s: float, dt: float, heading_rad: float, yaw_rate_rad_s: float, bent_rad: float
+    def _update_with_gyro(
+        self, time_s: float, dt: float, heading_rad: float, yaw_rate_rad_s: float, extra_turn_rad: float
     ) -> None:
         self.has_gyro = True
-        turned = (0.5 * (self._rate_rad_s + yaw_rate_rad_s) - self.bias_rad_s) * dt + bent_rad
+        turned = (0.5 * (self._rate_rad_s + yaw_rate_rad_s) - self.bias_rad_s) * dt + extra_turn_rad
         self._rate_rad_s = yaw_rate_rad_s
         self.yaw_rate_rad_s = yaw_rate_rad_s - self.bias_rad_s
         self.heading_rad = wrap_pi(self.heading_rad + turned)
@@ -150,7 +174,7 @@ class HeadingFilter:
         if compass.update(heading_rad, time_s):
             self._turned_rad += turned
             if abs(self._turned_rad) > _STUCK_RAD + _STUCK_RAD_S * compass.run_s:
-                compass.condemn()
+                compass.mark_faulty()
         else:
             self._turned_rad = 0.0
         if not compass.is_good:
@@ -159,54 +183,54 @@ class HeadingFilter:
         self._sum_rad += wrap_pi(heading_rad - self.heading_rad)
         self._count += 1
         if time_s - self._block_s >= _TOGETHER_S:
-            self._take_block(time_s)
+            self._update_block(time_s)
 
-    def _take_block(self, time_s: float) -> None:
+    def _update_block(self, time_s: float) -> None:
         """Draw the heading to what the compass has said since the last block, on average."""
         residual, span = self._sum_rad / self._count, min(time_s - self._block_s, RESTART_S)
         self._sum_rad, self._count = 0.0, 0
         self._block_s = time_s
-        if self._is_disowned and not self._has_proved(residual, span):
+        if self._is_compass_rejected and not self._is_trusted_again(residual, span):
             return
-        is_odd = self._blocks > 0 and not abs(residual) <= self._gate_now_rad(time_s)
-        self._odd += min(span, 1.0) * ((1.0 if is_odd else 0.0) - self._odd)
+        is_odd = self._blocks > 0 and not abs(residual) <= self._open_gate_rad(time_s)
+        self._outlier_share += min(span, 1.0) * ((1.0 if is_odd else 0.0) - self._outlier_share)
         if is_odd and self._off_since_s == math.inf:
             self._off_since_s = time_s
-        if is_odd or (self.is_off and self._odd > _EVEN):
-            self.is_off = self.is_off or self._odd > _ODD
+        if is_odd or (self.is_off and self._outlier_share > _EVEN):
+            self.is_off = self.is_off or self._outlier_share > _ODD
             return
         if self.is_off and abs(residual) > self.gate_rad:
-            self._give_in(residual)
+            self._jump(residual)
             residual = 0.0
         self._blocks += 1
         share = 1.0 - math.exp(-span / DRAW_S)
         if self._blocks * share < 1.0:  # at first all blocks count alike
-            self._draw_in(residual / (self._blocks + 1))
+            self._correct(residual / (self._blocks + 1))
         else:
-            self._draw_in(share * residual)
+            self._correct(share * residual)
             bias = self.bias_rad_s - share * residual / BIAS_S
             self.bias_rad_s = min(max(bias, -MAX_BIAS_RAD_S), MAX_BIAS_RAD_S)
-        self._believe(time_s)
+        self._accept_compass(time_s)
 
-    def _give_in(self, residual_rad: float) -> None:
+    def _jump(self, residual_rad: float) -> None:
         """The compass is right after all: the heading leaps to it."""
         self.resets += 1
         self.starts += 1
         self.heading_rad = wrap_pi(self.heading_rad + residual_rad)
 
-    def _draw_in(self, by_rad: float) -> None:
+    def _correct(self, by_rad: float) -> None:
         self.heading_rad = wrap_pi(self.heading_rad + by_rad)
-        self.drawn_rad += by_rad
+        self.corrected_rad += by_rad
 
-    def disown(self, gap_rad: float, bias_rad_s: float) -> None:
+    def reject_offset(self, gap_rad: float, bias_rad_s: float) -> None:
         """The compass has led the heading astray: it is that much off, and the gyro has this bias."""
-        self._is_disowned = self.is_off = True
+        self._is_compass_rejected = self.is_off = True
         self.heading_rad = wrap_pi(self.heading_rad + gap_rad)
         self.bias_rad_s = bias_rad_s
-        self._odd = 1.0
+        self._outlier_share = 1.0
         self._agreed_rad = self._agrees_s = 0.0
 
-    def _has_proved(self, residual_rad: float, span_s: float) -> bool:
+    def _is_trusted_again(self, residual_rad: float, span_s: float) -> bool:
         """Whether a compass that was found out has been right again for long enough."""
         if abs(wrap_pi(residual_rad - self._agreed_rad)) > _STEADY_RAD:
             self._agreed_rad, self._agrees_s = residual_rad, 0.0
@@ -214,19 +238,19 @@ class HeadingFilter:
             self._agrees_s += span_s
         else:
             self._agrees_s = 0.0
-        self._is_disowned = self._agrees_s < _AGREES_S
-        if not self._is_disowned and abs(residual_rad) > self.gate_rad:
-            self._give_in(residual_rad)
-        return not self._is_disowned
+        self._is_compass_rejected = self._agrees_s < _AGREES_S
+        if not self._is_compass_rejected and abs(residual_rad) > self.gate_rad:
+            self._jump(residual_rad)
+        return not self._is_compass_rejected
 
-    def _gate_now_rad(self, time_s: float) -> float:
+    def _open_gate_rad(self, time_s: float) -> float:
         """The longer the compass disagrees, the more may be the gyro's fault."""
         waited_s = time_s - self._off_since_s
         if waited_s <= 0.0:
             return self.gate_rad
         return self.gate_rad + waited_s * (_GIVE_IN_IDLE_RAD_S if self.is_idle else _GIVE_IN_RAD_S)
 
-    def draw(self, residual_rad: float, time_constant_s: float, dt_s: float, sigma_rad: float) -> None:
+    def correct(self, residual_rad: float, time_constant_s: float, dt_s: float, sigma_rad: float) -> None:
         """The heading is that much off, says somebody who is right within sigma_rad.
 
         It makes up for what the gyro drifts, or for what steering does otherwise than it is thought to.
@@ -235,7 +259,7 @@ class HeadingFilter:
         self.heading_rad = wrap_pi(self.heading_rad + share * residual_rad)
         self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
 
-    def stray(self, dt_s: float) -> None:
+    def add_process_noise(self, dt_s: float) -> None:
         """No reading has come for dt_s: only steering tells how the boat has turned."""
         self.has_gyro = False
         self.sigma_rad += _BLIND_WALK_RAD_S * dt_s

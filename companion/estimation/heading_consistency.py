@@ -17,7 +17,7 @@ _HEADING_S: Final = 20.0  # how slowly the witness follows the compass,
 _BIAS_S: Final = 60.0  # and the bias that the compass teaches; both less in the first minute
 _LEAST_S: Final = 2.0
 _YOUNG: Final = 0.7  # of its age
-_QUARREL_RAD: Final = 0.12
+_DISAGREEMENT_RAD: Final = 0.12
 _KEEP_S: Final = 4.0  # set and gain are remembered from one to two of these ago
 _TELLING_M_S: Final = 0.25  # apart, in what the two headings say of the velocity
 _HEAR_S: Final = 3.0
@@ -44,70 +44,72 @@ class HeadingConsistencyMonitor:
     __slots__ = (
         "_age_s",
         "_compass_off",
-        "_drawn_rad",
+        "_corrected_rad",
+        "_disagreement_s",
+        "_evidence_s",
         "_gyro_off",
-        "_heard_s",
-        "_kept_s",
-        "_later",
-        "_quarrel_s",
+        "_newer",
+        "_recorded_s",
         "bias_rad_s",
         "current_m_s",
         "gain",
         "gap_rad",
-        "is_quarrel",
+        "is_disagreeing",
     )  # fmt: skip
 
     def __init__(self) -> None:
         self.current_m_s, self.gain = 0j, 1 + 0j
-        self._later = (0j, 1 + 0j)
-        self._kept_s = math.inf
-        self.begin(0.0, 0.0)
+        self._newer = (0j, 1 + 0j)
+        self._recorded_s = math.inf
+        self.reset(0.0, 0.0)
 
-    def begin(self, drawn_rad: float, bias_rad_s: float) -> None:
+    def reset(self, corrected_rad: float, bias_rad_s: float) -> None:
         """Go along with the filter as it is now. drawn_rad: see `update`."""
-        self._drawn_rad, self.bias_rad_s = drawn_rad, bias_rad_s
+        self._corrected_rad, self.bias_rad_s = corrected_rad, bias_rad_s
         self.gap_rad = self._age_s = 0.0
-        self.is_quarrel = False
-        self._quarrel_s = self._heard_s = self._compass_off = self._gyro_off = 0.0
+        self.is_disagreeing = False
+        self._disagreement_s = self._evidence_s = self._compass_off = self._gyro_off = 0.0
 
-    def keep(self, current_m_s: complex, gain: complex, dt_s: float) -> None:
+    def record(self, current_m_s: complex, gain: complex, dt_s: float) -> None:
         """Remember set and gain while all is well."""
-        self._kept_s += dt_s
-        if self._kept_s >= _KEEP_S and not self.is_quarrel:
-            first = self._kept_s == math.inf
-            self._kept_s = 0.0
-            self.current_m_s, self.gain = (current_m_s, gain) if first else self._later
-            self._later = (current_m_s, gain)
+        self._recorded_s += dt_s
+        if self._recorded_s >= _KEEP_S and not self.is_disagreeing:
+            first = self._recorded_s == math.inf
+            self._recorded_s = 0.0
+            self.current_m_s, self.gain = (current_m_s, gain) if first else self._newer
+            self._newer = (current_m_s, gain)
 
-    def update(self, drawn_rad: float, bias_rad_s: float, dt_s: float) -> None:
+    def update(self, corrected_rad: float, bias_rad_s: float, dt_s: float) -> None:
         """Go on by dt_s.
 
         drawn_rad: how far the compass has drawn the filter's heading in all. bias_rad_s: the gyro's, as the
         filter has it.
         """
-        gap = self.gap_rad - (drawn_rad - self._drawn_rad) + (bias_rad_s - self.bias_rad_s) * dt_s
-        self._drawn_rad = drawn_rad
+        gap = self.gap_rad - (corrected_rad - self._corrected_rad) + (bias_rad_s - self.bias_rad_s) * dt_s
+        self._corrected_rad = corrected_rad
         self._age_s += dt_s
-        if not self.is_quarrel:
+        if not self.is_disagreeing:
             young_s = max(_YOUNG * self._age_s, _LEAST_S)
             gap -= min(dt_s / min(young_s, _HEADING_S), 1.0) * gap
             self.bias_rad_s += min(dt_s / min(young_s, _BIAS_S), 1.0) * (bias_rad_s - self.bias_rad_s)
-            self.is_quarrel = abs(gap) > _QUARREL_RAD
+            self.is_disagreeing = abs(gap) > _DISAGREEMENT_RAD
         self.gap_rad = gap
 
     def judge(self, over_ground: complex, through_water: complex, dt_s: float) -> HeadingVerdict:
         """Hear a velocity over ground, in a quarrel; through_water: as the filter's heading has it."""
-        self._quarrel_s += dt_s
+        self._disagreement_s += dt_s
         bow = self.gain * through_water
         turned = bow * cmath.rect(1.0, self.gap_rad)
         if abs(turned - bow) > _TELLING_M_S:
             off = over_ground - self.current_m_s
-            share = min(dt_s / _HEAR_S, 1.0) if self._heard_s > _HEAR_S else dt_s / (self._heard_s + dt_s)
-            self._heard_s += dt_s
+            share = (
+                min(dt_s / _HEAR_S, 1.0) if self._evidence_s > _HEAR_S else dt_s / (self._evidence_s + dt_s)
+            )
+            self._evidence_s += dt_s
             self._compass_off += share * (abs(off - bow) ** 2 - self._compass_off)
             self._gyro_off += share * (abs(off - turned) ** 2 - self._gyro_off)
-        if self._heard_s >= _ENOUGH_S:
+        if self._evidence_s >= _ENOUGH_S:
             worst = max(self._compass_off, self._gyro_off)
             if worst > _WRONG_M_S * _WRONG_M_S and min(self._compass_off, self._gyro_off) < _CLEAR * worst:
                 return HeadingVerdict.COMPASS if self._compass_off == worst else HeadingVerdict.GYRO
-        return HeadingVerdict.GYRO if self._quarrel_s > _GIVE_UP_S else HeadingVerdict.NOTHING
+        return HeadingVerdict.GYRO if self._disagreement_s > _GIVE_UP_S else HeadingVerdict.NOTHING

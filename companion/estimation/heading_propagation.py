@@ -6,7 +6,7 @@ from typing import Final
 from companion.core.units import wrap_pi
 from companion.estimation.heading import HeadingFilter
 from companion.estimation.latency import PAUSE_S, LatencyEstimator
-from companion.estimation.yaw_model import YawModel
+from companion.estimation.yaw_model import YawRateModel
 from companion.sensors.readings import HeadingReading
 
 MAX_HEADING_RAD: Final = 100.0  # what lies beyond these two is a fault of the part
@@ -28,31 +28,31 @@ class HeadingPropagation:
     """heading_rad and yaw_rate_rad_s are those of now; `filter` has them as of the latest reading."""
 
     __slots__ = (
-        "_heard_s", "_pause_s", "_turned_then_rad", "_turning_then",
-        "filter", "heading_rad", "late", "model", "yaw_rate_rad_s",
+        "_heard_s", "_pause_s", "_reading_turned_rad", "_reading_turning",
+        "filter", "heading_rad", "latency", "model", "yaw_rate_rad_s",
     )  # fmt: skip
 
     def __init__(self, gate_rad: float) -> None:
         """gate_rad: how far a compass may be off the gyro."""
         self.filter = HeadingFilter(gate_rad)
-        self.model = YawModel()
-        self.late = LatencyEstimator(_TURNING_RAD_S)  # of the compass, with its gyro
+        self.model = YawRateModel()
+        self.latency = LatencyEstimator(_TURNING_RAD_S)  # of the compass, with its gyro
         self.heading_rad = self.yaw_rate_rad_s = 0.0
         self._heard_s = -math.inf  # when the latest reading came, whatever time it is about
         self._pause_s = 0.0  # usual between two readings
         # The yaw model's, at the time that the latest reading is about
-        self._turned_then_rad = self._turning_then = 0.0
+        self._reading_turned_rad = self._reading_turning = 0.0
 
     @property
     def is_late(self) -> bool:
         """Whether readings come late, or seldom."""
-        return self.late.lag_s > 0.0 or self._pause_s > _SELDOM_S
+        return self.latency.lag_s > 0.0 or self._pause_s > _SELDOM_S
 
     def advance(self, reading: HeadingReading | None, now_s: float, dt_s: float) -> None:
         """Go on by dt_s to now_s, with the latest reading there is."""
         heading = self.filter
         if reading is not None and self._heard_s < reading.time_s <= now_s:
-            self._hear(reading)
+            self._ingest(reading)
         if heading.time_s == -math.inf:
             return
         ahead_s = now_s - heading.time_s
@@ -61,35 +61,35 @@ class HeadingPropagation:
             self.heading_rad = wrap_pi(heading.heading_rad + heading.yaw_rate_rad_s * ahead_s)
             return
         model, fading = self.model, math.exp(-ahead_s / _FADE_S)
-        odd = heading.yaw_rate_rad_s - model.rate_of(self._turning_then)  # what was not known of the rate
+        odd = heading.yaw_rate_rad_s - model.rate_of(self._reading_turning)  # what was not known of the rate
         self.yaw_rate_rad_s = model.rate_rad_s + odd * fading
-        turned = model.turned_rad + model.rate_rad_s * (now_s - model.time_s) - self._turned_then_rad
+        turned = model.turned_rad + model.rate_rad_s * (now_s - model.time_s) - self._reading_turned_rad
         self.heading_rad = wrap_pi(heading.heading_rad + turned + odd * _FADE_S * (1.0 - fading))
         if now_s - self._heard_s > _SILENT_S:
-            heading.stray(dt_s)
+            heading.add_process_noise(dt_s)
 
     def steer(self, now_s: float, left: float, right: float) -> None:
         """The motors have had these commands until now."""
         self.model.advance(now_s, left, right)
-        if self.late.is_due(now_s):
-            self.late.expect(now_s, complex(self.model.rate_of(self.model.turning), 0.0))
+        if self.latency.is_due(now_s):
+            self.latency.add_expected(now_s, complex(self.model.rate_of(self.model.turning), 0.0))
 
     def learn(self, now_s: float, dt_s: float) -> None:
         """How fast steering turns the boat, for the day when no gyro says so."""
-        if not self.late.is_doubtful(now_s):
-            self.model.learn(self.filter.yaw_rate_rad_s, self._turning_then, dt_s)
+        if not self.latency.is_uncertain(now_s):
+            self.model.learn(self.filter.yaw_rate_rad_s, self._reading_turning, dt_s)
 
-    def draw(self, turn_rad: float, dt_s: float, doubt_rad: float) -> None:
+    def correct_by_course(self, turn_rad: float, dt_s: float, doubt_rad: float) -> None:
         """The course made good says that the heading is so much off, with such doubt."""
         if self.filter.has_gyro:
-            self.filter.draw(turn_rad, _COURSE_S, dt_s, doubt_rad)
+            self.filter.correct(turn_rad, _COURSE_S, dt_s, doubt_rad)
         else:
-            self.filter.draw(turn_rad, _COURSE_ALONE_S, dt_s, doubt_rad + _ALONE_RAD)
-            self.model.lean(turn_rad * dt_s / (_COURSE_ALONE_S * _LEAN_S))
+            self.filter.correct(turn_rad, _COURSE_ALONE_S, dt_s, doubt_rad + _ALONE_RAD)
+            self.model.adjust_bias(turn_rad * dt_s / (_COURSE_ALONE_S * _LEAN_S))
 
-    def _hear(self, reading: HeadingReading) -> None:
+    def _ingest(self, reading: HeadingReading) -> None:
         """Take a reading of compass and gyro, about the time that its stamp less its lag says."""
-        heading, model, late = self.filter, self.model, self.late
+        heading, model, late = self.filter, self.model, self.latency
         rate, told_s = reading.yaw_rate_rad_s, reading.time_s
         is_heading = abs(reading.heading_rad) <= MAX_HEADING_RAD
         if not is_heading and (rate is None or not math.isnan(reading.heading_rad)):
@@ -100,7 +100,7 @@ class HeadingPropagation:
         self._heard_s = told_s
         if pause_s > PAUSE_S:
             if pause_s < math.inf:
-                late.pause(told_s, pause_s)
+                late.note_gap(told_s, pause_s)
             pause_s = min(pause_s, _MOST_PAUSE_S)
         self._pause_s += _PAUSES * (pause_s - self._pause_s)
         lag_s = late.lag_s
@@ -108,18 +108,18 @@ class HeadingPropagation:
         dt = time_s - heading.time_s
         if not dt > 0.0:
             return  # stamps were believed before that have turned out too fresh
-        turned, turning, bent = model.turned_rad, model.turning, 0.0
+        turned, turning, extra_turn = model.turned_rad, model.turning, 0.0
         if lag_s > 0.0:
             turned, turning = model.at(time_s)
         if dt > _FRESH_S:
-            rates = model.rate_of(turning) + model.rate_of(self._turning_then)
-            bent = turned - self._turned_then_rad - 0.5 * rates * dt
-        heading.update(time_s, reading.heading_rad, rate, bent)
-        self._turned_then_rad, self._turning_then = turned, turning
+            rates = model.rate_of(turning) + model.rate_of(self._reading_turning)
+            extra_turn = turned - self._reading_turned_rad - 0.5 * rates * dt
+        heading.update(time_s, reading.heading_rad, rate, extra_turn)
+        self._reading_turned_rad, self._reading_turning = turned, turning
         if told_s > late.until_s and lag_s == 0.0:
             return
         is_otherwise_late = late.compare(told_s, complex(heading.yaw_rate_rad_s, 0.0))
         if is_otherwise_late and is_heading and not heading.is_off:
             time_s = told_s - late.lag_s
-            heading.begin(time_s, reading.heading_rad, rate)
-            self._turned_then_rad, self._turning_then = model.at(time_s)
+            heading.start(time_s, reading.heading_rad, rate)
+            self._reading_turned_rad, self._reading_turning = model.at(time_s)

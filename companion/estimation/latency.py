@@ -49,7 +49,7 @@ class LatencyEstimator:
         self._alike = [0.0] * LAGS  # and its covariance with what is heard
         self._odd_s = self._paused_s = self._usual_s = 0.0
 
-    def is_doubtful(self, time_s: float) -> bool:
+    def is_uncertain(self, time_s: float) -> bool:
         """Whether readings may be late without its being known yet."""
         return self._odd_s > 0.0 or (self._lag == 0 and time_s < self.until_s + (_NEWS_S - _WATCH_S))
 
@@ -57,13 +57,13 @@ class LatencyEstimator:
         """Whether `expect` is to be told something."""
         return time_s - self._expected_s >= STEP_S - _SLACK_S
 
-    def expect(self, time_s: float, value: complex) -> None:
+    def add_expected(self, time_s: float, value: complex) -> None:
         """A reading of now would say this, but for a constant."""
         self._expected_s = time_s
         self._expected[self._next] = value
         self._next = self._next + 1 if self._next + 1 < _LENGTH else 0
 
-    def pause(self, time_s: float, pause_s: float) -> None:
+    def note_gap(self, time_s: float, pause_s: float) -> None:
         """A reading has come after such a pause, of PAUSE_S or more. Some sensors do no better as a rule."""
         is_usual = pause_s < _UNUSUAL * self._usual_s
         self._usual_s += _PAUSES * (min(pause_s, LAGS * STEP_S) - self._usual_s)
@@ -82,7 +82,7 @@ class LatencyEstimator:
         if dt < STEP_S - _SLACK_S:
             return False
         self._compared_s = time_s
-        best, now, least = self._weigh(time_s, min(dt, 1.0) / _MEMORY_S, value)
+        best, now, least = self._correlate(time_s, min(dt, 1.0) / _MEMORY_S, value)
         is_odd = now > self._least and least < _BETTER * now and abs(best - self._lag) >= _LEAST_STEPS
         self._odd_s = self._odd_s + dt if is_odd and abs(best - self._best) < _LEAST_STEPS else 0.0
         self._best = best
@@ -93,7 +93,7 @@ class LatencyEstimator:
         self.lag_s = self._lag * STEP_S
         return True
 
-    def _weigh(self, time_s: float, share: float, value: complex) -> tuple[int, float, float]:
+    def _correlate(self, time_s: float, share: float, value: complex) -> tuple[int, float, float]:
         """The best lag; the variance that the present one leaves, and the best one."""
         self._count += 1
         share = max(share, 1.0 / self._count)

@@ -48,23 +48,36 @@ class Model:
     """
 
     __slots__ = (
-        "_compass_timeout_s", "_cruise_throttle", "_is_lost", "_is_turned_off", "_off_rad", "_starts",
-        "_surge_time_s", "_witness", "cruise_m_s", "current", "heading", "idle_since_s", "now_s", "reckoning",
-        "wake", "water",
+        "_compass_timeout_s",
+        "_consistency",
+        "_cruise_throttle",
+        "_is_lost",
+        "_is_turned_off",
+        "_off_rad",
+        "_starts",
+        "_surge_time_s",
+        "cruise_m_s",
+        "current",
+        "heading",
+        "history",
+        "idle_since_s",
+        "now_s",
+        "propagation",
+        "water",
     )  # fmt: skip
 
     def __init__(self, speed: Speed, setting: Estimation) -> None:
         self.cruise_m_s, self._cruise_throttle = speed.cruise_m_s, speed.cruise_throttle
         self._surge_time_s = setting.surge_time_s
         self._compass_timeout_s = setting.compass_timeout_s
-        self.reckoning = HeadingPropagation(setting.compass_gate_rad)
-        self.heading = self.reckoning.filter
+        self.propagation = HeadingPropagation(setting.compass_gate_rad)
+        self.heading = self.propagation.filter
         self.water = WaterSpeed()
-        self.wake = StateHistory()
+        self.history = StateHistory()
         self.current = CurrentFilter(speed.cruise_m_s, setting.compass_doubt_rad)
         self.now_s = 0.0
         self.idle_since_s = 0.0
-        self._witness = HeadingConsistencyMonitor()
+        self._consistency = HeadingConsistencyMonitor()
         self._starts = 0  # of the heading, as the witness has it
         self._off_rad = 0.0
         self._is_turned_off = False
@@ -79,27 +92,27 @@ class Model:
     def is_compass_good(self) -> bool:
         """Whether the heading rests on the compass."""
         heading = self.heading
-        return not heading.is_off and self.now_s - heading.compass_s <= self._patience_s
+        return not heading.is_off and self.now_s - heading.compass_s <= self._compass_timeout_with_lag_s
 
     def advance(self, reading: HeadingReading | None, now_s: float, command: MotorCommand | None) -> float:
         """Go on to now_s; the heading of then, without the compass's offset.
 
         command: what the motors have been doing meanwhile; None: nobody knows, so nothing.
         """
-        reckoning, dt = self.reckoning, now_s - self.now_s
+        propagation, dt = self.propagation, now_s - self.now_s
         self.now_s = now_s
-        reckoning.advance(reading, now_s, dt)
+        propagation.advance(reading, now_s, dt)
         if self.heading.time_s == -math.inf:
             return 0.0
-        dt = now_s - self.wake.time_s
+        dt = now_s - self.history.time_s
         if dt >= _STRIDE_S:
-            self._move(reckoning.heading_rad, now_s, dt, command)
-        return reckoning.heading_rad
+            self._move(propagation.heading_rad, now_s, dt, command)
+        return propagation.heading_rad
 
     @property
-    def _patience_s(self) -> float:
+    def _compass_timeout_with_lag_s(self) -> float:
         """For how long nothing need be heard of the compass."""
-        return self._compass_timeout_s + self.reckoning.late.lag_s
+        return self._compass_timeout_s + self.propagation.latency.lag_s
 
     def _move(self, yaw: float, now_s: float, dt: float, command: MotorCommand | None) -> None:
         """Go on through the water."""
@@ -108,19 +121,19 @@ class Model:
             water = self.water
             left, right = command.left, command.right
             water.update(
-                left, right, self.reckoning.yaw_rate_rad_s, self.cruise_m_s, self._cruise_throttle,
+                left, right, self.propagation.yaw_rate_rad_s, self.cruise_m_s, self._cruise_throttle,
                 self._surge_time_s, dt,
             )  # fmt: skip
             velocity = complex(water.surge_m_s, water.sway_m_s) * complex(math.cos(yaw), math.sin(yaw))
             if left or right:
                 self.idle_since_s = now_s
-            self.reckoning.steer(now_s, left, right)
+            self.propagation.steer(now_s, left, right)
         heading.is_idle = now_s - self.idle_since_s > _IDLE_S
-        self.wake.advance(now_s, velocity)
+        self.history.advance(now_s, velocity)
 
-    def pushed_m2_s3(self, through: complex) -> float:
+    def process_noise_m2_s3(self, through: complex) -> float:
         """How noisy the model is just now, because the boat turns or gathers way."""
-        slip = _SLIP * self.reckoning.yaw_rate_rad_s * abs(through)
+        slip = _SLIP * self.propagation.yaw_rate_rad_s * abs(through)
         surge = _SURGE * self.water.surge_m_s2
         return slip * slip + surge * surge
 
@@ -135,50 +148,50 @@ class Model:
         if not self.has_heading:
             return 0j
         if not self.is_compass_good:
-            self._draw_to_course(velocity, through, dt)
+            self._correct_by_course(velocity, through, dt)
             return 0j
         self._compare_course(velocity, through, dt)
-        self.reckoning.learn(self.now_s, dt)
-        if self.heading.has_gyro and self._is_astray(velocity, through, dt):
-            return self._go_by_witness(through)
+        self.propagation.learn(self.now_s, dt)
+        if self.heading.has_gyro and self._is_compass_faulty(velocity, through, dt):
+            return self._reject_compass(through)
         # What is not modelled lasts for UNMODELLED_S, so each fix tells less than its own variance says.
         return self.current.update(
             velocity, through, variance + noise_m2_s3 * UNMODELLED_S * UNMODELLED_S / dt, dt
         )
 
-    def _is_astray(self, velocity: complex, through: complex, dt: float) -> bool:
+    def _is_compass_faulty(self, velocity: complex, through: complex, dt: float) -> bool:
         """Whether the witness knows that the compass has led the heading astray."""
-        heading, witness = self.heading, self._witness
+        heading, monitor = self.heading, self._consistency
         if heading.starts != self._starts:
             self._starts = heading.starts
-            witness.begin(heading.drawn_rad, heading.bias_rad_s)
-        witness.update(heading.drawn_rad, heading.bias_rad_s, dt)
-        if not witness.is_quarrel:
-            witness.keep(self.current.current_m_s, self.current.gain, dt)
+            monitor.reset(heading.corrected_rad, heading.bias_rad_s)
+        monitor.update(heading.corrected_rad, heading.bias_rad_s, dt)
+        if not monitor.is_disagreeing:
+            monitor.record(self.current.current_m_s, self.current.gain, dt)
             return False
-        verdict = witness.judge(velocity, through, dt)
+        verdict = monitor.judge(velocity, through, dt)
         if verdict is HeadingVerdict.GYRO:
-            witness.begin(heading.drawn_rad, heading.bias_rad_s)
+            monitor.reset(heading.corrected_rad, heading.bias_rad_s)
         return verdict is HeadingVerdict.COMPASS
 
-    def _go_by_witness(self, through: complex) -> complex:
+    def _reject_compass(self, through: complex) -> complex:
         """The compass is not believed any more, nor what it has taught; what `learn` returns."""
-        current, witness = self.current, self._witness
+        current, monitor = self.current, self._consistency
         before = current.velocity_m_s(through)
-        self.heading.disown(witness.gap_rad, witness.bias_rad_s)
-        current.recall(witness.current_m_s, witness.gain)
-        after = current.velocity_m_s(through * cmath.rect(1.0, witness.gap_rad))
-        witness.begin(self.heading.drawn_rad, witness.bias_rad_s)
+        self.heading.reject_offset(monitor.gap_rad, monitor.bias_rad_s)
+        current.restore(monitor.current_m_s, monitor.gain)
+        after = current.velocity_m_s(through * cmath.rect(1.0, monitor.gap_rad))
+        monitor.reset(self.heading.corrected_rad, monitor.bias_rad_s)
         return after - before
 
-    def nudge(self, unmodelled_m_s: complex, dt: float) -> complex:
+    def absorb_unmodelled(self, unmodelled_m_s: complex, dt: float) -> complex:
         """Way that the boat still has, or has not yet, shows in what is not modelled: take it for that.
 
         Returns by how much more of the velocity is modelled now.
         """
         if not self.has_heading:
             return 0j
-        yaw, gain = self.reckoning.heading_rad, self.current.gain
+        yaw, gain = self.propagation.heading_rad, self.current.gain
         bow = gain * complex(math.cos(yaw), math.sin(yaw))
         ahead = (unmodelled_m_s * bow.conjugate()).real / (abs(gain) ** 2)
         step = min(dt / _NUDGE_S, 1.0) * ahead
@@ -187,7 +200,7 @@ class Model:
 
     def doubt_m_s(self) -> float:
         """One standard deviation, per axis, of the velocity over ground that the model gives now."""
-        through = self.wake.velocity_m_s
+        through = self.history.velocity_m_s
         doubt = 0.01 if self.is_compass_good else self.heading.sigma_rad
         variance = self.current.variance(through) + (doubt * abs(through)) ** 2
         return math.sqrt(max(variance, 0.0))
@@ -203,9 +216,9 @@ class Model:
             return 0
         if heading.is_off or self._is_turned_off:
             faults = _OFF
-        elif self.now_s - heading.compass_s > self._patience_s:
+        elif self.now_s - heading.compass_s > self._compass_timeout_with_lag_s:
             faults = _LOST
-        elif self.reckoning.is_late:
+        elif self.propagation.is_late:
             faults = _LATE
         self._is_lost = heading.sigma_rad > (FOUND_RAD if self._is_lost else LOST_RAD)
         return faults | _HEADING_LOST if self._is_lost else faults
@@ -219,22 +232,22 @@ class Model:
             return math.nan
         return cmath.phase(course / bow)
 
-    def _draw_to_course(self, velocity: complex, through: complex, dt: float) -> None:
+    def _correct_by_course(self, velocity: complex, through: complex, dt: float) -> None:
         """Where the bow points, from where the boat goes."""
         current_m_s = self.current.current_m_s
         turn = self._course_turn_rad(velocity, through)
         if not math.isnan(turn):
-            doubt_m_s = math.sqrt(self.current.set_variance()) + _COURSE_SIGMA_M_S
+            doubt_m_s = math.sqrt(self.current.current_variance()) + _COURSE_SIGMA_M_S
             doubt = doubt_m_s / abs(velocity - current_m_s) + _COURSE_SIGMA_RAD
-            self.reckoning.draw(turn, dt, doubt)
+            self.propagation.correct_by_course(turn, dt, doubt)
 
     def _compare_course(self, velocity: complex, through: complex, dt: float) -> None:
         """Whether the compass goes with the course; if not by far, it is the compass that is wrong."""
-        if abs(self.reckoning.yaw_rate_rad_s) > _STEADY_RAD_S:
+        if abs(self.propagation.yaw_rate_rad_s) > _STEADY_RAD_S:
             return
         turn = self._course_turn_rad(velocity, through)
         self._off_rad += min(dt / _OFF_S, 1.0) * ((0.0 if math.isnan(turn) else turn) - self._off_rad)
         if abs(self._off_rad) > _OFF_RAD:
-            self.current.turn(self._off_rad, 0.2)
+            self.current.rotate(self._off_rad, 0.2)
             self._off_rad = 0.0
         self._is_turned_off = abs(self.current.turn_rad) > _GOOD_AGAIN_RAD

@@ -68,7 +68,7 @@ class PositionFilter:
         self._pp, self._pw, self._ww = sigma_m * sigma_m, -wander, wander
         self._ee, self._pe, self._ew = sigma_m_s * sigma_m_s, 0.0, 0.0
 
-    def predict(self, time_s: float, carried_m: complex, sigma_m: float, pushed_m2_s3: float) -> None:
+    def predict(self, time_s: float, carried_m: complex, sigma_m: float, process_noise_m2_s3: float) -> None:
         """Go on to time_s, over carried_m as the model has it.
 
         sigma_m: of the receiver. pushed_m2_s3: noise in addition to what has been learned, as in a turn.
@@ -82,7 +82,7 @@ class PositionFilter:
         self.unmodelled_m_s *= f
         self.wander_m *= k
         pe, ee, ew = self._pe, self._ee, self._ew
-        q = (self._q + pushed_m2_s3) * g
+        q = (self._q + process_noise_m2_s3) * g
         self._pp += g * (2.0 * pe + g * ee) + q * g * g / 3.0
         self._pe = f * (pe + g * ee) + 0.5 * q * g
         self._pw = k * (self._pw + g * ew)
@@ -90,25 +90,25 @@ class PositionFilter:
         self._ew = f * k * ew
         self._ww = k * k * self._ww + (self._wander_share * sigma_m) ** 2 * (1.0 - k * k)
 
-    def stray(self, variance_m2: float) -> None:
+    def inflate(self, variance_m2: float) -> None:
         """The model may have carried the boat astray."""
         self._pp += variance_m2
 
-    def take_velocity(self, surprise_m_s: complex, variance: float, is_trusted: bool) -> bool:
+    def update_velocity(self, innovation_m_s: complex, variance: float, is_trusted: bool) -> bool:
         """A measured velocity less what the model says, e included. False when it cannot be believed.
 
         is_trusted: the receiver is known to be right, so if this is a surprise, the model is wrong.
         """
         total = self._ee + variance
-        odd = _squared(surprise_m_s) / total
+        odd = _norm_squared(innovation_m_s) / total
         if odd > 2.0 * _GATE:
             if not is_trusted:
                 return False
-            self._ee += _squared(surprise_m_s)
+            self._ee += _norm_squared(innovation_m_s)
             total = self._ee + variance
         self.adapt(0.5 * odd)
         kp, ke, kw = self._pe / total, self._ee / total, self._ew / total
-        self._blend(kp, ke, kw, surprise_m_s)
+        self._blend(kp, ke, kw, innovation_m_s)
         pe, ee, ew = self._pe, self._ee, self._ew
         self._pp -= kp * pe
         self._pe -= kp * ee
@@ -118,18 +118,18 @@ class PositionFilter:
         self._ww -= kw * ew
         return True
 
-    def fits(self, at: complex, sigma_m: float, strayed_m2: float) -> bool:
+    def fits(self, at: complex, sigma_m: float, drift_m2: float) -> bool:
         """Whether a position can be one of this boat's. strayed_m2: see `stray`."""
-        surprise = at - self.position_m - self.wander_m
-        return _squared(surprise) <= 2.0 * _GATE * self._variance(sigma_m) + _STRAY_GATE * strayed_m2
+        innovation = at - self.position_m - self.wander_m
+        return _norm_squared(innovation) <= 2.0 * _GATE * self._variance(sigma_m) + _STRAY_GATE * drift_m2
 
-    def take_position(self, at: complex, sigma_m: float) -> None:
+    def update_position(self, at: complex, sigma_m: float) -> None:
         """A measured position."""
         total = self._variance(sigma_m)
-        surprise = at - self.position_m - self.wander_m
+        innovation = at - self.position_m - self.wander_m
         cp, ce, cw = self._pp + self._pw, self._pe + self._ew, self._pw + self._ww
         kp, ke, kw = cp / total, ce / total, cw / total
-        self._blend(kp, ke, kw, surprise)
+        self._blend(kp, ke, kw, innovation)
         self._pp -= kp * cp
         self._pe -= kp * ce
         self._pw -= kp * cw
@@ -156,11 +156,11 @@ class PositionFilter:
         white = (1.0 - self._wander_share * self._wander_share) * sigma_m * sigma_m
         return self._pp + 2.0 * self._pw + self._ww + white
 
-    def _blend(self, kp: float, ke: float, kw: float, surprise: complex) -> None:
-        self.position_m += kp * surprise
-        self.unmodelled_m_s += ke * surprise
-        self.wander_m += kw * surprise
+    def _blend(self, kp: float, ke: float, kw: float, innovation: complex) -> None:
+        self.position_m += kp * innovation
+        self.unmodelled_m_s += ke * innovation
+        self.wander_m += kw * innovation
 
 
-def _squared(vector: complex) -> float:
+def _norm_squared(vector: complex) -> float:
     return vector.real * vector.real + vector.imag * vector.imag

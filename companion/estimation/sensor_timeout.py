@@ -18,19 +18,19 @@ class SensorTimeoutMonitor:
     """is_good says that nothing is wrong."""
 
     __slots__ = (
-        "_is_wild", "_leap", "_leap_per_s", "_leaps", "_least_s", "_repetition", "_time_s", "_value",
+        "_is_erratic", "_jump", "_jump_per_s", "_jump_share", "_least_s", "_repetition", "_time_s", "_value",
         "is_good",
     )  # fmt: skip
 
-    def __init__(self, leap: float, leap_per_s: float, least_s: float) -> None:
+    def __init__(self, jump: float, jump_per_s: float, least_s: float) -> None:
         """A change by more than leap + leap_per_s × time is none. least_s: so long the same is dead."""
         self.is_good = True
-        self._is_wild = False
+        self._is_erratic = False
         self._repetition = StuckValueDetector()
-        self._leap = leap
-        self._leap_per_s = leap_per_s
+        self._jump = jump
+        self._jump_per_s = jump_per_s
         self._least_s = least_s
-        self._leaps = 0.0
+        self._jump_share = 0.0
         self._time_s = 0.0
         self._value = _NONE
 
@@ -48,27 +48,27 @@ class SensorTimeoutMonitor:
         if change == 0.0:
             self._repetition.repeat(time_s)
             if self._repetition.is_unusual(self._least_s):
-                self.condemn()
+                self.mark_faulty()
             return True
         self._repetition.change(time_s)
-        leap = self._leap + self._leap_per_s * dt
-        if self._leaps > 0.0 or not -leap < change < leap:
-            self._look(abs(wrap_pi(change)) > leap and change > -0.5 * _NONE, dt)
+        jump = self._jump + self._jump_per_s * dt
+        if self._jump_share > 0.0 or not -jump < change < jump:
+            self._update_jumps(abs(wrap_pi(change)) > jump and change > -0.5 * _NONE, dt)
         elif not self.is_good:
-            self.is_good = not self._is_wild
+            self.is_good = not self._is_erratic
         return False
 
-    def condemn(self) -> None:
+    def mark_faulty(self) -> None:
         """It is dead until it says something else."""
-        self._repetition.is_condemned = True
+        self._repetition.is_faulty = True
         self.is_good = False
 
-    def _look(self, has_leapt: bool, dt: float) -> None:
-        self._leaps += min(dt / _LATELY_S, 1.0) * ((1.0 if has_leapt else 0.0) - self._leaps)
-        if self._leaps > _WILD:
-            self._is_wild = True
-        elif self._leaps < _CALM:
-            self._is_wild = False
-            if self._leaps < 0.01 * _CALM:
-                self._leaps = 0.0
-        self.is_good = not self._is_wild
+    def _update_jumps(self, has_jumped: bool, dt: float) -> None:
+        self._jump_share += min(dt / _LATELY_S, 1.0) * ((1.0 if has_jumped else 0.0) - self._jump_share)
+        if self._jump_share > _WILD:
+            self._is_erratic = True
+        elif self._jump_share < _CALM:
+            self._is_erratic = False
+            if self._jump_share < 0.01 * _CALM:
+                self._jump_share = 0.0
+        self.is_good = not self._is_erratic

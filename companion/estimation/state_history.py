@@ -11,24 +11,36 @@ class StateHistory:
     way_m is the way through the water since boot, velocity_m_s the velocity through it, both north + i east.
     """
 
-    __slots__ = ("_next", "_times_s", "_velocities", "_ways", "time_s", "velocity_m_s", "way_m")
+    __slots__ = (
+        "_displacements",
+        "_next",
+        "_times_s",
+        "_velocities",
+        "displacement_m",
+        "time_s",
+        "velocity_m_s",
+    )
 
     def __init__(self) -> None:
         self._times_s = [-1.0] * LENGTH
-        self._ways = [0j] * LENGTH
+        self._displacements = [0j] * LENGTH
         self._velocities = [0j] * LENGTH
         self._next = 0
         self.time_s = 0.0
-        self.way_m = 0j
+        self.displacement_m = 0j
         self.velocity_m_s = 0j
 
     def advance(self, time_s: float, velocity_m_s: complex) -> None:
         """Go on to time_s, later than the last, at this velocity."""
-        self.way_m += velocity_m_s * (time_s - self.time_s)
+        self.displacement_m += velocity_m_s * (time_s - self.time_s)
         self.time_s = time_s
         self.velocity_m_s = velocity_m_s
         slot = self._next
-        self._times_s[slot], self._ways[slot], self._velocities[slot] = time_s, self.way_m, velocity_m_s
+        self._times_s[slot], self._displacements[slot], self._velocities[slot] = (
+            time_s,
+            self.displacement_m,
+            velocity_m_s,
+        )
         self._next = slot + 1 if slot + 1 < LENGTH else 0
 
     def at(self, time_s: float) -> tuple[complex, complex]:
@@ -41,7 +53,7 @@ class StateHistory:
             slot = before
             if times_s[slot] <= time_s:
                 velocity = self._velocities[slot]
-                return self._ways[slot] + velocity * (time_s - times_s[slot]), velocity
+                return self._displacements[slot] + velocity * (time_s - times_s[slot]), velocity
         if slot == self._next:
-            return self.way_m, self.velocity_m_s
-        return self._ways[slot], self._velocities[slot]
+            return self.displacement_m, self.velocity_m_s
+        return self._displacements[slot], self._velocities[slot]

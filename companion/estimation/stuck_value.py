@@ -14,11 +14,11 @@ _ENOUGH: Final = 20  # changes, before the habit counts as known
 class StuckValueDetector:
     """run_s is for how long the reading has been the same; is_condemned: that run is no habit but a fault."""
 
-    __slots__ = ("_changes", "_longest_s", "_since_s", "is_condemned", "run_s")
+    __slots__ = ("_changes", "_longest_s", "_since_s", "is_faulty", "run_s")
 
     def __init__(self) -> None:
         self.run_s = 0.0
-        self.is_condemned = False
+        self.is_faulty = False
         self._since_s = math.inf
         self._longest_s = 0.0
         self._changes = 0
@@ -30,11 +30,11 @@ class StuckValueDetector:
     def change(self, time_s: float) -> None:
         """It is another one."""
         self._since_s = time_s
-        if self.run_s == 0.0 and not self.is_condemned:
+        if self.run_s == 0.0 and not self.is_faulty:
             self._changes += 1
             return
-        if self.is_condemned:
-            self.is_condemned = False
+        if self.is_faulty:
+            self.is_faulty = False
         else:
             self._longest_s = max(self._longest_s, self.run_s)
             self._changes += 1

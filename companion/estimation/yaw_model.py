@@ -23,7 +23,7 @@ _MAX_GAIN_RAD_S: Final = 3.0
 _MAX_TRIM_RAD_S: Final = 0.3
 
 
-class YawModel:
+class YawRateModel:
     """rate_rad_s is the turn rate of time_s, turned_rad the way turned since boot, both clockwise.
 
     turning: the rate that a K of 1 would give, without r0.
@@ -72,14 +72,14 @@ class YawModel:
         k0 = self._p00 * turning + self._p01
         k1 = self._p01 * turning + self._p11
         share = 1.0 / (k0 * turning + k1 + _MISFIT / max(dt_s, 0.02))
-        surprise = share * (rate_rad_s - self._gain_rad_s * turning - self._trim_rad_s)
-        self._gain_rad_s = min(max(self._gain_rad_s + k0 * surprise, 0.0), _MAX_GAIN_RAD_S)
-        self.lean(k1 * surprise)
+        innovation = share * (rate_rad_s - self._gain_rad_s * turning - self._trim_rad_s)
+        self._gain_rad_s = min(max(self._gain_rad_s + k0 * innovation, 0.0), _MAX_GAIN_RAD_S)
+        self.adjust_bias(k1 * innovation)
         self._p00 -= k0 * k0 * share
         self._p01 -= k0 * k1 * share
         self._p11 -= k1 * k1 * share
 
-    def lean(self, rate_rad_s: float) -> None:
+    def adjust_bias(self, rate_rad_s: float) -> None:
         """It turns by itself that much faster than was thought."""
         trim = self._trim_rad_s + rate_rad_s
         self._trim_rad_s = min(max(trim, -_MAX_TRIM_RAD_S), _MAX_TRIM_RAD_S)

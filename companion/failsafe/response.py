@@ -56,7 +56,7 @@ class FailsafeActions:
         for alarm in vehicle.failsafes.update(vehicle.drills.is_running):
             self._act_on(alarm, now_s)
         if signs.motors.needs_trial and self._may_try_motors():
-            vehicle.tell(Severity.NOTICE, "Steering does not turn the boat: trying the motors")
+            vehicle.notify(Severity.NOTICE, "Steering does not turn the boat: trying the motors")
             vehicle.probe.begin(now_s)
 
     def _act_on(self, alarm: Alarm, now_s: float) -> None:
@@ -64,14 +64,14 @@ class FailsafeActions:
         action, row = alarm.action, alarm.ladder.row
         if alarm.move is Move.ENDS:
             if alarm.text:
-                vehicle.tell(Severity.NOTICE, f"Failsafe over: {alarm.text}")
+                vehicle.notify(Severity.NOTICE, f"Failsafe over: {alarm.text}")
             return
         does_nothing = not vehicle.armed or vehicle.mode is Mode.HOLD or action is Action.NONE
         if alarm.move is Move.CLIMBS and does_nothing and action is not Action.DISARM:
             return
         still = ", still" if alarm.move is Move.CLIMBS else ""
         severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
-        vehicle.tell(severity, f"Failsafe: {alarm.text}{still}")
+        vehicle.notify(severity, f"Failsafe: {alarm.text}{still}")
         if action is Action.GET_OFF:
             if vehicle.armed and vehicle.mode is not Mode.HOLD:
                 vehicle.drills.stop()
@@ -88,12 +88,12 @@ class FailsafeActions:
         elif action is Action.CLEAR_PROPELLERS and vehicle.probe.is_lame and not self.may_drift(_DRIFT_S):
             return  # sailing with one motor is all that keeps it off
         elif action is Action.CLEAR_PROPELLERS:
-            vehicle.tell(Severity.WARNING, "Clearing the propellers")
+            vehicle.notify(Severity.WARNING, "Clearing the propellers")
             vehicle.drills.clearing.begin(now_s)
         elif action is Action.TRY_MOTORS and not self.may_drift(_TRY_S) and self._presume(now_s):
             return
         elif action is Action.TRY_MOTORS:
-            vehicle.tell(Severity.WARNING, "Trying the motors")
+            vehicle.notify(Severity.WARNING, "Trying the motors")
             vehicle.drills.clearing.stop()
             vehicle.probe.begin(now_s)
         elif action is Action.HOLD or not self._is_spared(row):
@@ -133,7 +133,7 @@ class FailsafeActions:
         vehicle.drills.stop()
         vehicle.probe.presume(lost == "left", now_s)
         vehicle.failsafes.signs.lame = vehicle.probe.fault()
-        vehicle.tell(Severity.WARNING, "No room to try the motors: going on with one")
+        vehicle.notify(Severity.WARNING, "No room to try the motors: going on with one")
         return True
 
     def _retreat(self, action: Action) -> None:

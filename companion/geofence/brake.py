@@ -15,7 +15,7 @@ from companion.guidance.speed_profile import REACTION_S, braking_speed_m_s
 _AVOID_FENCE = 1  # of avoidance.enable
 _GAIN_M_S = 0.5  # speed that the boat may have won before the next look
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
-_SET_S = 2.0  # the water carries the boat on for so long before they hold against it
+_CURRENT_S = 2.0  # the water carries the boat on for so long before they hold against it
 _UNDER_WAY_M_S = 0.1  # slower, the course made good is mostly noise
 _BACK_PER_S = 0.4  # speed astern for each metre too near
 _STOPPED_S = 0.5  # so long held below steerage way, and the boat is taken to have been stopped
@@ -30,10 +30,10 @@ class FenceBrake:
     carry it over, and says so in `notices`. Without a fresh position everything goes through.
     """
 
-    __slots__ = ("_notices", "_station", "_stopped", "_stopped_s")
+    __slots__ = ("_station", "_status_texts", "_stopped", "_stopped_s")
 
-    def __init__(self, notices: list[StatusText]) -> None:
-        self._notices = notices
+    def __init__(self, status_texts: list[StatusText]) -> None:
+        self._status_texts = status_texts
         self._stopped: Intent | None = None  # what was asked for as the boat came to a stop
         self._stopped_s = 0.0
         self._station: KeepStation | None = None
@@ -82,7 +82,7 @@ class FenceBrake:
         if self._stopped_s >= _STOPPED_S:
             margin_m = config.fence.margin_m + config.guidance.station_radius_m
             self._station = KeepStation(fence.inside(nav.point, margin_m))
-            self._notices.append(StatusText(Severity.WARNING, "Fence ahead: keeping station before it"))
+            self._status_texts.append(StatusText(Severity.WARNING, "Fence ahead: keeping station before it"))
 
 
 def _leads_over(
@@ -127,7 +127,7 @@ class _Ahead:
         speed = self._along(nav.heading_rad, wanted)
         if speed == wanted:
             return drive
-        current_m_s = nav.set_along_m_s(nav.heading_rad)
+        current_m_s = nav.current_along_m_s(nav.heading_rad)
         most = feed_forward(speed - current_m_s, setting) + setting.kp * (speed - nav.surge_m_s)
         throttle = min(drive.throttle, most) if wanted > 0.0 else max(drive.throttle, most)
         return Drive(clamp(throttle, -1.0, 1.0), drive.steering)
@@ -159,7 +159,7 @@ class _Ahead:
         speed_m_s = math.hypot(north_m_s, east_m_s)
         along = nav.current_north_m_s * north_m_s + nav.current_east_m_s * east_m_s
         current_m_s = along / max(speed_m_s, 1e-9)
-        room_m -= self._config.fence.margin_m + max(current_m_s, 0.0) * _SET_S
+        room_m -= self._config.fence.margin_m + max(current_m_s, 0.0) * _CURRENT_S
         if room_m < 0.0:
             return max(_BACK_PER_S * room_m, -setting.min_speed_m_s)
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, setting)
@@ -168,4 +168,4 @@ class _Ahead:
 def _reach_m(speed_m_s: float, config: BoatConfig) -> float:
     """The room in which the brake begins to bind at this speed, margin and set included."""
     braking_m = speed_m_s * REACTION_S + speed_m_s * speed_m_s / (2.0 * config.guidance.accel_m_s2)
-    return config.fence.margin_m + speed_m_s * _SET_S + braking_m / _GENTLE_SHARE
+    return config.fence.margin_m + speed_m_s * _CURRENT_S + braking_m / _GENTLE_SHARE

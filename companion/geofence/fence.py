@@ -53,7 +53,7 @@ class Fence:
         "_anchor_n",
         "_frame",
         "_home",
-        "_laid",
+        "_placed",
         "_setting",
         "_uploaded",
         "areas",
@@ -66,7 +66,7 @@ class Fence:
         self.is_active = False
         self.version = 0
         self._uploaded: tuple[FenceArea, ...] = ()
-        self._laid: tuple[FenceArea, ...] | None = None
+        self._placed: tuple[FenceArea, ...] | None = None
         self._frame: LocalFrame | None = None
         self._home: LatLon | None = None
         self._setting: FenceSetting | None = None
@@ -78,24 +78,24 @@ class Fence:
         """As the stations have it."""
         return self._uploaded
 
-    def take(self, areas: Sequence[FenceArea]) -> None:
+    def set_areas(self, areas: Sequence[FenceArea]) -> None:
         """Replace the uploaded areas; they count from the next `lay` on."""
         self._uploaded = tuple(areas)
 
-    def lay(self, frame: LocalFrame | None, home: LatLon | None, setting: FenceSetting) -> None:
+    def update(self, frame: LocalFrame | None, home: LatLon | None, setting: FenceSetting) -> None:
         """Bring the lines up to date. Costs nothing unless something has changed."""
         if (
-            self._laid is self._uploaded
+            self._placed is self._uploaded
             and self._frame is frame
             and self._setting is setting
             and (self._home is home or not setting.kinds & CIRCLE_KIND)
         ):
             return
-        self._laid, self._frame, self._setting, self._home = self._uploaded, frame, setting, home
+        self._placed, self._frame, self._setting, self._home = self._uploaded, frame, setting, home
         areas: list[Area] = []
         if frame is not None and setting.enabled:
             if setting.kinds & AREAS_KIND:
-                areas += [_laid(area, frame) for area in self._uploaded]
+                areas += [_to_lines(area, frame) for area in self._uploaded]
             if setting.kinds & CIRCLE_KIND and home is not None:
                 areas.append(Disc(frame.to_local(home), setting.radius_m, is_inclusion=True))
         self.areas = tuple(areas)
@@ -236,7 +236,7 @@ def _may_be_within(area: Area, north_m: float, east_m: float, reach_m: float) ->
     )
 
 
-def _laid(area: FenceArea, frame: LocalFrame) -> Area:
+def _to_lines(area: FenceArea, frame: LocalFrame) -> Area:
     if isinstance(area, FenceCircle):
         return Disc(frame.to_local(area.centre), area.radius_m, area.is_inclusion)
     return Ring([frame.to_local(vertex) for vertex in area.vertices], area.is_inclusion)

@@ -1,6 +1,6 @@
 """Whether the boat is beyond the fence, and how often it has been."""
 
-from companion.config.boat_config import Motors
+from companion.config.boat_config import MotorLimits
 from companion.core.health import lacks_position
 from companion.core.state import NavState
 from companion.geofence.fence import Fence
@@ -25,7 +25,7 @@ class FenceMonitor:
         """Whether it is beyond."""
         return self.beyond_m > 0.0
 
-    def update(self, fence: Fence, nav: NavState | None, setting: Motors, now_s: float) -> None:
+    def update(self, fence: Fence, nav: NavState | None, setting: MotorLimits, now_s: float) -> None:
         """Look once."""
         self.is_active = fence.is_active
         if not fence.is_active:

@@ -15,7 +15,7 @@ _COURSES: Final = 24
 _REACH_S: Final = 120.0  # what lies further off is no worry yet
 
 
-def lee_demand(nav: NavState, bounds: Bounds, speed_m_s: float) -> Demand:
+def drift_demand(nav: NavState, bounds: Bounds, speed_m_s: float) -> Demand:
     """The heading, at speed_m_s through the water, that leads clear of lines for longest.
 
     The first of equals counts, beginning with the bow into the set.

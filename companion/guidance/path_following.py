@@ -16,7 +16,7 @@ from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.smoothing import Corner, SmoothPath, smooth
 
 GLIMPSE_S = 0.1  # over which the coming turn of the course is measured
-NEW_SET_SHARE = 0.25  # of min_speed_m_s: the path is made anew for a current that has changed so much
+NEW_CURRENT_SHARE = 0.25  # of min_speed_m_s: the path is made anew for a current that has changed so much
 LOST_RADII = 1.5  # of a waypoint: this far off the fillet that led onto a leg, the leg is sailed without it
 REACH_BRAKINGS = 4.0  # braking distances beyond the end of a leg that the path is made for
 _SAME_M = 1e-3
@@ -127,7 +127,7 @@ def _is_outdated(
         return False
     north_m_s, east_m_s = plan.current_north_m_s, plan.current_east_m_s
     changed = abs(nav.current_north_m_s - north_m_s) + abs(nav.current_east_m_s - east_m_s)
-    return changed > NEW_SET_SHARE * config.guidance.min_speed_m_s
+    return changed > NEW_CURRENT_SHARE * config.guidance.min_speed_m_s
 
 
 def _next_plan(plan: _Plan, last: FollowLeg, leg: FollowLeg, nav: NavState, config: BoatConfig) -> _Plan:

@@ -21,7 +21,7 @@ from companion.guidance.circle import circle_course_rad, circle_speed_m_s
 from companion.guidance.course_to_steer import course_to_steer, steerable_speed_m_s
 from companion.guidance.path_following import GLIMPSE_S, Guide, PathFollowing
 from companion.guidance.speed_profile import GAINING_SHARE, leg_speed_m_s, steered_speed_m_s
-from companion.guidance.station_keeping import LYING_SHARE, StationKeeping, turning_s
+from companion.guidance.station_keeping import INTO_CURRENT_SHARE, StationKeeping, turning_s
 from companion.guidance.turning import Turning
 
 _STOP = Stop()
@@ -58,7 +58,7 @@ class Pilot:
         if isinstance(intent, FollowLeg):
             return self._follow(intent, nav, config, dt_s)
         if isinstance(intent, KeepStation):
-            return self._keep(intent.point, nav, config, dt_s)
+            return self._keep_station(intent.point, nav, config, dt_s)
         if isinstance(intent, FollowCircle):
             course, cross_track, turn = circle_course_rad(intent, nav, config)
             distance = distance_m(nav.point, intent.centre)
@@ -99,10 +99,10 @@ class Pilot:
             yaw_rate = _yaw_rate_rad_s(heading, later, config)
         heading = wrap_pi(heading)
         water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
-        speed = water + nav.set_along_m_s(nav.heading_rad)
+        speed = water + nav.current_along_m_s(nav.heading_rad)
         return Demand(heading, speed, cross_track_m, distance_m, yaw_rate)
 
-    def _keep(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
+    def _keep_station(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         last = self._station_point
         if last is None or distance_m(last, point) > config.guidance.station_radius_m:
             self._station.reset()  # a point that moves little, as one that is followed does, is the same
@@ -116,12 +116,12 @@ class Pilot:
         guide = self._path.update(leg, nav, config)
         speed = guide.speed_m_s
         if leg.next_line is None or guide.stops:
-            carried = nav.set_along_m_s(line.course_rad)
-            if carried > LYING_SHARE * config.guidance.min_speed_m_s:
+            carried = nav.current_along_m_s(line.course_rad)
+            if carried > INTO_CURRENT_SHARE * config.guidance.min_speed_m_s:
                 # Lest a set from astern carry it past, it turns about before and is let down on the stop.
                 room = to_go - carried * turning_s(config)
                 if room <= 0.0:
-                    return self._keep(leg.end, nav, config, dt_s)
+                    return self._keep_station(leg.end, nav, config, dt_s)
                 speed = min(speed, leg_speed_m_s(leg.speed_m_s, room, carried, config))
         later_speed = min(guide.later_speed_m_s, speed)
         away = math.hypot(to_go, cross_track)
@@ -146,7 +146,7 @@ def _along_path(
     handling, setting = config.handling, config.guidance
     top, slow = handling.top_speed_m_s, setting.min_speed_m_s
     change = GAINING_SHARE * setting.accel_m_s2 * handling.yaw_time_s
-    has = nav.surge_m_s - nav.set_along_m_s(nav.heading_rad)
+    has = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
     _, water = course_to_steer(guide.course_rad, speed_m_s, current_n, current_e, slow, top)
     makes = steerable_speed_m_s(guide.course_rad, speed_m_s, has, change, current_n, current_e)
     later_makes = makes + later_speed_m_s - speed_m_s
@@ -157,10 +157,10 @@ def _along_path(
     error = wrap_pi(heading - nav.heading_rad)
     steered = steered_speed_m_s(water, error, setting)
     current_m_s = math.hypot(current_n, current_e)
-    if current_m_s > LYING_SHARE * slow and abs(error) < 0.5 * math.pi:
+    if current_m_s > INTO_CURRENT_SHARE * slow and abs(error) < 0.5 * math.pi:
         steered = max(steered, min(current_m_s, water))
         heading = nav.heading_rad + clamp(error, -_LEAD_RAD, _LEAD_RAD)
-    demanded = steered + nav.set_along_m_s(nav.heading_rad)
+    demanded = steered + nav.current_along_m_s(nav.heading_rad)
     return Demand(wrap_pi(heading), demanded, cross_track_m, distance_m, yaw_rate)
 
 

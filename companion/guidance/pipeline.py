@@ -17,14 +17,14 @@ from companion.core.status_text import StatusText
 from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.brake import FenceBrake
 from companion.geofence.fence import Fence
-from companion.guidance.drift_heading import lee_demand
+from companion.guidance.drift_heading import drift_demand
 from companion.guidance.pilot import Pilot
 from companion.guidance.stall_detector import StallDetector
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Avoidance
 
 GUIDANCE_S = 0.1
-_LEE_S = 2.0  # how often the way of a boat adrift is chosen anew
+_DRIFT_S = 2.0  # how often the way of a boat adrift is chosen anew
 _LAME_ROOM_M = 8.0  # a boat that swings to and fro keeps this from lines, with only one motor
 _AT_LINE_M = 1.2  # the hull's half length, and what the position is off
 _SLACK_S = 1e-6
@@ -35,40 +35,53 @@ class GuidancePipeline:
     """demand: what the loops hold now, None while they are open. headway: whether the boat gets on."""
 
     __slots__ = (
-        "_command", "_due_s", "_fence_brake", "_guided_s", "_lame", "_lee", "_lee_due_s", "_pilot",
-        "_steered", "avoidance", "demand", "gate", "headway", "helm", "lookout",
+        "_command",
+        "_drift",
+        "_drift_due_s",
+        "_due_s",
+        "_fence_brake",
+        "_guided_s",
+        "_lame",
+        "_pilot",
+        "_steered",
+        "avoidance",
+        "demand",
+        "gate",
+        "headway",
+        "helm",
+        "perception",
     )  # fmt: skip
 
-    def __init__(self, config: BoatConfig, notices: list[StatusText]) -> None:
+    def __init__(self, config: BoatConfig, status_texts: list[StatusText]) -> None:
         """notices: where messages to the operator are appended."""
-        self.lookout = ObstaclePerception(config.avoidance)
-        self.avoidance = Avoidance(notices)
+        self.perception = ObstaclePerception(config.avoidance)
+        self.avoidance = Avoidance(status_texts)
         self.helm = Helm()
         self.gate = Gate()
         self.headway = StallDetector()
         self.demand: Demand | None = None
         self._pilot = Pilot()
-        self._fence_brake = FenceBrake(notices)
+        self._fence_brake = FenceBrake(status_texts)
         self._steered: Demand | Drive | Stop = _STOP
         self._command = STOPPED
         self._due_s = 0.0
         self._guided_s = 0.0
         self._lame = LameHelm()
-        self._lee: Demand | None = None
-        self._lee_due_s = 0.0
+        self._drift: Demand | None = None
+        self._drift_due_s = 0.0
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Forget what was steered for, after something has gone wrong in it."""
         self._pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
         self.avoidance.reset()
-        self.lookout.occupancy.clear()
-        self.rest()
+        self.perception.occupancy.clear()
+        self.idle()
 
-    def rest(self) -> None:
+    def idle(self) -> None:
         """Nothing is steered for; guidance decides at the next tick."""
         self._steered, self.demand, self._due_s = _STOP, None, 0.0
 
-    def hurry(self) -> None:
+    def request_update(self) -> None:
         """Something has changed: guidance decides at the next tick."""
         self._due_s = 0.0
 
@@ -113,10 +126,10 @@ class GuidancePipeline:
     ) -> Demand | Drive | Stop:
         """The pilot between avoidance and fence."""
         intent = self.avoidance.update(
-            intent, nav, config, self.lookout, fence, is_by_hand=status.mode.is_by_hand, now_s=now_s
+            intent, nav, config, self.perception, fence, is_by_hand=status.mode.is_by_hand, now_s=now_s
         )
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
-        steered = self.avoidance.safe_speed.limited(steered, nav, config)
+        steered = self.avoidance.safe_speed.limit(steered, nav, config)
         if status.is_checking_motors:  # its pulses say nothing unless they are driven as they are meant
             return steered
         return self._fence_brake.limit(steered, intent, nav, fence, config, dt_s)
@@ -126,12 +139,12 @@ class GuidancePipeline:
         speed_m_s = LAME_SHARE * config.handling.top_speed_m_s
         is_slow = math.hypot(nav.current_north_m_s, nav.current_east_m_s) <= speed_m_s
         if is_slow and not fence.is_near(nav.point, _LAME_ROOM_M):
-            self._lee = None
+            self._drift = None
             return wanted
-        if self._lee is None or now_s >= self._lee_due_s:
-            self._lee_due_s = now_s + _LEE_S
-            self._lee = lee_demand(nav, fence, speed_m_s)
-        return self._lee
+        if self._drift is None or now_s >= self._drift_due_s:
+            self._drift_due_s = now_s + _DRIFT_S
+            self._drift = drift_demand(nav, fence, speed_m_s)
+        return self._drift
 
     def drive(
         self, nav: NavState | None, status: VehicleStatus, config: BoatConfig, now_s: float, dt_s: float
@@ -163,7 +176,7 @@ class GuidancePipeline:
         self, thrust: Thrust, config: BoatConfig, dt_s: float, *, may_turn: bool, command_age_s: float
     ) -> MotorCommand:
         """A motor test's command through the gate; nothing is steered for meanwhile."""
-        self.rest()
+        self.idle()
         return self.gate.check(
             thrust,
             armed=may_turn,

@@ -12,7 +12,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m
 from companion.core.state import Demand, MotorCommand, NavState
 
-NOTICE_S = 10.0  # without way for this long
+STALL_S = 10.0  # without way for this long
 HIGH_THROTTLE = 0.75  # of what is allowed: less, and the boat is not trying
 ASKED_SHARE = 0.5  # of min_speed_m_s: who asks for less wants to stay
 WAY_SHARE = 0.1  # of min_speed_m_s: made good, and less counts as nothing
@@ -40,13 +40,21 @@ class StallDetector:
     `held_s` how long the shore has held the boat.
     """
 
-    __slots__ = ("_held_at", "_held_rad", "_set_east_m_s", "_set_north_m_s", "held_s", "stalled_s", "verdict")
+    __slots__ = (
+        "_current_east_m_s",
+        "_current_north_m_s",
+        "_held_at",
+        "_held_rad",
+        "held_s",
+        "stalled_s",
+        "verdict",
+    )
 
     def __init__(self) -> None:
         self.verdict = StallVerdict.MAKING_WAY
         self.stalled_s = self.held_s = 0.0
         self._held_at, self._held_rad = Point(0.0, 0.0), 0.0
-        self._set_north_m_s = self._set_east_m_s = 0.0
+        self._current_north_m_s = self._current_east_m_s = 0.0
 
     def reset(self) -> None:
         """Begin to judge anew; what is known of the set stays."""
@@ -84,8 +92,8 @@ class StallDetector:
         ahead_m_s = nav.north_m_s * c + nav.east_m_s * s
         if ahead_m_s > WAY_SHARE * slow_m_s:
             share = dt_s / CURRENT_TIME_S
-            self._set_north_m_s += share * (nav.current_north_m_s - self._set_north_m_s)
-            self._set_east_m_s += share * (nav.current_east_m_s - self._set_east_m_s)
+            self._current_north_m_s += share * (nav.current_north_m_s - self._current_north_m_s)
+            self._current_east_m_s += share * (nav.current_east_m_s - self._current_east_m_s)
             self.reset()
             return self.verdict
         throttle = 0.5 * (command.left + command.right)
@@ -96,9 +104,9 @@ class StallDetector:
         )
         if is_trying:
             self.stalled_s += dt_s
-            if self.stalled_s >= NOTICE_S and self.verdict is StallVerdict.MAKING_WAY:
+            if self.stalled_s >= STALL_S and self.verdict is StallVerdict.MAKING_WAY:
                 through_m_s = throttle * config.handling.top_speed_m_s
-                left_m_s = through_m_s + self._set_north_m_s * c + self._set_east_m_s * s
+                left_m_s = through_m_s + self._current_north_m_s * c + self._current_east_m_s * s
                 self.verdict = StallVerdict.STUCK if left_m_s > slow_m_s else StallVerdict.NO_HEADWAY
         return self.verdict
 
@@ -115,4 +123,4 @@ class StallDetector:
             return True
         through_m_s = 0.5 * (command.left + command.right) * config.handling.top_speed_m_s
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        return abs(through_m_s + self._set_north_m_s * c + self._set_east_m_s * s) > UNMET_M_S
+        return abs(through_m_s + self._current_north_m_s * c + self._current_east_m_s * s) > UNMET_M_S

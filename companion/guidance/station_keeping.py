@@ -24,7 +24,7 @@ STILL_SHARE = 0.5  # of the radius: inside, position errors ask for nothing in s
 CLOSING_RATE_PER_S = 0.4  # speed asked for per metre away
 TURN_RATE_RAD_S = 0.25  # of the line, per radius that the point lies abeam
 ASTERN_RADII = 2.0  # this near, a point behind is backed to
-LYING_SHARE = 0.5  # of min_speed_m_s: a set of this much is one to lie against,
+INTO_CURRENT_SHARE = 0.5  # of min_speed_m_s: a set of this much is one to lie against,
 LEAVING_SHARE = 0.3  # until it is less than this
 NEAR_RADII = (
     2.0  # this near the boat lies with its bow into the set, or nearer than it is carried while turning
@@ -38,17 +38,17 @@ class StationKeeping:
     """Remembers the direction of the line it lies on, None before the first update, and the integral in
     m/s."""
 
-    __slots__ = ("_is_lying", "_learned_east", "_learned_north", "_line_rad")
+    __slots__ = ("_is_into_current", "_learned_east", "_learned_north", "_line_rad")
 
     def __init__(self) -> None:
         self._line_rad: float | None = None
-        self._is_lying = False
+        self._is_into_current = False
         self._learned_north = self._learned_east = 0.0
 
     def reset(self) -> None:
         """Start anew, wherever the bow points then."""
         self._line_rad = None
-        self._is_lying = False
+        self._is_into_current = False
         self._learned_north = self._learned_east = 0.0
 
     def update(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
@@ -57,13 +57,13 @@ class StationKeeping:
         north, east = point.north_m - nav.north_m, point.east_m - nav.east_m
         distance = math.hypot(north, east)
         current_m_s = math.hypot(nav.current_north_m_s, nav.current_east_m_s)
-        share = LEAVING_SHARE if self._is_lying else LYING_SHARE
-        self._is_lying = current_m_s > share * setting.min_speed_m_s
-        if self._is_lying:
+        share = LEAVING_SHARE if self._is_into_current else INTO_CURRENT_SHARE
+        self._is_into_current = current_m_s > share * setting.min_speed_m_s
+        if self._is_into_current:
             near = max(NEAR_RADII * setting.station_radius_m, current_m_s * turning_s(config))
             if distance > near:
                 return self._approach(math.atan2(east, north), distance, nav, config)
-            return self._lie(north, east, distance, current_m_s, nav, config, dt_s)
+            return self._hold_into_current(north, east, distance, current_m_s, nav, config, dt_s)
         if distance > setting.station_radius_m:
             return self._return(math.atan2(east, north), distance, nav, setting, config.speed.cruise_m_s)
         return self._stay(north, east, distance, nav, setting, dt_s)
@@ -85,7 +85,7 @@ class StationKeeping:
         water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), setting)
         return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
 
-    def _lie(
+    def _hold_into_current(
         self,
         north: float,
         east: float,

@@ -25,7 +25,7 @@ class NmeaCompass:
     def __init__(self, port: Port, now: Callable[[], float], correction_rad: float = 0.0) -> None:
         self._assembler = HeadingAssembler(correction_rad)
         self._latest: HeadingReading | None = None
-        self.part = NmeaPart(port, now, HEADING_SENTENCES, self._take)
+        self.part = NmeaPart(port, now, HEADING_SENTENCES, self._ingest)
 
     def read(self) -> HeadingReading | None:
         """The latest reading, None before the first."""
@@ -35,7 +35,7 @@ class NmeaCompass:
         """End the thread and close the port. May be called twice."""
         self.part.close()
 
-    def _take(self, sentence: Sentence, time_s: float) -> None:
+    def _ingest(self, sentence: Sentence, time_s: float) -> None:
         reading = self._assembler.feed(sentence, time_s)
         if reading is not None:
             self._latest = reading

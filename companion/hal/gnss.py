@@ -22,7 +22,7 @@ class NmeaGnss:
         self._assembler = FixAssembler()
         self._clock = ReceiverClock(latency_s)
         self._latest: GnssFix | None = None
-        self.part = NmeaPart(port, now, GNSS_SENTENCES, self._take)
+        self.part = NmeaPart(port, now, GNSS_SENTENCES, self._ingest)
 
     def read(self) -> GnssFix | None:
         """The latest fix, None before the first."""
@@ -32,9 +32,9 @@ class NmeaGnss:
         """End the thread and close the port. May be called twice."""
         self.part.close()
 
-    def _take(self, sentence: Sentence, time_s: float) -> None:
+    def _ingest(self, sentence: Sentence, time_s: float) -> None:
         for fix in self._assembler.feed(sentence, time_s):
-            self._latest = self._clock.date(fix)
+            self._latest = self._clock.stamp(fix)
 
 
 def open_nmea_gnss(part: parts.GnssPart, now: Callable[[], float]) -> NmeaGnss:

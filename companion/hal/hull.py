@@ -12,7 +12,7 @@ from companion.sensors.readings import HullReading
 _PERIOD_S = 1.0
 
 
-class Switch(Protocol):
+class DigitalInput(Protocol):
     """A digital input, as gpiozero's DigitalInputDevice: 1 is water."""
 
     @property
@@ -27,7 +27,7 @@ class HullSensor:
     be read is no reading.
     """
 
-    def __init__(self, thermometer: Path, switch: Switch | None, now: Callable[[], float]) -> None:
+    def __init__(self, thermometer: Path, switch: DigitalInput | None, now: Callable[[], float]) -> None:
         self._thermometer = thermometer
         self._switch = switch
         self._now = now
@@ -68,7 +68,7 @@ def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
     Raises:
         HardwareError: the pin cannot be had.
     """
-    switch: Switch | None = None
+    switch: DigitalInput | None = None
     if part.leak >= 0:
         with opening_pins("leak switch") as gpiozero:
             switch = gpiozero.DigitalInputDevice(part.leak, pull_up=True)  # it closes to ground when wet

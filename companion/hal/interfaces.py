@@ -89,7 +89,7 @@ class Sonar(Protocol):
     def read(self) -> Sequence[SonarReading]:
         """The pings since the last call, oldest first."""
 
-    def look(self, port_rad: float, starboard_rad: float) -> None:
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """Sweep between these bearings from the bow from now on, as far as the part goes; a fixed one does
         not."""
 
@@ -201,7 +201,7 @@ class Hardware:
     sonar: Sonar | None = None
     battery: Battery | None = None
     faults: FaultInjector | None = None
-    knobs: tuple[ParameterHook, ...] = ()
+    parameter_hooks: tuple[ParameterHook, ...] = ()
     hull: Hull | None = None
     rc: RcReceiver | None = None
     cutoff: MotorCutoff | None = None

@@ -20,7 +20,7 @@ from companion.core.units import clamp
 from companion.hal.pins import opening_pins
 
 
-class Leg(Protocol):
+class DigitalOutput(Protocol):
     """A digital output, as gpiozero's OutputDevice."""
 
     def on(self) -> None: ...
@@ -56,7 +56,12 @@ class HalfBridgePair:
     )
 
     def __init__(
-        self, forward: Leg, backward: Leg, enable: Enable, dead_time_s: float, now: Callable[[], float]
+        self,
+        forward: DigitalOutput,
+        backward: DigitalOutput,
+        enable: Enable,
+        dead_time_s: float,
+        now: Callable[[], float],
     ) -> None:
         self._forward = forward
         self._backward = backward
@@ -162,7 +167,7 @@ class L298N:
             self._is_closed = True
 
 
-def open_l298n(pins: parts.L298N, now: Callable[[], float], pin_factory: object = None) -> L298N:
+def open_l298n(pins: parts.MotorsPart, now: Callable[[], float], pin_factory: object = None) -> L298N:
     """The bridge on the Pi's own pins. `pin_factory` is gpiozero's; None takes the machine's.
 
     A reversed motor has its legs swapped here, once.

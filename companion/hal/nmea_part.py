@@ -19,7 +19,7 @@ class NmeaPart:
         take: Callable[[Sentence, float], object],
     ) -> None:
         self.reader = NmeaReader(wanted)
-        self._take = take
+        self._on_sentence = take
         self._port = PortReader(port, now, self._feed, self.reader.forget)
 
     def start(self) -> None:
@@ -36,7 +36,7 @@ class NmeaPart:
 
     def _feed(self, chunk: bytes, time_s: float) -> None:
         for sentence in self.reader.feed(chunk):
-            self._take(sentence, time_s)
+            self._on_sentence(sentence, time_s)
 
 
 def open_nmea_port(place: str, baud: float, now: Callable[[], float]) -> Port:

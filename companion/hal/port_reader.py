@@ -26,8 +26,8 @@ class PortReader:
     ) -> None:
         self._port = port
         self._now = now
-        self._take = take
-        self._begin = begin
+        self._on_chunk = take
+        self._on_open = begin
         self._rest_s = rest_s
         self._links: list[Link] = []
         self._background = Background(self._wait_and_step, port.name)
@@ -40,10 +40,10 @@ class PortReader:
         """Take in whatever has arrived. Never waits."""
         for link in self._port.accept():
             self._links.append(link)
-            self._begin()  # half a sentence of before does not belong to what comes now
+            self._on_open()  # half a sentence of before does not belong to what comes now
         for link in self._links:
             for chunk in link.receive():
-                self._take(chunk, self._now())
+                self._on_chunk(chunk, self._now())
         self._links = [link for link in self._links if not link.is_closed]
 
     def close(self) -> None:

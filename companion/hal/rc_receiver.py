@@ -8,7 +8,7 @@ from companion.core.errors import ConfigError
 from companion.hal.interfaces import Port
 from companion.hal.port_reader import PortReader
 from companion.links.port_url import open_port
-from companion.links.serial_port import LINE_8E2, LINE_8N1, Line, SerialPort
+from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
 from companion.rc import crsf as rc_crsf
 from companion.rc import ibus as rc_ibus
 from companion.rc import sbus as rc_sbus
@@ -19,7 +19,7 @@ from companion.sensors.readings import RcReading
 class _Protocol(NamedTuple):
     parser: Callable[[], RcParser]
     baud: int
-    line: Line
+    line: LineFormat
     rest_s: float
 
 

@@ -153,7 +153,7 @@ class Ultrasonic:
     ) -> None:
         self._ranger = ranger
         self._now = now
-        self._swing = ServoScan(bearings_rad)
+        self._scan = ServoScan(bearings_rad)
         self._turn = turn
         self._release = release
         self._max_range_m = max_range_m
@@ -163,7 +163,7 @@ class Ultrasonic:
         )
         self._is_closed = False
         if turn is not None:
-            turn(self._swing.bearing_rad)
+            turn(self._scan.bearing_rad)
 
     def start(self) -> None:
         """Begin to ping."""
@@ -175,12 +175,12 @@ class Ultrasonic:
         Raises:
             HardwareError: the part does not answer.
         """
-        bearing_rad = self._swing.bearing_rad
+        bearing_rad = self._scan.bearing_rad
         time_s = self._now()
         range_m = self._ranger.ping_m()
         self._readings.append(SonarReading(time_s, bearing_rad, range_m, MIN_RANGE_M, self._max_range_m))
         if self._turn is not None:
-            self._turn(self._swing.turn())
+            self._turn(self._scan.turn())
         return PING_PERIOD_S
 
     def read(self) -> Sequence[SonarReading]:
@@ -190,9 +190,9 @@ class Ultrasonic:
             readings.append(self._readings.popleft())
         return readings
 
-    def look(self, port_rad: float, starboard_rad: float) -> None:
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """Sweep between these bearings from now on."""
-        self._swing.look(port_rad, starboard_rad)
+        self._scan.set_sector(port_rad, starboard_rad)
 
     def close(self) -> None:
         """End the thread and let the pins go. May be called twice."""

@@ -6,14 +6,14 @@ from typing import NamedTuple
 from companion.core.errors import LinkError
 
 
-class Address(NamedTuple):
+class SocketAddress(NamedTuple):
     """An address that the system understands: IPv4 (host, port) or IPv6 with flow and scope."""
 
     family: int
     sockaddr: tuple[str, int] | tuple[str, int, int, int]
 
 
-def resolve(kind: str, host: str, port: int) -> Address:
+def resolve(kind: str, host: str, port: int) -> SocketAddress:
     """Look a host up, IPv4 first. An empty host means every local address.
 
     Raises:
@@ -26,7 +26,7 @@ def resolve(kind: str, host: str, port: int) -> Address:
         raise LinkError(f"{kind}:{show(host, port)}: host {host!r} is not known: {reason}") from None
     found.sort(key=lambda entry: entry[0] != socket.AF_INET)
     family, _, _, _, sockaddr = found[0]
-    return Address(family, sockaddr)  # type: ignore[arg-type]
+    return SocketAddress(family, sockaddr)  # type: ignore[arg-type]
 
 
 def show(host: str, port: int) -> str:

@@ -22,15 +22,15 @@ _VMIN, _VTIME = 1, 0
 _REFUSALS = (serial.SerialException, termios.error, ValueError, OSError)
 
 
-class Line(NamedTuple):
+class LineFormat(NamedTuple):
     """How bytes are framed on the wire. With a parity, bytes that arrive with a wrong one are dropped."""
 
     parity: str = serial.PARITY_NONE
     stop_bits: int = serial.STOPBITS_ONE
 
 
-LINE_8N1 = Line()
-LINE_8E2 = Line(serial.PARITY_EVEN, serial.STOPBITS_TWO)
+LINE_8N1 = LineFormat()
+LINE_8E2 = LineFormat(serial.PARITY_EVEN, serial.STOPBITS_TWO)
 
 
 class SerialPort:
@@ -48,7 +48,7 @@ class SerialPort:
         baud: int,
         now: Callable[[], float],
         queue_bytes: int = _QUEUE_BYTES,
-        line: Line = LINE_8N1,
+        line: LineFormat = LINE_8N1,
     ) -> None:
         self._device = device
         self._line = line

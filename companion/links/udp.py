@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from companion.core.errors import LinkError
 from companion.hal.interfaces import Link
-from companion.links.internet import Address, resolve, show
+from companion.links.internet import SocketAddress, resolve, show
 
 PEER_IDLE_S = 60.0
 MAX_PEERS = 256  # a bound on memory; which links stay is decided by `router/admission.py`
@@ -67,7 +67,7 @@ class UdpOutPort:
 class _UdpOutLink:
     is_datagram = True
 
-    def __init__(self, name: str, address: Address) -> None:
+    def __init__(self, name: str, address: SocketAddress) -> None:
         self.name = name
         self.host = address.sockaddr[0]
         self._socket = socket.socket(address.family, socket.SOCK_DGRAM)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from companion.core.status_text import StatusText
-from companion.log.onboard import Look, OnboardLog
+from companion.log.onboard import OnboardLog, TakeSnapshot
 from companion.log.sink import FileSink, Sink
 from companion.log.store import LogStore
 from companion.log.telemetry import TelemetryLog
@@ -43,10 +43,10 @@ class Logbook:
         if self.onboard is not None:
             self.onboard.note(notice)
 
-    def tick(self, now_s: float, look: Look, channels: Channels) -> None:
+    def tick(self, now_s: float, take_snapshot: TakeSnapshot, channels: Channels) -> None:
         """Log the tick. look: takes stock of the boat; asked only when something is due."""
         if self.onboard is not None:
-            self.onboard.tick(now_s, look, channels)
+            self.onboard.tick(now_s, take_snapshot, channels)
         for log in self._telemetry.values():
             log.tick(now_s)
 

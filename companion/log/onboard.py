@@ -37,7 +37,7 @@ _LINES_BEFORE: Final = 20  # of what was said before the log began
 _SLACK_S: Final = 1e-6
 _MB: Final = 1e6
 
-Look = Callable[[], Snapshot]
+TakeSnapshot = Callable[[], Snapshot]
 
 
 class OnboardLog:
@@ -59,7 +59,7 @@ class OnboardLog:
         self._parameters = parameters
         self._items = items
         self._vehicle = vehicle
-        self._notices: list[StatusText] = []
+        self._status_texts: list[StatusText] = []
         self._said_before: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
         self._has_failed = False  # no new attempt until the boat is armed anew
         self._end_s = -1.0
@@ -91,17 +91,17 @@ class OnboardLog:
         else:
             self._said_before.append((self._now_us, notice.text))
 
-    def take_notices(self) -> Sequence[StatusText]:
+    def take_status_texts(self) -> Sequence[StatusText]:
         """Lines for the operator since the last call."""
-        if not self._notices:
+        if not self._status_texts:
             return ()
-        notices, self._notices = self._notices, []
-        return notices
+        status_texts, self._status_texts = self._status_texts, []
+        return status_texts
 
-    def tick(self, now_s: float, look: Look, channels: Channels) -> None:
+    def tick(self, now_s: float, take_snapshot: TakeSnapshot, channels: Channels) -> None:
         """Log what is due. look: takes stock of the boat, at a tenth of the ticks or fewer."""
         try:
-            self._tick(now_s, look, channels)
+            self._tick(now_s, take_snapshot, channels)
         except (struct.error, OverflowError, ValueError):
             self.faults += 1
             if self.faults == 1:
@@ -116,7 +116,7 @@ class OnboardLog:
         if self.is_writing:
             self._end(0.0)
 
-    def _tick(self, now_s: float, look: Look, channels: Channels) -> None:
+    def _tick(self, now_s: float, take_snapshot: TakeSnapshot, channels: Channels) -> None:
         setting, vehicle = self._parameters.config.log, self._vehicle
         self._now_s = now_s
         if vehicle.armed:
@@ -124,16 +124,16 @@ class OnboardLog:
         elif now_s >= self._end_s and not setting.disarmed:
             self._has_failed = False
             if self.is_writing:
-                self._end(look().unix_s)
+                self._end(take_snapshot().unix_s)
             return
         if not self.is_writing:
             if self._has_failed or not setting.onboard:
                 return
             self._begin()
         if self._watch.has_news(vehicle):
-            self._add(self._watch.changes(look(), self._items))
+            self._add(self._watch.changes(take_snapshot(), self._items))
         if now_s >= self._due_s:
-            self._do_due(look(), channels)
+            self._do_due(take_snapshot(), channels)
 
     def _do_due(self, now: Snapshot, channels: Channels) -> None:
         """Sample, go on with the backlog, and hand over what has come together."""
@@ -179,7 +179,7 @@ class OnboardLog:
         self._has_failed = True
         self._block, self._block_bytes = [], 0
         self._sink.end()
-        self._notices.append(StatusText(Severity.WARNING, f"Log stopped: {why}"))
+        self._status_texts.append(StatusText(Severity.WARNING, f"Log stopped: {why}"))
 
     def _sample(self, now: Snapshot) -> None:
         self._add(self._watch.slow_changes(now))

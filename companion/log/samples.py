@@ -67,12 +67,12 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
     """What lies around, and what is done about it: dR0 is the paper's equation 1, to the nearest thing; Cls
     how fast the nearest one that moves approaches. Nothing while there is nothing.
     """
-    lookout, avoidance = now.lookout, now.avoidance
-    if lookout is None or avoidance is None or lookout.is_empty:
+    perception, avoidance = now.perception, now.avoidance
+    if perception is None or avoidance is None or perception.is_empty:
         return
     here, now_s = nav.point, now.now_s
-    nearest_m = min((distance_m(here, thing) for thing in lookout.solid(now_s)), default=_NAN)
-    movers = lookout.movers(now_s)
+    nearest_m = min((distance_m(here, thing) for thing in perception.solid(now_s)), default=_NAN)
+    movers = perception.movers(now_s)
     closing = _NAN
     if movers:
         mover = min(movers, key=lambda one: one.distance_m(here, now_s))

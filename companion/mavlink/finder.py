@@ -55,13 +55,13 @@ class FrameFinder:
         "counters",
         "datagram",
         "is_behind",
-        "wasted_looks",
+        "wasted_checks",
     )
 
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self.datagram = datagram
         self.counters = Counters() if counters is None else counters
-        self.wasted_looks = 0  # places that were examined since the link began, and were no frame
+        self.wasted_checks = 0  # places that were examined since the link began, and were no frame
         self.is_behind = False  # the last `find` stopped at its limit
         self._rest = b""
         self._position = 0  # of the rest's first byte since the link began
@@ -93,7 +93,7 @@ class FrameFinder:
         """
         found: list[Frame] = []
         data = self._rest
-        at, end, last_look = 0, len(data), self.wasted_looks + most_wasted_looks
+        at, end, last_look = 0, len(data), self.wasted_checks + most_wasted_looks
         next_v1 = next_v2 = -1
         self.is_behind = False
         while at < end:
@@ -106,10 +106,10 @@ class FrameFinder:
                 self._blame(at, magic)
                 at = magic
                 continue
-            if self.wasted_looks >= last_look or len(found) >= most_frames:
+            if self.wasted_checks >= last_look or len(found) >= most_frames:
                 self.is_behind = True
                 break
-            self.wasted_looks += 1  # taken back if it was not
+            self.wasted_checks += 1  # taken back if it was not
             run = _RUN_V2 if at == next_v2 else _RUN_V1
             if data.startswith(run, at) and (match := _run_of(data, at)) is not None:
                 begin, at = at, match.end() - len(run) + 1
@@ -120,7 +120,7 @@ class FrameFinder:
                 frame = self._believe(data, at)
             if isinstance(frame, Frame):
                 self._count(frame)
-                self.wasted_looks -= 1
+                self.wasted_checks -= 1
                 found.append(frame)
                 at += len(frame.data)
             elif frame is Flaw.INCOMPLETE and not self.datagram:
@@ -148,7 +148,7 @@ class FrameFinder:
             return Flaw.UNKNOWN
         magic = _next_magic(data, at + 1, end)
         while magic is not None:
-            self.wasted_looks += 1
+            self.wasted_checks += 1
             inner = read_frame(data, magic.start())
             if isinstance(inner, Frame):
                 return Flaw.UNKNOWN

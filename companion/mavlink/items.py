@@ -91,7 +91,7 @@ class MissionResult(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class ItemFault:
     """Why an item or a list is not taken: the answer on the wire, and one sentence for a person."""
 
     result: MissionResult
@@ -151,15 +151,15 @@ class MissionItem:
         return hash(self._key())
 
     @staticmethod
-    def from_message(message: Message) -> "MissionItem | Fault":
+    def from_message(message: Message) -> "MissionItem | ItemFault":
         """Read a MISSION_ITEM_INT, or the old MISSION_ITEM whose x and y are floats. Never raises."""
         x, y = message.x, message.y
         if message.get_type() == "MISSION_ITEM":
             scaled_x, scaled_y = _scaled(x, message.frame), _scaled(y, message.frame)
             if scaled_x is None:
-                return Fault(MissionResult.INVALID_PARAM5_X, f"x is {x}, which is no position")
+                return ItemFault(MissionResult.INVALID_PARAM5_X, f"x is {x}, which is no position")
             if scaled_y is None:
-                return Fault(MissionResult.INVALID_PARAM6_Y, f"y is {y}, which is no position")
+                return ItemFault(MissionResult.INVALID_PARAM6_Y, f"y is {y}, which is no position")
             x, y = scaled_x, scaled_y
         return MissionItem(
             frame=message.frame,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import (
     MOST_ITEMS,
     NOBODY,
@@ -17,10 +17,10 @@ from companion.mavlink.transfer_table import State, Trigger
 AGAIN_S = 0.5  # between the last word and its repetitions
 REPETITIONS = 2  # within the 1.5 s for which QGroundControl waits
 
-ItemCheck = Callable[[int, MissionItem], Fault | None]
+ItemCheck = Callable[[int, MissionItem], ItemFault | None]
 
 
-def take_any(seq: int, item: MissionItem) -> Fault | None:  # noqa: ARG001
+def take_any(seq: int, item: MissionItem) -> ItemFault | None:  # noqa: ARG001
     """An item check that has no objection."""
     return None
 
@@ -28,7 +28,7 @@ def take_any(seq: int, item: MissionItem) -> Fault | None:  # noqa: ARG001
 class Receiver(Transfer):
     """Collects a list aside, asks for each item, and hands the whole over as `Completed`.
 
-    check: looks at each item as it arrives; a Fault ends the transfer with its result. The owner answers
+    check: looks at each item as it arrives; an ItemFault ends the transfer with its result. The owner answers
     `Completed` with `confirm`, once the list is stored.
     """
 
@@ -131,7 +131,9 @@ class Receiver(Transfer):
             return
         if count > self.max_items:
             self._fail(
-                Fault(MissionResult.NO_SPACE, f"{count} items offered, there is room for {self.max_items}"),
+                ItemFault(
+                    MissionResult.NO_SPACE, f"{count} items offered, there is room for {self.max_items}"
+                ),
                 sender,
                 now_s,
             )
@@ -175,9 +177,9 @@ class Receiver(Transfer):
                 self._repeat()
             return
         item = MissionItem.from_message(message)
-        fault = item if isinstance(item, Fault) else self._check(expected, item)
+        fault = item if isinstance(item, ItemFault) else self._check(expected, item)
         if fault is not None:
-            self._fail(Fault(fault.result, f"item {expected}: {fault.text}"), sender, now_s)
+            self._fail(ItemFault(fault.result, f"item {expected}: {fault.text}"), sender, now_s)
         elif isinstance(item, MissionItem):
             self._items.append(item)
             if len(self._items) == self._count:

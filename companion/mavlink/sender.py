@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, Started, Transfer
 from companion.mavlink.transfer_table import State, Trigger
 
@@ -93,7 +93,7 @@ class Sender(Transfer):
                 self.ignored += 1
             else:
                 text = f"item {seq} was asked for, the list has {len(self._items)}"
-                self._fail(Fault(MissionResult.INVALID_SEQUENCE, text), sender, now_s)
+                self._fail(ItemFault(MissionResult.INVALID_SEQUENCE, text), sender, now_s)
         else:
             self._send_item(seq, sender, now_s)
 

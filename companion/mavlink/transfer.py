@@ -43,7 +43,7 @@ from dataclasses import dataclass
 from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer_table import TRANSITIONS, State, Trigger
 
 NOBODY = Address(0, 0)
@@ -137,7 +137,7 @@ class Transfer:
     def cancel(self, now_s: float) -> None:
         """Break off and tell the partner; changes nothing where there is nothing to break off."""
         if Trigger.FAULT in TRANSITIONS[self.state]:
-            self._fail(Fault(MissionResult.OPERATION_CANCELLED, "cancelled"), self._partner, now_s)
+            self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, "cancelled"), self._partner, now_s)
 
     def take_outbox(self) -> list[Message]:
         """The messages to be sent, in order; their target fields say to whom."""
@@ -216,7 +216,9 @@ class Transfer:
         self._latest = latest
         self._deadline_s = now_s + self._retry_s * (self._retries + 1)
 
-    def _fail(self, fault: Fault, partner: Address, now_s: float, trigger: Trigger = Trigger.FAULT) -> None:
+    def _fail(
+        self, fault: ItemFault, partner: Address, now_s: float, trigger: Trigger = Trigger.FAULT
+    ) -> None:
         """End it, or refuse it before it began, for a reason of ours, and say so to the partner."""
         answer = self._acknowledge(partner, fault.result)
         if self.partner is not None:
@@ -226,7 +228,7 @@ class Transfer:
     def _expire(self, now_s: float) -> None:
         waited_s = self._retry_s * (self._retries + 1)
         text = f"no answer from {self._partner.system}/{self._partner.component} for {waited_s:g} s"
-        self._fail(Fault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, Trigger.EXPIRED)
+        self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, Trigger.EXPIRED)
 
     def _handle_refusal(self, result: MissionResult, sender: Address, now_s: float) -> None:
         """The partner ends it: nothing is answered."""

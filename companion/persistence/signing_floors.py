@@ -27,7 +27,7 @@ class KeyFloors:
         """The floor of a key, 0 where there is no key."""
         return 0 if key is None else self._floors.get(key.tag, self._others)
 
-    def keep(self, key: SigningKey | None, timestamp: int) -> None:
+    def record(self, key: SigningKey | None, timestamp: int) -> None:
         """A timestamp was proved under a key."""
         if key is None:
             return

@@ -42,7 +42,7 @@ class SigningStore:
         self._key_saving: Saving | None = None
         self._is_closed = False
         self.is_active = self.boat.key is not None  # whether there is any key, and so anything to do
-        self._keep_ahead()
+        self._reserve()
 
     def signatory(self, key_file: str) -> Signatory:
         """Who signs with the key in a file; without a file's name, with the boat's own.
@@ -56,7 +56,7 @@ class SigningStore:
             key = read_key_file(Path(key_file).expanduser())
             self._of_files[key_file] = Signatory(key, self.stamps, self._floors.of(key))
             self.is_active = True
-            self._keep_ahead()
+            self._reserve()
         return self._of_files[key_file]
 
     def change_key(self, key: SigningKey | None, first: int) -> None:
@@ -66,14 +66,14 @@ class SigningStore:
         under the same key, or under those of other links.
         """
         if key != self.boat.key:
-            self._floors.keep(self.boat.key, self.boat.proved)
+            self._floors.record(self.boat.key, self.boat.proved)
             self.boat.change_key(key, self._floors.of(key))
             self.stamps.seen = max(one.proved for one in (self.boat, *self._of_files.values()))
         self.stamps.follow(first)
         self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
         self.is_active = key is not None or bool(self._of_files)
         self._saving = self._save()  # what was proved under the old key, at once
-        self._keep_ahead()
+        self._reserve()
 
     def key_saved(self) -> str | None:
         """What became of a change of key, told once: "" when the medium has it, or why not; None: no news."""
@@ -86,7 +86,7 @@ class SigningStore:
         """Time goes by."""
         if self.is_active:
             self.stamps.clock = timestamp_at(unix_s)
-            self._keep_ahead()
+            self._reserve()
 
     def close(self) -> None:
         """Put down where we are, before the storage is closed. May be called twice."""
@@ -94,7 +94,7 @@ class SigningStore:
             self._save()
         self._is_closed = True
 
-    def _keep_ahead(self) -> None:
+    def _reserve(self) -> None:
         if not self.is_active:
             return
         stamps = self.stamps
@@ -107,7 +107,7 @@ class SigningStore:
 
     def _save(self) -> Saving:
         for one in (self.boat, *self._of_files.values()):
-            self._floors.keep(one.key, one.proved)
+            self._floors.record(one.key, one.proved)
         tree = {"first": self._reserved, "seen": self.stamps.seen, "proved": self._floors.to_tree()}
         return self._storage.save(STAMPS_FILE, json.dumps(tree).encode())
 

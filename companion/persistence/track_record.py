@@ -61,7 +61,7 @@ class TrailRecord:
         """Whether a boat that is armed here goes on with the track from before the cut."""
         return bool(self._kept) or (at is not None and self._trail.goes_on_from(at))
 
-    def take_up(self, frame: LocalFrame | None, armed: bool) -> None:
+    def restore(self, frame: LocalFrame | None, armed: bool) -> None:
         """Hand over the track from before the cut. An armed boat has begun another."""
         if not self._kept or (frame is None and not armed):
             return
@@ -71,7 +71,7 @@ class TrailRecord:
             )
         self._kept = ()
 
-    def keep(self, voyage: int, frame: LocalFrame, now_s: float) -> None:
+    def update(self, voyage: int, frame: LocalFrame, now_s: float) -> None:
         """Write the track of an armed boat if that is worth it. voyage: which one this is."""
         if self._saving is not None:
             if not self._saving.is_done():

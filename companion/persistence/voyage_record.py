@@ -95,7 +95,7 @@ class Resume:
         self._tell_s = 0.0
         self._countdown_s = math.nan
         self._is_coming_inside = False  # armed by itself, and not on its mission yet
-        self._offer = self._take_up()
+        self._offer = self._restore()
         saved = self._saved
         self._number = 0 if saved is None else saved.number
         goes_on = saved is not None and saved.is_armed and vehicle.config.failsafe.resume != _FORGET
@@ -119,16 +119,16 @@ class Resume:
             vehicle.losses.end(_VOYAGE)
             vehicle.losses.end(_TRACK)
         self._due_s, self._sign = now_s + PERIOD_S, sign
-        self._trail.take_up(vehicle.frame, vehicle.armed)
+        self._trail.restore(vehicle.frame, vehicle.armed)
         if vehicle.armed and vehicle.frame is not None:
-            self._trail.keep(self._number, vehicle.frame, now_s)
+            self._trail.update(self._number, vehicle.frame, now_s)
         if self._offer is not None:
             self._follow_up(self._offer, now_s)
-        self._keep(now_s)
+        self._save(now_s)
 
     # The record
 
-    def _keep(self, now_s: float) -> None:
+    def _save(self, now_s: float) -> None:
         if self._saving is not None:
             if not self._saving.is_done():
                 return
@@ -138,7 +138,7 @@ class Resume:
         saved, armed = self._saved, self._vehicle.armed
         if not armed and (saved is None or not saved.is_armed) and not self.fault:
             return
-        voyage = self._look()
+        voyage = self._voyage()
         if saved is not None and not self._is_news(saved, voyage, now_s):
             return
         self._saved, self._saved_s = voyage, now_s
@@ -151,7 +151,7 @@ class Resume:
             return True
         return now_s - self._saved_s >= ALONG_S and abs(voyage.along_m - saved.along_m) >= ALONG_M
 
-    def _look(self) -> Voyage:
+    def _voyage(self) -> Voyage:
         vehicle, progress = self._vehicle, self._vehicle.progress
         if progress.mission is not self._mission:
             self._mission, self._plan = progress.mission, plan_id(progress.mission)
@@ -177,7 +177,7 @@ class Resume:
 
     # The offer
 
-    def _take_up(self) -> Voyage | None:
+    def _restore(self) -> Voyage | None:
         """Put mission and home back as they were, where that can be; what there is to offer then."""
         voyage, vehicle = self._saved, self._vehicle
         if voyage is None or not voyage.is_armed or vehicle.config.failsafe.resume == _FORGET:
@@ -204,7 +204,7 @@ class Resume:
         vehicle = self._vehicle
         is_mission = offer.mode == Mode.AUTO
         if vehicle.armed and self._is_coming_inside:
-            self._go_on_inside()
+            self._continue_inside()
             return
         if vehicle.armed or (is_mission and vehicle.progress.current_seq != offer.item):
             self._offer = None
@@ -213,16 +213,16 @@ class Resume:
             self._tell_s = now_s + REPEAT_S
             what = f"at item {offer.item}, {offer.along_m:.0f} m along" if is_mission else "on the way home"
             then = "MISSION_START" if is_mission else self._way_home(offer).name
-            vehicle.tell(Severity.WARNING, f"Power was lost {what}: arm and {then} to go on")
+            vehicle.notify(Severity.WARNING, f"Power was lost {what}: arm and {then} to go on")
         if vehicle.config.failsafe.resume == _GO_ON:
-            self._go_on(Mode.AUTO if is_mission else self._way_home(offer), now_s)
+            self._continue(Mode.AUTO if is_mission else self._way_home(offer), now_s)
 
     def _way_home(self, offer: Voyage) -> Mode:
         nav = self._vehicle.nav
         leads_home = self._trail.leads_home(None if nav is None else nav.point)
         return Mode.SMART_RTL if offer.mode == Mode.SMART_RTL and leads_home else Mode.RTL
 
-    def _go_on(self, mode: Mode, now_s: float) -> None:
+    def _continue(self, mode: Mode, now_s: float) -> None:
         """Once the boat may be armed, a warning and a pause; then arm and sail, unless somebody objects.
 
         What has drifted over the fence meanwhile comes back inside before it goes on with its mission.
@@ -235,10 +235,10 @@ class Resume:
                     return
                 self._countdown_s = now_s
                 vehicle.standing_order = True
-                vehicle.tell(Severity.CRITICAL, f"Going on by itself in {WARNING_S:.0f} s: keep clear")
+                vehicle.notify(Severity.CRITICAL, f"Going on by itself in {WARNING_S:.0f} s: keep clear")
         elif not vehicle.standing_order:
             self._offer = None
-            vehicle.tell(Severity.NOTICE, "Not going on by itself")
+            vehicle.notify(Severity.NOTICE, "Not going on by itself")
         elif now_s - self._countdown_s >= WARNING_S and vehicle.can_enter(mode):
             vehicle.enter(first, "power is back")
             if vehicle.arming_faults():
@@ -247,11 +247,11 @@ class Resume:
             vehicle.request(Arm())
             self._is_coming_inside = vehicle.standing_order = first is not mode
             if self._is_coming_inside:
-                vehicle.tell(Severity.WARNING, "Outside the fence: coming back inside first")
+                vehicle.notify(Severity.WARNING, "Outside the fence: coming back inside first")
             else:
                 self._offer = None
 
-    def _go_on_inside(self) -> None:
+    def _continue_inside(self) -> None:
         """The mission, once the boat is back; nothing any more if somebody has objected."""
         vehicle, nav = self._vehicle, self._vehicle.nav
         if not vehicle.standing_order or vehicle.mode is not Mode.LOITER:

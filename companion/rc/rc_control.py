@@ -44,7 +44,7 @@ class Transmitter:
                     if is_overridden
                     else "the transmitter's again"
                 )
-                vehicle.tell(Severity.NOTICE, f"Helm: {who}")
+                vehicle.notify(Severity.NOTICE, f"Helm: {who}")
         if self._switches.update(reading.channels_us, now_s):
             return True
         if is_overridden or not (vehicle.armed and vehicle.mode.is_by_hand):

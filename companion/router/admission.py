@@ -42,7 +42,7 @@ class Candidate(Protocol):
 L = TypeVar("L", bound=Candidate)
 
 
-def surplus(links: Sequence[L], now_s: float) -> list[L]:
+def excess_links(links: Sequence[L], now_s: float) -> list[L]:
     """The links of one port that must go; they are given in the order in which they came."""
     if len(links) <= PLACES:
         return []
@@ -52,17 +52,17 @@ def surplus(links: Sequence[L], now_s: float) -> list[L]:
     while len(others) > PLACES:
         rivals = others[:-1]
         lowest = min(link.standing for link in rivals)
-        gone.append(_of_the_largest_host([link for link in rivals if link.standing is lowest]))
+        gone.append(_from_largest_host([link for link in rivals if link.standing is lowest]))
         others.remove(gone[-1])
     while len(proven) > PLACES:
         silent = min(proven, key=lambda link: link.heard_s)
         is_silent = now_s - silent.heard_s > SILENT_S
-        gone.append(silent if is_silent else _of_the_largest_host(proven[::-1]))
+        gone.append(silent if is_silent else _from_largest_host(proven[::-1]))
         proven.remove(gone[-1])
     return gone
 
 
-def _of_the_largest_host(links: Sequence[L]) -> L:
+def _from_largest_host(links: Sequence[L]) -> L:
     """The first link of the host that holds the most."""
     host, _ = Counter(link.host for link in links).most_common(1)[0]
     return next(link for link in links if link.host == host)

@@ -86,10 +86,10 @@ class Channel:
         self._filter = Filter(policy) if policy.has_rules else None
         self._budget = TokenBucket(policy.bytes_s) if policy.bytes_s else None
         self._room = (
-            TxQueue(self._leave, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
+            TxQueue(self._transmit, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
         )
 
-    def protect(self, guard: Guard) -> None:
+    def set_guard(self, guard: Guard) -> None:
         """From now on frames are signed and checked as the guard says."""
         self.guard = guard
         self._is_confidential = guard.policy == "required" and not guard.has_verified
@@ -122,7 +122,7 @@ class Channel:
         return Standing.PROVEN if is_proven else Standing.SPEAKING
 
     @property
-    def needs_an_answer(self) -> bool:
+    def needs_address_proof(self) -> bool:
         """Whether little goes out until a question is answered: the far side's address may be forged."""
         return self._limit is not None and not self._is_confidential
 
@@ -130,7 +130,7 @@ class Channel:
         """What the far side has to return in order to be believed; None where it is believed."""
         return self._limit.question(time_usec) if self._limit is not None else None
 
-    def answered(self, answer: Question) -> None:
+    def check_answer(self, answer: Question) -> None:
         """The far side has returned something; if it is what it was asked, its address is its own."""
         if self._limit is not None and self._limit.is_answer(answer):
             self._limit = None
@@ -141,11 +141,11 @@ class Channel:
         return bool(self._chunks) or self._finder.is_behind
 
     @property
-    def wasted_looks(self) -> int:
+    def wasted_checks(self) -> int:
         """What garbage has cost since the link began, see `FrameFinder`."""
-        return self._finder.wasted_looks
+        return self._finder.wasted_checks
 
-    def take(self, most_frames: int, most_wasted_looks: int) -> Sequence[Frame]:
+    def receive(self, most_frames: int, most_wasted_looks: int) -> Sequence[Frame]:
         """The next frames that have arrived, as far as the limits go. What is left is kept; no more is
         read.
         """
@@ -155,17 +155,17 @@ class Channel:
             if not arrived:
                 return ()  # as at most ticks
             chunks.extend(arrived)
-        last_look = finder.wasted_looks + most_wasted_looks
+        last_look = finder.wasted_checks + most_wasted_looks
         taken: list[Frame] = []
         while finder.is_behind or chunks:
-            if len(taken) >= most_frames or finder.wasted_looks >= last_look:
+            if len(taken) >= most_frames or finder.wasted_checks >= last_look:
                 break
             if not finder.is_behind:
                 finder.put(chunks.popleft())
-            taken += finder.find(most_frames - len(taken), last_look - finder.wasted_looks)
+            taken += finder.find(most_frames - len(taken), last_look - finder.wasted_checks)
         return taken
 
-    def admits(self, frame: Frame, now_s: float = 0.0) -> bool:
+    def accepts(self, frame: Frame, now_s: float = 0.0) -> bool:
         """Whether a frame may come in; whoever logs is shown it, and a radio's report is read."""
         guard = self.guard
         if guard is not None:
@@ -229,10 +229,10 @@ class Channel:
             return
         if self._room is not None:
             self._room.put(data, is_urgent, now_s)
-        elif not self._leave(data):
+        elif not self._transmit(data):
             self._dropped += 1
 
-    def _leave(self, data: bytes) -> bool:
+    def _transmit(self, data: bytes) -> bool:
         """Put a frame on the link; False if that does not take it now.
 
         Our own are signed here and no earlier, because timestamps must leave in order and what waits may be

@@ -9,7 +9,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message
 from companion.mavlink.framing import Frame
-from companion.router.admission import surplus
+from companion.router.admission import excess_links
 from companion.router.channel import Channel
 from companion.router.configured_port import ConfiguredPort
 from companion.router.policy import PLAIN
@@ -81,7 +81,7 @@ class Channels:
         """Close the links that a port has too many of. Newcomers have been heard by then, if they had to say
         something."""
         self._of_port[port] = [one for one in self._of_port[port] if one.number in self.open]
-        for channel in surplus(self._of_port[port], self._now_s):
+        for channel in excess_links(self._of_port[port], self._now_s):
             self._log(f"link {channel.link.name} makes way for others")
             channel.link.close()
 
@@ -143,11 +143,11 @@ class Channels:
             if frames_left <= 0 or (looks_left <= 0 and channel.is_noisy):
                 passed_over = turn if passed_over is None else passed_over
                 continue
-            before = channel.wasted_looks
+            before = channel.wasted_checks
             share_left = self._share - (before - channel.wasted_before)
-            frames = channel.take(min(frames_left, _FRAMES_PER_LINK), max(min(looks_left, share_left), 1))
-            if channel.wasted_looks != before:
-                looks_left -= channel.wasted_looks - before
+            frames = channel.receive(min(frames_left, _FRAMES_PER_LINK), max(min(looks_left, share_left), 1))
+            if channel.wasted_checks != before:
+                looks_left -= channel.wasted_checks - before
                 self._note_waste(channel)
             elif frames:
                 channel.is_noisy = False
@@ -166,7 +166,7 @@ class Channels:
         for channel in self._order:
             channel.drain(now_s)
             noisy += channel.is_noisy
-            channel.wasted_before = channel.wasted_looks
+            channel.wasted_before = channel.wasted_checks
             if channel.is_blocked:
                 channel.is_blocked = False
                 self._filenos = None
@@ -175,7 +175,7 @@ class Channels:
     def _note_waste(self, channel: Channel) -> None:
         """A link has brought garbage; one that has wasted its share is not read before the next tick."""
         channel.is_noisy = True
-        if channel.wasted_looks - channel.wasted_before >= self._share:
+        if channel.wasted_checks - channel.wasted_before >= self._share:
             channel.is_blocked = True
             self._filenos = None
 
@@ -184,7 +184,7 @@ class Channels:
     ) -> Iterator[tuple[int, Received]]:
         number, route, wanted, opened = channel.number, self.router.route, self.wanted, self.open
         for frame in frames:
-            if not channel.admits(frame, now_s):
+            if not channel.accepts(frame, now_s):
                 continue
             is_ours, others, is_addressed = route(number, frame, now_s)
             for other in others:

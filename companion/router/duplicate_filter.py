@@ -18,7 +18,7 @@ class DuplicateFilter:
         self._older: dict[bytes, int] = {}
         self._turn_s = 0.0
 
-    def is_repeat(self, data: bytes, channel: int, now_s: float) -> bool:
+    def is_duplicate(self, data: bytes, channel: int, now_s: float) -> bool:
         """Whether another channel has brought this very frame within the window; if not, it is remembered."""
         recent = self._recent
         if now_s >= self._turn_s or len(recent) >= self._half_frames:

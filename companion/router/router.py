@@ -15,7 +15,7 @@ from companion.router.routes import Routes
 from companion.router.targets import target_of
 
 _HOUSEKEEPING_S = 1.0
-_MAX_WAYS = 4096  # remembered; a flood of made-up targets must not fill the memory
+_MAX_DECISIONS = 4096  # remembered; a flood of made-up targets must not fill the memory
 
 # What concerns one link alone: a radio's report on itself, and the key for a link's signatures
 LINK_LOCAL_IDS = frozenset(
@@ -27,7 +27,7 @@ LINK_LOCAL_IDS = frozenset(
 )
 
 
-class Way(NamedTuple):
+class ForwardingDecision(NamedTuple):
     """is_ours: for the boat's own endpoint, too. channels: the others that it goes out on."""
 
     is_ours: bool
@@ -35,7 +35,7 @@ class Way(NamedTuple):
     is_addressed: bool = False
 
 
-NOWHERE = Way(False, ())
+NOWHERE = ForwardingDecision(False, ())
 
 
 class Router:
@@ -47,10 +47,10 @@ class Router:
         self.unreachable = 0  # frames for somebody whom nobody has heard
         self.routes = Routes()
         self._own = own
-        self._downloads = BulkTransferThrottle()
+        self._bulk = BulkTransferThrottle()
         self._seen = DuplicateFilter()
         self._forwarding: dict[int, bool] = {}
-        self._ways: dict[tuple[int, Address], Way] = {}
+        self._decisions: dict[tuple[int, Address], ForwardingDecision] = {}
         self._version = -1
         self._housekeeping_s = 0.0
 
@@ -63,9 +63,9 @@ class Router:
         """A channel has gone."""
         self._forwarding.pop(channel, None)
         self.routes.forget(channel)
-        self._downloads.forget(channel)
+        self._bulk.forget(channel)
 
-    def route(self, channel: int, frame: Frame, now_s: float) -> Way:
+    def route(self, channel: int, frame: Frame, now_s: float) -> ForwardingDecision:
         """Where a frame from a channel goes."""
         sender = frame.sender
         if sender == self._own:
@@ -75,31 +75,31 @@ class Router:
             self._housekeeping_s = now_s + _HOUSEKEEPING_S
             self.routes.expire(now_s)
         self.routes.learn(channel, frame, now_s)
-        if len(self._forwarding) > 1 and self._seen.is_repeat(frame.data, channel, now_s):
+        if len(self._forwarding) > 1 and self._seen.is_duplicate(frame.data, channel, now_s):
             self.repeats += 1
             return NOWHERE
         target = target_of(frame)
-        if self._version != self.routes.version or len(self._ways) >= _MAX_WAYS:
+        if self._version != self.routes.version or len(self._decisions) >= _MAX_DECISIONS:
             self._version = self.routes.version
-            self._ways.clear()
-        way = self._ways.get((channel, target))
+            self._decisions.clear()
+        way = self._decisions.get((channel, target))
         if way is None:
-            way = self._ways[channel, target] = self._find(channel, target)
+            way = self._decisions[channel, target] = self._find(channel, target)
         if not (way.is_ours or way.channels):
             self.unreachable += 1
         message_id = frame.message_id
         if message_id in DOWNLOAD_IDS:
-            self._downloads.note(frame, target.system, channel, now_s)
-            return way._replace(channels=self._downloads.limit(frame, way.channels, now_s))
+            self._bulk.note(frame, target.system, channel, now_s)
+            return way._replace(channels=self._bulk.limit(frame, way.channels, now_s))
         if message_id in LINK_LOCAL_IDS:
             return way._replace(channels=())
         return way
 
-    def _find(self, channel: int, target: Address) -> Way:
+    def _find(self, channel: int, target: Address) -> ForwardingDecision:
         is_ours = concerns(self._own, *target)
         if not self._forwarding[channel] or target == self._own:
-            return Way(is_ours, (), True)
+            return ForwardingDecision(is_ours, (), True)
         is_for_all = target.system == ALL
-        found = list(self._forwarding) if is_for_all else self.routes.where(target)
+        found = list(self._forwarding) if is_for_all else self.routes.channels_of(target)
         others = tuple(one for one in found if one != channel and self._forwarding[one])
-        return Way(is_ours, others, not is_for_all)
+        return ForwardingDecision(is_ours, others, not is_for_all)

@@ -54,7 +54,7 @@ class Routes:
         heard[sender] = now_s
         self.version += 1
 
-    def where(self, target: Address) -> list[int]:
+    def channels_of(self, target: Address) -> list[int]:
         """The channels that a target was heard on, in order; a system's all where the component was not."""
         system = [
             (channel, address)
@@ -66,7 +66,7 @@ class Routes:
         found = exact if exact and target.component != ALL else system
         return sorted({channel for channel, _ in found})
 
-    def heard_on(self, channel: int) -> list[Address]:
+    def addresses_on(self, channel: int) -> list[Address]:
         """Who was heard on a channel, the least lately heard first."""
         return list(self._heard.get(channel, ()))
 

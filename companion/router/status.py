@@ -73,7 +73,7 @@ class Reporter:
     def _link(self, channel: Channel, before: LinkStatus | None, elapsed_s: float) -> LinkStatus:
         counters = channel.counters
         rate = 1.0 / elapsed_s if before is not None and elapsed_s > 0.0 else 0.0
-        heard = self._channels.router.routes.heard_on(channel.number)
+        heard = self._channels.router.routes.addresses_on(channel.number)
         return LinkStatus(
             number=channel.number,
             name=channel.policy.name or channel.link.name,

@@ -19,11 +19,11 @@ class _Queue:
         self.bytes += len(data)
         dropped = 0
         while self.bytes > MAX_BYTES:
-            self.take()
+            self.pop()
             dropped += 1
         return dropped
 
-    def take(self) -> bytes:
+    def pop(self) -> bytes:
         _, data = self.frames.popleft()
         self.bytes -= len(data)
         return data
@@ -31,7 +31,7 @@ class _Queue:
     def drop_older(self, than_s: float) -> int:
         dropped = 0
         while self.frames and self.frames[0][0] < than_s:
-            self.take()
+            self.pop()
             dropped += 1
         return dropped
 
@@ -84,7 +84,7 @@ class TxQueue:
             data = queue.frames[0][1]
             if not self._send(data):
                 return False
-            queue.take()
+            queue.pop()
             if budget is not None:
                 budget.spend(len(data) + self.overhead_bytes, now_s)
         return True

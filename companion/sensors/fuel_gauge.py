@@ -7,7 +7,7 @@ voltage answers the motors; Plett, "Battery Management Systems, Volume II", 2015
 model with a measured current.
 """
 
-from companion.config.boat_config import Battery
+from companion.config.boat_config import BatteryPack
 from companion.core.state import MotorCommand
 from companion.sensors.charge import ChargeCounter, resting_share
 from companion.sensors.readings import BatteryReading
@@ -39,7 +39,7 @@ class FuelGauge:
         """Charge left, in whole percent."""
         return -1 if self._shown_share is None else round(100.0 * self._shown_share)
 
-    def update(self, reading: BatteryReading, battery: Battery, command: MotorCommand) -> None:
+    def update(self, reading: BatteryReading, battery: BatteryPack, command: MotorCommand) -> None:
         """Take a new reading. command: what the motors were given when it was taken."""
         self._counter.add(reading)
         dt_s, self._last_s = max(reading.time_s - self._last_s, 0.0), reading.time_s

@@ -46,11 +46,11 @@ class FixAssembler:
         if epoch is None or epoch.is_over(sentence.kind, utc):
             if epoch is not None:
                 self._learn(epoch.ending)
-                fixes += self._put_out(epoch)
+                fixes += self._emit(epoch)
             epoch = self._epoch = _Epoch(utc, time_s)
-        epoch.take(sentence)
+        epoch.add(sentence)
         if epoch.ending == self._usual_ending:
-            fixes += self._put_out(epoch)
+            fixes += self._emit(epoch)
         return fixes
 
     def _learn(self, ending: tuple[str, int]) -> None:
@@ -59,7 +59,7 @@ class FixAssembler:
             self._usual_ending = ending
         self._recent_ending = ending
 
-    def _put_out(self, epoch: "_Epoch") -> list[GnssFix]:
+    def _emit(self, epoch: "_Epoch") -> list[GnssFix]:
         if epoch.is_out or not epoch.has_solution:
             return []
         epoch.is_out = True
@@ -103,15 +103,15 @@ class _Epoch:
         kind = self.kinds[-1]
         return kind, self.kinds.count(kind)
 
-    def take(self, sentence: Sentence) -> None:
+    def add(self, sentence: Sentence) -> None:
         kind = sentence.kind
         self.kinds.append(kind)
         if kind in {"GGA", "GNS"}:
-            self._take_solution(sentence)
+            self._add_solution(sentence)
         elif kind == "RMC":
-            self._take_minimum(sentence)
+            self._add_minimum(sentence)
         elif kind == "VTG":
-            self._take_velocity(sentence.number("sogn"), sentence.number("cogt"))
+            self._add_velocity(sentence.number("sogn"), sentence.number("cogt"))
         elif kind == "GSA":
             self._is_flat = sentence.number("navMode") == 2
             if self._hdop == _UNKNOWN_HDOP:
@@ -144,9 +144,9 @@ class _Epoch:
             time_of_day_s=None if self._utc is None else _seconds(self._utc),
         )
 
-    def _take_solution(self, sentence: Sentence) -> None:
+    def _add_solution(self, sentence: Sentence) -> None:
         self.has_solution = True
-        self._take_position(sentence)
+        self._add_position(sentence)
         if sentence.kind == "GGA":
             fix_type = _QUALITY_FIX.get(int(sentence.number("quality") or 0), _NO_FIX)
         else:
@@ -158,24 +158,24 @@ class _Epoch:
         self._hdop = sentence.number("HDOP") or self._hdop
         self._altitude_m = sentence.number("alt") or 0.0
 
-    def _take_minimum(self, sentence: Sentence) -> None:
+    def _add_minimum(self, sentence: Sentence) -> None:
         self.has_solution = True
-        self._take_position(sentence)
+        self._add_position(sentence)
         self._is_valid = sentence.text("status") == "A"
         if self._is_valid and not {"GGA", "GNS"} & set(self.kinds):
             self._fix_type = _FIX_3D
-        self._take_velocity(sentence.number("spd"), sentence.number("cog"))
+        self._add_velocity(sentence.number("spd"), sentence.number("cog"))
         # A receiver without a fix reports whatever its clock holds, after a cold start 1980
         date = sentence.fields.get("date")
         if self._is_valid and isinstance(date, datetime.date):
             self._date = date
 
-    def _take_position(self, sentence: Sentence) -> None:
+    def _add_position(self, sentence: Sentence) -> None:
         lat_deg, lon_deg = sentence.number("lat"), sentence.number("lon")
         if lat_deg is not None and lon_deg is not None and abs(lat_deg) <= 90.0 and abs(lon_deg) <= 180.0:
             self.position = LatLon(lat_deg, lon_deg)
 
-    def _take_velocity(self, speed_kn: float | None, course_deg: float | None) -> None:
+    def _add_velocity(self, speed_kn: float | None, course_deg: float | None) -> None:
         # A receiver at rest leaves the course empty: a speed without direction is no velocity.
         if speed_kn is not None and course_deg is not None:
             speed_m_s, course_rad = speed_kn * _KNOT_M_S, math.radians(course_deg)

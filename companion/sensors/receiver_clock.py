@@ -39,7 +39,7 @@ class ReceiverClock:
         self._offset_s = self._since_s = math.nan
         self._least_s = self._before_s = math.inf
 
-    def date(self, fix: GnssFix) -> GnssFix:
+    def stamp(self, fix: GnssFix) -> GnssFix:
         """The fix with the time of its measurement in place of that of its arrival."""
         return msgspec.structs.replace(fix, time_s=self.measured_s(fix.time_of_day_s, fix.time_s))
 

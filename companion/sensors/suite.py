@@ -59,11 +59,11 @@ class SensorSuite:
         """Charge taken from the pack since boot, or since it was changed."""
         return self.gauge.consumed_mah
 
-    def look(self, sector: Sector) -> None:
+    def point_sonar(self, sector: Sector) -> None:
         """Have the boat's own ranger sweep between these bearings."""
         if sector != self._sector and self._hardware.sonar is not None:
             self._sector = sector
-            self._hardware.sonar.look(sector.port_rad, sector.starboard_rad)
+            self._hardware.sonar.set_sector(sector.port_rad, sector.starboard_rad)
 
     def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
         """Take what there is. command: what the motors are given."""

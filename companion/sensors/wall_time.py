@@ -17,7 +17,7 @@ class WallTime:
         self._is_by_satellites = False
         self._dated: GnssFix | None = None
 
-    def keep(self, fix: GnssFix | None, told_offset_s: float | None, *, is_fix_own: bool = True) -> None:
+    def update(self, fix: GnssFix | None, told_offset_s: float | None, *, is_fix_own: bool = True) -> None:
         """To be called every tick. told_offset_s: as a station has it, None while none has said. is_fix_own:
         not one that came over MAVLink.
         """

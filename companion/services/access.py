@@ -87,7 +87,7 @@ class AccessService:
         if now_s - self._told_s.get(origin.address.system, -math.inf) >= _REPEAT_S:
             self._told_s[origin.address.system] = now_s
             text = f"Station {origin.address.system} refused: SYSID_ENFORCE, it is not the operator"
-            self._texts.tell([StatusText(Severity.WARNING, text)])
+            self._texts.send([StatusText(Severity.WARNING, text)])
         return True
 
     def _is_change(self, message: Message) -> bool:

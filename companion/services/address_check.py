@@ -37,7 +37,7 @@ class AddressCheck:
     def on_heartbeat(self, origin: Origin, heartbeat: HeartbeatService, now_s: float) -> None:
         """A station announces itself: announce the boat, and ask. Elsewhere the regular heartbeat will do."""
         channel = self._channels.get(origin.channel)
-        if channel is None or not channel.needs_an_answer:
+        if channel is None or not channel.needs_address_proof:
             return
         number = origin.channel
         if now_s - self._asked_s.get(number, -_ASK_S) < _ASK_S:
@@ -54,7 +54,7 @@ class AddressCheck:
         """Perhaps an answer."""
         channel = self._channels.get(origin.channel)
         if channel is not None:
-            channel.answered(Question(message.time_usec, message.seq))
+            channel.check_answer(Question(message.time_usec, message.seq))
 
     def forget(self, channel: int) -> None:
         """A channel has gone."""
@@ -68,4 +68,4 @@ class AddressCheck:
         self._warned.add(host)
         text = f"{host} answers no PING: it gets no telemetry unless local_networks names its network"
         logger.warning(text)
-        self._texts.tell([StatusText(Severity.WARNING, text)])
+        self._texts.send([StatusText(Severity.WARNING, text)])

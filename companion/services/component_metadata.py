@@ -14,7 +14,7 @@ from typing import Any
 from companion import __version__
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import Kind, Parameters, Row, shortest
+from companion.config.parameters import ParameterRow, Parameters, ParameterType, shortest
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
 from companion.persistence.storage import MemoryStorage
@@ -32,7 +32,12 @@ GENERAL, PARAMETERS = "general.json", "parameters.json"
 _READ_BY_QGC = 1
 _UNITS = {"degC": "C"}  # the schema's word for what stations may convert
 _MOST_DECIMALS = 7  # the schema's default
-_TYPES = {Kind.INT8: "Int8", Kind.INT16: "Int16", Kind.INT32: "Int32", Kind.REAL32: "Float"}
+_TYPES = {
+    ParameterType.INT8: "Int8",
+    ParameterType.INT16: "Int16",
+    ParameterType.INT32: "Int32",
+    ParameterType.REAL32: "Float",
+}
 
 
 def uri_of(name: str) -> str:
@@ -82,7 +87,7 @@ def component_information(now: Snapshot) -> Message:
     )
 
 
-def _entry(row: Row, default: float) -> dict[str, Any]:
+def _entry(row: ParameterRow, default: float) -> dict[str, Any]:
     """A parameter after the schema and after QGroundControl's reader of it, which is stricter.
 
     Without `decimalPlaces` some of its versions show a fraction as a whole number; without `values` a choice
@@ -97,7 +102,7 @@ def _entry(row: Row, default: float) -> dict[str, Any]:
         "group": row.name.partition("_")[0].rstrip("0123456789"),
         "category": "Constant" if row.read_only else "Standard",
     }
-    if row.kind is Kind.REAL32:
+    if row.kind is ParameterType.REAL32:
         entry["decimalPlaces"] = _decimals(row, default)
     if row.needs_restart:
         entry["rebootRequired"] = True
@@ -116,7 +121,7 @@ def _entry(row: Row, default: float) -> dict[str, Any]:
     return entry
 
 
-def _range(row: Row, default: float) -> tuple[float, float]:
+def _range(row: ParameterRow, default: float) -> tuple[float, float]:
     """What the parameter may be: a constant nothing but its value, unless it has names for others."""
     if row.values:
         numbers = [float(number) for number, _ in row.values]
@@ -124,13 +129,13 @@ def _range(row: Row, default: float) -> tuple[float, float]:
     return (default, default) if row.read_only else (row.low, row.high)
 
 
-def _number(row: Row, value: float) -> float:
+def _number(row: ParameterRow, value: float) -> float:
     """As short as it is exact: what reads back as the same 32-bit float is the default, what does not is
     shown as changed."""
-    return float(shortest(value)) if row.kind is Kind.REAL32 else round(value)
+    return float(shortest(value)) if row.kind is ParameterType.REAL32 else round(value)
 
 
-def _decimals(row: Row, default: float) -> int:
+def _decimals(row: ParameterRow, default: float) -> int:
     """As many places as the row asks for, or as many as its default and its bounds have."""
     numbers = [number for number in (default, row.low, row.high) if math.isfinite(number)]
     places = [-int(Decimal(shortest(number)).normalize().as_tuple().exponent) for number in numbers]

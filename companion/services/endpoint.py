@@ -35,11 +35,11 @@ from companion.services.missions.service import MissionService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.roles import Role, Roles
-from companion.services.sightings import SightingService
+from companion.services.sightings import OtherVehicleService
 from companion.services.signing import SigningService
 from companion.services.telemetry.available_modes import AvailableModesService
 from companion.services.telemetry.heartbeat import HeartbeatService
-from companion.services.telemetry.service import Look, MaySend, TelemetryService, always
+from companion.services.telemetry.service import MaySend, TakeSnapshot, TelemetryService, always
 from companion.services.telemetry.statustext import StatusTextService
 from companion.services.time_sync import TimeService
 from companion.vehicle.vehicle import Vehicle
@@ -101,7 +101,7 @@ class Endpoint:
         trials: Trials,
         external: ExternalSensors,
         gauge: FuelGauge,
-        look: Look,
+        take_snapshot: TakeSnapshot,
         faults: FaultInjector | None = None,
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers do not ask. look: takes stock of the
@@ -119,10 +119,10 @@ class Endpoint:
         if logbook is not None:
             self._texts.listener = logbook.note
         self._heartbeat = HeartbeatService(vehicle, self.outbox, motor_test)
-        self._telemetry = TelemetryService(self.outbox, look, may_send)
+        self._telemetry = TelemetryService(self.outbox, take_snapshot, may_send)
         self._time = TimeService(self.outbox)
         self._addresses = AddressCheck(channels, self.outbox, self._texts)
-        tell = self._texts.tell
+        tell = self._texts.send
         self._pose = ExternalPoseService(
             external, vehicle, parameters, self.outbox, tell, self._time.to_own_clock
         )
@@ -145,7 +145,7 @@ class Endpoint:
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle, self._texts)
         self._guided = GuidedService(vehicle, self._texts)
-        self._sightings = SightingService(vehicle)
+        self._sightings = OtherVehicleService(vehicle)
         self._modes = AvailableModesService(vehicle, self.outbox)
         self.roles = Roles()
         folder = storage.folder if isinstance(storage, FolderStorage) else None
@@ -228,9 +228,9 @@ class Endpoint:
         """What to add to the boat's time for the date, as a station has it."""
         return self._time.unix_offset_s
 
-    def keep_journal(self) -> None:
+    def log_status_texts(self) -> None:
         """Log whatever the operator is told, too."""
-        self._texts.has_journal = True
+        self._texts.logs_texts = True
 
     def mission_items(self) -> tuple[MissionItem, ...]:
         """The mission that the boat holds."""
@@ -249,7 +249,7 @@ class Endpoint:
             return
         origin = Origin(channel, sender)
         try:
-            self._commands.hear(origin, now_s)
+            self._commands.on_message(origin, now_s)
             if self._access.refuses(message, origin, now_s):
                 return
             handler(message, origin, now_s)
@@ -288,8 +288,8 @@ class Endpoint:
             self._modes.tick(now_s)
             self._time.tick(now_s)
             self._texts.tick(_UPKEEP_S)
-        if notices := self._vehicle.take_notices():
-            self._texts.tell(notices)
+        if status_texts := self._vehicle.take_status_texts():
+            self._texts.send(status_texts)
         self._telemetry.tick(now_s)
 
     def _note_planner(self, message: Message, sender: Address, now_s: float) -> None:
@@ -299,11 +299,11 @@ class Endpoint:
         if is_order and self.roles.of(sender) is Role.PLANNER and vehicle.conduct.is_guided(vehicle.mode):
             vehicle.planner.steers(now_s)
 
-    def tell_changes(self) -> None:
+    def announce_changes(self) -> None:
         """What a message just handled has changed is told at once, not at the next tick."""
-        self._heartbeat.tell_change()
-        self._modes.tell_change()
-        self._texts.tell(self._vehicle.take_notices())
+        self._heartbeat.announce_change()
+        self._modes.announce_change()
+        self._texts.send(self._vehicle.take_status_texts())
 
     def _is_for_us(self, message: Message) -> bool:
         target_system = getattr(message, "target_system", getattr(message, "target", 0))
@@ -316,7 +316,7 @@ class Endpoint:
     def _on_heartbeat(self, message: Message, origin: Origin, now_s: float) -> None:
         # A planner, a logger or another vehicle must not keep the operator's failsafe quiet
         chosen = self._parameters.config.identity.operator_system_id
-        role = self.roles.hear(message, origin.address, chosen)
+        role = self.roles.update(message, origin.address, chosen)
         if role is Role.OPERATOR:
             self._vehicle.operator.heard(now_s)
         elif role is Role.PLANNER:

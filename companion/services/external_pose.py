@@ -126,7 +126,7 @@ class ExternalPoseService:
 
     def _on_vision(self, message: Message, origin: Origin, now_s: float) -> None:
         sigma_m = _sigma_m(message.covariance)
-        self._take_pose(
+        self._ingest_pose(
             message, message.usec, float(message.yaw), self._setting.north_rad, sigma_m, origin, now_s
         )
 
@@ -136,13 +136,13 @@ class ExternalPoseService:
         if yaw is None or message.quality < 0:
             self.dropped += 1
         elif frame == dialect.MAV_FRAME_LOCAL_NED:
-            self._take_motion(message, yaw, 0.0, origin, now_s)
+            self._ingest_motion(message, yaw, 0.0, origin, now_s)
         elif frame == dialect.MAV_FRAME_LOCAL_FRD:
-            self._take_motion(message, yaw, self._setting.north_rad, origin, now_s)
+            self._ingest_motion(message, yaw, self._setting.north_rad, origin, now_s)
         else:
             self.dropped += 1
 
-    def _take_motion(
+    def _ingest_motion(
         self, message: Message, yaw: float, turn_rad: float, origin: Origin, now_s: float
     ) -> None:
         ahead, aside, rate = float(message.vx), float(message.vy), float(message.yawspeed)
@@ -153,11 +153,11 @@ class ExternalPoseService:
             velocity = _turned(ahead, aside, direction)
         sigma_m = _sigma_m(message.pose_covariance)
         rate_rad_s = rate if _all_below((rate,), _FASTEST_RAD_S) else None
-        self._take_pose(
+        self._ingest_pose(
             message, message.time_usec, yaw, turn_rad, sigma_m, origin, now_s, velocity, rate_rad_s
         )
 
-    def _take_pose(
+    def _ingest_pose(
         self,
         message: Message,
         stamp_us: int,

@@ -14,7 +14,7 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import e7_to_deg, wrap_pi
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult
 from companion.rc.manual_input import top_speed_m_s
 from companion.services.missions.items import global_position
 from companion.services.outbox import Origin
@@ -61,12 +61,12 @@ def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
     if message.current != _GUIDED_ITEM:
         return MissionResult.INVALID
     item = MissionItem.from_message(message)
-    if isinstance(item, Fault):
+    if isinstance(item, ItemFault):
         return item.result
     if item.command != dialect.MAV_CMD_NAV_WAYPOINT:
         return MissionResult.UNSUPPORTED
     position = global_position(item)
-    if isinstance(position, Fault):
+    if isinstance(position, ItemFault):
         return position.result
     return MissionResult.ACCEPTED if vehicle.request(GoTo(position)).accepted else MissionResult.ERROR
 
@@ -81,11 +81,11 @@ class GuidedService:
 
     def on_global_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_GLOBAL_INT."""
-        self._take(message, origin, now_s, _GLOBAL_FRAMES, self._globe)
+        self._on_target(message, origin, now_s, _GLOBAL_FRAMES, self._global)
 
     def on_local_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_LOCAL_NED."""
-        self._take(message, origin, now_s, _LOCAL_FRAMES, self._local)
+        self._on_target(message, origin, now_s, _LOCAL_FRAMES, self._local)
 
     def on_attitude_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_ATTITUDE_TARGET: the quaternion's yaw or a body yaw rate, thrust as a share of top speed."""
@@ -110,7 +110,7 @@ class GuidedService:
             hold = HoldHeading(_yaw_rad(message.q), speed_m_s)
         self._hold(hold, origin, now_s)
 
-    def _take(
+    def _on_target(
         self,
         message: Message,
         origin: Origin,
@@ -130,13 +130,13 @@ class GuidedService:
         elif mask & _NO_ACCELERATION != _NO_ACCELERATION:
             self._tell(origin, "accelerations and forces are not supported", now_s)
         elif not mask & _NO_POSITION:
-            self._go(message, locate(message, nav), origin, now_s)
+            self._go_to(message, locate(message, nav), origin, now_s)
         elif (hold := _motion(message, nav)) is None:
             self._tell(origin, "neither position nor velocity nor yaw, or not a number", now_s)
         else:
             self._hold(hold, origin, now_s)
 
-    def _go(self, message: Message, position: LatLon | None, origin: Origin, now_s: float) -> None:
+    def _go_to(self, message: Message, position: LatLon | None, origin: Origin, now_s: float) -> None:
         """A position; a velocity beside it is the speed to go there with."""
         speed_m_s: float | None = None
         if not message.type_mask & _NO_VELOCITY:
@@ -167,10 +167,10 @@ class GuidedService:
         self._told_s = {one: at_s for one, at_s in self._told_s.items() if now_s - at_s < REPEAT_S}
         if len(self._told_s) < _MOST_REASONS:
             self._told_s[text] = now_s
-            self._texts.tell([StatusText(Severity.WARNING, text)])
+            self._texts.send([StatusText(Severity.WARNING, text)])
 
     @staticmethod
-    def _globe(message: Message, nav: NavState) -> LatLon | None:  # noqa: ARG004
+    def _global(message: Message, nav: NavState) -> LatLon | None:  # noqa: ARG004
         if message.lat_int == message.lon_int == 0:
             return None
         try:

@@ -57,7 +57,7 @@ class _Download:
         self.last_s = 0.0
         self.chunks_left = int(_LEAST_PER_TICK)  # until the next tick
 
-    def want(self, wanted: _Range, now_s: float) -> None:
+    def request(self, wanted: _Range, now_s: float) -> None:
         """Take a request.
 
         The tail of what is being sent, or just was, is on its way: MAVSDK asks for it at every chunk that
@@ -125,7 +125,7 @@ class LogService:
     def tick(self, now_s: float, load: float) -> None:
         """Go on with lists and downloads. load: the share of the tick that the boat needs for all it does."""
         if self._logbook is not None and self._logbook.onboard is not None:
-            self._texts.tell(self._logbook.onboard.take_notices())
+            self._texts.send(self._logbook.onboard.take_status_texts())
         if self._entries:
             for channel in list(self._entries):
                 self._send_entries(channel)
@@ -173,15 +173,15 @@ class LogService:
 
     def _on_request_data(self, message: Message, channel: int, now_s: float) -> None:
         if self._store is None or self._logbook is None:
-            self._say_nothing_there(channel, message)
+            self._send_empty(channel, message)
             return
         listed = self._listed.setdefault(channel, self._store.logs[-_MOST_LISTED:])
         if not listed or message.id > len(listed):
-            self._say_nothing_there(channel, message)
+            self._send_empty(channel, message)
             return
         file = self._current(listed[message.id - 1])
         if message.ofs > file.size_bytes or not file.size_bytes:
-            self._say_nothing_there(channel, message)
+            self._send_empty(channel, message)
             return
         download = self._downloads.get(channel)
         if download is None or download.number != message.id or download.reader.name != file.name:
@@ -189,10 +189,10 @@ class LogService:
             download = self._downloads[channel] = _Download(message.id, reader)
         end = message.ofs + message.count
         download.reader.refresh()
-        download.want(_Range(message.ofs, min(end, file.size_bytes), end > file.size_bytes), now_s)
+        download.request(_Range(message.ofs, min(end, file.size_bytes), end > file.size_bytes), now_s)
         self._send_chunks(channel, download, now_s)
 
-    def _say_nothing_there(self, channel: int, message: Message) -> None:
+    def _send_empty(self, channel: int, message: Message) -> None:
         """An empty chunk ends a download at once, where silence would have the station ask again."""
         self._outbox.send(channel, _chunk(message.id, message.ofs, b""))
 
@@ -215,14 +215,14 @@ class LogService:
 
     def _erase(self) -> None:
         if self._vehicle.armed:
-            self._texts.tell([StatusText(Severity.WARNING, "Logs are not erased while the boat is armed")])
+            self._texts.send([StatusText(Severity.WARNING, "Logs are not erased while the boat is armed")])
             return
         if self._store is not None and self._logbook is not None:
             self._downloads.clear()
             self._entries.clear()
             self._listed.clear()
             self._logbook.worker.submit(self._store.erase)
-            self._texts.tell([StatusText(Severity.NOTICE, "Logs erased")])
+            self._texts.send([StatusText(Severity.NOTICE, "Logs erased")])
 
 
 def _chunk(number: int, offset: int, piece: bytes) -> Message:

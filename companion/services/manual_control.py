@@ -76,16 +76,16 @@ class ManualControlService:
             self._helm_s = now_s
             return True
         if now_s - self._helm_s <= self._vehicle.config.failsafe.manual_timeout_s:
-            self._tell_busy(origin)
+            self._send_busy(origin)
             return False
         last, self._helm, self._helm_s = self._helm, origin, now_s
         self._told.clear()
         if last is not None and last.address != origin.address:
             text = f"Helm: {_name(origin)} has taken over from {_name(last)}"
-            self._texts.tell([StatusText(Severity.NOTICE, text)])
+            self._texts.send([StatusText(Severity.NOTICE, text)])
         return True
 
-    def _tell_busy(self, origin: Origin) -> None:
+    def _send_busy(self, origin: Origin) -> None:
         # The same address on another link is, in all likelihood, the same hand heard twice
         helm = self._helm
         if helm is None or origin.address == helm.address or origin in self._told:
@@ -93,7 +93,7 @@ class ManualControlService:
         if len(self._told) < _MOST_TOLD:
             self._told.add(origin)
             text = f"Helm: {_name(helm)} has it, your sticks are ignored"
-            self._texts.tell_one(origin.channel, StatusText(Severity.WARNING, text))
+            self._texts.send_to(origin.channel, StatusText(Severity.WARNING, text))
 
 
 def _name(origin: Origin) -> str:

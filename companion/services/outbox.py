@@ -54,7 +54,7 @@ class Outbox:
         self._bulk_bytes[channel] = self._bulk_bytes.get(channel, 0) + size_bytes
         self.send(channel, message)
 
-    def take(self) -> list[Outgoing]:
+    def drain(self) -> list[Outgoing]:
         """Empty the box."""
         if self._bulk_bytes:
             self._bulk_bytes = {}

@@ -42,7 +42,7 @@ class ParameterService:
     def on_request_list(self, origin: Origin) -> None:
         """PARAM_REQUEST_LIST: (re)start the list on the channel it came from."""
         self._listing[origin.channel] = deque(range(len(self._parameters.rows)))
-        self._go_on(origin.channel)
+        self._continue_list(origin.channel)
 
     def on_request_read(self, message: Message, origin: Origin) -> None:
         """PARAM_REQUEST_READ by index, or by name when the index is −1. What does not exist is not answered:
@@ -57,10 +57,10 @@ class ParameterService:
 
     def on_set(self, message: Message) -> None:
         """PARAM_SET: everyone hears the stored value, also when the change was refused."""
-        if reason := self.keep(_name(message.param_id), message.param_value):
-            self._texts.tell([StatusText(Severity.WARNING, reason)])
+        if reason := self.set(_name(message.param_id), message.param_value):
+            self._texts.send([StatusText(Severity.WARNING, reason)])
 
-    def keep(self, name: str, value: float) -> str:
+    def set(self, name: str, value: float) -> str:
         """Change one; everyone hears the value, and those of other names for the same setting, once the
         medium has them. Returns why not, empty if changed."""
         reason = self._parameters.set(name, value)
@@ -86,7 +86,7 @@ class ParameterService:
         self._parameters.reset()
         self._answer()
 
-    def take_file(self, file: bytes) -> None:
+    def set_from_file(self, file: bytes) -> None:
         """A packed file sets many at once; everyone hears the values that have changed.
 
         Raises:
@@ -95,14 +95,14 @@ class ParameterService:
         try:
             values = unpack_upload(file)
         except PackError as error:
-            self._texts.tell([StatusText(Severity.WARNING, f"Parameter file refused: {error}")])
+            self._texts.send([StatusText(Severity.WARNING, f"Parameter file refused: {error}")])
             raise Refusal(Code.FAIL) from None
         reasons = self._parameters.set_many(values)
         self._answer()
         told = reasons[:_NAMED_REASONS]
         if len(reasons) > len(told):
             told.append(f"{len(reasons) - len(told)} more parameters refused")
-        self._texts.tell([StatusText(Severity.WARNING, reason) for reason in told])
+        self._texts.send([StatusText(Severity.WARNING, reason) for reason in told])
 
     def forget(self, channel: int) -> None:
         """A channel has closed."""
@@ -115,9 +115,9 @@ class ParameterService:
         self._left = _LIST_PER_TICK
         if self._listing:
             for channel in list(self._listing):
-                self._go_on(channel)
+                self._continue_list(channel)
 
-    def _go_on(self, channel: int) -> None:
+    def _continue_list(self, channel: int) -> None:
         """Send of a list what the line has room for now."""
         queue = self._listing[channel]
         while queue and self._left > 0 and self._outbox.has_room(channel):
@@ -127,9 +127,9 @@ class ParameterService:
             del self._listing[channel]
 
     def _answer(self) -> None:
-        for values, counts, error in self._parameters.take_stored():
+        for values, counts, error in self._parameters.poll_saves():
             if error:
-                self._texts.tell([StatusText(Severity.ERROR, f"Parameters not stored: {error}")])
+                self._texts.send([StatusText(Severity.ERROR, f"Parameters not stored: {error}")])
             else:
                 self._losses.end(_STORED)
             for name, value in values.items():

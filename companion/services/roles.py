@@ -48,7 +48,7 @@ class Roles:
     def __init__(self) -> None:
         self._roles: OrderedDict[Address, Role] = OrderedDict()
 
-    def hear(self, heartbeat: Message, sender: Address, operator_system_id: int) -> Role:
+    def update(self, heartbeat: Message, sender: Address, operator_system_id: int) -> Role:
         """Somebody announces itself."""
         role = role_of(heartbeat, sender, operator_system_id)
         self._roles[sender] = role

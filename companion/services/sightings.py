@@ -3,7 +3,7 @@
 import math
 
 from companion.core.geo import LatLon
-from companion.core.requests import Sighting
+from companion.core.requests import OtherVehicle
 from companion.core.units import e7_to_deg
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Origin
@@ -16,7 +16,7 @@ _HAS_VELOCITY = 1 << 1  # FOLLOW_TARGET.est_capabilities: position, velocity, ac
 _HAS_ATTITUDE = 1 << 3
 
 
-class SightingService:
+class OtherVehicleService:
     """Turns their reports into requests; the vehicle knows whom it follows."""
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -28,16 +28,16 @@ class SightingService:
         north_m_s, east_m_s = message.vel[:2] if known & _HAS_VELOCITY else (0.0, 0.0)
         w, x, y, z = message.attitude_q
         heading = math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
-        self._see(message, origin, north_m_s, east_m_s, heading if known & _HAS_ATTITUDE else None)
+        self._request(message, origin, north_m_s, east_m_s, heading if known & _HAS_ATTITUDE else None)
 
     def on_global_position(self, message: Message, origin: Origin) -> None:
         """GLOBAL_POSITION_INT of another vehicle, or of a ground station whose operator walks about."""
         if origin.address.component not in _WHOLE_SYSTEMS:
             return
         heading = None if message.hdg == _UNKNOWN_HEADING else math.radians(message.hdg * 0.01)
-        self._see(message, origin, message.vx * 0.01, message.vy * 0.01, heading)
+        self._request(message, origin, message.vx * 0.01, message.vy * 0.01, heading)
 
-    def _see(
+    def _request(
         self, message: Message, origin: Origin, north_m_s: float, east_m_s: float, heading: float | None
     ) -> None:
         if message.lat == message.lon == 0 or not math.isfinite(north_m_s + east_m_s):
@@ -49,4 +49,4 @@ class SightingService:
         if heading is None or not math.isfinite(heading):
             moves = math.hypot(north_m_s, east_m_s) > _STILL_M_S
             heading = math.atan2(east_m_s, north_m_s) if moves else 0.0
-        self._vehicle.request(Sighting(origin.address.system, position, north_m_s, east_m_s, heading))
+        self._vehicle.request(OtherVehicle(origin.address.system, position, north_m_s, east_m_s, heading))

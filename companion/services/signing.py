@@ -62,7 +62,7 @@ class SigningService:
         name = opened.link.name
         if setting.signing != "off":
             signatory = self._store.signatory(setting.key_file)
-            opened.protect(Guard(signatory, setting.signing, channel, is_radio=policy.is_radio))
+            opened.set_guard(Guard(signatory, setting.signing, channel, is_radio=policy.is_radio))
             if setting.signing == "required" and signatory.key is None:
                 self._warn_once(f"{name} asks for signatures, but there is no key: it is deaf")
         if policy.is_radio and setting.signing != "required":
@@ -94,28 +94,28 @@ class SigningService:
         self._store.tick(unix_s)
         if now_s >= self._look_s:
             self._look_s = now_s + _LOOK_S
-            self._tell_saved()
-            self._complain(now_s)
+            self._report_saved()
+            self._warn_of_refused(now_s)
 
-    def _tell_saved(self) -> None:
+    def _report_saved(self) -> None:
         error = self._store.key_saved()
         if error is None:
             return
         what = "Signing key stored" if self._store.boat.key else "Signing key removed"
         if error:
-            self._texts.tell([StatusText(Severity.ERROR, f"Signing key not stored: {error}")])
+            self._texts.send([StatusText(Severity.ERROR, f"Signing key not stored: {error}")])
         else:
             for name in self._store.losses:
                 self._vehicle.losses.end(name)
-            self._texts.tell([StatusText(Severity.NOTICE, what)])
+            self._texts.send([StatusText(Severity.NOTICE, what)])
 
     def _refuse(self, reason: str, now_s: float) -> None:
         self.refused += 1
         if now_s >= self._refuse_s:
             self._refuse_s = now_s + _KEY_PAUSE_S
-            self._texts.tell([StatusText(Severity.WARNING, f"Signing key refused: {reason}")])
+            self._texts.send([StatusText(Severity.WARNING, f"Signing key refused: {reason}")])
 
-    def _complain(self, now_s: float) -> None:
+    def _warn_of_refused(self, now_s: float) -> None:
         """Say once for each link that messages were refused there: their sender may mean well."""
         if now_s < self._complain_s:
             return
@@ -129,11 +129,11 @@ class SigningService:
                 why = "not signed" if counters.unsigned else "not signed with our key, or out of date"
                 text = f"{channel.link.name}: messages refused, {why}"
                 logger.info(text)
-                self._texts.tell([StatusText(Severity.WARNING, text)])
+                self._texts.send([StatusText(Severity.WARNING, text)])
                 return
 
     def _warn_once(self, text: str) -> None:
         if text not in self._warned and len(self._warned) < _MAX_WARNINGS:
             self._warned.add(text)
             logger.warning(text)
-            self._texts.tell([StatusText(Severity.WARNING, text)])
+            self._texts.send([StatusText(Severity.WARNING, text)])

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from companion.config.boat_config import Arming, BoatConfig, Motors
+from companion.config.boat_config import Arming, BoatConfig, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
 from companion.rc.manual_input import Sticks
@@ -11,7 +11,7 @@ from companion.sensors.readings import BatteryReading, GnssFix
 
 def arming_faults(
     setting: Arming,
-    motors: Motors,
+    motors: MotorLimits,
     mode: Mode,
     nav: NavState | None,
     fix: GnssFix | None,

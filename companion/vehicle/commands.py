@@ -11,12 +11,12 @@ from companion.core.requests import (
     Disarm,
     GoTo,
     ManualInput,
+    OtherVehicle,
     Outcome,
     Request,
     SetCurrentItem,
     SetHome,
     SetPoint,
-    Sighting,
     StartMission,
 )
 
@@ -42,7 +42,7 @@ def carry_out(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
                 return _NOT_GUIDED
             conduct.hold(request, now_s)
             return ACCEPTED
-        case Sighting():
+        case OtherVehicle():
             is_lead = conduct.following.sight(request, vehicle.config.follow, now_s)
             return ACCEPTED if is_lead else _NOT_THE_LEAD
         case Arm(force):

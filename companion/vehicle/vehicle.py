@@ -55,7 +55,7 @@ class Vehicle:
         self._response = FailsafeActions(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
-        self.notices = self.conduct.notices  # for the operator, until `take_notices`
+        self.status_texts = self.conduct.status_texts  # for the operator, until `take_notices`
         self._now_s = 0.0
 
     @property
@@ -93,13 +93,13 @@ class Vehicle:
         self.nav, self.frame, self.fix, self.battery, self._now_s = nav, frame, fix, battery, now_s
         if self.home is None and nav is not None and frame is not None:
             self.home = frame.to_global(nav.point)
-        self.fence.lay(frame, self.home, self.config.fence)
+        self.fence.update(frame, self.home, self.config.fence)
         if nav is not None and frame is not None:
             self.conduct.prepare(frame, self.home, self.config, nav)
 
     def begin_elsewhere(self, far_m: float) -> None:
         """The boat was carried so far that positions are measured from another origin. Disarmed only."""
-        self.tell(Severity.NOTICE, f"Position: {far_m / 1e3:.0f} km from where the boat was, begun anew here")
+        self.notify(Severity.NOTICE, f"Position: {far_m / 1e3:.0f} km away, origin moved here")
         self.conduct.trail.begin(None)
         if not self._home_is_chosen:
             self.home = None
@@ -109,10 +109,10 @@ class Vehicle:
         if self.failsafes.is_due(self._now_s):
             self._response.watch(self._now_s)
         for text in self.losses.update(self._now_s):
-            self.tell(Severity.WARNING, text)
+            self.notify(Severity.WARNING, text)
         if not self.armed:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s, self.config.arming.repeat_s):
-                self.tell(Severity.CRITICAL, f"PreArm: {fault}")
+                self.notify(Severity.CRITICAL, f"PreArm: {fault}")
             return _STOP
         now = self._situation()
         if now is not None and not lacks_position(now.nav, self.config.motors.estimate_timeout_s):
@@ -130,7 +130,7 @@ class Vehicle:
         intent = self.conduct.decide(self.mode, now)
         if self.sails_mission_home and self.conduct.way_home.arrived:
             self.sails_mission_home = False
-            self.tell(Severity.NOTICE, "Mission complete")
+            self.notify(Severity.NOTICE, "Mission complete")
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
                 self.set_home(position)
@@ -138,13 +138,13 @@ class Vehicle:
                 return self._end_mission(intent, now)
         return intent
 
-    def take_notices(self) -> list[StatusText]:
+    def take_status_texts(self) -> list[StatusText]:
         """Lines for the operator since the last call."""
-        if not self.notices:
+        if not self.status_texts:
             return []
-        notices = self.notices.copy()
-        self.notices.clear()
-        return notices
+        status_texts = self.status_texts.copy()
+        self.status_texts.clear()
+        return status_texts
 
     # What stations ask
 
@@ -161,12 +161,12 @@ class Vehicle:
             self.enter(Mode.LOITER, "mission cleared")
         elif self.mode is Mode.AUTO and self.armed:
             what = f"goes on with item {self.progress.current_seq}" if goes_on else "begins at item 1"
-            self.tell(Severity.INFO, f"New mission {what}")
+            self.notify(Severity.INFO, f"New mission {what}")
 
     def take_fence(self, areas: Sequence[FenceArea]) -> None:
         """Swap in a new fence; it counts at once."""
-        self.fence.take(areas)
-        self.fence.lay(self.frame, self.home, self.config.fence)
+        self.fence.set_areas(areas)
+        self.fence.update(self.frame, self.home, self.config.fence)
         self._warn_of_rally_points()
 
     def take_rally(self, places: Sequence[LatLon]) -> None:
@@ -177,7 +177,7 @@ class Vehicle:
     def _warn_of_rally_points(self) -> None:
         for number, place in enumerate(self.conduct.way_home.rally):
             if self.frame is not None and not self.fence.allows(self.frame.to_local(place)):
-                self.tell(Severity.WARNING, f"Rally point {number} is outside the fence")
+                self.notify(Severity.WARNING, f"Rally point {number} is outside the fence")
 
     def home_distance_m(self, point: Point) -> float:
         """How far it is home by the water; infinite where there is no way."""
@@ -200,7 +200,7 @@ class Vehicle:
         """Something in the program has gone wrong: HOLD, or disarm. Told once, however often it happens."""
         if not self.armed or (self.mode is Mode.HOLD and not disarms):
             return
-        self.tell(Severity.CRITICAL, why)
+        self.notify(Severity.CRITICAL, why)
         self.drills.stop()
         if disarms:
             self.disarm("by the program")
@@ -219,7 +219,7 @@ class Vehicle:
             self.mode = mode
             self.sails_mission_home = False
             self.speed_m_s = None
-            self.tell(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
+            self.notify(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
             self.conduct.begin(mode, self._situation())
         return ACCEPTED
 
@@ -270,7 +270,7 @@ class Vehicle:
         if self.progress.go_home and self.enter(Mode.RTL, "mission item").accepted:
             self.sails_mission_home = True
             return self.conduct.decide(self.mode, now)
-        self.tell(Severity.NOTICE, "Mission complete")
+        self.notify(Severity.NOTICE, "Mission complete")
         if self.config.mission.done_behave == 0:
             self.enter(Mode.HOLD, "mission complete")
             return _STOP
@@ -284,7 +284,7 @@ class Vehicle:
         faults = self.arming_faults() if not force else [_RESTARTING] if self.is_restarting else []
         if faults:
             for fault in faults:
-                self.tell(Severity.CRITICAL, f"Arm: {fault}")
+                self.notify(Severity.CRITICAL, f"Arm: {fault}")
             return Outcome(False, faults[0])
         self.armed = True
         now = self._situation()
@@ -293,7 +293,7 @@ class Vehicle:
         self.conduct.sticks.release()
         self.conduct.trail.begin(None if self.estimate_fault() or self.nav is None else self.nav.point)
         self.conduct.begin(self.mode, now)
-        self.tell(Severity.INFO, "Armed")
+        self.notify(Severity.INFO, "Armed")
         return ACCEPTED
 
     def disarm(self, reason: str) -> Outcome:
@@ -301,7 +301,7 @@ class Vehicle:
         if self.armed:
             self.armed = False
             self.drills.reset()
-            self.tell(Severity.INFO, f"Disarmed {reason}")
+            self.notify(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 
     def set_home(self, position: LatLon | None) -> Outcome:
@@ -315,10 +315,10 @@ class Vehicle:
         self.home, self._home_is_chosen = position, True
         return ACCEPTED
 
-    def tell(self, severity: int, text: str) -> None:
-        self.notices.append(StatusText(severity, text))
+    def notify(self, severity: int, text: str) -> None:
+        self.status_texts.append(StatusText(severity, text))
 
     def refuse(self, reason: str) -> Outcome:
         """Say why a request is not carried out. Stations pop up an error; a warning they only list."""
-        self.tell(Severity.ERROR, reason)
+        self.notify(Severity.ERROR, reason)
         return Outcome(False, reason)

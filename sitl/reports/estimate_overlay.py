@@ -64,7 +64,7 @@ class EstimateOverlay:
         own = boat.estimator.frame
         if own is not None and own.origin is not self._origin:
             self._origin, self._shift = own.origin, self._frame.to_local(own.origin)
-        sonar = boat.senses.sonar
+        sonar = boat.sensors.sonar
         if sonar is not None and sonar.time_s != self._ping_s:
             self._ping_s = sonar.time_s
             nav = boat.nav

@@ -57,7 +57,7 @@ class Electronics:
         movers: Movers,
         left: Shaft,
         right: Shaft,
-        knobs: Sequence[ParameterHook] = (),
+        parameter_hooks: Sequence[ParameterHook] = (),
     ) -> None:
         """left and right: what the motors turn. knobs: parameters of the world around."""
         sensors, seed = scenario.sensors, scenario.seed
@@ -97,11 +97,11 @@ class Electronics:
             parts["sonar"] = SensorPart(self._sonar, seed)
         if self.rc is not None:
             parts["rc"] = SensorPart(self.rc, seed)
-        hull_knobs: tuple[ParameterHook, ...] = ()
+        hull_hooks: tuple[ParameterHook, ...] = ()
         if self._hull is not None:
             leak = LeakPart(self._hull)
             parts["leak"], parts["thermometer"] = leak, ThermometerPart(self._hull)
-            hull_knobs = HullParameters(self._hull, leak, sensors.hull).knobs
+            hull_hooks = HullParameters(self._hull, leak, sensors.hull).parameter_hooks
         self.faults = Faults(parts, scenario.faults)
         injection = Injection(self.faults)
         self.hardware = Hardware(
@@ -111,7 +111,11 @@ class Electronics:
             self._sonar,
             self._battery,
             faults=injection,
-            knobs=(*FaultParameters(self.faults, injection, scenario.frame).knobs, *hull_knobs, *knobs),
+            parameter_hooks=(
+                *FaultParameters(self.faults, injection, scenario.frame).parameter_hooks,
+                *hull_hooks,
+                *parameter_hooks,
+            ),
             hull=self._hull,
             rc=self.rc,
         )

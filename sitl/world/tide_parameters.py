@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from companion.config.parameters import Kind, ParameterHook, Row
+from companion.config.parameters import ParameterHook, ParameterRow, ParameterType
 from sitl.world.environment import Current
 
 
@@ -16,15 +16,17 @@ class TideParameters:
         self._current = current
         self._on_change = on_change
         self._speed_m_s = self._from_rad = 0.0
-        self.knobs = (
+        self.parameter_hooks = (
             ParameterHook(
-                Row("SIM_TIDE_SPEED", Kind.REAL32, "Tidal stream", unit="m/s", low=0.0, high=10.0),
+                ParameterRow(
+                    "SIM_TIDE_SPEED", ParameterType.REAL32, "Tidal stream", unit="m/s", low=0.0, high=10.0
+                ),
                 self._strengthen,
             ),
             ParameterHook(
-                Row(
+                ParameterRow(
                     "SIM_TIDE_DIR",
-                    Kind.REAL32,
+                    ParameterType.REAL32,
                     "Where the tidal stream comes from",
                     unit="deg",
                     low=-360.0,

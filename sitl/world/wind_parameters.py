@@ -2,7 +2,7 @@
 
 import math
 
-from companion.config.parameters import Kind, ParameterHook, Row
+from companion.config.parameters import ParameterHook, ParameterRow, ParameterType
 from sitl.world.environment import Environment, Wind
 
 
@@ -14,11 +14,11 @@ class WindParameters:
         self._mean_m_s = environment.wind_m_s
         self._from_rad = math.radians(environment.wind_from_deg)
         self._gust_m_s = max(0.0, environment.gust_m_s - environment.wind_m_s)
-        self.knobs = (
+        self.parameter_hooks = (
             ParameterHook(
-                Row(
+                ParameterRow(
                     "SIM_WIND_SPD",
-                    Kind.REAL32,
+                    ParameterType.REAL32,
                     "Mean wind at the hull",
                     default=environment.wind_m_s,
                     unit="m/s",
@@ -28,9 +28,9 @@ class WindParameters:
                 self._strengthen,
             ),
             ParameterHook(
-                Row(
+                ParameterRow(
                     "SIM_WIND_DIR",
-                    Kind.REAL32,
+                    ParameterType.REAL32,
                     "Where the wind comes from",
                     default=environment.wind_from_deg,
                     unit="deg",

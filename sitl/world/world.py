@@ -103,8 +103,8 @@ class World:
             self._thrusters.left,
             self._thrusters.right,
             (
-                *WindParameters(scenario.environment, self.wind).knobs,
-                *TideParameters(self._current, self._turn_tide).knobs,
+                *WindParameters(scenario.environment, self.wind).parameter_hooks,
+                *TideParameters(self._current, self._turn_tide).parameter_hooks,
             ),
         )
         self.hardware = self.electronics.hardware

@@ -202,7 +202,7 @@ class Capsized:
 
 def test_a_capsized_boat_stops_its_propellers() -> None:
     rig = under_way()
-    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=Capsized(rig.hardware.compass))
+    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=Capsized(rig.hardware.compass))
     told(rig, "Failsafe: Capsized", 4.0)
     assert not rig.boat.vehicle.armed
     rig.run(0.5)
@@ -239,4 +239,4 @@ def test_a_boat_turns_back_while_its_charge_still_takes_it_home(settings: tuple[
     assert rig.mode == "RTL"
     assert rig.world.truth.north_m > 60.0
     told(rig, "RTL: arrived", 400.0)
-    assert 0.4 * capacity_mah < rig.boat.senses.consumed_mah < capacity_mah
+    assert 0.4 * capacity_mah < rig.boat.sensors.consumed_mah < capacity_mah

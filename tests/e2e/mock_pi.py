@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 from gpiozero.pins.mock import MockFactory, MockPWMPin
 
 from companion.config.boat_config import BoatConfig
-from companion.config.parts import L298N
+from companion.config.parts import MotorsPart
 from companion.core.geo import LatLon
 from companion.hal.interfaces import Hardware
 from companion.hal.l298n import open_l298n
 from companion.sensors.readings import GnssFix, HeadingReading
 
-PINS = L298N(driver="l298n")
+PINS = MotorsPart(driver="l298n")
 LEGS = ((PINS.left_forward, PINS.left_backward), (PINS.right_forward, PINS.right_backward))
 ENABLES = (PINS.left_enable, PINS.right_enable)
 HERE = LatLon(50.0, -1.2)

@@ -26,7 +26,9 @@ pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
 
 CONTENT = bytes(range(256)) * 100 + b"the end"
-SERVED = len(ROWS) + len(World(load_scenario("open")).hardware.knobs)  # the emulator brings some along
+SERVED = len(ROWS) + len(
+    World(load_scenario("open")).hardware.parameter_hooks
+)  # the emulator brings some along
 
 
 def tell(client: str, what: str, seconds: float) -> None:

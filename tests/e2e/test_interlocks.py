@@ -134,7 +134,7 @@ def test_an_estimator_that_has_nothing_to_say_stops_the_motors(
 
 def test_receiver_and_compass_that_fall_silent_together_stop_the_motors(boat: PinnedBoat) -> None:
     boat.sail()
-    senses, rig = boat.rig.boat.senses, boat.rig
+    senses, rig = boat.rig.boat.sensors, boat.rig
     parts = {name: getattr(rig.hardware, name) for name in ("motors", "sonar", "battery", "hull", "rc")}
     senses._hardware = type(rig.hardware)(gnss=Silent(), compass=Silent(), **parts)
     boat.run(LOST_S)  # until the heading is lost too, a failsafe may keep the bow into the current

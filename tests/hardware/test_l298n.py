@@ -15,7 +15,7 @@ from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.hal.l298n import L298N, HalfBridgePair, open_l298n
 
-PINS = parts.L298N()
+PINS = parts.MotorsPart()
 LEGS = {PINS.left_forward: PINS.left_backward, PINS.right_forward: PINS.right_backward}
 OPPOSITE = LEGS | {backward: forward for forward, backward in LEGS.items()}
 ENABLE = {
@@ -56,7 +56,7 @@ class Board:
 
         self.factory = MockFactory(pin_class=RecordedPin)
 
-    def open(self, pins: parts.L298N = PINS) -> L298N:
+    def open(self, pins: parts.MotorsPart = PINS) -> L298N:
         bridge = open_l298n(pins, self.clock, self.factory)
         self.history.clear()
         return bridge
@@ -115,7 +115,7 @@ def test_each_side_and_direction_has_its_own_pins(board: Board) -> None:
 
 
 def test_a_reversed_motor_swaps_its_legs_only(board: Board) -> None:
-    bridge = board.open(parts.L298N(left_reversed=True))
+    bridge = board.open(parts.MotorsPart(left_reversed=True))
     bridge.write(0.5, 0.5)
     assert board.drain() == [
         (PINS.left_backward, 1.0),
@@ -134,7 +134,7 @@ def test_a_change_of_speed_touches_only_the_enable_pin(board: Board) -> None:
 
 
 def test_the_pwm_frequency_is_the_configured_one(board: Board) -> None:
-    bridge = board.open(parts.L298N(pwm_hz=400))
+    bridge = board.open(parts.MotorsPart(pwm_hz=400))
     assert board.pin(PINS.left_enable).frequency == 400
     assert board.pin(PINS.right_enable).frequency == 400
     bridge.close()
@@ -211,7 +211,7 @@ def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: Bo
 
 def test_a_pin_that_is_taken_gives_the_others_back(board: Board) -> None:
     with pytest.raises(HardwareError, match="pins cannot be opened"):
-        open_l298n(parts.L298N(right_backward=PINS.left_forward), board.clock, board.factory)
+        open_l298n(parts.MotorsPart(right_backward=PINS.left_forward), board.clock, board.factory)
     board.open().close()
 
 

@@ -38,7 +38,7 @@ class Line:
             message = request_of(sequence, opcode, payload[12:], session, offset, size)
             served.service.handle(message, STATION, self.now_s)
         served.service.tick(self.now_s)
-        for outgoing in served.outbox.take():
+        for outgoing in served.outbox.drain():
             if outgoing.message.get_type() == "FILE_TRANSFER_PROTOCOL":
                 self.down.send(bytes(outgoing.message.payload), self.now_s)
         return [reply_of(payload) for payload in self.down.receive(self.now_s)]

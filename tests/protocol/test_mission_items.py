@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 
 BOAT = Address(1, 1)
 INT32 = st.integers(-(2**31), 2**31 - 1)
@@ -102,10 +102,10 @@ def test_an_old_item_is_scaled_as_its_frame_asks(
 def test_an_old_item_without_a_position_is_a_fault_that_names_the_coordinate(frame: int, bad: float) -> None:
     x_fault = MissionItem.from_message(old_item(frame, bad, 0.0))
     y_fault = MissionItem.from_message(old_item(frame, 0.0, bad))
-    assert isinstance(x_fault, Fault)
+    assert isinstance(x_fault, ItemFault)
     assert x_fault.result is MissionResult.INVALID_PARAM5_X
     assert "x is" in x_fault.text
-    assert isinstance(y_fault, Fault)
+    assert isinstance(y_fault, ItemFault)
     assert y_fault.result is MissionResult.INVALID_PARAM6_Y
 
 

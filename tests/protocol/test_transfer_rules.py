@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Started, Transfer
@@ -254,8 +254,10 @@ def test_only_progress_puts_the_deadline_off() -> None:
 
 
 def test_an_item_that_the_owner_objects_to_ends_the_upload_with_its_reason() -> None:
-    def check(seq: int, item: MissionItem) -> Fault | None:
-        return Fault(MissionResult.UNSUPPORTED, f"command {item.command} is unknown") if seq == 1 else None
+    def check(seq: int, item: MissionItem) -> ItemFault | None:
+        return (
+            ItemFault(MissionResult.UNSUPPORTED, f"command {item.command} is unknown") if seq == 1 else None
+        )
 
     machine = Receiver(BOAT, MISSION, check=check)
     tell(machine, count(3), item(0), item(1))
@@ -355,7 +357,7 @@ def test_an_item_that_was_held_up_on_its_way_does_not_ask_for_the_last_acknowled
 
 
 def test_a_lost_refusal_is_given_again_for_the_item_that_it_was_for() -> None:
-    fault = Fault(MissionResult.INVALID, "no")
+    fault = ItemFault(MissionResult.INVALID, "no")
     machine = Receiver(BOAT, MISSION, check=lambda seq, _: fault if seq else None)
     tell(machine, count(3), item(0), item(1))
     machine.take_outbox()

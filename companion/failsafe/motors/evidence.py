@@ -141,7 +141,7 @@ class MotorEvidence:
         asymmetry: by which commands astern are enlarged for the thrust that is lost there.
         """
         self._spin(left, right, dt_s)
-        water_m_s = nav.surge_m_s - nav.set_along_m_s(nav.heading_rad)
+        water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
         share = min(dt_s / _SET_S, 1.0)
         self._set_north_m_s += share * (nav.current_north_m_s - self._set_north_m_s)
         self._set_east_m_s += share * (nav.current_east_m_s - self._set_east_m_s)

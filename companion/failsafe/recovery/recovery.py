@@ -57,7 +57,7 @@ class RecoveryManeuvers:
         rounds = refloat.rounds
         intent = refloat.intent(vehicle.nav, vehicle.fence, vehicle.config, now_s)
         if refloat.rounds > rounds:
-            vehicle.tell(Severity.WARNING, "Aground: motors rest, then it tries again")
+            vehicle.notify(Severity.WARNING, "Aground: motors rest, then it tries again")
         return intent
 
     def _clear(self, now_s: float) -> Intent:
@@ -72,7 +72,7 @@ class RecoveryManeuvers:
         before = probe.left, probe.right
         intent = probe.intent(self._vehicle.nav, signs.left, signs.right, now_s)
         if not probe.is_running:
-            self._vehicle.tell(Severity.WARNING, probe.found())
+            self._vehicle.notify(Severity.WARNING, probe.found())
             signs.lame = probe.fault()
             is_cleared = not probe.is_unclear and not probe.is_lame and before == (probe.left, probe.right)
             if is_cleared:

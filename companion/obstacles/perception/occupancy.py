@@ -15,7 +15,7 @@ from companion.core.geo import Point
 
 SOLID = 1.5  # looks, after what has leaked away
 SUSPECT = 0.5
-_MOST_LOOKS = 4.0
+_MAX_EVIDENCE = 4.0
 _DOUBTS = -1.0  # what a cell that was seen through goes on with before it is forgotten
 _THROUGH = 1.0  # looks that an echo from beyond takes away
 _SILENCE = 0.5  # and a beam without an echo: a smooth wall met at an angle sends none back
@@ -27,12 +27,12 @@ MAX_CELLS = 600
 class Cell:
     """A square of water. looks: evidence as of seen_s."""
 
-    __slots__ = ("east_m", "looks", "north_m", "seen_s")
+    __slots__ = ("east_m", "evidence", "north_m", "seen_s")
 
     def __init__(self, north_m: float, east_m: float, looks: float, seen_s: float) -> None:
         self.north_m = north_m
         self.east_m = east_m
-        self.looks = looks
+        self.evidence = looks
         self.seen_s = seen_s
 
 
@@ -70,7 +70,7 @@ class Occupancy:
         """memory_s: how long what was seen often is believed out of sight."""
         self.cell_m = cell_m
         self.version = 0
-        self._fade_s = memory_s / (_MOST_LOOKS - SOLID)  # in which one look leaks away
+        self._fade_s = memory_s / (_MAX_EVIDENCE - SOLID)  # in which one look leaks away
         self._cells: dict[tuple[int, int], Cell] = {}
 
     def __len__(self) -> int:
@@ -85,18 +85,18 @@ class Occupancy:
     def add(self, beam: Beam) -> None:
         """Take a look."""
         if self._cells:
-            self._look_through(beam)
+            self._clear_beam(beam)
         if beam.range_m <= beam.reach_m:
             self._mark(beam)
 
-    def looks(self, point: Point, now_s: float) -> float | None:
+    def evidence_at(self, point: Point, now_s: float) -> float | None:
         """The evidence for something at a place, negative where it was seen through; None: none ever."""
         cell = self._cells.get(
             (math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m))
         )
-        return None if cell is None else self._left(cell, now_s)
+        return None if cell is None else self._decayed(cell, now_s)
 
-    def things(self, now_s: float, least: float = SOLID) -> list[Point]:
+    def obstacles(self, now_s: float, least: float = SOLID) -> list[Point]:
         """The centres of the cells that at least so many looks speak for."""
         if not self._cells:
             return []
@@ -104,7 +104,7 @@ class Occupancy:
         return [
             Point(cell.north_m, cell.east_m)
             for cell in self._cells.values()
-            if cell.looks - (now_s - cell.seen_s) / fade_s >= least
+            if cell.evidence - (now_s - cell.seen_s) / fade_s >= least
         ]
 
     def is_near(self, at: Point, reach_m: float) -> bool:
@@ -122,18 +122,18 @@ class Occupancy:
             for key, cell in self._cells.items()
             if abs(cell.north_m - at.north_m) > reach_m
             or abs(cell.east_m - at.east_m) > reach_m
-            or abs(cell.looks) <= (now_s - cell.seen_s) / self._fade_s
-            or (cell.looks < SOLID and now_s - cell.seen_s > _SECOND_LOOK_S)
+            or abs(cell.evidence) <= (now_s - cell.seen_s) / self._fade_s
+            or (cell.evidence < SOLID and now_s - cell.seen_s > _SECOND_LOOK_S)
         ]
         for key in gone:
             del self._cells[key]
         self.version += bool(gone)
 
-    def _left(self, cell: Cell, now_s: float) -> float:
+    def _decayed(self, cell: Cell, now_s: float) -> float:
         leaked = (now_s - cell.seen_s) / self._fade_s
-        return max(cell.looks - leaked, 0.0) if cell.looks > 0.0 else min(cell.looks + leaked, 0.0)
+        return max(cell.evidence - leaked, 0.0) if cell.evidence > 0.0 else min(cell.evidence + leaked, 0.0)
 
-    def _look_through(self, beam: Beam) -> None:
+    def _clear_beam(self, beam: Beam) -> None:
         """What stands well before the echo, in the core of the beam, was seen through."""
         is_echo = beam.range_m <= beam.reach_m
         clear_m = (beam.range_m if is_echo else beam.reach_m) - self.cell_m
@@ -148,7 +148,7 @@ class Occupancy:
             if 0.0 < along < clear_m:
                 distance = math.sqrt(north * north + east * east)
                 if distance < clear_m and along > edge * distance:
-                    cell.looks = max(self._left(cell, beam.time_s) - taken, _DOUBTS)
+                    cell.evidence = max(self._decayed(cell, beam.time_s) - taken, _DOUBTS)
                     cell.seen_s = beam.time_s
                     self.version += 1
 
@@ -162,24 +162,24 @@ class Occupancy:
             row = math.floor((beam.north_m + beam.range_m * math.cos(bearing)) / side)
             column = math.floor((beam.east_m + beam.range_m * math.sin(bearing)) / side)
             cell = cells.get((row, column))
-            if cell is not None and cell.seen_s == beam.time_s and cell.looks > 0.0:
+            if cell is not None and cell.seen_s == beam.time_s and cell.evidence > 0.0:
                 continue  # the arc has been here
-            looks = min(self._seen_before(row, column, beam.time_s) + 1.0, _MOST_LOOKS)
+            looks = min(self._earlier_evidence(row, column, beam.time_s) + 1.0, _MAX_EVIDENCE)
             if cell is None:
                 if len(cells) >= MAX_CELLS:
                     del cells[next(iter(cells))]
                 centre_n, centre_e = (row + 0.5) * side, (column + 0.5) * side
                 cells[row, column] = Cell(centre_n, centre_e, looks, beam.time_s)
             else:
-                cell.looks, cell.seen_s = looks, beam.time_s
+                cell.evidence, cell.seen_s = looks, beam.time_s
         self.version += 1
 
-    def _seen_before(self, row: int, column: int, now_s: float) -> float:
+    def _earlier_evidence(self, row: int, column: int, now_s: float) -> float:
         """The evidence of earlier looks for a cell or, since ranges and positions are noisy, a neighbour."""
         best = 0.0
         for near_row in (row - 1, row, row + 1):
             for near_column in (column - 1, column, column + 1):
                 cell = self._cells.get((near_row, near_column))
                 if cell is not None and cell.seen_s != now_s:
-                    best = max(best, self._left(cell, now_s))
+                    best = max(best, self._decayed(cell, now_s))
         return best

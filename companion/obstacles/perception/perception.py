@@ -8,12 +8,12 @@ boat's own that talks nonsense is not believed, and what it has said is forgotte
 import math
 from collections.abc import Sequence
 
-from companion.config.avoidance import Avoidance
+from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
-from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector, is_puzzling
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector, is_unclassified
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 from companion.sensors.readings import SonarReading
@@ -32,7 +32,7 @@ class ObstaclePerception:
     """
 
     __slots__ = (
-        "_babble",
+        "_noise",
         "_setting",
         "_silence",
         "_tidy_s",
@@ -44,11 +44,11 @@ class ObstaclePerception:
         "tracks",
     )  # fmt: skip
 
-    def __init__(self, setting: Avoidance) -> None:
+    def __init__(self, setting: AvoidanceSetting) -> None:
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
         self.tracks = ObstacleTracks(setting.margin_m)
         self.dropped = 0
-        self._babble = SonarNoiseMonitor()
+        self._noise = SonarNoiseMonitor()
         self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
         self.heard_s = -math.inf
         self.sector: Sector = ALL_ROUND
@@ -57,9 +57,9 @@ class ObstaclePerception:
         self._tidy_s = 0.0
 
     @property
-    def is_babbling(self) -> bool:
+    def is_noisy(self) -> bool:
         """Whether the boat's own ranger talks nonsense."""
-        return self._babble.is_babbling
+        return self._noise.is_noisy
 
     @property
     def is_empty(self) -> bool:
@@ -70,11 +70,11 @@ class ObstaclePerception:
         """Whether anything is known to be within sight of a place."""
         return not self.is_empty and self.occupancy.is_near(at, self.reach_m + self._setting.margin_m)
 
-    def take(
+    def ingest(
         self,
         pings: Sequence[tuple[SonarReading, float | None]],
         nav: NavState | None,
-        setting: Avoidance,
+        setting: AvoidanceSetting,
         now_s: float,
     ) -> None:
         """Take the tick's pings, each with the width of its beam in rad; None is the boat's own ranger's."""
@@ -82,7 +82,7 @@ class ObstaclePerception:
             self._change(setting)
         is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > STALE_POSE_S
         for ping, width_rad in pings:
-            if width_rad is None and self._is_nonsense(ping):
+            if width_rad is None and self._is_noise(ping):
                 self.dropped += 1
                 continue
             if ping.range_m is None and self.is_empty and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
@@ -102,8 +102,8 @@ class ObstaclePerception:
                 continue
             self.reach_m, self.heard_s = beam.reach_m, beam.time_s
             self._add(beam)
-        if nav is not None and setting.is_looking_out:
-            is_open = self.is_empty or not self.occupancy.things(now_s)
+        if nav is not None and setting.avoids_obstacles:
+            is_open = self.is_empty or not self.occupancy.obstacles(now_s)
             self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, is_open=is_open)
         if nav is not None and now_s >= self._tidy_s and not self.is_empty:
             self._tidy_s = now_s + _TIDY_S
@@ -111,33 +111,33 @@ class ObstaclePerception:
 
     def solid(self, now_s: float) -> list[Point]:
         """What surely lies there, as cells' centres. What moves is there as well, as it was seen."""
-        return self.occupancy.things(now_s)
+        return self.occupancy.obstacles(now_s)
 
     def suspects(self, now_s: float) -> list[Point]:
         """The same with what was seen only once."""
-        return self.occupancy.things(now_s, SUSPECT)
+        return self.occupancy.obstacles(now_s, SUSPECT)
 
     def movers(self, now_s: float) -> list[Track]:
         """What is known to move."""
         return self.tracks.movers(now_s)
 
-    def is_puzzled(self, now_s: float) -> bool:
+    def has_unclassified(self, now_s: float) -> bool:
         """Whether it looks closer at something that may turn out to move."""
-        return any(is_puzzling(track, now_s) for track in self.tracks.all)
+        return any(is_unclassified(track, now_s) for track in self.tracks.all)
 
     def _add(self, beam: Beam | None) -> None:
         if beam is not None:
             self.occupancy.add(beam)
             self.tracks.add(beam, self.occupancy)
 
-    def _is_nonsense(self, ping: SonarReading) -> bool:
-        was_babbling = self._babble.is_babbling
-        self._babble.update(ping.range_m, ping.max_range_m)
-        if self._babble.is_babbling and not was_babbling:
+    def _is_noise(self, ping: SonarReading) -> bool:
+        was_babbling = self._noise.is_noisy
+        self._noise.update(ping.range_m, ping.max_range_m)
+        if self._noise.is_noisy and not was_babbling:
             self._forget()
-        return self._babble.is_babbling
+        return self._noise.is_noisy
 
-    def _change(self, setting: Avoidance) -> None:
+    def _change(self, setting: AvoidanceSetting) -> None:
         is_other = (setting.margin_m, setting.memory_s) != (self._setting.margin_m, self._setting.memory_s)
         self._setting = setting
         if is_other:
@@ -150,7 +150,7 @@ class ObstaclePerception:
 
 
 def _beam(
-    ping: SonarReading, width_rad: float, nav: NavState, setting: Avoidance, now_s: float
+    ping: SonarReading, width_rad: float, nav: NavState, setting: AvoidanceSetting, now_s: float
 ) -> Beam | None:
     """The ping in the local frame, from where the boat was at its time; None if it cannot be."""
     age_s = now_s - ping.time_s

@@ -19,7 +19,7 @@ class ServoScan:
         self._sector = (0, len(self._bearings_rad) - 1)
         self.bearing_rad = self._bearings_rad[0]
 
-    def look(self, port_rad: float, starboard_rad: float) -> None:
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """From now on between these bearings, as far as the part goes; at the nearest one if none is."""
         bearings = self._bearings_rad
         inside = [n for n, bearing in enumerate(bearings) if port_rad <= bearing <= starboard_rad]

@@ -24,7 +24,7 @@ class SonarNoiseMonitor:
         self._leaps = Recurrence(_SHARE, _TOO_OFTEN, _SELDOM)  # from one echo to another
 
     @property
-    def is_babbling(self) -> bool:
+    def is_noisy(self) -> bool:
         """Whether the pings are not to be believed."""
         return self._leaps.is_often
 

@@ -45,7 +45,7 @@ def choose_sector(
         if track.is_mover:
             if unseen_s > _WATCHED_S:
                 continue
-        elif not is_puzzling(track, now_s):
+        elif not is_unclassified(track, now_s):
             continue
         distance_m = track.distance_m(nav.point, now_s)
         at = track.point(now_s)
@@ -64,7 +64,11 @@ def choose_sector(
     return Sector(min(about.port_rad, -_ABOUT_RAD), max(about.starboard_rad, _ABOUT_RAD))
 
 
-def is_puzzling(track: Track, now_s: float) -> bool:
+def is_unclassified(track: Track, now_s: float) -> bool:
     """Whether it may turn out to move: it is new, and stands alone as far as was seen."""
-    is_new = track.looks < _NEW_LOOKS and now_s - track.begun_s < _NEW_S and now_s - track.seen_s < _AGAIN_S
-    return is_new and not track.is_mover and (track.alone > 0 or track.is_cut_off)
+    is_new = (
+        track.observations < _NEW_LOOKS
+        and now_s - track.created_s < _NEW_S
+        and now_s - track.seen_s < _AGAIN_S
+    )
+    return is_new and not track.is_mover and (track.isolated_count > 0 or track.is_cut_off)

@@ -46,13 +46,13 @@ class Track:
         "_state",
         "_time_s",
         "_trail",
-        "alone",
-        "begun_s",
+        "created_s",
         "is_cut_off",
-        "is_likely",
+        "is_likely_mover",
         "is_mover",
-        "looks",
+        "isolated_count",
         "number",
+        "observations",
         "radius_m",
         "seen_s",
     )
@@ -60,13 +60,13 @@ class Track:
     def __init__(self, number: int, seen_s: float, at: Point, radius_m: float) -> None:
         """Begin at rest, with all doubt; the first look is taken in by `correct` as every other."""
         self.number = number
-        self.begun_s = self.seen_s = self._time_s = seen_s
+        self.created_s = self.seen_s = self._time_s = seen_s
         self.radius_m = radius_m
-        self.looks = 1
-        self.alone = 0  # looks that have heard free water on either side of it
+        self.observations = 1
+        self.isolated_count = 0  # looks that have heard free water on either side of it
         self.is_cut_off = False  # the last look has not passed over both its edges
         self.is_mover = False
-        self.is_likely = False  # it moves, or most likely does
+        self.is_likely_mover = False  # it moves, or most likely does
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
         place, pace = _ANYWHERE_M2, _ANY_PACE_M2_S2
@@ -121,7 +121,7 @@ class Track:
 
     def point(self, now_s: float) -> Point:
         """Where it is, or will be; what is not known to move is where it was seen."""
-        ahead_s, state = now_s - self._time_s if self.is_likely else 0.0, self._state
+        ahead_s, state = now_s - self._time_s if self.is_likely_mover else 0.0, self._state
         return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
 
     def distance_m(self, boat: Point, now_s: float) -> float:
@@ -167,7 +167,7 @@ class Track:
             p[axis + 2][axis + 2] += q
         self._time_s = now_s
 
-    def surprise(self, at: Point, north: float, east: float, sigma_m: float) -> float:
+    def deviation_sigmas(self, at: Point, north: float, east: float, sigma_m: float) -> float:
         """How far off a place is along a direction, in standard deviations of what was to be expected."""
         p = self._covariance
         variance = north * north * p[0][0] + 2.0 * north * east * p[0][1] + east * east * p[1][1]
@@ -186,40 +186,44 @@ class Track:
             for j in range(4):
                 p[i][j] -= gain * cross[j]
 
-    def keep(self, radius_m: float, beam_n: float, beam_e: float, *, is_alone: bool = True) -> None:
+    def complete_observation(
+        self, radius_m: float, beam_n: float, beam_e: float, *, is_alone: bool = True
+    ) -> None:
         """A look is complete; the beam's direction is from the boat to the thing. is_alone: the beams on
         either side of it have heard free water.
         """
-        self.looks += 1
-        self.alone += is_alone
+        self.observations += 1
+        self.isolated_count += is_alone
         self.seen_s = self._time_s
         self.radius_m = max(radius_m, 0.8 * self.radius_m)
         self._beam_n, self._beam_e = beam_n, beam_e
         self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
 
-    def judge(self, occupancy: Occupancy, least_m_s: float, now_s: float, *, is_small: bool = True) -> None:
+    def classify(
+        self, occupancy: Occupancy, least_m_s: float, now_s: float, *, is_small: bool = True
+    ) -> None:
         """Decide whether it moves. is_small: its near side is about where its middle is."""
         speed, sigma = self.speed_m_s, self.speed_sigma_m_s
         if self.is_mover:
             self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
-        elif speed < FASTEST * least_m_s and self.alone:
-            self.is_mover = self._must_move(occupancy, speed, least_m_s, now_s, is_small=is_small)
+        elif speed < FASTEST * least_m_s and self.isolated_count:
+            self.is_mover = self._is_moving(occupancy, speed, least_m_s, now_s, is_small=is_small)
         is_fast = max(LIKELY_SIGMAS * sigma, _SLIDES * least_m_s) < speed < FASTEST * least_m_s
-        is_alone = is_small and self.alone >= LEAST_LOOKS and now_s - self.begun_s < _YOUNG_S
-        self.is_likely = self.is_mover or (is_alone and is_fast)
+        is_alone = is_small and self.isolated_count >= LEAST_LOOKS and now_s - self.created_s < _YOUNG_S
+        self.is_likely_mover = self.is_mover or (is_alone and is_fast)
 
-    def _must_move(
+    def _is_moving(
         self, occupancy: Occupancy, speed_m_s: float, least_m_s: float, now_s: float, *, is_small: bool
     ) -> bool:
         sigma = self.speed_sigma_m_s
-        if self.alone >= LEAST_LOOKS and self._comes_surely(least_m_s):
+        if self.isolated_count >= LEAST_LOOKS and self._is_approaching(least_m_s):
             return True
-        if is_small and self.alone >= ALONE_LOOKS and self._goes_steadily(speed_m_s, now_s):
+        if is_small and self.isolated_count >= ALONE_LOOKS and self._moves_steadily(speed_m_s, now_s):
             return speed_m_s > max(ALONE_SIGMAS * sigma, _SLIDES * least_m_s)
-        is_sure = self.looks > LEAST_LOOKS and speed_m_s > max(SURE_SIGMAS * sigma, least_m_s)
+        is_sure = self.observations > LEAST_LOOKS and speed_m_s > max(SURE_SIGMAS * sigma, least_m_s)
         return is_sure and self._has_left(occupancy, now_s)
 
-    def _goes_steadily(self, speed_m_s: float, now_s: float) -> bool:
+    def _moves_steadily(self, speed_m_s: float, now_s: float) -> bool:
         """Whether each of the last looks found it farther on its way: a rock taken for another leaps once."""
         last = list(self._trail)[-_STEADY_LOOKS:]
         if len(last) < _STEADY_LOOKS or now_s - last[0][0] > _AT_A_STRETCH_S or speed_m_s <= 0.0:
@@ -231,7 +235,7 @@ class Track:
                 return False
         return True
 
-    def _comes_surely(self, least_m_s: float) -> bool:
+    def _is_approaching(self, least_m_s: float) -> bool:
         """Whether it comes towards the boat over ground."""
         north, east = self._beam_n, self._beam_e
         towards = -(self._state[2] * north + self._state[3] * east)
@@ -240,6 +244,6 @@ class Track:
     def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
         """Whether it was seen through in most of the places where it has been."""
         places = [place for time_s, place in self._trail if now_s - time_s >= _LATELY_S]
-        looks = [occupancy.looks(place, now_s) for place in places]
+        looks = [occupancy.evidence_at(place, now_s) for place in places]
         gone = sum(1 for left in looks if left is not None and left <= 0.0)
         return gone >= LEAST_GONE and 2 * gone > len(places)

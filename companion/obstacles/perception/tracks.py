@@ -62,7 +62,7 @@ class ObstacleTracks:
             return []
         if any(now_s - track.seen_s > LOST_S for track in self.all):
             self.all = [track for track in self.all if now_s - track.seen_s <= LOST_S]
-        return [track for track in self.all if track.looks > 1]
+        return [track for track in self.all if track.observations > 1]
 
     def movers(self, now_s: float) -> list[Track]:
         """What is known to move."""
@@ -73,7 +73,7 @@ class ObstacleTracks:
         return [
             track
             for track in self.known(now_s)
-            if track.is_mover or (track.is_likely and now_s - track.seen_s < _AGAIN_S)
+            if track.is_mover or (track.is_likely_mover and now_s - track.seen_s < _AGAIN_S)
         ]
 
     def _is_of_group(self, beam: Beam) -> bool:
@@ -129,11 +129,11 @@ class ObstacleTracks:
             track.correct(at, -ahead_e, ahead_n, across_m)
         track.is_cut_off = not is_whole
         if is_new:
-            track.alone = int(is_alone)
+            track.isolated_count = int(is_alone)
             return
-        track.keep(radius_m, ahead_n, ahead_e, is_alone=is_alone)
+        track.complete_observation(radius_m, ahead_n, ahead_e, is_alone=is_alone)
         is_small = track.radius_m < _SMALL * self._scale_m
-        track.judge(occupancy, _LEAST_PACE * self._scale_m, nearest.time_s, is_small=is_small)
+        track.classify(occupancy, _LEAST_PACE * self._scale_m, nearest.time_s, is_small=is_small)
 
     def _find(
         self, at: Point, time_s: float, ahead: tuple[float, float], along_m: float, across_m: float
@@ -145,8 +145,8 @@ class ObstacleTracks:
             track.predict(time_s, _ACCEL * self._scale_m)
             size_m = 0.5 * track.radius_m
             surprise = math.hypot(
-                track.surprise(at, north, east, math.hypot(along_m, size_m)),
-                track.surprise(at, -east, north, math.hypot(across_m, size_m)),
+                track.deviation_sigmas(at, north, east, math.hypot(along_m, size_m)),
+                track.deviation_sigmas(at, -east, north, math.hypot(across_m, size_m)),
             )
             if surprise < least:
                 found, least = track, surprise
@@ -154,7 +154,7 @@ class ObstacleTracks:
 
     def _begin(self, time_s: float, at: Point, radius_m: float) -> Track:
         if len(self.all) >= MAX_TRACKS:
-            self.all.remove(min(self.all, key=_last_look_s))
+            self.all.remove(min(self.all, key=_last_seen_s))
         track = Track(self._next_number, time_s, at, radius_m)
         self.all.append(track)
         self._next_number += 1
@@ -182,5 +182,5 @@ def _is_beside(first: Beam, then: Beam) -> bool:
     )
 
 
-def _last_look_s(track: Track) -> float:
+def _last_seen_s(track: Track) -> float:
     return track.seen_s

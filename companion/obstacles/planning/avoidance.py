@@ -27,7 +27,7 @@ from companion.obstacles.planning.breadcrumbs import Breadcrumbs
 from companion.obstacles.planning.detour import STARBOARD, Detour
 from companion.obstacles.planning.detour_history import DetourHistory
 from companion.obstacles.planning.free_space import Bounds
-from companion.obstacles.planning.moving_obstacles import MovingObstacleAvoidance, choose_passing
+from companion.obstacles.planning.moving_obstacles import EvasiveManeuver, choose_maneuver
 from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop
 from companion.obstacles.planning.scene import HULL, Scene
 
@@ -57,33 +57,33 @@ class Avoidance:
 
     __slots__ = (
         "_back_s",
+        "_breadcrumbs",
         "_detour",
         "_due_s",
-        "_given",
-        "_has_told",
-        "_instead",
-        "_notices",
-        "_passing",
+        "_has_notified",
+        "_history",
+        "_last_intent",
+        "_maneuver",
+        "_override",
         "_retry_s",
         "_station",
-        "_tries",
-        "_wake",
+        "_status_texts",
         "safe_speed",
         "stage",
     )
 
-    def __init__(self, notices: list[StatusText]) -> None:
+    def __init__(self, status_texts: list[StatusText]) -> None:
         self.stage = Stage.CLEAR
         self.safe_speed = SafeSpeed()
-        self._notices = notices
+        self._status_texts = status_texts
         self._detour: Detour | None = None
-        self._tries = DetourHistory()
-        self._wake = Breadcrumbs()
-        self._given: Intent | None = None
-        self._instead: Intent | None = None
+        self._history = DetourHistory()
+        self._breadcrumbs = Breadcrumbs()
+        self._last_intent: Intent | None = None
+        self._override: Intent | None = None
         self._due_s = 0.0
-        self._passing: MovingObstacleAvoidance | None = None
-        self._has_told = False
+        self._maneuver: EvasiveManeuver | None = None
+        self._has_notified = False
         self._back_s = 0.0
         self._retry_s = 0.0
         self._station: KeepStation | None = None  # while it is blocked
@@ -92,15 +92,15 @@ class Avoidance:
         """Forget what it was doing."""
         self.stage = Stage.CLEAR
         self.safe_speed.forget()
-        self._detour = self._given = self._instead = self._passing = None
-        self._tries.forget()
+        self._detour = self._last_intent = self._override = self._maneuver = None
+        self._history.forget()
 
     def update(
         self,
         intent: Intent,
         nav: NavState | None,
         config: BoatConfig,
-        lookout: ObstaclePerception,
+        perception: ObstaclePerception,
         bounds: Bounds,
         *,
         is_by_hand: bool,
@@ -108,123 +108,139 @@ class Avoidance:
     ) -> Intent:
         """What to sail instead of an intent; most of the time the intent itself."""
         setting = config.avoidance
-        if lookout.is_empty and self.stage is Stage.CLEAR and not self._is_wary(setting.by_sight, nav):
-            self.safe_speed.free()
+        if (
+            perception.is_empty
+            and self.stage is Stage.CLEAR
+            and not self._is_sight_limited(setting.by_sight, nav)
+        ):
+            self.safe_speed.clear()
             return intent
-        is_off = not setting.is_looking_out or (is_by_hand and not setting.by_hand)
+        is_off = not setting.avoids_obstacles or (is_by_hand and not setting.by_hand)
         if nav is None or is_off or isinstance(intent, Stop):
-            if self._given is not None:
+            if self._last_intent is not None:
                 self.reset()
             return intent
-        is_far = self.stage is Stage.CLEAR and not lookout.is_near(nav.point)
-        if is_far and not self._is_wary(setting.by_sight, nav):
-            self.safe_speed.free()
+        is_far = self.stage is Stage.CLEAR and not perception.is_near(nav.point)
+        if is_far and not self._is_sight_limited(setting.by_sight, nav):
+            self.safe_speed.clear()
             return intent
-        if now_s >= self._due_s or type(intent) is not type(self._given):
+        if now_s >= self._due_s or type(intent) is not type(self._last_intent):
             self._due_s = now_s + PERIOD_S
-            if not _is_same_goal(intent, self._given):
-                self._tries.forget()
+            if not _is_same_goal(intent, self._last_intent):
+                self._history.forget()
                 self._detour, self.stage = None, Stage.CLEAR
-            self._given = intent
-            scene = Scene(intent, nav, config, lookout, bounds, now_s)
-            self.safe_speed.look(scene, lookout)
-            self._instead = None if is_by_hand else self._let_pass(scene, lookout, self._decide(scene))
-        return intent if self._instead is None else self._instead
+            self._last_intent = intent
+            scene = Scene(intent, nav, config, perception, bounds, now_s)
+            self.safe_speed.update(scene, perception)
+            self._override = (
+                None if is_by_hand else self._avoid_movers(scene, perception, self._decide(scene))
+            )
+        return intent if self._override is None else self._override
 
     # How
 
-    def _is_wary(self, by_sight: int, nav: NavState | None) -> bool:
-        return by_sight > 0 and nav is not None and self.safe_speed.goes_by_sight(by_sight, nav.point)
+    def _is_sight_limited(self, by_sight: int, nav: NavState | None) -> bool:
+        return by_sight > 0 and nav is not None and self.safe_speed.is_sight_limited(by_sight, nav.point)
 
     def _decide(self, scene: Scene) -> Intent | None:
         """What to sail instead of an intent, None for nothing else."""
-        self._wake.keep(scene.here, scene.margin_m)
+        self._breadcrumbs.add(scene.here, scene.margin_m)
         if self.stage is Stage.BLOCKED:
             return self._wait(scene)
         if self._detour is not None:
-            return self._go_on(scene, self._detour)
+            return self._continue_detour(scene, self._detour)
         guidance = scene.config.guidance
-        slow_m = scene.way_m(scene.things)
+        slow_m = scene.clear_path_m(scene.obstacles)
         if slow_m < math.inf:
-            allowed = scene.stopping_m_s(slow_m)
-            self.safe_speed.lower(max(allowed, guidance.min_speed_m_s))
-        free_m = scene.way_m(scene.solid)
+            allowed = scene.stopping_speed_m_s(slow_m)
+            self.safe_speed.reduce_to(max(allowed, guidance.min_speed_m_s))
+        free_m = scene.clear_path_m(scene.solid)
         if free_m == math.inf:
-            is_shut_in = scene.motion_m() < math.inf
-            return scene.stop() if is_shut_in and scene.must_stop_to_turn(scene.wanted(None)[0]) else None
+            is_shut_in = scene.room_ahead_m() < math.inf
+            return (
+                scene.stop()
+                if is_shut_in and scene.must_stop_to_turn(scene.desired_course_and_speed(None)[0])
+                else None
+            )
         if not scene.config.avoidance.goes_round or isinstance(scene.intent, HoldTurn):
-            return self._halt(scene, free_m)
-        if scene.is_puzzling and free_m > _PUZZLES * scene.margin_m:
-            self.safe_speed.lower(guidance.min_speed_m_s)
+            return self._stop_before(scene, free_m)
+        if scene.has_unclassified and free_m > _PUZZLES * scene.margin_m:
+            self.safe_speed.reduce_to(guidance.min_speed_m_s)
             return None
-        return self._begin(scene)
+        return self._start_detour(scene)
 
-    def _let_pass(self, scene: Scene, lookout: ObstaclePerception, instead: Intent | None) -> Intent | None:
+    def _avoid_movers(
+        self, scene: Scene, perception: ObstaclePerception, instead: Intent | None
+    ) -> Intent | None:
         """Of what lies still the boat keeps clear already; now what moves."""
         if scene.movers:
-            course, speed = scene.wanted(instead)
-            if self._is_wary(scene.config.avoidance.by_sight, scene.nav):
-                speed = min(speed, scene.sighted_m_s(lookout))
-            self._passing = choose_passing(scene, course, speed, self._passing)
+            course, speed = scene.desired_course_and_speed(instead)
+            if self._is_sight_limited(scene.config.avoidance.by_sight, scene.nav):
+                speed = min(speed, scene.sight_limited_speed_m_s(perception))
+            self._maneuver = choose_maneuver(scene, course, speed, self._maneuver)
         else:
-            self._passing = None
-        if self._passing is None:
+            self._maneuver = None
+        if self._maneuver is None:
             if self.stage is Stage.PASSING:
                 self.stage = Stage.CLEAR
             return instead
         if self.stage is Stage.CLEAR:
             self.stage = Stage.PASSING
-            self._has_told = False
+            self._has_notified = False
         if any(mover.is_mover for mover in scene.movers):  # what only may move may be a ghost
-            self.safe_speed.meet(scene.here)
-            if not self._has_told:
-                self._has_told = True
-                self._tell(Severity.INFO, "Obstacle moves: letting it pass")
-        turn, speed = self._passing
+            self.safe_speed.note_unmapped_obstacle(scene.here)
+            if not self._has_notified:
+                self._has_notified = True
+                self._notify(Severity.INFO, "Obstacle moves: letting it pass")
+        turn, speed = self._maneuver
         if speed > 0.0:
-            self.safe_speed.allow(speed)
+            self.safe_speed.raise_to(speed)
             return HoldCourse(wrap_pi(course + turn), speed)
         if scene.nav.surge_m_s > _CRASH_STOP * scene.config.guidance.min_speed_m_s:
             return crash_stop(scene.nav, scene.config)
         return HoldHeading(scene.nav.heading_rad, speed) if speed < 0.0 else scene.stop()
 
-    def _begin(self, scene: Scene) -> Intent | None:
+    def _start_detour(self, scene: Scene) -> Intent | None:
         """The way is shut: choose a side to pass on."""
-        told = self._tries.last_side
-        detour = self._tries.begin(scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m)
+        told = self._history.last_side
+        detour = self._history.start_detour(
+            scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m
+        )
         if detour is None:
-            return self._give_up(scene)
+            return self._block(scene)
         if detour.side != told:
-            self._tell(Severity.INFO, f"Obstacle: going round to {_name(detour.side)}")
+            self._notify(Severity.INFO, f"Obstacle: going round to {_name(detour.side)}")
         self._detour, self.stage = detour, Stage.ROUND
-        return self._sail_round(scene, detour)
+        return self._steer_detour(scene, detour)
 
-    def _go_on(self, scene: Scene, detour: Detour) -> Intent | None:
+    def _continue_detour(self, scene: Scene, detour: Detour) -> Intent | None:
         """Under way round something."""
         here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
         detour.advance(here, margin_m)
         if scene.solid and detour.length_m > margin_m:  # of a ghost nothing is left by then
-            self.safe_speed.meet(here)
-        free_m = scene.way_m(scene.things, _FREE, _MEMORIES)
-        if free_m > _LEAVES * scene.sight_m and detour.has_gained(here, free_m, margin_m):
-            if scene.must_stop_to_turn(scene.wanted(None)[0]):
+            self.safe_speed.note_unmapped_obstacle(here)
+        free_m = scene.clear_path_m(scene.obstacles, _FREE, _MEMORIES)
+        if free_m > _LEAVES * scene.sight_m and detour.has_progressed(here, free_m, margin_m):
+            if scene.must_stop_to_turn(scene.desired_course_and_speed(None)[0]):
                 return scene.stop()
-            self._tries.roamed_m += detour.length_m
+            self._history.detour_length_m += detour.length_m
             self.stage, self._detour = Stage.CLEAR, None
             return None
-        if self._tries.roamed_m + detour.length_m > setting.detour_m or detour.is_round(here, 2.0 * margin_m):
-            return self._give_up(scene)
-        if not detour.steer(here, scene.things, scene.water, scene.sight_m):
-            if self._tries.has_taken(-detour.side):
-                return self._give_up(scene)
-            detour.turn_back()
-            self._tries.take(here, detour.side, detour.goal)
-            if not detour.steer(here, scene.things, scene.water, scene.sight_m):
-                return self._give_up(scene)
-            self._tell(Severity.INFO, f"Obstacle: turns to {_name(detour.side)}")
-        return self._sail_round(scene, detour)
+        if self._history.detour_length_m + detour.length_m > setting.detour_m or detour.has_returned(
+            here, 2.0 * margin_m
+        ):
+            return self._block(scene)
+        if not detour.steer(here, scene.obstacles, scene.water, scene.sight_m):
+            if self._history.has_tried(-detour.side):
+                return self._block(scene)
+            detour.reverse()
+            self._history.record(here, detour.side, detour.goal)
+            if not detour.steer(here, scene.obstacles, scene.water, scene.sight_m):
+                return self._block(scene)
+            self._notify(Severity.INFO, f"Obstacle: turns to {_name(detour.side)}")
+        return self._steer_detour(scene, detour)
 
-    def _sail_round(self, scene: Scene, detour: Detour) -> Intent:
+    def _steer_detour(self, scene: Scene, detour: Detour) -> Intent:
         """The detour's course; astern where something is right ahead; stopped before a sharp turn."""
         nav, guidance = scene.nav, scene.config.guidance
         ahead_m = scene.nearest_m(nav.heading_rad)
@@ -235,47 +251,49 @@ class Avoidance:
             self.stage = Stage.BACK
             return HoldHeading(nav.heading_rad, -guidance.min_speed_m_s)
         self.stage = Stage.ROUND
-        if (away_rad := scene.away_rad()) is not None:
+        if (away_rad := scene.escape_course_rad()) is not None:
             return HoldCourse(away_rad, guidance.min_speed_m_s)
-        speed = min(scene.asked_m_s(), math.sqrt(2.0 * _ASIDE_M_S2 * scene.margin_m))
+        speed = min(scene.requested_speed_m_s(), math.sqrt(2.0 * _ASIDE_M_S2 * scene.margin_m))
         if scene.must_stop_to_turn(scene.heading_for_rad(detour.course_rad, speed)):
             return scene.stop()
         return HoldCourse(detour.course_rad, speed)
 
     def _wait(self, scene: Scene) -> Intent | None:
         """No way round was found: until the way is open, or it is time for the next try."""
-        is_open = scene.way_m(scene.things, _FREE, _MEMORIES) == math.inf
+        is_open = scene.clear_path_m(scene.obstacles, _FREE, _MEMORIES) == math.inf
         if not is_open and scene.now_s < self._retry_s:
             least_m_s = scene.config.guidance.min_speed_m_s
-            self.safe_speed.lower(least_m_s)
-            is_going_for_it = scene.speed_m_s > least_m_s and scene.motion_m() < math.inf
+            self.safe_speed.reduce_to(least_m_s)
+            is_going_for_it = scene.speed_m_s > least_m_s and scene.room_ahead_m() < math.inf
             return scene.stop() if is_going_for_it else self._station
-        self._tell(Severity.INFO, "Obstacle: the way is open" if is_open else "Obstacle: tries again")
-        self._tries.forget()
+        self._notify(Severity.INFO, "Obstacle: the way is open" if is_open else "Obstacle: tries again")
+        self._history.forget()
         self.stage, self._detour = Stage.CLEAR, None
         return None
 
-    def _give_up(self, scene: Scene) -> Intent | None:
+    def _block(self, scene: Scene) -> Intent | None:
         """No way round: keep station where there was room, tell, and try again later."""
         self.stage, self._detour = Stage.BLOCKED, None
         self._retry_s = scene.now_s + scene.config.avoidance.retry_s
-        self._tell(Severity.NOTICE, "Obstacle: no way round, keeping station")
-        self._station = KeepStation(self._wake.roomy(scene.here, scene.things, scene.margin_m))
+        self._notify(Severity.NOTICE, "Obstacle: no way round, keeping station")
+        self._station = KeepStation(
+            self._breadcrumbs.last_with_room(scene.here, scene.obstacles, scene.margin_m)
+        )
         return self._wait(scene)
 
-    def _halt(self, scene: Scene, free_m: float) -> Intent | None:
+    def _stop_before(self, scene: Scene, free_m: float) -> Intent | None:
         """Not to go round: brake, and keep station before it until the way is open."""
-        self.safe_speed.meet(scene.here)
-        self.safe_speed.lower(scene.stopping_m_s(free_m))
+        self.safe_speed.note_unmapped_obstacle(scene.here)
+        self.safe_speed.reduce_to(scene.stopping_speed_m_s(free_m))
         if free_m > _HALTS * scene.margin_m:
             return None
         self.stage, self._retry_s = Stage.BLOCKED, math.inf
-        self._tell(Severity.NOTICE, "Obstacle ahead: keeping station before it")
+        self._notify(Severity.NOTICE, "Obstacle ahead: keeping station before it")
         self._station = KeepStation(scene.here)
         return self._station
 
-    def _tell(self, severity: int, text: str) -> None:
-        self._notices.append(StatusText(severity, text))
+    def _notify(self, severity: int, text: str) -> None:
+        self._status_texts.append(StatusText(severity, text))
 
 
 def _name(side: int) -> str:

@@ -17,14 +17,14 @@ class Breadcrumbs:
     def __init__(self) -> None:
         self._places: deque[Point] = deque(maxlen=_POINTS)
 
-    def keep(self, here: Point, margin_m: float) -> None:
+    def add(self, here: Point, margin_m: float) -> None:
         """The boat has come here."""
         if not self._places or distance_m(self._places[-1], here) > _STEP * margin_m:
             self._places.append(here)
 
-    def roomy(self, here: Point, things: Sequence[Point], margin_m: float) -> Point:
+    def last_with_room(self, here: Point, obstacles: Sequence[Point], margin_m: float) -> Point:
         """The last place that has the margin around it; here if there is none."""
         for place in reversed(self._places):
-            if all(distance_m(place, thing) > margin_m for thing in things):
+            if all(distance_m(place, obstacle) > margin_m for obstacle in obstacles):
                 return place
         return here

@@ -41,33 +41,33 @@ class Detour:
         self.best_m = min(self.best_m, distance_m(here, self.goal))
         self._has_left = self._has_left or distance_m(here, self.met) > 3.0 * scale_m
 
-    def has_gained(self, here: Point, clear_m: float, gain_m: float) -> bool:
+    def has_progressed(self, here: Point, clear_m: float, gain_m: float) -> bool:
         """Whether so much open water towards the goal gets the boat nearer to it than it has ever been."""
         return distance_m(here, self.goal) - clear_m < self.best_m - gain_m
 
-    def is_round(self, here: Point, scale_m: float) -> bool:
+    def has_returned(self, here: Point, scale_m: float) -> bool:
         """Whether it is back where it began: the goal cannot be reached."""
         return self._has_left and distance_m(here, self.met) < scale_m
 
-    def steer(self, here: Point, things: Sequence[Point], water: FreeSpace, sight_m: float) -> bool:
+    def steer(self, here: Point, obstacles: Sequence[Point], water: FreeSpace, sight_m: float) -> bool:
         """Choose the course along the edge. False when there is none on this side."""
-        course = open_course_rad(water, self._edge_rad(here, things), self.side, sight_m)
+        course = open_course_rad(water, self._edge_rad(here, obstacles), self.side, sight_m)
         if course is not None:
             self.course_rad = course
         return course is not None
 
-    def turn_back(self) -> None:
+    def reverse(self) -> None:
         """Try the other side."""
         self.side = -self.side
         self.course_rad = wrap_pi(self.course_rad + math.pi)
 
-    def _edge_rad(self, here: Point, things: Sequence[Point]) -> float:
+    def _edge_rad(self, here: Point, obstacles: Sequence[Point]) -> float:
         """Where the nearest part of what is followed lies; where the goal lies if nothing does."""
         nearest, edge = math.inf, bearing_rad(here, self.goal)
-        for thing in things:
-            distance = distance_m(here, thing)
+        for obstacle in obstacles:
+            distance = distance_m(here, obstacle)
             if distance < nearest:
-                bearing = bearing_rad(here, thing)
+                bearing = bearing_rad(here, obstacle)
                 ahead = self.side * wrap_pi(bearing - self.course_rad)
                 if -_ABAFT_RAD < ahead < _AHEAD_RAD:
                     nearest, edge = distance, bearing

@@ -20,43 +20,43 @@ _PROGRESS = 2.0  # margins nearer to the goal than any beginning before: all tha
 class DetourHistory:
     """roamed_m: how far detours have led since there was progress; last_side: the side taken last, 0 none."""
 
-    __slots__ = ("_begun", "_nearest_m", "last_side", "roamed_m")
+    __slots__ = ("_nearest_m", "_starts", "detour_length_m", "last_side")
 
     def __init__(self) -> None:
-        self._begun: list[tuple[Point, int, float]] = []  # where, side, and how far from the goal
+        self._starts: list[tuple[Point, int, float]] = []  # where, side, and how far from the goal
         self._nearest_m = math.inf
         self.last_side = 0
-        self.roamed_m = 0.0
+        self.detour_length_m = 0.0
 
     def forget(self) -> None:
         """Another goal, or another day."""
-        self._begun.clear()
-        self._nearest_m, self.last_side, self.roamed_m = math.inf, 0, 0.0
+        self._starts.clear()
+        self._nearest_m, self.last_side, self.detour_length_m = math.inf, 0, 0.0
 
-    def begin(
+    def start_detour(
         self, here: Point, goal: Point, water: FreeSpace, sight_m: float, margin_m: float
     ) -> Detour | None:
         """A detour on the better side; None where there is none that is open and untried."""
         to_goal_m = distance_m(here, goal)
         if to_goal_m < self._nearest_m - _PROGRESS * margin_m:
-            self._begun.clear()
-            self._nearest_m, self.last_side, self.roamed_m = to_goal_m, 0, 0.0
+            self._starts.clear()
+            self._nearest_m, self.last_side, self.detour_length_m = to_goal_m, 0, 0.0
         chosen = self._choose(here, goal, water, sight_m, margin_m)
         if chosen is None:
             return None
         side, course = chosen
-        self.take(here, side, goal)
+        self.record(here, side, goal)
         return Detour(here, goal, side, course)
 
-    def take(self, here: Point, side: int, goal: Point) -> None:
+    def record(self, here: Point, side: int, goal: Point) -> None:
         """A side is taken at a place."""
-        del self._begun[: -(_MOST - 1)]
-        self._begun.append((here, side, distance_m(here, goal)))
+        del self._starts[: -(_MOST - 1)]
+        self._starts.append((here, side, distance_m(here, goal)))
         self.last_side = side
 
-    def has_taken(self, side: int) -> bool:
+    def has_tried(self, side: int) -> bool:
         """Whether a side was taken since there was progress."""
-        return any(taken == side for _, taken, _ in self._begun)
+        return any(taken == side for _, taken, _ in self._starts)
 
     def _choose(
         self, here: Point, goal: Point, water: FreeSpace, sight_m: float, margin_m: float
@@ -66,7 +66,7 @@ class DetourHistory:
             return choose_side(water, wanted, sight_m)
         failed = {
             side
-            for place, side, was_m in self._begun
+            for place, side, was_m in self._starts
             if was_m - to_goal_m < _GAIN * margin_m and distance_m(place, here) < _SAME_SPOT * margin_m
         }
         for side in (self.last_side, -self.last_side):

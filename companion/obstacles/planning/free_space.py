@@ -35,14 +35,14 @@ class FreeSpace:
 
     __slots__ = ("_at", "_bounds", "_inside_m", "_rooms_m")
 
-    def __init__(self, at: Point, things: Sequence[Point], clearance_m: float, reach_m: float) -> None:
+    def __init__(self, at: Point, obstacles: Sequence[Point], clearance_m: float, reach_m: float) -> None:
         """Things further off than reach_m and the clearance are left alone."""
         self._at = at
         self._bounds: Bounds | None = None
         self._inside_m = 0.0
         self._rooms_m = [reach_m] * SECTORS
-        for thing in things:
-            self._shut(thing.north_m - at.north_m, thing.east_m - at.east_m, clearance_m, reach_m)
+        for obstacle in obstacles:
+            self._shut(obstacle.north_m - at.north_m, obstacle.east_m - at.east_m, clearance_m, reach_m)
 
     def _shut(self, north_m: float, east_m: float, clearance_m: float, reach_m: float) -> None:
         distance = math.sqrt(north_m * north_m + east_m * east_m)
@@ -61,7 +61,7 @@ class FreeSpace:
                 room = distance * math.cos(off) - math.sqrt(max(clearance_m**2 - across * across, 0.0))
             rooms[sector % SECTORS] = min(rooms[sector % SECTORS], room)
 
-    def keep_within(self, bounds: Bounds, inside_m: float) -> None:
+    def set_bounds(self, bounds: Bounds, inside_m: float) -> None:
         """Open courses end so far inside the bounds."""
         if bounds.is_active:
             self._bounds, self._inside_m = bounds, inside_m
@@ -90,7 +90,7 @@ class FreeSpace:
         return self._bounds.room_m(self._at, course_rad, need_m) >= need_m
 
 
-def clear_m(way: Sequence[Point], things: Sequence[Point], clearance_m: float, reach_m: float) -> float:
+def clear_m(way: Sequence[Point], obstacles: Sequence[Point], clearance_m: float, reach_m: float) -> float:
     """How far along a way one comes before something is nearer than the clearance; infinite for never.
 
     way: two or more corners, the boat at the first one. Beyond reach_m along it nothing counts.
@@ -103,8 +103,8 @@ def clear_m(way: Sequence[Point], things: Sequence[Point], clearance_m: float, r
             continue
         north, east = north / length, east / length
         length = min(length, reach_m - before)
-        for thing in things:
-            to_n, to_e = thing.north_m - start.north_m, thing.east_m - start.east_m
+        for obstacle in obstacles:
+            to_n, to_e = obstacle.north_m - start.north_m, obstacle.east_m - start.east_m
             along = to_n * north + to_e * east
             if not -clearance_m < along < length + clearance_m:
                 continue

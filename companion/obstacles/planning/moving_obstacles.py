@@ -45,7 +45,7 @@ _ALIKE_M_S: Final = 0.1
 Pose = tuple[float, float, float, float]
 
 
-class MovingObstacleAvoidance(NamedTuple):
+class EvasiveManeuver(NamedTuple):
     """A turn off the course asked for, positive to starboard, and a speed; a negative one is astern, with
     the bow as it is.
     """
@@ -54,14 +54,14 @@ class MovingObstacleAvoidance(NamedTuple):
     speed_m_s: float
 
 
-def choose_passing(
-    scene: Scene, course_rad: float, speed_m_s: float, last: MovingObstacleAvoidance | None
-) -> MovingObstacleAvoidance | None:
+def choose_maneuver(
+    scene: Scene, course_rad: float, speed_m_s: float, last: EvasiveManeuver | None
+) -> EvasiveManeuver | None:
     """How to let pass what moves; None where nothing that moves comes near."""
     is_alongside = _is_alongside(scene)
-    if not is_alongside and _nearness(scene, course_rad, speed_m_s)[0] <= 0.0:
+    if not is_alongside and _encroachment(scene, course_rad, speed_m_s)[0] <= 0.0:
         return None
-    best, least = MovingObstacleAvoidance(0.0, speed_m_s), math.inf
+    best, least = EvasiveManeuver(0.0, speed_m_s), math.inf
     crossing = _crossing(scene, course_rad)
     for turn in _TURNS_RAD:
         course = wrap_pi(course_rad + turn)
@@ -71,12 +71,12 @@ def choose_passing(
         if turn * crossing > 0.0:
             turning += _AHEAD_COST
         for speed, pacing in _speeds(scene, speed_m_s, turn):
-            near, hits = _nearness(scene, course, speed)
+            near, hits = _encroachment(scene, course, speed)
             cost = turning + pacing + _NEAR_COST * near + _HIT_COST * hits
             if last is not None and last.turn_rad == turn and abs(last.speed_m_s - speed) < _ALIKE_M_S:
                 cost -= _HABIT
             if cost < least:
-                best, least = MovingObstacleAvoidance(turn, speed), cost
+                best, least = EvasiveManeuver(turn, speed), cost
     if best != (0.0, speed_m_s):
         return best
     return last if is_alongside else None
@@ -125,16 +125,16 @@ def _is_alongside(scene: Scene) -> bool:
     return False
 
 
-def _nearness(scene: Scene, course_rad: float, speed_m_s: float) -> tuple[float, float]:
+def _encroachment(scene: Scene, course_rad: float, speed_m_s: float) -> tuple[float, float]:
     """How much too near the nearest mover comes, 0 not at all, 1 as near as can be; and the same for
     the hulls themselves.
     """
-    way = _way_sailed(scene, course_rad, speed_m_s)
+    way = _predicted_track(scene, course_rad, speed_m_s)
     worst, hits = 0.0, 0.0
     for mover in scene.movers:
         room_m, hull_m = clearance_m(mover, scene), mover.radius_m + _TOUCHES * scene.margin_m
         near, hit = 0.0, 0.0
-        for north_m_s, east_m_s in ((mover.north_m_s, mover.east_m_s), _most_dangerous(mover, scene)):
+        for north_m_s, east_m_s in ((mover.north_m_s, mover.east_m_s), _collision_velocity(mover, scene)):
             before, nearest = _closest_m(mover, scene, way, north_m_s, east_m_s)
             if nearest < min(room_m, before):  # what is near already and goes away is no danger
                 near += 0.5 * (1.0 - nearest / room_m)
@@ -164,7 +164,7 @@ def _closest_m(
     return now_m, nearest
 
 
-def _most_dangerous(mover: Track, scene: Scene) -> tuple[float, float]:
+def _collision_velocity(mover: Track, scene: Scene) -> tuple[float, float]:
     """Its velocity, north and east, with what it crosses the line of sight by less by a standard deviation:
     what keeps its bearing is on a collision course, and how it crosses is what a ranger knows least.
     """
@@ -177,7 +177,7 @@ def _most_dangerous(mover: Track, scene: Scene) -> tuple[float, float]:
     return mover.north_m_s - less * across_n, mover.east_m_s - less * across_e
 
 
-def _way_sailed(scene: Scene, course_rad: float, speed_m_s: float) -> list[Pose]:
+def _predicted_track(scene: Scene, course_rad: float, speed_m_s: float) -> list[Pose]:
     """Where the boat will be, north and east from here, with where its bow points, at every step until the
     horizon.
     """

@@ -32,51 +32,53 @@ def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
 class SafeSpeed:
     """ahead_m_s and astern_m_s: the limits, infinite for none."""
 
-    __slots__ = ("_met", "_solid_m_s", "ahead_m_s", "astern_m_s")
+    __slots__ = ("_solid_m_s", "_unmapped_at", "ahead_m_s", "astern_m_s")
 
     def __init__(self) -> None:
         self.ahead_m_s = self.astern_m_s = math.inf
-        self._met: Point | None = None
+        self._unmapped_at: Point | None = None
         self._solid_m_s = math.inf  # from which the boat stops before what surely is there
 
-    def free(self) -> None:
+    def clear(self) -> None:
         """Nothing is near: no limit."""
         self.ahead_m_s = self.astern_m_s = self._solid_m_s = math.inf
 
     def forget(self) -> None:
         """Nothing was ever met."""
-        self.free()
-        self._met = None
+        self.clear()
+        self._unmapped_at = None
 
-    def meet(self, here: Point) -> None:
+    def note_unmapped_obstacle(self, here: Point) -> None:
         """Something is in the way that was on no map."""
-        self._met = here
+        self._unmapped_at = here
 
-    def goes_by_sight(self, by_sight: int, here: Point) -> bool:
+    def is_sight_limited(self, by_sight: int, here: Point) -> bool:
         """Whether to keep to what is seen."""
-        if by_sight == AFTER_MEETING and self._met is not None:
-            return distance_m(here, self._met) < WARY_M
+        if by_sight == AFTER_MEETING and self._unmapped_at is not None:
+            return distance_m(here, self._unmapped_at) < WARY_M
         return by_sight == ALWAYS
 
-    def lower(self, limit_m_s: float) -> None:
+    def reduce_to(self, limit_m_s: float) -> None:
         """No faster ahead than that either."""
         self.ahead_m_s = min(self.ahead_m_s, limit_m_s)
 
-    def allow(self, speed_m_s: float) -> None:
+    def raise_to(self, speed_m_s: float) -> None:
         """As fast ahead as that: what moves comes nearer while the boat is slow."""
         self.ahead_m_s = max(self.ahead_m_s, speed_m_s)
 
-    def look(self, scene: Scene, lookout: ObstaclePerception) -> None:
+    def update(self, scene: Scene, perception: ObstaclePerception) -> None:
         """Set the limits anew."""
         heading = scene.nav.heading_rad
-        is_by_sight = self.goes_by_sight(scene.config.avoidance.by_sight, scene.here)
-        room_m = min(scene.motion_m(), scene.room_m(heading))
-        self._solid_m_s = scene.stopping_m_s(room_m) if room_m < math.inf else math.inf
-        self.ahead_m_s = min(scene.sighted_m_s(lookout) if is_by_sight else math.inf, self._solid_m_s)
+        is_by_sight = self.is_sight_limited(scene.config.avoidance.by_sight, scene.here)
+        room_m = min(scene.room_ahead_m(), scene.room_m(heading))
+        self._solid_m_s = scene.stopping_speed_m_s(room_m) if room_m < math.inf else math.inf
+        self.ahead_m_s = min(
+            scene.sight_limited_speed_m_s(perception) if is_by_sight else math.inf, self._solid_m_s
+        )
         astern_m = scene.room_m(heading + math.pi)
-        self.astern_m_s = math.inf if astern_m == math.inf else scene.stopping_m_s(astern_m)
+        self.astern_m_s = math.inf if astern_m == math.inf else scene.stopping_speed_m_s(astern_m)
 
-    def limited(
+    def limit(
         self, steered: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig
     ) -> Demand | Drive | Stop:
         """The same, no faster than the boat may go."""

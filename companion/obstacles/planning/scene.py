@@ -38,17 +38,17 @@ class Scene:
         "_bounds",
         "_water",
         "config",
+        "has_unclassified",
         "here",
         "intent",
-        "is_puzzling",
         "margin_m",
         "movers",
         "nav",
         "now_s",
+        "obstacles",
         "sight_m",
         "solid",
         "speed_m_s",
-        "things",
     )
 
     def __init__(
@@ -56,7 +56,7 @@ class Scene:
         intent: Intent,
         nav: NavState,
         config: BoatConfig,
-        lookout: ObstaclePerception,
+        perception: ObstaclePerception,
         bounds: Bounds,
         now_s: float,
     ) -> None:
@@ -66,41 +66,41 @@ class Scene:
         self.here = nav.point
         self.config = config
         self.now_s = now_s
-        self.sight_m = lookout.reach_m or setting.lookahead_m
+        self.sight_m = perception.reach_m or setting.lookahead_m
         self.margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
         self.speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
-        self.movers: Sequence[Track] = lookout.tracks.likely(now_s)
-        self.solid = self._still(lookout.solid(now_s))
-        self.things = self._still(lookout.suspects(now_s))
-        self.is_puzzling = lookout.is_puzzled(now_s)
+        self.movers: Sequence[Track] = perception.tracks.likely(now_s)
+        self.solid = self._still(perception.solid(now_s))
+        self.obstacles = self._still(perception.suspects(now_s))
+        self.has_unclassified = perception.has_unclassified(now_s)
         self._bounds = bounds
         self._water: FreeSpace | None = None
 
-    def _still(self, things: list[Point]) -> list[Point]:
+    def _still(self, obstacles: list[Point]) -> list[Point]:
         """What lies still: without the echoes that movers have left on the map."""
         movers = [mover for mover in self.movers if mover.is_mover and self.now_s - mover.seen_s < _IN_VIEW_S]
         if not movers:
-            return things
+            return obstacles
         spread_m = _SPREAD * self.config.avoidance.margin_m
         return [
-            thing
-            for thing in things
-            if not any(mover.was_at(thing, mover.radius_m + spread_m) for mover in movers)
+            obstacle
+            for obstacle in obstacles
+            if not any(mover.was_at(obstacle, mover.radius_m + spread_m) for mover in movers)
         ]
 
     @property
     def water(self) -> FreeSpace:
         """The courses open to a detour."""
         if self._water is None:
-            self._water = FreeSpace(self.here, self.things, WIDER * self.margin_m, self.sight_m)
-            self._water.keep_within(self._bounds, self.config.fence.margin_m)
+            self._water = FreeSpace(self.here, self.obstacles, WIDER * self.margin_m, self.sight_m)
+            self._water.set_bounds(self._bounds, self.config.fence.margin_m)
         return self._water
 
-    def way_m(self, things: Sequence[Point], share: float = 1.0, reaches: float = 1.0) -> float:
+    def clear_path_m(self, obstacles: Sequence[Point], share: float = 1.0, reaches: float = 1.0) -> float:
         """How far the way ahead is clear of things by a share of the margin, looking so many sights ahead."""
         reach_m = reaches * self.sight_m
         way = way_ahead(self.intent, self.nav, self.config, reach_m)
-        return clear_m(way, things, share * self.margin_m, reach_m)
+        return clear_m(way, obstacles, share * self.margin_m, reach_m)
 
     def heading_for_rad(self, course_rad: float, speed_m_s: float) -> float:
         """Where the bow must point for a course and speed over ground, with the set of the water."""
@@ -110,7 +110,7 @@ class Scene:
             speed_m_s * math.cos(course_rad) - nav.current_north_m_s,
         )
 
-    def stopping_m_s(self, room_m: float) -> float:
+    def stopping_speed_m_s(self, room_m: float) -> float:
         """The speed that the boat can lose in some room."""
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, self.config.guidance)
 
@@ -127,17 +127,17 @@ class Scene:
             return HoldHeading(nav.heading_rad, 0.0)
         return HoldHeading(math.atan2(-nav.current_east_m_s, -nav.current_north_m_s), 0.0)
 
-    def away_rad(self) -> float | None:
+    def escape_course_rad(self) -> float | None:
         """The course straight away from what is too near; None while nothing is."""
-        nearest = min(self.things, key=self._distance_m, default=None)
+        nearest = min(self.obstacles, key=self._distance_m, default=None)
         if nearest is None or self._distance_m(nearest) > HULL * self.margin_m:
             return None
         return bearing_rad(nearest, self.here)
 
-    def _distance_m(self, thing: Point) -> float:
-        return distance_m(self.here, thing)
+    def _distance_m(self, obstacle: Point) -> float:
+        return distance_m(self.here, obstacle)
 
-    def motion_m(self) -> float:
+    def room_ahead_m(self) -> float:
         """How far the boat could go on as it goes now before its hull comes too near; infinite at rest."""
         nav = self.nav
         if self.speed_m_s < 0.25 * self.config.guidance.min_speed_m_s:
@@ -156,8 +156,8 @@ class Scene:
     def nearest_m(self, bearing_rad: float) -> float:
         """Distance to the nearest thing within 45° of a bearing; infinite for none."""
         nearest, ahead_n, ahead_e = math.inf, math.cos(bearing_rad), math.sin(bearing_rad)
-        for thing in self.things:
-            north, east = thing.north_m - self.here.north_m, thing.east_m - self.here.east_m
+        for obstacle in self.obstacles:
+            north, east = obstacle.north_m - self.here.north_m, obstacle.east_m - self.here.east_m
             distance = math.sqrt(north * north + east * east)
             if distance < nearest and north * ahead_n + east * ahead_e > _CONE * distance:
                 nearest = distance
@@ -170,7 +170,7 @@ class Scene:
         reach_m = _FAR_M if isinstance(self.intent, HoldCourse | HoldHeading) else self.sight_m
         return way_ahead(self.intent, self.nav, self.config, reach_m)[-1]
 
-    def wanted(self, instead: Intent | None) -> tuple[float, float]:
+    def desired_course_and_speed(self, instead: Intent | None) -> tuple[float, float]:
         """Course and speed over ground that the boat would hold now. instead: of the intent, if not None."""
         intent = self.intent if instead is None else instead
         if isinstance(intent, HoldCourse):
@@ -178,19 +178,19 @@ class Scene:
         if isinstance(intent, FollowLeg) and intent.line.length_m > 0.0:
             _, cross_m = intent.line.along_and_cross_track_m(self.here)
             back_rad = math.atan2(cross_m, self.config.guidance.lookahead_m)
-            return wrap_pi(intent.line.course_rad - back_rad), self.asked_m_s()
+            return wrap_pi(intent.line.course_rad - back_rad), self.requested_speed_m_s()
         way = way_ahead(intent, self.nav, self.config, self.sight_m)
         if len(way) < 2 or (isinstance(intent, KeepStation) and distance_m(way[0], way[1]) < self.margin_m):
             return self.nav.heading_rad, 0.0
-        return bearing_rad(way[0], way[1]), self.asked_m_s()
+        return bearing_rad(way[0], way[1]), self.requested_speed_m_s()
 
-    def asked_m_s(self) -> float:
+    def requested_speed_m_s(self) -> float:
         """The speed asked for."""
         if isinstance(self.intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading):
             return abs(self.intent.speed_m_s)
         return self.config.speed.cruise_m_s
 
-    def sighted_m_s(self, lookout: ObstaclePerception) -> float:
+    def sight_limited_speed_m_s(self, perception: ObstaclePerception) -> float:
         """The speed from which the boat stops in the water that it sees.
 
         v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by
@@ -198,7 +198,7 @@ class Scene:
         """
         config, nav = self.config, self.nav
         accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
-        seen_m = lookout.reach_m if self.now_s - lookout.heard_s <= _HEARD_S else 0.0
+        seen_m = perception.reach_m if self.now_s - perception.heard_s <= _HEARD_S else 0.0
         ahead_n, ahead_e = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         along_m_s = nav.current_north_m_s * ahead_n + nav.current_east_m_s * ahead_e
         room_m = max(seen_m - self.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)

@@ -27,13 +27,13 @@ class BatteryCommands:
         if packs is None or packs < 0 or not 0.0 <= percent <= 100.0:
             return DENIED
         if not packs & _FIRST_PACK or self._vehicle.battery is None:
-            return self._say(FAILED, Severity.ERROR, "Battery: there is no such monitor")
+            return self._report(FAILED, Severity.ERROR, "Battery: there is no such monitor")
         if self._vehicle.armed:
-            return self._say(REJECTED_FOR_NOW, Severity.ERROR, "Battery: disarm first")
+            return self._report(REJECTED_FOR_NOW, Severity.ERROR, "Battery: disarm first")
         self._gauge.reset(percent / 100.0)
         self._vehicle.failsafes.renew_pack(percent / 100.0)
-        return self._say(ACCEPTED, Severity.NOTICE, f"Battery set to {percent:.0f} %")
+        return self._report(ACCEPTED, Severity.NOTICE, f"Battery set to {percent:.0f} %")
 
-    def _say(self, result: int, severity: int, text: str) -> int:
+    def _report(self, result: int, severity: int, text: str) -> int:
         self._tell([StatusText(severity, text)])
         return result

@@ -41,16 +41,16 @@ class CalibrationCommands:
         if ending is None:
             return None
         if ending.reason:
-            self._say(Severity.WARNING, f"{ending.kind.name} broken off: {ending.reason}")
+            self._report(Severity.WARNING, f"{ending.kind.name} broken off: {ending.reason}")
             return FAILED
         for name, value in ending.findings:
             short = float(f"{value:.4g}")
             was = self._parameters.value(name)
-            if reason := self._parameters.keep(name, short):
-                self._say(Severity.WARNING, reason)
+            if reason := self._parameters.set(name, short):
+                self._report(Severity.WARNING, reason)
             else:
-                self._say(Severity.INFO, f"{name} {was:.4g} -> {short:g}")
-        self._say(Severity.NOTICE, f"{ending.kind.name} done: {len(ending.findings)} parameters set")
+                self._report(Severity.INFO, f"{name} {was:.4g} -> {short:g}")
+        self._report(Severity.NOTICE, f"{ending.kind.name} done: {len(ending.findings)} parameters set")
         return ACCEPTED
 
     def progress_percent(self, now_s: float) -> int | None:
@@ -73,17 +73,17 @@ class CalibrationCommands:
                 return ACCEPTED
             trials.stop("by command")
             trials.take_ending()
-            self._say(Severity.NOTICE, f"{kind.name} broken off by command")
+            self._report(Severity.NOTICE, f"{kind.name} broken off by command")
             return CANCELLED
         if wanted != 1:
             return DENIED
         if trials.is_running and trials.kind is kind:
             return IN_PROGRESS
         if reason := trials.begin(kind, radius_m, command.now_s):
-            self._say(Severity.WARNING, f"{kind.name}: {reason}")
+            self._report(Severity.WARNING, f"{kind.name}: {reason}")
             return REJECTED_FOR_NOW
-        self._say(Severity.NOTICE, f"{kind.name} begins, within {trials.radius_m:.1f} m")
+        self._report(Severity.NOTICE, f"{kind.name} begins, within {trials.radius_m:.1f} m")
         return IN_PROGRESS
 
-    def _say(self, severity: int, text: str) -> None:
+    def _report(self, severity: int, text: str) -> None:
         self._tell([StatusText(severity, text)])

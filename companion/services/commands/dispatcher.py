@@ -117,10 +117,10 @@ class CommandService:
         )
         self._send_what_follows()
 
-    def hear(self, origin: Origin, now_s: float) -> None:
+    def on_message(self, origin: Origin, now_s: float) -> None:
         """Anything from a station: it is still there."""
         if self._motor_test.is_running:
-            self._upkeep.hear(origin, now_s)
+            self._upkeep.on_message(origin, now_s)
 
     def forget(self, channel: int) -> None:
         """A channel has gone."""

@@ -82,7 +82,7 @@ class MaintenanceCommands:
             self._watch_tester(now_s)
         if now_s > self.restart_due_s + _RESTART_LATEST_S:
             self.restart_due_s, self._vehicle.is_restarting = math.inf, False
-            self._say(FAILED, "Reboot: this program does not restart")
+            self._report(FAILED, "Reboot: this program does not restart")
         job = self.calibration
         if job is None:
             return None
@@ -92,16 +92,16 @@ class MaintenanceCommands:
         if job.result is None:
             return None
         self.calibration = None
-        if job.result == ACCEPTED and (reason := self._parameters.keep(_BIAS, job.bias_rad_s)):
-            return self._say(FAILED, reason)
-        return self._say(job.result, job.notice.text, job.notice.severity)
+        if job.result == ACCEPTED and (reason := self._parameters.set(_BIAS, job.bias_rad_s)):
+            return self._report(FAILED, reason)
+        return self._report(job.result, job.notice.text, job.notice.severity)
 
     def cancel(self) -> int:
         """Give up a calibration that is under way."""
         self.calibration = None
         return CANCELLED
 
-    def hear(self, origin: Origin, now_s: float) -> None:
+    def on_message(self, origin: Origin, now_s: float) -> None:
         """Anything from a station."""
         if self._tester == origin:
             self._tester_heard_s = now_s
@@ -120,12 +120,12 @@ class MaintenanceCommands:
         self._motor_test.stop()
         self._tell([StatusText(Severity.WARNING, f"Motor test: ended, {why}")])
 
-    def _say(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
+    def _report(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
         self._tell([StatusText(severity, text)])
         return result
 
     def _has_no(self, part: str) -> int:
-        return self._say(UNSUPPORTED, f"{part}: this boat has none")
+        return self._report(UNSUPPORTED, f"{part}: this boat has none")
 
     def _test_motor(self, command: Command) -> int:
         motor, kind = command.whole(0), command.whole(1)
@@ -139,10 +139,10 @@ class MaintenanceCommands:
             self._motor_test.stop()
             return ACCEPTED
         if reason := self._motor_test.start(TestedMotor(motor), share, duration_s, command.now_s):
-            return self._say(FAILED, f"Motor test: {reason}")
+            return self._report(FAILED, f"Motor test: {reason}")
         self._tester, self._tester_heard_s = command.origin, command.now_s
         name = TestedMotor(motor).name.lower()
-        return self._say(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
+        return self._report(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
 
     def _calibrate(self, command: Command) -> int:
         """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero
@@ -159,18 +159,18 @@ class MaintenanceCommands:
             return self._calibrate_radio(command.now_s)
         for reason, is_wanted in zip(_NOTHING_TO_CALIBRATE, wanted[1:], strict=True):
             if is_wanted:
-                return self._say(UNSUPPORTED, reason)
+                return self._report(UNSUPPORTED, reason)
         if command.p[0] != 1.0:
             return UNSUPPORTED
         if self._vehicle.armed:
-            return self._say(REJECTED_FOR_NOW, "Calibration: disarm first")
+            return self._report(REJECTED_FOR_NOW, "Calibration: disarm first")
         if self.calibration is None:
             self.calibration = GyroCalibration(command.now_s)
         return IN_PROGRESS
 
     def _calibrate_radio(self, now_s: float) -> int:
         if self._vehicle.armed:
-            return self._say(REJECTED_FOR_NOW, "Calibration: disarm first")
+            return self._report(REJECTED_FOR_NOW, "Calibration: disarm first")
         self._vehicle.conduct.sticks.radio.calibrated_until_s = now_s + _RADIO_S
         return ACCEPTED
 
@@ -181,20 +181,20 @@ class MaintenanceCommands:
         numbers = [0.0] * 10  # fitness, offsets, diagonals, off-diagonals
         report = dialect.MAVLink_mag_cal_report_message(0, 1, dialect.MAG_CAL_FAILED, 0, *numbers)
         self._send_later(command.origin.channel, report)
-        return self._say(FAILED, _SELF_CALIBRATING)
+        return self._report(FAILED, _SELF_CALIBRATING)
 
     def _trim_compass(self, command: Command) -> int:
         """The bow points where param1 says (degrees, true): what the compass is off by becomes its trim."""
         if self._vehicle.armed:
-            return self._say(REJECTED_FOR_NOW, "Compass: disarm first")
+            return self._report(REJECTED_FOR_NOW, "Compass: disarm first")
         if not math.isfinite(command.p[0]):
             return DENIED
         if self._heading is None:
-            return self._say(FAILED, "Compass: no heading")
+            return self._report(FAILED, "Compass: no heading")
         trim_deg = math.degrees(wrap_pi(math.radians(command.p[0]) - self._heading.heading_rad))
-        if reason := self._parameters.keep(_TRIM, trim_deg):
-            return self._say(FAILED, reason)
-        return self._say(ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
+        if reason := self._parameters.set(_TRIM, trim_deg):
+            return self._report(FAILED, reason)
+        return self._report(ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
 
     def _store(self, command: Command) -> int:
         """Every change is stored as it is made; what is left is to go back to the configuration file's."""
@@ -202,10 +202,10 @@ class MaintenanceCommands:
             case 0 | 1:
                 return ACCEPTED
             case 2 if self._vehicle.armed:
-                return self._say(REJECTED_FOR_NOW, "Parameters: disarm first")
+                return self._report(REJECTED_FOR_NOW, "Parameters: disarm first")
             case 2:
                 self._parameters.reset()
-                return self._say(ACCEPTED, "Parameters reset to the boat's file", Severity.NOTICE)
+                return self._report(ACCEPTED, "Parameters reset to the boat's file", Severity.NOTICE)
             case _:
                 return DENIED
 
@@ -215,13 +215,13 @@ class MaintenanceCommands:
             case 0:
                 return ACCEPTED
             case 1 if self._vehicle.armed:
-                return self._say(FAILED, "Reboot: disarm first")
+                return self._report(FAILED, "Reboot: disarm first")
             case 1:
                 self._vehicle.is_restarting = True
                 self.restart_due_s = min(self.restart_due_s, command.now_s + _RESTART_AFTER_S)
-                return self._say(ACCEPTED, "Rebooting", Severity.NOTICE)
+                return self._report(ACCEPTED, "Rebooting", Severity.NOTICE)
             case _:
                 return UNSUPPORTED
 
     def _send_banner(self, command: Command) -> int:  # noqa: ARG002
-        return self._say(ACCEPTED, f"mavboat {__version__}, a boat with two motors", Severity.INFO)
+        return self._report(ACCEPTED, f"mavboat {__version__}, a boat with two motors", Severity.INFO)

@@ -143,4 +143,4 @@ class VehicleCommands:
         if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
             self._tell([StatusText(Severity.ERROR, "Fence: none is uploaded")])
             return FAILED
-        return FAILED if self._parameters.keep("FENCE_ENABLE", float(wanted)) else ACCEPTED
+        return FAILED if self._parameters.set("FENCE_ENABLE", float(wanted)) else ACCEPTED

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from companion.services.ftp.frames import Code, Refusal
 from companion.services.ftp.quota import Quota, size_of
-from companion.services.ftp.tree import MAX_DEPTH, Entry, Names
+from companion.services.ftp.tree import MAX_DEPTH, DirectoryEntry, Names
 
 _WINDOW_BYTES = 256 * 1024
 _MAX_ENTRIES = 10_000
@@ -88,7 +88,7 @@ class FolderMount:
             raise
         return reading
 
-    def entries(self, names: Names) -> list[Entry]:
+    def entries(self, names: Names) -> list[DirectoryEntry]:
         """Folders and files by name; links and devices are there, but cannot be had."""
         try:
             with self._walk(names) as descriptor, os.scandir(descriptor) as found:
@@ -230,11 +230,11 @@ def _open_file(name: str, flags: int, parent: int) -> tuple[int, int]:
     return descriptor, status.st_size
 
 
-def _entry(found: "os.DirEntry[str]") -> Entry:
+def _entry(found: "os.DirEntry[str]") -> DirectoryEntry:
     if found.is_dir(follow_symlinks=False):
-        return Entry(found.name, None)
+        return DirectoryEntry(found.name, None)
     try:
         is_file = found.is_file(follow_symlinks=False)
-        return Entry(found.name, found.stat(follow_symlinks=False).st_size if is_file else -1)
+        return DirectoryEntry(found.name, found.stat(follow_symlinks=False).st_size if is_file else -1)
     except FileNotFoundError:  # gone while we looked
-        return Entry(found.name, -1)
+        return DirectoryEntry(found.name, -1)

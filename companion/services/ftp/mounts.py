@@ -67,7 +67,7 @@ def _packed_parameters(parameters: Parameters, listings: ParameterService) -> Vi
         chosen = entries[start : start + count if count else None]
         return pack(chosen, len(entries), with_defaults=options.whole("withdefaults") == 1)
 
-    return VirtualFile(make, listings.take_file)
+    return VirtualFile(make, listings.set_from_file)
 
 
 def _version() -> bytes:

@@ -63,7 +63,7 @@ class FtpService:
             tree,
             self._stations,
             self._later,
-            self._let_go,
+            self._release,
             lambda station, request, session: self._bursts.begin(station, request, session, self._now_s),
         )
         self._jobs: deque[_Job] = deque()
@@ -82,7 +82,7 @@ class FtpService:
             return
         self._requests_left -= 1
         station = self._stations.get(origin)
-        self._let_go(self._stations.take_displaced())
+        self._release(self._stations.take_displaced())
         if station is None:
             self._post(Station(origin), nak(request, Refusal(Code.NO_SESSIONS_AVAILABLE)))
             return
@@ -99,17 +99,17 @@ class FtpService:
             job = self._jobs.popleft()
             job.station.waiting.discard(job.request.raw)
             self._answer(job.station, job.request, job.reply)
-            self._take_queued(job.station)
+            self._next_queued(job.station)
         if not self._stations:
             return
         self._bursts.tick(now_s)
         if now_s >= self._expire_at_s:
             self._expire_at_s = now_s + _EXPIRY_PERIOD_S
-            self._let_go(self._stations.expire(now_s))
+            self._release(self._stations.expire(now_s))
 
     def forget(self, channel: int) -> None:
         """A channel has gone, and with it what was open on it."""
-        self._let_go(self._stations.forget(channel))
+        self._release(self._stations.forget(channel))
 
     def close(self) -> None:
         """Close every file and let the worker end. May be called twice."""
@@ -126,7 +126,7 @@ class FtpService:
         else:
             self.dropped += 1
 
-    def _take_queued(self, station: Station) -> None:
+    def _next_queued(self, station: Station) -> None:
         queued, station.queued = station.queued, deque()
         for request in queued:
             if station.is_busy(request.session):
@@ -175,7 +175,7 @@ class FtpService:
         self._jobs.append(job)
         return None
 
-    def _let_go(self, sessions: list[Session]) -> None:
+    def _release(self, sessions: list[Session]) -> None:
         for session in sessions:
             if session.upload is None:
                 self._worker.submit(session.reading.close)

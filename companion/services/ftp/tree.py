@@ -37,7 +37,7 @@ class Reading(Protocol):
         """Let the file go. May be called twice."""
 
 
-class Entry(NamedTuple):
+class DirectoryEntry(NamedTuple):
     """One line of a folder's list; size is None for a folder, −1 for what can be neither read nor entered."""
 
     name: str
@@ -55,7 +55,7 @@ class Mount(Protocol):
     def open(self, names: Names) -> Reading:
         """Open a file for reading."""
 
-    def entries(self, names: Names) -> list[Entry]:
+    def entries(self, names: Names) -> list[DirectoryEntry]:
         """What is in a folder, in a fixed order."""
 
     def begin(self, names: Names, keep: bool) -> bytes:
@@ -108,9 +108,9 @@ class FileTree:
             raise Refusal(Code.FILE_NOT_FOUND)
         return Place(mount, names[1:])
 
-    def root_entries(self) -> list[Entry]:
+    def root_entries(self) -> list[DirectoryEntry]:
         """The mounts as folders."""
-        return [Entry(name, None) for name in sorted(self._mounts)]
+        return [DirectoryEntry(name, None) for name in sorted(self._mounts)]
 
 
 def split_path(path: bytes) -> Names:
@@ -129,7 +129,7 @@ def split_path(path: bytes) -> Names:
     return names
 
 
-def page_of(entries: list[Entry], first: int) -> bytes:
+def page_of(entries: list[DirectoryEntry], first: int) -> bytes:
     """As much of a folder's list, from an index on, as one reply holds.
 
     Raises:
@@ -146,7 +146,7 @@ def page_of(entries: list[Entry], first: int) -> bytes:
     return page
 
 
-def _line(entry: Entry) -> bytes:
+def _line(entry: DirectoryEntry) -> bytes:
     if not entry.name.isprintable() or entry.size == -1:
         line = "S"
     else:

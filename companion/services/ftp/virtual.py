@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from companion.services.ftp.frames import Code, Refusal
-from companion.services.ftp.tree import Entry, Names
+from companion.services.ftp.tree import DirectoryEntry, Names
 
 _MAX_UPLOAD_BYTES = 64 * 1024
 
@@ -79,12 +79,12 @@ class VirtualMount:
         options = Options({key: value for key, _, value in pairs})
         return Content(self._file(name).make(options))
 
-    def entries(self, names: Names) -> list[Entry]:
+    def entries(self, names: Names) -> list[DirectoryEntry]:
         """The files with the sizes that they would have now."""
         if names:
             raise Refusal(Code.FILE_NOT_FOUND)
         nothing = Options({})
-        return [Entry(name, len(file.make(nothing))) for name, file in sorted(self._files.items())]
+        return [DirectoryEntry(name, len(file.make(nothing))) for name, file in sorted(self._files.items())]
 
     def begin(self, names: Names, keep: bool) -> bytes:  # noqa: ARG002
         """Only what is taken in; an upload always begins with nothing."""

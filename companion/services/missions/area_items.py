@@ -7,7 +7,7 @@ from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
 from companion.geofence.fence import FenceArea, FenceCircle, FencePolygon
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult
 from companion.services.missions.items import command_name, global_position
 
 _POLYGONS = frozenset(
@@ -27,29 +27,29 @@ _RETURN_POINT = dialect.MAV_CMD_NAV_FENCE_RETURN_POINT
 _FEWEST_VERTICES = 3
 
 
-def check_fence_item(item: MissionItem) -> Fault | None:
+def check_fence_item(item: MissionItem) -> ItemFault | None:
     """Why this is no part of a fence, None where it is one."""
     count = item.param1
     if item.command in _POLYGONS:
         if not math.isfinite(count) or count != int(count) or count < _FEWEST_VERTICES:
-            return Fault(MissionResult.INVALID_PARAM1, f"a polygon cannot have {count:g} vertices")
+            return ItemFault(MissionResult.INVALID_PARAM1, f"a polygon cannot have {count:g} vertices")
     elif item.command in _CIRCLES:
         if not 0.0 < item.param1 < math.inf:
-            return Fault(MissionResult.INVALID_PARAM1, f"radius {item.param1:g} m is not a radius")
+            return ItemFault(MissionResult.INVALID_PARAM1, f"radius {item.param1:g} m is not a radius")
     elif item.command != _RETURN_POINT:
         text = f"{command_name(item.command)} is no part of a fence"
-        return Fault(MissionResult.UNSUPPORTED, text)
+        return ItemFault(MissionResult.UNSUPPORTED, text)
     return _fault_of(item)
 
 
-def check_rally_item(item: MissionItem) -> Fault | None:
+def check_rally_item(item: MissionItem) -> ItemFault | None:
     """Why this is no rally point, None where it is one."""
     if item.command != dialect.MAV_CMD_NAV_RALLY_POINT:
-        return Fault(MissionResult.UNSUPPORTED, f"{command_name(item.command)} is no rally point")
+        return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)} is no rally point")
     return _fault_of(item)
 
 
-def check_fence(items: Sequence[MissionItem]) -> Fault | None:
+def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
     """Polygons must be whole, vertices one behind the other, and one return point is enough."""
     seq = 0
     while seq < len(items):
@@ -59,11 +59,11 @@ def check_fence(items: Sequence[MissionItem]) -> Fault | None:
             same = at < len(items) and items[at].command == first.command
             if not same or (vertices > 1 and items[at].param1 != first.param1):
                 text = f"item {min(at, len(items) - 1)}: a polygon of {vertices} vertices breaks off"
-                return Fault(MissionResult.INVALID_PARAM1, f"{text} after {at - seq}")
+                return ItemFault(MissionResult.INVALID_PARAM1, f"{text} after {at - seq}")
         seq += vertices
     returns = [seq for seq, item in enumerate(items) if item.command == _RETURN_POINT]
     if len(returns) > 1:
-        return Fault(MissionResult.INVALID, f"item {returns[1]}: a second return point")
+        return ItemFault(MissionResult.INVALID, f"item {returns[1]}: a second return point")
     return None
 
 
@@ -93,6 +93,6 @@ def _position(item: MissionItem) -> LatLon:
     return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
 
 
-def _fault_of(item: MissionItem) -> Fault | None:
+def _fault_of(item: MissionItem) -> ItemFault | None:
     position = global_position(item)
-    return position if isinstance(position, Fault) else None
+    return position if isinstance(position, ItemFault) else None

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from companion.core.geo import LatLon, Point
 from companion.core.units import e7_to_deg
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import GLOBAL_FRAMES, Fault, MissionItem, MissionResult
+from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, MissionResult
 from companion.vehicle.mission.places import Offset, Place
 from companion.vehicle.mission.steps import (
     AfterDelay,
@@ -69,7 +69,7 @@ def command_name(command: int) -> str:
     return f"command {command}" + (f" ({entry.name.removeprefix('MAV_CMD_')})" if entry else "")
 
 
-def to_step(seq: int, item: MissionItem) -> Step | Fault:
+def to_step(seq: int, item: MissionItem) -> Step | ItemFault:
     """One item of a mission as something to sail, or why not. Sequence 0 is home and never sailed."""
     if seq == 0:
         return Home()
@@ -78,35 +78,35 @@ def to_step(seq: int, item: MissionItem) -> Step | Fault:
     translate = _TABLE.get(item.command)
     if translate is None:
         why = _REFUSED.get(item.command, "nothing this boat can do")
-        return Fault(MissionResult.UNSUPPORTED, f"{command_name(item.command)}: {why}")
+        return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)}: {why}")
     return translate(item)
 
 
-def check_jumps(steps: Sequence[Step]) -> Fault | None:
+def check_jumps(steps: Sequence[Step]) -> ItemFault | None:
     """Jump targets can only be checked once the whole list is there."""
     for seq, step in enumerate(steps):
         if isinstance(step, Jump) and not 1 <= step.target < len(steps):
             text = f"item {seq} jumps to {step.target}, the list ends at {len(steps) - 1}"
-            return Fault(MissionResult.INVALID_PARAM1, text)
+            return ItemFault(MissionResult.INVALID_PARAM1, text)
     return None
 
 
-def global_position(item: MissionItem) -> LatLon | Fault:
+def global_position(item: MissionItem) -> LatLon | ItemFault:
     """The place on the globe that an item names, or what is wrong with it."""
     if item.frame not in GLOBAL_FRAMES:
-        return Fault(MissionResult.UNSUPPORTED_FRAME, f"frame {item.frame} is not a global frame")
+        return ItemFault(MissionResult.UNSUPPORTED_FRAME, f"frame {item.frame} is not a global frame")
     if item.x == 0 and item.y == 0:
-        return Fault(MissionResult.INVALID_PARAM5_X, "position 0, 0 is nowhere")
+        return ItemFault(MissionResult.INVALID_PARAM5_X, "position 0, 0 is nowhere")
     if not abs(item.x) <= 900_000_000:
-        return Fault(MissionResult.INVALID_PARAM5_X, f"latitude {e7_to_deg(item.x)} is outside ±90")
+        return ItemFault(MissionResult.INVALID_PARAM5_X, f"latitude {e7_to_deg(item.x)} is outside ±90")
     if fault := _altitude_fault(item):
         return fault
     if not abs(item.y) <= 1_800_000_000:
-        return Fault(MissionResult.INVALID_PARAM6_Y, f"longitude {e7_to_deg(item.y)} is outside ±180")
+        return ItemFault(MissionResult.INVALID_PARAM6_Y, f"longitude {e7_to_deg(item.y)} is outside ±180")
     return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
 
 
-def _place(item: MissionItem) -> Place | Fault:
+def _place(item: MissionItem) -> Place | ItemFault:
     """MAV_FRAME_LOCAL_NED counts from the local frame's origin, as LOCAL_POSITION_NED does;
     MAV_FRAME_LOCAL_OFFSET_NED from where the leg begins.
     """
@@ -118,110 +118,110 @@ def _place(item: MissionItem) -> Place | Fault:
         return Offset(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
     if item.frame not in GLOBAL_FRAMES:
         text = f"frame {item.frame} is neither global nor LOCAL_NED (1) nor LOCAL_OFFSET_NED (7)"
-        return Fault(MissionResult.UNSUPPORTED_FRAME, text)
+        return ItemFault(MissionResult.UNSUPPORTED_FRAME, text)
     return global_position(item)
 
 
-def _altitude_fault(item: MissionItem) -> Fault | None:
+def _altitude_fault(item: MissionItem) -> ItemFault | None:
     """A boat has one altitude and looks at none; but a list with one that cannot be meant is damaged."""
     if abs(item.z) <= HIGHEST_M:
         return None
-    return Fault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is no altitude")
+    return ItemFault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is no altitude")
 
 
-def _waypoint(item: MissionItem) -> Step | Fault:
+def _waypoint(item: MissionItem) -> Step | ItemFault:
     place = _place(item)
-    if isinstance(place, Fault):
+    if isinstance(place, ItemFault):
         return place
     radius_m = item.param2 if 0.0 < item.param2 < math.inf else 0.0
     hold_s = 0.0 if math.isnan(item.param1) else item.param1
     return _not_negative(hold_s, "time", Waypoint(place, hold_s, radius_m))
 
 
-def _loiter_for_ever(item: MissionItem) -> Step | Fault:
+def _loiter_for_ever(item: MissionItem) -> Step | ItemFault:
     place = _place(item)
-    return place if isinstance(place, Fault) else Waypoint(place, math.inf)
+    return place if isinstance(place, ItemFault) else Waypoint(place, math.inf)
 
 
-def _loiter_for_a_time(item: MissionItem) -> Step | Fault:
+def _loiter_for_a_time(item: MissionItem) -> Step | ItemFault:
     place = _place(item)
-    if isinstance(place, Fault):
+    if isinstance(place, ItemFault):
         return place
     hold_s = 0.0 if math.isnan(item.param1) else item.param1
     return _not_negative(hold_s, "time", Waypoint(place, hold_s))
 
 
-def _loiter_turns(item: MissionItem) -> Step | Fault:
+def _loiter_turns(item: MissionItem) -> Step | ItemFault:
     place = _place(item)
-    if isinstance(place, Fault):
+    if isinstance(place, ItemFault):
         return place
     if not 0.0 < item.param1 < math.inf:
-        return Fault(MissionResult.INVALID_PARAM1, f"{item.param1} turns are no number of turns")
+        return ItemFault(MissionResult.INVALID_PARAM1, f"{item.param1} turns are no number of turns")
     radius_m = 0.0 if math.isnan(item.param3) else item.param3
     if math.isinf(radius_m):
-        return Fault(MissionResult.INVALID_PARAM3, f"radius {radius_m} m is not a radius")
+        return ItemFault(MissionResult.INVALID_PARAM3, f"radius {radius_m} m is not a radius")
     return GoRound(place, item.param1, abs(radius_m), clockwise=radius_m >= 0.0)
 
 
-def _delay(item: MissionItem) -> Step | Fault:
+def _delay(item: MissionItem) -> Step | ItemFault:
     if item.param1 == -1.0:
-        return Fault(MissionResult.INVALID_PARAM1, "delay -1, until a time of day, is not supported")
+        return ItemFault(MissionResult.INVALID_PARAM1, "delay -1, until a time of day, is not supported")
     return _not_negative(item.param1, "delay", Wait(item.param1))
 
 
-def _speed(item: MissionItem) -> Step | Fault:
+def _speed(item: MissionItem) -> Step | ItemFault:
     speed_m_s = item.param2
     if not math.isfinite(speed_m_s):
-        return Fault(MissionResult.INVALID_PARAM2, f"speed {speed_m_s} is not a number")
+        return ItemFault(MissionResult.INVALID_PARAM2, f"speed {speed_m_s} is not a number")
     return SetSpeed(max(speed_m_s, 0.0))  # −1 and −2 mean "as it is" and "the default"
 
 
-def _set_home(item: MissionItem) -> Step | Fault:
+def _set_home(item: MissionItem) -> Step | ItemFault:
     if item.param1 == 1.0:
         return MoveHome(None)
     place = global_position(item)
-    return place if isinstance(place, Fault) else MoveHome(place)
+    return place if isinstance(place, ItemFault) else MoveHome(place)
 
 
-def _turn(item: MissionItem) -> Step | Fault:
+def _turn(item: MissionItem) -> Step | ItemFault:
     if not math.isfinite(item.param1):
-        return Fault(MissionResult.INVALID_PARAM1, f"heading {item.param1} is not a number")
+        return ItemFault(MissionResult.INVALID_PARAM1, f"heading {item.param1} is not a number")
     is_relative = item.param4 == 1.0
     side = -1.0 if is_relative and item.param3 < 0.0 else 1.0
     return Turn(math.radians(side * item.param1), is_relative)
 
 
-def _limits(item: MissionItem) -> Step | Fault:
+def _limits(item: MissionItem) -> Step | ItemFault:
     timeout_s = 0.0 if math.isnan(item.param1) else item.param1
     distance_m = 0.0 if math.isnan(item.param4) else item.param4
     if not 0.0 <= distance_m < math.inf:
-        return Fault(MissionResult.INVALID_PARAM4, f"distance {distance_m} m is not a distance")
+        return ItemFault(MissionResult.INVALID_PARAM4, f"distance {distance_m} m is not a distance")
     return _not_negative(timeout_s, "time-out", LimitHandOver(timeout_s, distance_m))
 
 
-def _within(item: MissionItem) -> Step | Fault:
+def _within(item: MissionItem) -> Step | ItemFault:
     if not 0.0 <= item.param1 < math.inf:
-        return Fault(MissionResult.INVALID_PARAM1, f"distance {item.param1} m is not a distance")
+        return ItemFault(MissionResult.INVALID_PARAM1, f"distance {item.param1} m is not a distance")
     return WithinDistance(item.param1)
 
 
-def _jump(item: MissionItem) -> Step | Fault:
+def _jump(item: MissionItem) -> Step | ItemFault:
     for result, value in (
         (MissionResult.INVALID_PARAM1, item.param1),
         (MissionResult.INVALID_PARAM2, item.param2),
     ):
         if not math.isfinite(value) or value != int(value):
-            return Fault(result, f"jump parameter {value} is not a whole number")
+            return ItemFault(result, f"jump parameter {value} is not a whole number")
     return Jump(int(item.param1), int(item.param2))
 
 
-def _not_negative(seconds: float, name: str, step: Step) -> Step | Fault:
+def _not_negative(seconds: float, name: str, step: Step) -> Step | ItemFault:
     if not 0.0 <= seconds < math.inf:
-        return Fault(MissionResult.INVALID_PARAM1, f"{name} {seconds} s is not a time")
+        return ItemFault(MissionResult.INVALID_PARAM1, f"{name} {seconds} s is not a time")
     return step
 
 
-_TABLE: dict[int, Callable[[MissionItem], Step | Fault]] = {
+_TABLE: dict[int, Callable[[MissionItem], Step | ItemFault]] = {
     dialect.MAV_CMD_NAV_WAYPOINT: _waypoint,
     dialect.MAV_CMD_NAV_LOITER_UNLIM: _loiter_for_ever,
     dialect.MAV_CMD_NAV_LOITER_TURNS: _loiter_turns,

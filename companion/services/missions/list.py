@@ -8,7 +8,7 @@ from companion.core.geo import LatLon
 from companion.core.units import deg_to_e7
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import Fault, MissionItem, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed
@@ -22,7 +22,7 @@ from companion.vehicle.mission.steps import Home, Step
 _ITEM_RETRIES = 2  # times mavlink.retries: items are asked for twice as often, for as long
 
 
-class Entry(NamedTuple):
+class ListEntry(NamedTuple):
     """An item, what the vehicle makes of it (Home in lists that are not sailed), and its line on disk."""
 
     item: MissionItem
@@ -43,7 +43,7 @@ class MissionList:
 
     def __init__(self, own: Address, mission_type: MissionType, config: BoatConfig, storage: Storage) -> None:
         self.type = mission_type
-        self.entries: tuple[Entry, ...] = ()
+        self.entries: tuple[ListEntry, ...] = ()
         self.steps: tuple[Step, ...] = ()  # what the vehicle makes of them
         self.upload_channel = 0
         self.senders: dict[int, Sender] = {}
@@ -54,8 +54,8 @@ class MissionList:
         self._own = own
         self._timers = config.mavlink
         self._storage = storage
-        self._arriving: list[Entry] = []
-        self._arrived: tuple[Entry, ...] = ()
+        self._arriving: list[ListEntry] = []
+        self._arrived: tuple[ListEntry, ...] = ()
         self.most = {
             MissionType.MISSION: config.mission.max_items,
             MissionType.FENCE: config.mission.max_fence_items,
@@ -92,7 +92,7 @@ class MissionList:
             )
         return self.senders[channel]
 
-    def store(self, completed: Completed) -> Fault | None:
+    def store(self, completed: Completed) -> ItemFault | None:
         """Begin to write what has arrived, spliced in where it is a part. A Fault, and nothing changes, when
         the list does not hold together."""
         entries = tuple(self._arriving[: len(completed.items)])
@@ -137,21 +137,21 @@ class MissionList:
             self.swap_in()
         self._arriving = []
 
-    def _check(self, seq: int, item: MissionItem) -> Fault | None:
+    def _check(self, seq: int, item: MissionItem) -> ItemFault | None:
         """Look at an item as it arrives, and keep what it comes to."""
-        step: Step | Fault = Home()
+        step: Step | ItemFault = Home()
         if self.type is MissionType.MISSION:
             step = to_step(seq, item)
         else:
             check = check_fence_item if self.type is MissionType.FENCE else check_rally_item
             step = check(item) or step
-        if isinstance(step, Fault):
+        if isinstance(step, ItemFault):
             return step
         del self._arriving[seq - self.receiver.first :]
-        self._arriving.append(Entry(item, step, encode_item(item)))
+        self._arriving.append(ListEntry(item, step, encode_item(item)))
         return None
 
-    def _check_whole(self, entries: Sequence[Entry]) -> Fault | None:
+    def _check_whole(self, entries: Sequence[ListEntry]) -> ItemFault | None:
         if self.type is MissionType.MISSION:
             return check_jumps([entry.step for entry in entries])
         return check_fence([entry.item for entry in entries]) if self.type is MissionType.FENCE else None

@@ -91,7 +91,7 @@ class MissionService:
         name = message.get_type()
         if name == "MISSION_SET_CURRENT":
             self._vehicle.request(SetCurrentItem(message.seq))
-            self._tell_current()
+            self._send_current()
             return
         if name in _ITEM and message.current > _LIST_ITEM:
             self._acknowledge(origin, on_guided_item(message, self._vehicle), MissionType.MISSION)
@@ -127,7 +127,7 @@ class MissionService:
             for seq in progress.take_reached():
                 self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
         if progress.current_seq != self._current_said:
-            self._tell_current()
+            self._send_current()
 
     def _tick_list(self, one: MissionList, now_s: float) -> None:
         if one.saving is not None:
@@ -152,7 +152,7 @@ class MissionService:
                 one.receiver.cancel(now_s)
                 self._after_receiver(one, now_s)
 
-    def _tell_current(self) -> None:
+    def _send_current(self) -> None:
         self._current_said = self._vehicle.progress.current_seq
         self._outbox.broadcast(mission_current(self._vehicle))
 
@@ -289,7 +289,7 @@ class MissionService:
         self._tell(Severity.ERROR, f"{_title(one)} not stored: {error}")
 
     def _tell(self, severity: int, text: str) -> None:
-        self._texts.tell([StatusText(severity, text)])
+        self._texts.send([StatusText(severity, text)])
 
 
 def _title(one: MissionList) -> str:

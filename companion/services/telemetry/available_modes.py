@@ -62,15 +62,15 @@ class AvailableModesService:
         if now_s >= self._due_s:
             self._due_s = now_s + PERIOD_S
             self._outbox.broadcast(available_modes_monitor())
-            self._say()
+            self._broadcast()
         else:
-            self.tell_change()
+            self.announce_change()
 
-    def tell_change(self) -> None:
+    def announce_change(self) -> None:
         """Send if the mode is not the one said last."""
         if self._vehicle.mode is not self._said:
-            self._say()
+            self._broadcast()
 
-    def _say(self) -> None:
+    def _broadcast(self) -> None:
         self._said = self._vehicle.mode
         self._outbox.broadcast(current_mode(self._vehicle))

@@ -56,16 +56,16 @@ class HeartbeatService:
         """Send when due or changed."""
         if now_s >= self._due_s:
             self._due_s = now_s + _PERIOD_S
-            self._say()
+            self._broadcast()
         else:
-            self.tell_change()
+            self.announce_change()
 
-    def tell_change(self) -> None:
+    def announce_change(self) -> None:
         """Send if mode or arming differ from what was said last."""
         said, vehicle = self._said, self._vehicle
         if vehicle.mode is not said[0] or self._is_armed is not said[1]:
-            self._say()
+            self._broadcast()
 
-    def _say(self) -> None:
+    def _broadcast(self) -> None:
         self._said = (self._vehicle.mode, self._is_armed)
         self._outbox.broadcast(self.message())

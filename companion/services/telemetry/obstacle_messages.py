@@ -36,11 +36,11 @@ def obstacle_distance(now: Snapshot) -> Message | None:
 def _remembered_cm(now: Snapshot) -> dict[int, int]:
     """The nearest solid thing on the map, for each sector that there is one in."""
     nearest: dict[int, int] = {}
-    lookout, nav = now.lookout, now.nav
-    if lookout is None or nav is None:
+    perception, nav = now.perception, now.nav
+    if perception is None or nav is None:
         return nearest
-    here, half_m = nav.point, 0.5 * lookout.occupancy.cell_m
-    for thing in lookout.solid(now.now_s):
+    here, half_m = nav.point, 0.5 * perception.occupancy.cell_m
+    for thing in perception.solid(now.now_s):
         distance = max(distance_m(here, thing), half_m)
         centre = wrap_pi(bearing_rad(here, thing) - nav.heading_rad)
         half = math.atan2(half_m, distance)
@@ -52,9 +52,9 @@ def _remembered_cm(now: Snapshot) -> dict[int, int]:
 
 def obstacle_distance_3d(now: Snapshot) -> Message | None:
     """The nearest thing that is followed, ahead and to starboard of the boat, with its own number."""
-    lookout, nav = now.lookout, now.nav
-    known = [] if lookout is None else lookout.tracks.known(now.now_s)
-    if lookout is None or nav is None or not known:
+    perception, nav = now.perception, now.nav
+    known = [] if perception is None else perception.tracks.known(now.now_s)
+    if perception is None or nav is None or not known:
         return None
     here = nav.point
     track = min(known, key=lambda one: one.distance_m(here, now.now_s))
@@ -70,5 +70,5 @@ def obstacle_distance_3d(now: Snapshot) -> Message | None:
         y=east * c - north * s,
         z=0.0,
         min_distance=0.0,
-        max_distance=lookout.reach_m,
+        max_distance=perception.reach_m,
     )

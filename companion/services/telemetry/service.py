@@ -65,7 +65,7 @@ _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little
 MaySend = Callable[[int, float], bool]
 """Whether a channel has room for telemetry now."""
 
-Look = Callable[[], Snapshot | None]
+TakeSnapshot = Callable[[], Snapshot | None]
 """Takes stock of the boat."""
 
 
@@ -77,10 +77,10 @@ def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
 class TelemetryService:
     """Sends what is due on each channel; where there is no room, it all waits and becomes slower alike."""
 
-    def __init__(self, outbox: Outbox, look: Look, may_send: MaySend = always) -> None:
+    def __init__(self, outbox: Outbox, take_snapshot: TakeSnapshot, may_send: MaySend = always) -> None:
         """look: what the boat knows now, None before its first step. Asked only when something is due."""
         self._outbox = outbox
-        self._look = look
+        self._take_snapshot = take_snapshot
         self._may_send = may_send
         self._streams: dict[int, Streams] = {}
 
@@ -102,7 +102,7 @@ class TelemetryService:
 
         which: the request's second parameter, an index where the message has one.
         """
-        now = self._look()
+        now = self._take_snapshot()
         if now is None:
             return []
         if (build_indexed := INDEXED.get(message_id)) is not None:
@@ -141,7 +141,7 @@ class TelemetryService:
         for channel, streams in self._streams.items():
             if not streams.has_due(now_s) or not self._may_send(channel, now_s):
                 continue
-            now = now or self._look()
+            now = now or self._take_snapshot()
             if now is None:
                 return
             for message_id in streams.due(now_s):

@@ -33,7 +33,7 @@ class Snapshot(Struct, frozen=True):
     speed_pid: PidOutput | None = None
     heading: HeadingReading | None = None  # as the part gave it
     sweep: SonarScan | None = None  # what the rangers have seen around
-    lookout: ObstaclePerception | None = None  # what lies and moves around
+    perception: ObstaclePerception | None = None  # what lies and moves around
     avoidance: Avoidance | None = None  # what is being done about it
     free_memory_bytes: int = 0  # of the boat's computer, 0 while not known
 

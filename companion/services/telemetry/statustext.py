@@ -30,11 +30,11 @@ class StatusTextService:
         self.dropped = 0
         self._left = _MOST
         self.listener: Callable[[StatusText], object] | None = None  # whoever keeps a log
-        self.has_journal = False  # whether lines are logged too
+        self.logs_texts = False  # whether lines are logged too
 
-    def tell(self, notices: Iterable[StatusText]) -> None:
+    def send(self, status_texts: Iterable[StatusText]) -> None:
         """Send lines to everyone; what is too much is dropped and counted, the least severe first."""
-        for notice in notices:
+        for notice in status_texts:
             if self.listener is not None:
                 self.listener(notice)
             if self._left < (1.0 if notice.severity <= Severity.CRITICAL else 1.0 + _RESERVED):
@@ -49,14 +49,14 @@ class StatusTextService:
         """Let a little more out after dt_s."""
         self._left = min(self._left + _PER_SECOND * dt_s, _MOST)
 
-    def tell_one(self, channel: int, notice: StatusText) -> None:
+    def send_to(self, channel: int, notice: StatusText) -> None:
         """Send a line to whoever listens on one channel."""
         self._log(notice)
         for message in self._chunks(notice):
             self._outbox.send(channel, message)
 
     def _log(self, notice: StatusText) -> None:
-        if self.has_journal:
+        if self.logs_texts:
             text = "".join(one if one.isprintable() else " " for one in notice.text)  # a line stays one
             logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
 

@@ -26,13 +26,13 @@ _CAST_OFF = 2.0  # clearances: within that the boat may leave a berth that has l
 class Approach:
     """Says in `notices` that it goes round, or that it cannot."""
 
-    __slots__ = ("_fence", "_field", "_judged", "_notices", "_station", "_way", "_way_home")
+    __slots__ = ("_fence", "_field", "_judged", "_station", "_status_texts", "_way", "_way_home")
 
-    def __init__(self, fence: Fence, way_home: WayHome, notices: list[StatusText]) -> None:
+    def __init__(self, fence: Fence, way_home: WayHome, status_texts: list[StatusText]) -> None:
         """way_home: whose grid of the water serves this field, too."""
         self._fence = fence
         self._way_home = way_home
-        self._notices = notices
+        self._status_texts = status_texts
         self._judged: Leg | None = None
         self._station: KeepStation | None = None  # until it is known how to get there
         self._field: DistanceField | None = None
@@ -92,7 +92,11 @@ class Approach:
         self._station = self._field = None
         self._way = way_by_water(self._fence, field, here, config)
         if self._way is not None:
-            self._notices.append(StatusText(Severity.INFO, "The way to the mission leads round the shore"))
+            self._status_texts.append(
+                StatusText(Severity.INFO, "The way to the mission leads round the shore")
+            )
         else:
-            self._notices.append(StatusText(Severity.WARNING, "The way to the mission leads near the fence"))
+            self._status_texts.append(
+                StatusText(Severity.WARNING, "The way to the mission leads near the fence")
+            )
         return True

@@ -15,11 +15,11 @@ class MissionCheck:
     from where a leg begins, cannot be judged beforehand.
     """
 
-    __slots__ = ("_before", "_frame", "_mission", "_notices", "_seq", "_version", "fault")
+    __slots__ = ("_before", "_frame", "_mission", "_seq", "_status_texts", "_version", "fault")
 
-    def __init__(self, notices: list[StatusText]) -> None:
+    def __init__(self, status_texts: list[StatusText]) -> None:
         self.fault = ""
-        self._notices = notices
+        self._status_texts = status_texts
         self._mission: Mission = ()
         self._frame: LocalFrame | None = None
         self._version = 0  # of the fence
@@ -39,7 +39,7 @@ class MissionCheck:
             if fault:
                 self.fault = fault
                 self._seq = len(mission)
-                self._notices.append(StatusText(Severity.WARNING, f"Mission: {fault}"))
+                self._status_texts.append(StatusText(Severity.WARNING, f"Mission: {fault}"))
                 return
 
     def _look(self, seq: int, fence: Fence, frame: LocalFrame) -> str:

@@ -5,7 +5,7 @@ import math
 from companion.config.boat_config import BoatConfig, Follow
 from companion.core.geo import LocalFrame, Point, distance_m
 from companion.core.intent import HoldCourse, Intent, KeepStation
-from companion.core.requests import Sighting
+from companion.core.requests import OtherVehicle
 from companion.core.state import NavState
 
 _AHEAD_S = 1.0  # a position is carried on no longer than this
@@ -17,10 +17,10 @@ class Following:
     __slots__ = ("_at_s", "_lead")
 
     def __init__(self) -> None:
-        self._lead: Sighting | None = None
+        self._lead: OtherVehicle | None = None
         self._at_s = -math.inf
 
-    def sight(self, sighting: Sighting, setting: Follow, now_s: float) -> bool:
+    def sight(self, sighting: OtherVehicle, setting: Follow, now_s: float) -> bool:
         """Another vehicle says where it is. Whether it is the one to follow."""
         chosen = setting.system_id
         if chosen == 0 and self._lead is not None and now_s - self._at_s <= setting.timeout_s:
@@ -62,7 +62,7 @@ class Following:
             return HoldCourse(onward, min(max(along, 0.0), limit_m_s))
         return HoldCourse(math.atan2(east, north), min(speed, limit_m_s))
 
-    def _place(self, lead: Sighting, frame: LocalFrame, setting: Follow, now_s: float) -> Point:
+    def _place(self, lead: OtherVehicle, frame: LocalFrame, setting: Follow, now_s: float) -> Point:
         ahead_s = min(now_s - self._at_s, _AHEAD_S)
         at = frame.to_local(lead.position)
         north, east = setting.offset_x_m, setting.offset_y_m

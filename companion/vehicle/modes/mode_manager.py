@@ -42,12 +42,12 @@ class Conduct:
         self.passage = Passage()
         self.trail = Trail()
         self.following = Following()
-        self.notices: list[StatusText] = []
+        self.status_texts: list[StatusText] = []
         self.stemming: HoldHeading | None = None  # LOITER without a position: no more than heading and thrust
-        self.mission_check = MissionCheck(self.notices)
+        self.mission_check = MissionCheck(self.status_texts)
         self._fence = fence
-        self.way_home = WayHome(fence, self.notices)
-        self.approach = Approach(fence, self.way_home, self.notices)
+        self.way_home = WayHome(fence, self.status_texts)
+        self.approach = Approach(fence, self.way_home, self.status_texts)
         self._way_back = WayBack(self.trail)
         self._groped_s = math.nan  # since when the boat goes ahead to find its heading
         self._orbit: Orbit | None = None
@@ -171,7 +171,9 @@ class Conduct:
                 return self._set_point.hold
             self._set_point = None
             self.passage.stay(now.here)
-            self.notices.append(StatusText(Severity.WARNING, "GUIDED: set-point is stale, keeping station"))
+            self.status_texts.append(
+                StatusText(Severity.WARNING, "GUIDED: set-point is stale, keeping station")
+            )
         return self._sail(Mode.GUIDED, now, now.speed_m_s)
 
     def _sail(self, mode: Mode, now: Situation, speed_m_s: float) -> Intent:
@@ -179,7 +181,7 @@ class Conduct:
         target = self.passage.target
         intent = self.passage.update(now.nav, now.frame, now.config.guidance.waypoint_radius_m, speed_m_s)
         if target is not None and self.passage.target is None:
-            self.notices.append(StatusText(Severity.INFO, f"{mode.name}: arrived"))
+            self.status_texts.append(StatusText(Severity.INFO, f"{mode.name}: arrived"))
         return intent
 
     def _sail_home(self, now: Situation) -> Intent:
@@ -187,7 +189,7 @@ class Conduct:
         speed_m_s = now.config.mission.rtl_speed_m_s or now.speed_m_s
         intent = self.way_home.update(now.nav, now.config, speed_m_s, now.now_s)
         if self.way_home.arrived and not arrived:
-            self.notices.append(StatusText(Severity.INFO, "RTL: arrived"))
+            self.status_texts.append(StatusText(Severity.INFO, "RTL: arrived"))
         return intent
 
     def _loiter(self, now: Situation) -> Intent:
@@ -227,7 +229,7 @@ class Conduct:
         speed_m_s = now.config.mission.rtl_speed_m_s or now.speed_m_s
         intent = self._way_back.update(now.nav, now.config.guidance.waypoint_radius_m, speed_m_s)
         if self._way_back.arrived and not arrived:
-            self.notices.append(StatusText(Severity.INFO, "SMART_RTL: arrived"))
+            self.status_texts.append(StatusText(Severity.INFO, "SMART_RTL: arrived"))
         return intent
 
     def _circle(self, now: Situation) -> Intent:
@@ -243,7 +245,7 @@ class Conduct:
             if not self._lost_lead:
                 self._lost_lead = True
                 self.passage.stay(now.here)
-                self.notices.append(StatusText(Severity.WARNING, f"FOLLOW: {fault}, keeping station"))
+                self.status_texts.append(StatusText(Severity.WARNING, f"FOLLOW: {fault}, keeping station"))
             return self._sail(Mode.FOLLOW, now, now.speed_m_s)
         self._lost_lead = False
         return self.following.intent(now.nav, now.frame, now.config, now.speed_m_s, now.now_s)

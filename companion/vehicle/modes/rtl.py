@@ -37,11 +37,11 @@ class _Basis(NamedTuple):
 class WayHome:
     """rally: the rally points. arrived: it keeps station at the end. Talks to the operator in `notices`."""
 
-    def __init__(self, fence: Fence, notices: list[StatusText]) -> None:
+    def __init__(self, fence: Fence, status_texts: list[StatusText]) -> None:
         self.rally: tuple[LatLon, ...] = ()
         self.arrived = False
         self._fence = fence
-        self._notices = notices
+        self._status_texts = status_texts
         self._goals: tuple[Point, ...] = ()
         self._basis: _Basis | None = None
         self._field: DistanceField | None = None
@@ -148,7 +148,7 @@ class WayHome:
             self._attempt += 1  # the next field keeps less clear of the lines
         elif not self._is_told:
             self._is_told = True
-            self._notices.append(
+            self._status_texts.append(
                 StatusText(Severity.WARNING, "RTL: no way home inside the fence, keeping station")
             )
         return False

@@ -1,6 +1,6 @@
 """Water and heat in the hull by parameter, while the boat sails. ArduPilot has no names for these."""
 
-from companion.config.parameters import Kind, ParameterHook, Row
+from companion.config.parameters import ParameterHook, ParameterRow, ParameterType
 from sitl.world.faults.parts import LeakPart
 from sitl.world.sensors import HullSensorSettings, SimHull
 
@@ -10,11 +10,11 @@ class HullParameters:
 
     def __init__(self, hull: SimHull, leak: LeakPart, settings: HullSensorSettings) -> None:
         self._leak = leak
-        self.knobs = (
+        self.parameter_hooks = (
             ParameterHook(
-                Row(
+                ParameterRow(
                     "SIM_LEAK",
-                    Kind.INT32,
+                    ParameterType.INT32,
                     "1: water at the probe in the hull",
                     default=0.0,
                     low=0.0,
@@ -23,9 +23,9 @@ class HullParameters:
                 self._soak,
             ),
             ParameterHook(
-                Row(
+                ParameterRow(
                     "SIM_HULL_TEMP",
-                    Kind.REAL32,
+                    ParameterType.REAL32,
                     "How warm it is in the hull",
                     default=settings.temperature_c,
                     unit="degC",

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from companion.config.parameters import Kind, ParameterHook, Row
+from companion.config.parameters import ParameterHook, ParameterRow, ParameterType
 from companion.core.geo import LatLon, LocalFrame
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.injection import Injection
@@ -23,25 +23,25 @@ class FaultParameters:
         self._frame = frame
         self._glitch_lat_deg = self._glitch_lon_deg = 0.0
         self._engine_mask, self._engine_gain = 0, 1.0
-        knobs = (
-            _knob(
+        parameter_hooks = (
+            _hook(
                 "SYS_FAILURE_EN", "Faults by MAV_CMD_INJECT_FAILURE: 0 refused, 1 taken", self._enable, 1.0
             ),
-            _knob("SIM_GPS_DISABLE", "1 silences the receiver", self._disable_gnss),
-            _knob("SIM_GPS_JAM", "1 jams the receiver", self._jam),
-            _knob("SIM_GPS_GLITCH_X", "Jump of the position north", self._glitch_north, low=-1.0, unit="deg"),
-            _knob("SIM_GPS_GLITCH_Y", "Jump of the position east", self._glitch_east, low=-1.0, unit="deg"),
-            _knob("SIM_MAG1_FAIL", "Compass: 1 silent, 2 stuck", self._fail_compass, high=2.0),
-            _knob(
+            _hook("SIM_GPS_DISABLE", "1 silences the receiver", self._disable_gnss),
+            _hook("SIM_GPS_JAM", "1 jams the receiver", self._jam),
+            _hook("SIM_GPS_GLITCH_X", "Jump of the position north", self._glitch_north, low=-1.0, unit="deg"),
+            _hook("SIM_GPS_GLITCH_Y", "Jump of the position east", self._glitch_east, low=-1.0, unit="deg"),
+            _hook("SIM_MAG1_FAIL", "Compass: 1 silent, 2 stuck", self._fail_compass, high=2.0),
+            _hook(
                 "SIM_ENGINE_FAIL", "Motors that SIM_ENGINE_MUL is for: 1 left, 2 right", self._fail, high=3.0
             ),
-            _knob(
+            _hook(
                 "SIM_ENGINE_MUL", "Gain of their commands: 0 dead, -1 reversed", self._weaken, 1.0, low=-1.0
             ),
         )
         text = "RC receiver: 1 silent, 2 preset pulses, 3 stuck, 4 garbage, 5 failsafe"
-        rc = (_knob("SIM_RC_FAIL", text, self._fail_rc, high=5.0),) if "rc" in faults.parts else ()
-        self.knobs = knobs + rc
+        rc = (_hook("SIM_RC_FAIL", text, self._fail_rc, high=5.0),) if "rc" in faults.parts else ()
+        self.parameter_hooks = parameter_hooks + rc
 
     def _set(self, what: str, kind: str | None, size: float | None = None, towards_deg: float = 0.0) -> None:
         if kind is not None:
@@ -94,7 +94,7 @@ class FaultParameters:
             self._set(side, "slow" if is_hit else None, self._engine_gain)
 
 
-def _knob(
+def _hook(
     name: str,
     text: str,
     turn: Callable[[float], None],
@@ -104,5 +104,7 @@ def _knob(
     high: float = 1.0,
     unit: str = "",
 ) -> ParameterHook:
-    kind = Kind.INT32 if low == 0.0 else Kind.REAL32  # choices, and quantities of either sign
-    return ParameterHook(Row(name, kind, text, default=default, low=low, high=high, unit=unit), turn)
+    kind = (
+        ParameterType.INT32 if low == 0.0 else ParameterType.REAL32
+    )  # choices, and quantities of either sign
+    return ParameterHook(ParameterRow(name, kind, text, default=default, low=low, high=high, unit=unit), turn)

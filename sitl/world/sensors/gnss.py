@@ -102,7 +102,7 @@ class SimGnss:
         under_way = self._under_way
         while under_way and now_s >= under_way[0][0]:
             arrived = msgspec.structs.replace(under_way.popleft()[1], time_s=now_s + self.clock_offset_s)
-            self._latest = self._clock.date(arrived)
+            self._latest = self._clock.stamp(arrived)
         self.due_s = min(self._next_s, under_way[0][0]) if under_way else self._next_s
 
     def _sample(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:

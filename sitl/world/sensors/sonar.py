@@ -139,9 +139,9 @@ class SimSonar:
         self._pings.clear()
         return pings
 
-    def look(self, port_rad: float, starboard_rad: float) -> None:
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """Sweep between these bearings from now on."""
-        self._swing.look(port_rad, starboard_rad)
+        self._swing.set_sector(port_rad, starboard_rad)
 
     def restart(self) -> None:
         """Forget what was heard: the boat's computer begins anew."""

@@ -91,7 +91,7 @@ def under_way_to_the_north() -> Rig:
 def test_a_boat_whose_compass_falls_silent_goes_on_by_its_course() -> None:
     rig = under_way_to_the_north()
     stuck = Stuck(rig.hardware.compass.read())
-    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=stuck)
+    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=stuck)
     rig.run(20.0)
     assert "Failsafe: Compass lost: gyro and course" in rig.peer.texts
     assert rig.mode == "GUIDED"
@@ -101,7 +101,7 @@ def test_a_boat_whose_compass_falls_silent_goes_on_by_its_course() -> None:
 
 def test_without_compass_and_course_the_motors_stop() -> None:
     rig = under_way_to_the_north()
-    rig.boat.senses._hardware = dataclasses.replace(
+    rig.boat.sensors._hardware = dataclasses.replace(
         rig.hardware, compass=Stuck(rig.hardware.compass.read()), gnss=Silent()
     )
     rig.run(rig.config.motors.estimate_timeout_s + 1.3)

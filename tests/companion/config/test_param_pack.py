@@ -12,19 +12,19 @@ from pymavlink.mavftp import MAVFTP
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_pack import (
     BLOCK_BYTES,
-    Entry,
+    PackedParameter,
     PackError,
     entries_of,
     pack,
     unpack_upload,
 )
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import Kind, Parameters
+from companion.config.parameters import Parameters, ParameterType
 from companion.persistence.storage import MemoryStorage
 
 RECORDING = Path(__file__).parents[4] / "shared" / "recordings" / "qgc44-ardurover-drive.tlog"
-LIMITS = {Kind.INT8: 127, Kind.INT16: 32767, Kind.INT32: 2**31 - 1}
-NUMBERS = {Kind.INT8: 1, Kind.INT16: 2, Kind.INT32: 3, Kind.REAL32: 4}
+LIMITS = {ParameterType.INT8: 127, ParameterType.INT16: 32767, ParameterType.INT32: 2**31 - 1}
+NUMBERS = {ParameterType.INT8: 1, ParameterType.INT16: 2, ParameterType.INT32: 3, ParameterType.REAL32: 4}
 
 
 def single(value: float) -> float:
@@ -32,26 +32,34 @@ def single(value: float) -> float:
 
 
 @st.composite
-def entry_lists(draw: st.DrawFn) -> list[Entry]:
+def entry_lists(draw: st.DrawFn) -> list[PackedParameter]:
     names = draw(st.lists(st.text("ABC_1", min_size=1, max_size=16), unique=True, max_size=60))
     entries = []
     for name in names:
-        kind = draw(st.sampled_from(list(Kind)))
+        kind = draw(st.sampled_from(list(ParameterType)))
         limit = LIMITS.get(kind)
         values = st.floats(width=32, allow_nan=False) if limit is None else st.integers(-limit, limit)
-        entries.append(Entry(name, kind, float(draw(values)), float(draw(values))))
+        entries.append(PackedParameter(name, kind, float(draw(values)), float(draw(values))))
     return entries
 
 
-def as_upload(entries: list[Entry]) -> bytes:
+def as_upload(entries: list[PackedParameter]) -> bytes:
     file = bytearray(pack(entries, 0))
     struct.pack_into("<H", file, 4, len(file))
     return bytes(file)
 
 
 @given(entries=entry_lists(), with_defaults=st.booleans())
-@example(entries=[Entry("AB", Kind.INT8, 1.0, 1.0), Entry("A", Kind.INT8, 2.0, 2.0)], with_defaults=False)
-def test_pymavlink_reads_every_name_value_and_default(entries: list[Entry], with_defaults: bool) -> None:
+@example(
+    entries=[
+        PackedParameter("AB", ParameterType.INT8, 1.0, 1.0),
+        PackedParameter("A", ParameterType.INT8, 2.0, 2.0),
+    ],
+    with_defaults=False,
+)
+def test_pymavlink_reads_every_name_value_and_default(
+    entries: list[PackedParameter], with_defaults: bool
+) -> None:
     decoded = MAVFTP.ftp_param_decode(pack(entries, len(entries), with_defaults=with_defaults))
     assert decoded is not None
     assert decoded.params == [(e.name.encode(), e.value, NUMBERS[e.kind]) for e in entries]
@@ -62,17 +70,17 @@ def test_pymavlink_reads_every_name_value_and_default(entries: list[Entry], with
 
 
 @given(entries=entry_lists(), with_defaults=st.booleans())
-def test_no_value_lies_across_two_blocks(entries: list[Entry], with_defaults: bool) -> None:
+def test_no_value_lies_across_two_blocks(entries: list[PackedParameter], with_defaults: bool) -> None:
     for count, entry in enumerate(entries):
         file = pack(entries[: count + 1], 0, with_defaults=with_defaults)
-        size = {Kind.INT8: 1, Kind.INT16: 2}.get(entry.kind, 4)
+        size = {ParameterType.INT8: 1, ParameterType.INT16: 2}.get(entry.kind, 4)
         if with_defaults and entry.value != entry.default:
             size *= 2
         assert (len(file) - 1) // BLOCK_BYTES == (len(file) - size) // BLOCK_BYTES
 
 
 @given(entries=entry_lists())
-def test_what_a_station_uploads_is_read_back(entries: list[Entry]) -> None:
+def test_what_a_station_uploads_is_read_back(entries: list[PackedParameter]) -> None:
     assert unpack_upload(as_upload(entries)) == [(entry.name, entry.value) for entry in entries]
 
 
@@ -84,7 +92,7 @@ def test_a_file_that_is_none_is_refused_and_nothing_else(file: bytes) -> None:
 
 @given(entries=entry_lists(), at=st.integers(0), value=st.integers(0, 255), cut=st.integers(0, 20))
 def test_a_damaged_file_is_refused_or_holds_possible_names(
-    entries: list[Entry], at: int, value: int, cut: int
+    entries: list[PackedParameter], at: int, value: int, cut: int
 ) -> None:
     file = bytearray(as_upload(entries))
     file[at % len(file)] = value
@@ -126,7 +134,13 @@ def test_the_boats_own_file_counts_right_and_is_small() -> None:
 
 
 def test_a_value_beyond_its_type_costs_no_other_value() -> None:
-    file = pack([Entry("A", Kind.INT8, 300.0, 1.0), Entry("B", Kind.INT16, 5.0, 5.0)], 2)
+    file = pack(
+        [
+            PackedParameter("A", ParameterType.INT8, 300.0, 1.0),
+            PackedParameter("B", ParameterType.INT16, 5.0, 5.0),
+        ],
+        2,
+    )
     decoded = MAVFTP.ftp_param_decode(file)
     assert decoded is not None
     assert decoded.params == [(b"A", 127, 1), (b"B", 5, 2)]
@@ -151,7 +165,12 @@ def test_what_ardupilot_sent_comes_out_of_our_packer_byte_for_byte() -> None:
     magic, count, total = struct.unpack_from("<HHH", theirs)
     entries, at, last = [], 6, b""
     kinds = {number: kind for kind, number in NUMBERS.items()}
-    formats = {Kind.INT8: "<b", Kind.INT16: "<h", Kind.INT32: "<i", Kind.REAL32: "<f"}
+    formats = {
+        ParameterType.INT8: "<b",
+        ParameterType.INT16: "<h",
+        ParameterType.INT32: "<i",
+        ParameterType.REAL32: "<f",
+    }
     while at < len(theirs):
         if theirs[at] == 0:
             at += 1
@@ -160,7 +179,7 @@ def test_what_ardupilot_sent_comes_out_of_our_packer_byte_for_byte() -> None:
         shared, new = theirs[at + 1] & 15, (theirs[at + 1] >> 4) + 1
         last = last[:shared] + theirs[at + 2 : at + 2 + new]
         (value,) = struct.unpack_from(formats[kind], theirs, at + 2 + new)
-        entries.append(Entry(last.decode(), kind, float(value), float(value)))
+        entries.append(PackedParameter(last.decode(), kind, float(value), float(value)))
         at += 2 + new + struct.calcsize(formats[kind])
     assert (magic, count) == (0x671B, len(entries))
     assert len(entries) > 1000

@@ -4,7 +4,7 @@ import pytest
 from boat_rig import Rig, waypoint
 
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import Row
+from companion.config.parameters import ParameterRow
 from companion.core.requests import Arm
 from companion.persistence.storage import MemoryStorage
 
@@ -13,7 +13,7 @@ LIVE = [row for row in ROWS if row.path and not row.read_only]
 
 @pytest.mark.parametrize("end", ["low", "high"])
 @pytest.mark.parametrize("row", LIVE, ids=lambda row: row.name)
-def test_a_boat_starts_with_a_parameter_at_either_end_of_its_range(row: Row, end: str) -> None:
+def test_a_boat_starts_with_a_parameter_at_either_end_of_its_range(row: ParameterRow, end: str) -> None:
     storage = MemoryStorage()
     storage.content["params.parm"] = f"{row.name} {getattr(row, end)!r}\n".encode()
     rig = Rig(storage=storage)

@@ -11,7 +11,7 @@ from boat_rig import BOAT, Rig
 from mission_station import MISSION
 
 from companion.boat import TICK_S
-from companion.config.parameters import Row
+from companion.config.parameters import ParameterRow
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
 from companion.mavlink.sender import Sender
@@ -79,7 +79,7 @@ def stored(folder: Path) -> str:
     return unseal(path.read_bytes()).content.decode() if path.exists() else ""
 
 
-def free(rig: Rig) -> list[Row]:
+def free(rig: Rig) -> list[ParameterRow]:
     """Parameters that may be set, and that share their setting with no other."""
     rows = [row for row in rig.boat.parameters.rows if not row.read_only]
     return [row for row in rows if len(rig.boat.parameters.sharing(row.name)) == 1]

@@ -9,7 +9,7 @@ from pymavlink import mavparm
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import Kind, Parameters, Row
+from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.core.errors import ConfigError
 from companion.persistence.storage import FolderStorage, MemoryStorage
 
@@ -27,18 +27,18 @@ def float32(value: float) -> float:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
-def test_the_default_of_a_row_lies_in_its_range_and_can_be_written_back(row: Row) -> None:
+def test_the_default_of_a_row_lies_in_its_range_and_can_be_written_back(row: ParameterRow) -> None:
     parameters = fresh()
     default = parameters.value(row)
     assert row.low <= default <= row.high
-    assert row.kind is Kind.REAL32 or default == int(default)
+    assert row.kind is ParameterType.REAL32 or default == int(default)
     assert parameters.set(row.name, default) == ""
     assert parameters.value(row) == default
     assert row.text
 
 
 @pytest.mark.parametrize("row", LIVE, ids=lambda row: row.name)
-def test_both_ends_of_a_range_fit_the_field_behind_it(row: Row) -> None:
+def test_both_ends_of_a_range_fit_the_field_behind_it(row: ParameterRow) -> None:
     for value in (row.low, row.high):
         parameters = fresh()
         assert parameters.set(row.name, value) == ""
@@ -46,7 +46,7 @@ def test_both_ends_of_a_range_fit_the_field_behind_it(row: Row) -> None:
 
 
 @pytest.mark.parametrize("row", LIVE, ids=lambda row: row.name)
-def test_what_lies_outside_the_range_is_refused_by_name_and_changes_nothing(row: Row) -> None:
+def test_what_lies_outside_the_range_is_refused_by_name_and_changes_nothing(row: ParameterRow) -> None:
     parameters = fresh()
     before = parameters.config
     beyond = [row.low - 1.0, row.high * 1.01 + 1.0, math.nan, math.inf, -math.inf, 3e38]
@@ -60,7 +60,7 @@ def test_names_are_unique_sorted_and_fit_the_wire() -> None:
     assert names == sorted(set(names))
     assert all(len(name.encode("ascii")) <= 16 for name in names)
     with pytest.raises(ConfigError, match="A_NAME_MUCH_TOO_LONG"):
-        Row("A_NAME_MUCH_TOO_LONG", Kind.REAL32, "")
+        ParameterRow("A_NAME_MUCH_TOO_LONG", ParameterType.REAL32, "")
 
 
 def test_a_tenth_set_over_the_wire_is_a_tenth_in_the_configuration() -> None:
@@ -197,11 +197,11 @@ def test_a_change_that_cannot_be_kept_is_told_once(tmp_path: Path) -> None:
 
     storage = FolderStorage(tmp_path, refuse)
     parameters = Parameters(BoatConfig(), ROWS, storage)
-    assert parameters.take_stored() == []
+    assert parameters.poll_saves() == []
     parameters.set("HDG_KP", 3.0)
     storage.close()
-    assert [stored.error for stored in parameters.take_stored()] == ["params.parm: No space left on device"]
-    assert parameters.take_stored() == []
+    assert [stored.error for stored in parameters.poll_saves()] == ["params.parm: No space left on device"]
+    assert parameters.poll_saves() == []
     assert parameters.config.heading.kp == 3.0
 
 

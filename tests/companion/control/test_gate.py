@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from companion.config.boat_config import Motors
+from companion.config.boat_config import MotorLimits
 from companion.control.gate import Gate
 from companion.core.state import MotorCommand, NavState, Thrust
 
-SETTING = Motors(slew_per_s=4.0, deadband=0.05, command_timeout_s=0.5, estimate_timeout_s=3.0)
+SETTING = MotorLimits(slew_per_s=4.0, deadband=0.05, command_timeout_s=0.5, estimate_timeout_s=3.0)
 DT = 0.02
 STEP = 4.0 * DT
 NAV = NavState(10.0, 1.0, 2.0, 0.3, 0.0, 0.5, 0.5, 0.7, 0.0, 0.1, 0.02)
@@ -26,7 +26,7 @@ def _check(
     age_s: float = 0.0,
     nav: NavState | None = NAV,
     needs_estimate: bool = True,
-    setting: Motors = SETTING,
+    setting: MotorLimits = SETTING,
     dt_s: float = DT,
     nav_age_s: float = 0.0,
 ) -> MotorCommand:
@@ -127,7 +127,7 @@ def test_the_dead_band_ends_where_it_says(wanted: float, sent: float) -> None:
 
 
 def test_a_slow_slew_climbs_out_of_the_dead_band() -> None:
-    gate, slow = Gate(), Motors(slew_per_s=1.0, deadband=0.05)
+    gate, slow = Gate(), MotorLimits(slew_per_s=1.0, deadband=0.05)
     lefts = [_check(gate, setting=slow).left for _ in range(4)]
     assert lefts == pytest.approx([0.0, 0.0, 0.06, 0.08])
 

@@ -247,7 +247,7 @@ def test_whatever_the_sensors_say_the_estimate_stays_finite(
 
 def test_a_frame_chosen_on_another_continent_is_not_laid() -> None:
     estimator, fix = Estimator(), GnssFix(0.0, LatLon(50.0, -1.2), 3, 12, 0.8)
-    estimator.frame_to_lay = LocalFrame(LatLon(73.9, -166.7))
+    estimator.preset_frame = LocalFrame(LatLon(73.9, -166.7))
     nav = estimator.update(fix, None, 0.0)
     assert nav is not None
     assert estimator.frame is not None
@@ -278,7 +278,7 @@ def test_an_origin_that_fixes_have_left_for_seconds_may_be_laid_anew() -> None:
         heard.append(estimator.far_m)
     assert heard[:14] == [0.0] * 14
     assert heard[-1] == pytest.approx(133_500.0, rel=0.01)
-    estimator.lay_anew()
+    estimator.reset_origin()
     nav = estimator.update(GnssFix(9.0, far, 3, 12, 0.8), None, 9.0)
     assert nav is not None
     assert nav.position_age_s == 0.0
@@ -296,4 +296,4 @@ def test_of_a_stated_accuracy_only_what_changes_within_minutes_counts(
     estimator = Estimator()
     fix = GnssFix(0.0, ORIGIN, 3, 12, 0.9, 0.0, 0.0, horizontal_accuracy_m=stated_m)
     estimator.update(fix, None, 0.0)
-    assert estimator.fixing.sigma_m == pytest.approx(sigma_m / math.sqrt(2.0))
+    assert estimator.gnss.sigma_m == pytest.approx(sigma_m / math.sqrt(2.0))

@@ -54,7 +54,7 @@ def test_on_one_course_the_velocity_is_known_and_its_parts_stay_in_doubt() -> No
     current = learned([0.0], true_set, true_gain)
     through = 2.0 + 0j
     assert current.velocity_m_s(through) == pytest.approx(true_gain * through + true_set, abs=0.03)
-    assert current.variance(through) < 0.1 * current.set_variance()
+    assert current.variance(through) < 0.1 * current.current_variance()
 
 
 def test_a_boat_adrift_learns_the_set_at_once() -> None:
@@ -83,7 +83,7 @@ def test_variances_stay_positive_whatever_is_learned(samples: list[tuple[complex
     current = CurrentFilter(2.0, 0.035)
     for over_ground, through in samples:
         current.update(over_ground, through, 0.01, DT)
-        assert current.set_variance() > 0.0
+        assert current.current_variance() > 0.0
         assert current.variance(through) > -1e-9
         assert 0.29 < abs(current.gain) < 3.01
 
@@ -116,10 +116,10 @@ def test_the_wake_knows_where_the_boat_was_between_two_ticks() -> None:
         wake.advance(0.02 * tick, 1.5 + 0.5j)
     now = wake.time_s
     way, velocity = wake.at(now - 0.113)
-    assert wake.way_m - way == pytest.approx(0.113 * (1.5 + 0.5j))
+    assert wake.displacement_m - way == pytest.approx(0.113 * (1.5 + 0.5j))
     assert velocity == 1.5 + 0.5j
     oldest, _ = wake.at(0.0)
-    assert abs(wake.way_m - oldest) < 0.02 * LENGTH * 2.0
+    assert abs(wake.displacement_m - oldest) < 0.02 * LENGTH * 2.0
 
 
 def test_a_habit_of_repeating_is_no_fault_and_a_new_one_is() -> None:
@@ -176,15 +176,15 @@ def fixed() -> GnssUpdate:
     """A boat at rest whose position is known well."""
     fixing = GnssUpdate(Model(Speed(), Estimation()), Estimation())
     for fix in range(50):
-        fixing.take(DT * fix, 0j, 0j + 0.001 * (fix % 2), 0.1, 0)
+        fixing.update(DT * fix, 0j, 0j + 0.001 * (fix % 2), 0.1, 0)
     return fixing
 
 
 def test_a_source_that_says_it_has_begun_anew_is_believed_at_once() -> None:
     fixing = fixed()
-    fixing.take(10.0, 40.0 + 0j, 0j, 0.1, 0)
+    fixing.update(10.0, 40.0 + 0j, 0j, 0.1, 0)
     assert abs(fixing.position.position_m) < 0.1
-    fixing.take(10.2, 40.0 + 0j, 0j, 0.1, 1)
+    fixing.update(10.2, 40.0 + 0j, 0j, 0.1, 1)
     assert fixing.position.position_m == pytest.approx(40.0, abs=0.01)
     assert fixing.resets == 1
 
@@ -192,7 +192,7 @@ def test_a_source_that_says_it_has_begun_anew_is_believed_at_once() -> None:
 def test_a_boat_that_has_no_thrust_takes_a_leap_for_the_truth_in_the_end() -> None:
     fixing = fixed()
     for fix in range(50, 120):
-        fixing.take(DT * fix, 40.0 + 0.001j * (fix % 2), 0j, 0.1, 0)
+        fixing.update(DT * fix, 40.0 + 0.001j * (fix % 2), 0j, 0.1, 0)
         if fix == 60:
             assert fixing.faults(DT * fix) & EstimateFault.GNSS_JUMPING
     assert fixing.resets == 1

@@ -45,9 +45,9 @@ class Passage:
 
     def _hear(self, now_s: float) -> None:
         witness, heading = self.witness, self.filter
-        witness.update(heading.drawn_rad, heading.bias_rad_s, 0.2)
-        if not witness.is_quarrel:
-            witness.keep(SET_M_S, 1 + 0j, 0.2)
+        witness.update(heading.corrected_rad, heading.bias_rad_s, 0.2)
+        if not witness.is_disagreeing:
+            witness.record(SET_M_S, 1 + 0j, 0.2)
             return
         noise = complex(self._rng.gauss(0.0, 0.05), self._rng.gauss(0.0, 0.05))
         ground = SET_M_S + cmath.rect(self._speed_m_s, self._heading_rad) + noise
@@ -60,7 +60,7 @@ class Passage:
 def test_who_is_well_does_not_quarrel() -> None:
     passage = Passage()
     passage.sail(300.0)
-    assert not passage.witness.is_quarrel
+    assert not passage.witness.is_disagreeing
 
 
 @pytest.mark.parametrize("deg_s", [-4.0, -2.0, 1.0, 2.0, 10.0])
@@ -103,7 +103,7 @@ def test_a_compass_that_was_found_out_has_to_agree_for_a_while() -> None:
 
     heading.is_idle = False
     sail(20.0, 0.0)
-    heading.disown(0.0, 0.0)
+    heading.reject_offset(0.0, 0.0)
     sail(15.0, 0.0)
     assert heading.is_off
     sail(2.0, 0.5)

@@ -11,7 +11,7 @@ from companion.config.estimation import Estimation
 from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.latency import PAUSE_S, LatencyEstimator
 from companion.estimation.model import Model
-from companion.estimation.yaw_model import YawModel
+from companion.estimation.yaw_model import YawRateModel
 from companion.sensors.readings import HeadingReading
 
 TICK_S = 0.02
@@ -30,11 +30,11 @@ def watched(
     for tick in range(round(seconds / 0.1)):
         now_s = 0.1 * tick
         if watch.is_due(now_s):
-            watch.expect(now_s, swing(now_s))
+            watch.add_expected(now_s, swing(now_s))
         if tick % 2 or 20.0 <= now_s < 20.0 + paused_s:
             continue
         if now_s - heard_s > PAUSE_S:
-            watch.pause(now_s, now_s - heard_s)
+            watch.note_gap(now_s, now_s - heard_s)
         heard_s = now_s
         late = late_s if now_s >= 20.0 else 0.0
         noisy = complex(rng.gauss(0.0, noise), rng.gauss(0.0, noise))
@@ -63,11 +63,11 @@ def test_readings_that_are_in_time_again_are_believed_again() -> None:
     for tick in range(900):
         now_s = 0.1 * tick
         if watch.is_due(now_s):
-            watch.expect(now_s, swing(now_s))
+            watch.add_expected(now_s, swing(now_s))
         if 20.0 <= now_s < 22.0:
             continue
         if now_s == 22.0:
-            watch.pause(now_s, 2.0)
+            watch.note_gap(now_s, 2.0)
         late_s = 2.0 if 20.0 <= now_s < 50.0 else 0.0
         watch.compare(now_s, swing(now_s - late_s))
         lags.append(watch.lag_s)
@@ -78,13 +78,13 @@ def test_readings_that_are_in_time_again_are_believed_again() -> None:
 def test_a_sensor_that_is_slow_as_a_rule_is_not_doubted_for_it() -> None:
     watch = LatencyEstimator(0.2)
     for second in range(1, 60):
-        watch.pause(float(second), 1.0)
-    assert not watch.is_doubtful(60.0)
-    watch.pause(63.0, 3.0)
-    assert watch.is_doubtful(63.5)
+        watch.note_gap(float(second), 1.0)
+    assert not watch.is_uncertain(60.0)
+    watch.note_gap(63.0, 3.0)
+    assert watch.is_uncertain(63.5)
 
 
-def turned(model: YawModel, seconds: float, gain_rad_s: float = 0.9, trim_rad_s: float = 0.1) -> None:
+def turned(model: YawRateModel, seconds: float, gain_rad_s: float = 0.9, trim_rad_s: float = 0.1) -> None:
     """Steer to and fro in a hull that turns as the model has it."""
     for tick in range(round(seconds / 0.04)):
         side = 0.8 if (tick // 80) % 2 else -0.6
@@ -94,14 +94,14 @@ def turned(model: YawModel, seconds: float, gain_rad_s: float = 0.9, trim_rad_s:
 
 
 def test_how_steering_turns_the_hull_is_learned() -> None:
-    model = YawModel()
+    model = YawRateModel()
     turned(model, 30.0)
     assert model.rate_of(1.0) - model.rate_of(0.0) == pytest.approx(0.9, abs=0.05)
     assert model.rate_of(0.0) == pytest.approx(0.1, abs=0.03)
 
 
 def test_the_way_turned_is_remembered_for_some_seconds() -> None:
-    model = YawModel()
+    model = YawRateModel()
     turned(model, 20.0)
     before_rad, then_s = model.turned_rad, model.time_s
     for tick in range(25):
@@ -116,7 +116,7 @@ class Swinging:
 
     def __init__(self) -> None:
         self.model = Model(Speed(), Estimation())
-        self.hull = YawModel()
+        self.hull = YawRateModel()
         turned(self.hull, 30.0, trim_rad_s=0.0)
         self._began_s = self.hull.time_s
         self.headings: list[float] = []
@@ -137,7 +137,7 @@ class Swinging:
                 heading = math.remainder(self.headings[then], math.tau)
                 reading = HeadingReading(time_s=now_s, heading_rad=heading, yaw_rate_rad_s=rate)
             yaw = self.model.advance(reading, now_s, MotorCommand(side, -side))
-            self.model.reckoning.learn(now_s, TICK_S)
+            self.model.propagation.learn(now_s, TICK_S)
             worst_rad = max(worst_rad, abs(math.remainder(yaw - self.headings[-1], math.tau)))
         return worst_rad
 

@@ -187,10 +187,10 @@ class Failsafes(RuleBasedStateMachine):
         self.command, self.reason = (command.left, command.right), command.reason
 
     def read_notices(self) -> list[str]:
-        notices = self.vehicle.take_notices()
-        assert all(Severity.CRITICAL <= notice.severity <= Severity.INFO for notice in notices)
-        assert len(notices) <= 30
-        return [notice.text for notice in notices]
+        status_texts = self.vehicle.take_status_texts()
+        assert all(Severity.CRITICAL <= notice.severity <= Severity.INFO for notice in status_texts)
+        assert len(status_texts) <= 30
+        return [notice.text for notice in status_texts]
 
     @invariant()
     def a_disarmed_boat_gives_no_thrust(self) -> None:

@@ -21,7 +21,7 @@ def armed_vehicle(mode: Mode = Mode.GUIDED, **settings: object) -> Vehicle:
     vehicle.sense(nav_at(), FRAME, GOOD_FIX, None, 0.0)
     assert vehicle.request(ChangeMode(mode)).accepted
     assert vehicle.request(Arm()).accepted
-    vehicle.take_notices()
+    vehicle.take_status_texts()
     return vehicle
 
 
@@ -40,7 +40,7 @@ def live(
         nav = replace(nav_at(time_s=now_s), yaw_rate_rad_s=yaw_rate_rad_s)
         vehicle.sense(nav, vehicle.frame, GOOD_FIX, battery, now_s)
         vehicle.decide()
-    return [notice.text for notice in vehicle.take_notices()]
+    return [notice.text for notice in vehicle.take_status_texts()]
 
 
 def lose_operator(vehicle: Vehicle, seconds: float = 10.0) -> list[str]:
@@ -166,7 +166,7 @@ def test_a_boat_without_position_holds_where_it_was_told_to_loiter() -> None:
 def test_a_disarmed_boat_stays_in_its_mode_and_is_told_all_the_same() -> None:
     vehicle = armed_vehicle(action=int(Action.RTL))
     vehicle.request(Disarm())
-    vehicle.take_notices()
+    vehicle.take_status_texts()
     assert lose_operator(vehicle) == ["Failsafe: Operator lost for 5 s"]
     assert vehicle.mode.name == "GUIDED"
 

@@ -11,7 +11,7 @@ from companion.core.geo import Point
 from companion.core.intent import Drive, Stop
 from companion.core.state import Demand, NavState
 from companion.failsafe.recovery.motor_check import MotorCheck
-from companion.guidance.drift_heading import lee_demand
+from companion.guidance.drift_heading import drift_demand
 
 
 def nav_at(
@@ -187,7 +187,7 @@ class Wall:
 
 
 def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
-    demand = lee_demand(nav_at(current_m_s=(0.8, 0.0)), Wall(), 0.35)
+    demand = drift_demand(nav_at(current_m_s=(0.8, 0.0)), Wall(), 0.35)
     north = 0.8 + 0.35 * math.cos(demand.heading_rad)
     east = 0.35 * math.sin(demand.heading_rad)
     assert 40.0 / north * east > 15.0
@@ -196,5 +196,5 @@ def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
 
 
 def test_with_room_all_round_it_points_into_the_set() -> None:
-    demand = lee_demand(nav_at(current_m_s=(0.0, -0.8)), Wall(), 0.35)
+    demand = drift_demand(nav_at(current_m_s=(0.0, -0.8)), Wall(), 0.35)
     assert demand.heading_rad == pytest.approx(math.pi / 2.0)

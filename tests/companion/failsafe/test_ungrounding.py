@@ -23,8 +23,8 @@ def fence() -> Fence:
     """Water to the south of north = 0."""
     laid = Fence()
     corners = [(-200.0, -200.0), (-200.0, 200.0), (0.0, 200.0), (0.0, -200.0)]
-    laid.take([FencePolygon(tuple(FRAME.to_global(Point(n, e)) for n, e in corners), is_inclusion=True)])
-    laid.lay(FRAME, None, FenceSetting())
+    laid.set_areas([FencePolygon(tuple(FRAME.to_global(Point(n, e)) for n, e in corners), is_inclusion=True)])
+    laid.update(FRAME, None, FenceSetting())
     return laid
 
 

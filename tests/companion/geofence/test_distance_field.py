@@ -33,8 +33,8 @@ def field_of(fence: Fence, *goals: Point, clearance_m: float = 3.0) -> DistanceF
 
 
 def way_home(fence: Fence, config: BoatConfig = BoatConfig(), rally: tuple[LatLon, ...] = ()) -> WayHome:  # noqa: B008
-    notices: list[StatusText] = []
-    way = WayHome(fence, notices)
+    status_texts: list[StatusText] = []
+    way = WayHome(fence, status_texts)
     way.rally = rally
     home = FRAME.to_global(HOME)
     for _ in range(2000):
@@ -149,14 +149,14 @@ def test_a_passage_too_narrow_for_the_clearance_is_taken_with_less() -> None:
 
 def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
     wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
-    notices: list[StatusText] = []
-    way = WayHome(laid(square(100.0), wall), notices)
+    status_texts: list[StatusText] = []
+    way = WayHome(laid(square(100.0), wall), status_texts)
     start = Point(80.0, 0.0)
     way.begin()
     for tick in range(1500):
         way.prepare(FRAME, FRAME.to_global(HOME), BoatConfig(), nav_at(start))
         assert isinstance(way.update(nav_at(start), BoatConfig(), 2.0, tick * 0.5), KeepStation)
-    assert [notice.text for notice in notices] == ["RTL: no way home inside the fence, keeping station"]
+    assert [notice.text for notice in status_texts] == ["RTL: no way home inside the fence, keeping station"]
     assert math.isinf(way.home_distance_m(start))
 
 

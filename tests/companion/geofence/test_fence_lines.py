@@ -122,8 +122,8 @@ def square(half_m: float, is_inclusion: bool = True, north_m: float = 0.0) -> Fe
 
 def laid(*areas: FenceArea, setting: FenceSetting | None = None, home: LatLon | None = None) -> Fence:
     fence = Fence()
-    fence.take(areas)
-    fence.lay(FRAME, home, setting or FenceSetting())
+    fence.set_areas(areas)
+    fence.update(FRAME, home, setting or FenceSetting())
     return fence
 
 

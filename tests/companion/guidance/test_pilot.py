@@ -10,7 +10,7 @@ from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
 from companion.core.state import Demand, NavState
 from companion.guidance.fillet import TURN_SHARE
-from companion.guidance.path_following import NEW_SET_SHARE, REACH_BRAKINGS, PathFollowing
+from companion.guidance.path_following import NEW_CURRENT_SHARE, REACH_BRAKINGS, PathFollowing
 from companion.guidance.pilot import Pilot
 
 CONFIG = BoatConfig()
@@ -142,7 +142,7 @@ def test_the_bow_is_held_against_the_set() -> None:
 
 
 def test_the_path_is_made_anew_for_another_current_and_not_for_a_little_change() -> None:
-    share = NEW_SET_SHARE * CONFIG.guidance.min_speed_m_s
+    share = NEW_CURRENT_SHARE * CONFIG.guidance.min_speed_m_s
     assert share == pytest.approx(0.1)
     far = replace(NORTHBOUND, north_m=40.0)
     near = replace(NORTHBOUND, north_m=96.4, current_north_m_s=0.5)

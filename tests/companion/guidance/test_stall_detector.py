@@ -5,7 +5,7 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.state import STOPPED, Demand, MotorCommand, NavState
-from companion.guidance.stall_detector import HELD_S, NOTICE_S, StallDetector, StallVerdict
+from companion.guidance.stall_detector import HELD_S, STALL_S, StallDetector, StallVerdict
 
 CONFIG = BoatConfig()
 DT = 0.02
@@ -34,14 +34,14 @@ def test_a_boat_under_way_makes_way() -> None:
 def test_full_throttle_without_way_in_still_water_is_stuck() -> None:
     headway = StallDetector()
     judged(headway, UNDER_WAY, 60.0)
-    assert judged(headway, STILL, 0.9 * NOTICE_S) is StallVerdict.MAKING_WAY
-    assert judged(headway, STILL, 0.2 * NOTICE_S) is StallVerdict.STUCK
+    assert judged(headway, STILL, 0.9 * STALL_S) is StallVerdict.MAKING_WAY
+    assert judged(headway, STILL, 0.2 * STALL_S) is StallVerdict.STUCK
 
 
 def test_a_current_as_fast_as_the_boat_leaves_no_headway() -> None:
     headway = StallDetector()
     judged(headway, replace(UNDER_WAY, north_m_s=0.2, current_north_m_s=-2.9), 120.0)
-    assert judged(headway, replace(STILL, current_north_m_s=-3.0), 1.1 * NOTICE_S) is StallVerdict.NO_HEADWAY
+    assert judged(headway, replace(STILL, current_north_m_s=-3.0), 1.1 * STALL_S) is StallVerdict.NO_HEADWAY
 
 
 def test_a_set_learned_while_stuck_does_not_blame_the_water() -> None:
@@ -52,7 +52,7 @@ def test_a_set_learned_while_stuck_does_not_blame_the_water() -> None:
 
 def test_way_made_good_clears_the_verdict() -> None:
     headway = StallDetector()
-    assert judged(headway, STILL, 2.0 * NOTICE_S) is StallVerdict.STUCK
+    assert judged(headway, STILL, 2.0 * STALL_S) is StallVerdict.STUCK
     assert judged(headway, UNDER_WAY, DT) is StallVerdict.MAKING_WAY
 
 
@@ -73,7 +73,7 @@ def test_who_does_not_try_is_not_judged(command: MotorCommand, demand: Demand, h
 
 def test_opening_the_loops_begins_anew() -> None:
     headway = StallDetector()
-    judged(headway, STILL, 0.9 * NOTICE_S)
+    judged(headway, STILL, 0.9 * STALL_S)
     headway.update(None, STOPPED, STILL, CONFIG, DT)
     assert headway.stalled_s == 0.0
 

@@ -61,7 +61,7 @@ class Flooded:
 
     @property
     def looks(self) -> int:
-        return sum(channel.wasted_looks for channel in self.channels.open.values())
+        return sum(channel.wasted_checks for channel in self.channels.open.values())
 
     def flood(self) -> None:
         """As much as a tick brings; what does not fit is lost or, on a stream, waits at the sender's."""
@@ -118,11 +118,11 @@ def test_floods_take_turns() -> None:
     rig.flood()
     rig.tick(calls=1)  # after which it is known which links bring garbage
     floods = list(rig.channels.open.values())[:-1]
-    before = [channel.wasted_looks for channel in floods]
+    before = [channel.wasted_checks for channel in floods]
     for _ in range(20):
         rig.flood()
         rig.tick(calls=1)
-    wasted = [channel.wasted_looks - began for channel, began in zip(floods, before, strict=True)]
+    wasted = [channel.wasted_checks - began for channel, began in zip(floods, before, strict=True)]
     assert min(wasted) > 0.5 * max(wasted)
 
 

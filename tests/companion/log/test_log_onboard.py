@@ -333,7 +333,7 @@ def test_a_number_that_no_field_holds_costs_a_record_not_the_boat(open_rig: Open
     rig.sail(waypoint(500, 0)).run(2.0)
     rig.boat.steering.helm.heading_pid = PidOutput(1e300, 0.0, 0.0, 0.0, False)
     later_s = rig.now_s + 1.0
-    now = msgspec.structs.replace(rig.boat.look(), now_s=later_s)
+    now = msgspec.structs.replace(rig.boat.take_snapshot(), now_s=later_s)
     rig.log.tick(later_s, lambda: now, rig.boat.channels)
     assert rig.log.faults == 1
     rig.run(2.0)

@@ -64,7 +64,7 @@ def test_what_both_sides_said_is_in_the_links_log_with_its_time(open_rig: OpenRi
     assert not any(kind == "BAD_DATA" for _, kind in heard)
     times = [m._timestamp for m in messages]  # type: ignore[attr-defined]
     assert times == sorted(times)
-    assert times[-1] == pytest.approx(rig.boat.look().unix_s, abs=0.1)
+    assert times[-1] == pytest.approx(rig.boat.take_snapshot().unix_s, abs=0.1)
 
 
 def test_each_link_has_a_log_of_its_own_that_ends_with_it(open_rig: OpenRig, tmp_path: Path) -> None:

@@ -165,7 +165,7 @@ def test_a_megabyte_of_any_one_byte_value_costs_a_few_looks_a_chunk(datagram: bo
         finder = FrameFinder(datagram)
         for _ in range(256):
             assert finder.feed(bytes((value,)) * CHUNK) == []
-        assert finder.wasted_looks <= 256 * 6, f"{value:#x}"
+        assert finder.wasted_checks <= 256 * 6, f"{value:#x}"
         assert finder.counters.bytes_in == 256 * CHUNK
         assert finder.counters.bad_frames > 0
 
@@ -176,7 +176,7 @@ def test_noise_costs_about_a_look_a_magic_byte(seed: int) -> None:
     finder = FrameFinder(datagram=False)
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
-    assert finder.wasted_looks <= 1.3 * (data.count(V1) + data.count(V2))
+    assert finder.wasted_checks <= 1.3 * (data.count(V1) + data.count(V2))
 
 
 @pytest.mark.parametrize(
@@ -188,7 +188,7 @@ def test_no_pattern_costs_more_than_two_looks_a_byte(pattern: bytes) -> None:
     finder = FrameFinder(datagram=False)
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
-    assert finder.wasted_looks <= 2 * len(data)
+    assert finder.wasted_checks <= 2 * len(data)
 
 
 def test_a_search_with_a_limit_stops_there_and_goes_on_later() -> None:
@@ -196,7 +196,7 @@ def test_a_search_with_a_limit_stops_there_and_goes_on_later() -> None:
     finder.put(b"\xfd\x00\x00" * 1000 + heartbeat())
     assert finder.find(most_wasted_looks=100) == []
     assert finder.is_behind
-    assert finder.wasted_looks <= 100 + 280
+    assert finder.wasted_checks <= 100 + 280
     found = [frame for _ in range(60) for frame in finder.find(most_wasted_looks=100)]
     assert [frame.data for frame in found] == [heartbeat()]
     assert not finder.is_behind
@@ -216,4 +216,4 @@ def test_frames_waste_no_look_and_have_a_limit_of_their_own() -> None:
     assert len(finder.find(most_frames=10, most_wasted_looks=1)) == 10
     assert finder.is_behind
     assert len(finder.find(most_wasted_looks=1)) == 90
-    assert finder.wasted_looks == 0
+    assert finder.wasted_checks == 0

@@ -37,11 +37,11 @@ def under_way(speed_m_s: float = 1.0, time_s: float = 0.0) -> NavState:
 
 def lookout_of(*echoes: tuple[float, float]) -> ObstaclePerception:
     """Bearings in degrees and ranges, each seen three times."""
-    lookout = ObstaclePerception(CONFIG.avoidance)
+    perception = ObstaclePerception(CONFIG.avoidance)
     for time_s in (0.0, 0.1, 0.2):
         pings = [(SonarReading(time_s, math.radians(deg), range_m), None) for deg, range_m in echoes]
-        lookout.take(pings, nav_at(time_s=time_s), CONFIG.avoidance, time_s)
-    return lookout
+        perception.ingest(pings, nav_at(time_s=time_s), CONFIG.avoidance, time_s)
+    return perception
 
 
 ROCK_AHEAD = ((0.0, 3.0),)
@@ -52,10 +52,10 @@ SEALED = tuple((deg, 1.3) for deg in range(-180, 180, 10))
 class Hand:
     """Avoidance with its surroundings held."""
 
-    def __init__(self, lookout: ObstaclePerception, config: BoatConfig = CONFIG) -> None:
-        self.notices: list[StatusText] = []
-        self.avoidance = Avoidance(self.notices)
-        self.lookout, self.config = lookout, config
+    def __init__(self, perception: ObstaclePerception, config: BoatConfig = CONFIG) -> None:
+        self.status_texts: list[StatusText] = []
+        self.avoidance = Avoidance(self.status_texts)
+        self.perception, self.config = perception, config
         self.now_s = 0.8  # long enough after the last look for it to be no riddle any more
 
     def sail(self, intent: Intent, nav: NavState | None = None, is_by_hand: bool = False) -> Intent:
@@ -64,7 +64,7 @@ class Hand:
             intent,
             under_way() if nav is None else nav,
             self.config,
-            self.lookout,
+            self.perception,
             Fence(),
             is_by_hand=is_by_hand,
             now_s=self.now_s,
@@ -75,7 +75,7 @@ def test_in_open_water_every_intent_goes_through() -> None:
     hand = Hand(ObstaclePerception(CONFIG.avoidance))
     for intent in (LEG, Stop(), Drive(1.0, 0.0), KeepStation(Point(1.0, 1.0)), HoldCourse(1.0, 1.0)):
         assert hand.sail(intent) is intent
-    assert hand.avoidance.safe_speed.limited(Demand(0.0, 2.0), under_way(), CONFIG) == Demand(0.0, 2.0)
+    assert hand.avoidance.safe_speed.limit(Demand(0.0, 2.0), under_way(), CONFIG) == Demand(0.0, 2.0)
 
 
 def test_a_tick_in_open_water_costs_less_than_a_microsecond_or_so() -> None:
@@ -83,7 +83,7 @@ def test_a_tick_in_open_water_costs_less_than_a_microsecond_or_so() -> None:
     update = hand.avoidance.update
 
     def tick() -> None:
-        update(LEG, nav, CONFIG, hand.lookout, fence, is_by_hand=False, now_s=1.0)
+        update(LEG, nav, CONFIG, hand.perception, fence, is_by_hand=False, now_s=1.0)
 
     assert min(timeit.repeat(tick, number=2000, repeat=5)) / 2000 < 10e-6  # 0.5 µs on an idle machine
 
@@ -97,7 +97,7 @@ def test_a_rock_ahead_is_passed_whatever_leads_there(intent: Intent) -> None:
     assert isinstance(course, HoldCourse)
     assert 0.3 < abs(course.course_rad) < 1.0
     assert hand.avoidance.stage is Stage.ROUND
-    assert "going round" in hand.notices[0].text
+    assert "going round" in hand.status_texts[0].text
 
 
 def test_a_rock_on_the_circle_is_passed() -> None:
@@ -118,7 +118,7 @@ def test_the_side_is_kept_while_the_boat_goes_round() -> None:
     courses = [hand.sail(LEG) for _ in range(20)]
     signs = {math.copysign(1.0, one.course_rad) for one in courses if isinstance(one, HoldCourse)}
     assert len(signs) <= 1
-    assert len(hand.notices) == 1
+    assert len(hand.status_texts) == 1
 
 
 def test_speed_is_held_to_what_can_be_stopped_from_before_the_thing() -> None:
@@ -128,18 +128,16 @@ def test_speed_is_held_to_what_can_be_stopped_from_before_the_thing() -> None:
     fast = Demand(0.0, 2.0)
     far_m_s, near_m_s = (
         demand.speed_m_s
-        for demand in (
-            hand.avoidance.safe_speed.limited(fast, under_way(0.1), CONFIG) for hand in (far, near)
-        )
+        for demand in (hand.avoidance.safe_speed.limit(fast, under_way(0.1), CONFIG) for hand in (far, near))
         if isinstance(demand, Demand)
     )
     assert 0.0 <= near_m_s < far_m_s < 2.0
 
 
 def test_one_echo_alone_only_slows_the_boat() -> None:
-    lookout = ObstaclePerception(CONFIG.avoidance)
-    lookout.take([(SonarReading(0.3, 0.0, 3.0), None)], under_way(time_s=0.3), CONFIG.avoidance, 0.3)
-    hand = Hand(lookout)
+    perception = ObstaclePerception(CONFIG.avoidance)
+    perception.ingest([(SonarReading(0.3, 0.0, 3.0), None)], under_way(time_s=0.3), CONFIG.avoidance, 0.3)
+    hand = Hand(perception)
     assert hand.sail(LEG) is LEG
     assert hand.avoidance.safe_speed.ahead_m_s < 2.0
 
@@ -149,10 +147,10 @@ def test_where_there_is_no_way_the_boat_waits_tells_and_tries_again() -> None:
     hand.sail(LEG, under_way(0.0))
     assert hand.avoidance.stage is Stage.BLOCKED
     assert isinstance(hand.sail(LEG, under_way(0.0)), KeepStation)
-    assert [notice.text for notice in hand.notices] == ["Obstacle: no way round, keeping station"]
+    assert [notice.text for notice in hand.status_texts] == ["Obstacle: no way round, keeping station"]
     hand.now_s += 100.0  # all is forgotten by then
     assert hand.sail(LEG, under_way(0.0)) is LEG
-    assert hand.notices[-1].text == "Obstacle: the way is open"
+    assert hand.status_texts[-1].text == "Obstacle: the way is open"
 
 
 def test_by_hand_nothing_is_steered_and_only_if_asked_for_is_speed_held() -> None:
@@ -160,20 +158,20 @@ def test_by_hand_nothing_is_steered_and_only_if_asked_for_is_speed_held() -> Non
     free, held = Hand(lookout_of((0.0, 1.0))), Hand(lookout_of((0.0, 1.0)), BY_HAND)
     for hand in (free, held):
         assert hand.sail(drive, is_by_hand=True) is drive
-    assert free.avoidance.safe_speed.limited(drive, under_way(), CONFIG) == drive
-    braked = held.avoidance.safe_speed.limited(drive, under_way(), BY_HAND)
+    assert free.avoidance.safe_speed.limit(drive, under_way(), CONFIG) == drive
+    braked = held.avoidance.safe_speed.limit(drive, under_way(), BY_HAND)
     assert isinstance(braked, Drive)
     assert braked.throttle < 0.0
-    assert held.avoidance.safe_speed.limited(Drive(-1.0, 0.0), under_way(), BY_HAND) == Drive(-1.0, 0.0)
+    assert held.avoidance.safe_speed.limit(Drive(-1.0, 0.0), under_way(), BY_HAND) == Drive(-1.0, 0.0)
 
 
 def test_by_sight_the_boat_sails_no_faster_than_it_sees() -> None:
     config = with_value(CONFIG, "avoidance.by_sight", 1)
-    lookout = ObstaclePerception(config.avoidance)
-    blind, seeing = Hand(lookout, config), Hand(lookout, config)
+    perception = ObstaclePerception(config.avoidance)
+    blind, seeing = Hand(perception, config), Hand(perception, config)
     blind.sail(LEG)
     assert blind.avoidance.safe_speed.ahead_m_s == CONFIG.guidance.min_speed_m_s
-    lookout.take([(SonarReading(0.3, 0.0, None), None)], under_way(time_s=0.3), config.avoidance, 0.3)
+    perception.ingest([(SonarReading(0.3, 0.0, None), None)], under_way(time_s=0.3), config.avoidance, 0.3)
     seeing.sail(LEG)
     assert 0.8 < seeing.avoidance.safe_speed.ahead_m_s < 1.2
 
@@ -189,4 +187,6 @@ def test_without_an_estimate_or_switched_off_nothing_is_changed() -> None:
     off = with_value(CONFIG, "avoidance.enable", 1)
     hand = Hand(lookout_of(*ROCK_AHEAD), off)
     assert hand.sail(LEG) is LEG
-    assert hand.avoidance.update(LEG, None, CONFIG, hand.lookout, Fence(), is_by_hand=False, now_s=9.0) is LEG
+    assert (
+        hand.avoidance.update(LEG, None, CONFIG, hand.perception, Fence(), is_by_hand=False, now_s=9.0) is LEG
+    )

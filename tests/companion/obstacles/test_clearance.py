@@ -50,7 +50,7 @@ def test_the_first_open_course_is_found_on_either_side() -> None:
 
 def test_bounds_on_one_side_shut_it() -> None:
     water = FreeSpace(HERE, [Point(3.0, 0.0)], 1.0, REACH_M)
-    water.keep_within(Walls(0.2), 0.0)
+    water.set_bounds(Walls(0.2), 0.0)
     assert water.first_open_rad(0.0, STARBOARD, REACH_M) is None
     assert choose_side(water, 0.0, REACH_M) is not None
     assert choose_side(water, 0.0, REACH_M)[0] == PORT  # type: ignore[index]
@@ -140,14 +140,14 @@ def test_a_detour_follows_the_edge_and_ends_nearer_the_goal() -> None:
     detour.advance(beside, 1.0)
     assert detour.steer(beside, wall, FreeSpace(beside, wall, 1.0, REACH_M), REACH_M)
     assert abs(detour.course_rad) < 0.7
-    assert detour.has_gained(beside, REACH_M, 0.3)
-    assert not detour.has_gained(Point(-3.0, 3.4), 2.0, 0.3)
+    assert detour.has_progressed(beside, REACH_M, 0.3)
+    assert not detour.has_progressed(Point(-3.0, 3.4), 2.0, 0.3)
 
 
 def test_a_detour_that_comes_back_to_its_beginning_is_round() -> None:
     detour = Detour(HERE, AHEAD, STARBOARD, 0.0)
-    assert not detour.is_round(HERE, 1.0)
+    assert not detour.has_returned(HERE, 1.0)
     for at in (Point(0.0, 4.0), Point(4.0, 4.0), Point(0.5, 0.0)):
         detour.advance(at, 1.0)
-    assert detour.is_round(Point(0.5, 0.0), 1.0)
+    assert detour.has_returned(Point(0.5, 0.0), 1.0)
     assert detour.length_m > 8.0

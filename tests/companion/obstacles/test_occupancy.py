@@ -24,10 +24,10 @@ def water() -> Occupancy:
 def test_one_echo_makes_a_suspect_and_a_second_one_makes_it_solid() -> None:
     seen = water()
     seen.add(look(3.0, 0.0))
-    assert seen.things(0.0) == []
-    assert seen.things(0.0, SUSPECT)
+    assert seen.obstacles(0.0) == []
+    assert seen.obstacles(0.0, SUSPECT)
     seen.add(look(3.05, 0.72))
-    solid = seen.things(0.72)
+    solid = seen.obstacles(0.72)
     assert solid
     assert all(abs(distance_m(HERE, thing) - 3.0) < 0.3 for thing in solid)
 
@@ -36,13 +36,13 @@ def test_echoes_of_spray_here_and_there_never_become_solid() -> None:
     seen = water()
     for number, range_m in enumerate((3.8, 0.6, 2.9, 1.7, 0.9, 2.2)):
         seen.add(look(range_m, 0.72 * number))
-    assert seen.things(3.6) == []
+    assert seen.obstacles(3.6) == []
 
 
 def test_an_echo_lies_somewhere_on_the_arc_across_the_beam() -> None:
     seen = water()
     seen.add(look(4.0, 0.0))
-    arc = seen.things(0.0, SUSPECT)
+    arc = seen.obstacles(0.0, SUSPECT)
     assert max(thing.east_m for thing in arc) - min(thing.east_m for thing in arc) > 0.5
     assert all(abs(math.atan2(thing.east_m, thing.north_m)) < WIDTH_RAD for thing in arc)
 
@@ -51,11 +51,11 @@ def test_what_a_beam_reaches_beyond_is_gone() -> None:
     seen = water()
     for time_s in (0.0, 0.7):
         seen.add(look(2.0, time_s))
-    assert seen.things(0.7)
+    assert seen.obstacles(0.7)
     for time_s in (1.4, 2.1):
         seen.add(look(3.5, time_s))
-    assert all(thing.north_m > 3.0 for thing in seen.things(2.1, SUSPECT))
-    looks = seen.looks(Point(2.0, 0.0), 2.1)
+    assert all(thing.north_m > 3.0 for thing in seen.obstacles(2.1, SUSPECT))
+    looks = seen.evidence_at(Point(2.0, 0.0), 2.1)
     assert looks is not None
     assert looks <= 0.0
 
@@ -66,17 +66,17 @@ def test_silence_takes_away_less_than_an_echo_from_beyond() -> None:
         seen.add(look(2.0, 0.0))
         seen.add(look(2.0, 0.7))
         seen.add(look(range_m, 1.4))
-    assert silent.things(1.4, SOLID - 0.5)
-    assert not any(thing.north_m < 3.0 for thing in beyond.things(1.4, SOLID - 0.5))
+    assert silent.obstacles(1.4, SOLID - 0.5)
+    assert not any(thing.north_m < 3.0 for thing in beyond.obstacles(1.4, SOLID - 0.5))
 
 
 def test_a_look_elsewhere_takes_nothing_away() -> None:
     seen = water()
     for time_s in (0.0, 0.7):
         seen.add(look(2.0, time_s))
-    before = seen.things(0.8)
+    before = seen.obstacles(0.8)
     seen.add(look(math.inf, 0.8, bearing_rad=0.5))
-    assert seen.things(0.8) == before
+    assert seen.obstacles(0.8) == before
 
 
 def test_what_was_seen_often_is_remembered_longer_and_forgotten_in_the_end() -> None:
@@ -85,9 +85,9 @@ def test_what_was_seen_often_is_remembered_longer_and_forgotten_in_the_end() -> 
         twice.add(look(2.0, 0.1 * number))
     for number in range(8):
         often.add(look(2.0, 0.1 * number))
-    assert not twice.things(15.0)
-    assert often.things(15.0)
-    assert not often.things(30.0)
+    assert not twice.obstacles(15.0)
+    assert often.obstacles(15.0)
+    assert not often.obstacles(30.0)
     often.forget(HERE, 100.0, 60.0)
     assert len(often) == 0
 
@@ -126,7 +126,7 @@ def test_memory_is_bounded_and_every_thing_was_within_reach(
         eyes.append(Point(north_m, 0.0))
         seen.add(Beam(0.06 * number, eyes[-1], bearing, width, range_m, 4.0))
     assert len(seen) <= MAX_CELLS
-    for thing in seen.things(5.0, SUSPECT):
+    for thing in seen.obstacles(5.0, SUSPECT):
         assert min(distance_m(eye, thing) for eye in eyes) < 4.0 + 0.1
 
 
@@ -134,4 +134,4 @@ def test_memory_is_bounded_and_every_thing_was_within_reach(
 def test_an_arc_counts_once_for_each_of_its_cells(range_m: float) -> None:
     seen = water()
     seen.add(look(range_m, 0.0))
-    assert all(seen.looks(thing, 0.0) == 1.0 for thing in seen.things(0.0, SUSPECT))
+    assert all(seen.evidence_at(thing, 0.0) == 1.0 for thing in seen.obstacles(0.0, SUSPECT))

@@ -6,14 +6,14 @@ from boat_rig import nav_at
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.avoidance import Avoidance
+from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point, distance_m
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import SUSPECT
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.sensors.readings import SonarReading
 
-SETTING = Avoidance()
+SETTING = AvoidanceSetting()
 
 
 def ping(time_s: float = 0.0, bearing_rad: float = 0.0, range_m: float | None = 3.0) -> SonarReading:
@@ -21,11 +21,11 @@ def ping(time_s: float = 0.0, bearing_rad: float = 0.0, range_m: float | None = 
 
 
 def seen_from(
-    nav: NavState, *pings: SonarReading, now_s: float = 0.0, setting: Avoidance = SETTING
+    nav: NavState, *pings: SonarReading, now_s: float = 0.0, setting: AvoidanceSetting = SETTING
 ) -> ObstaclePerception:
-    lookout = ObstaclePerception(setting)
-    lookout.take([(one, None) for one in pings], nav, setting, now_s)
-    return lookout
+    perception = ObstaclePerception(setting)
+    perception.ingest([(one, None) for one in pings], nav, setting, now_s)
+    return perception
 
 
 def test_an_echo_is_put_where_the_boat_was_and_pointed() -> None:
@@ -54,15 +54,15 @@ def test_a_ping_is_taken_back_to_the_time_it_was_sent() -> None:
     ],
 )
 def test_pings_that_cannot_be_are_dropped_and_counted(bad: SonarReading) -> None:
-    lookout = seen_from(nav_at(), bad)
-    assert lookout.dropped == 1
-    assert lookout.is_empty
+    perception = seen_from(nav_at(), bad)
+    assert perception.dropped == 1
+    assert perception.is_empty
 
 
 def test_a_boat_that_does_not_know_where_it_is_puts_nothing_on_the_map() -> None:
     assert seen_from(nav_at(age_s=10.0), ping()).is_empty
     lost = ObstaclePerception(SETTING)
-    lost.take([(ping(), None)], None, SETTING, 0.0)
+    lost.ingest([(ping(), None)], None, SETTING, 0.0)
     assert lost.is_empty
     assert lost.dropped == 1
 
@@ -74,16 +74,16 @@ def test_what_is_beyond_the_lookahead_is_left_alone() -> None:
 
 
 def test_another_margin_begins_another_map() -> None:
-    lookout = seen_from(nav_at(), ping())
+    perception = seen_from(nav_at(), ping())
     wider = msgspec.structs.replace(SETTING, margin_m=2.0)
-    lookout.take([], nav_at(), wider, 0.1)
-    assert lookout.is_empty
+    perception.ingest([], nav_at(), wider, 0.1)
+    assert perception.is_empty
 
 
 def test_what_lies_far_behind_is_forgotten_in_time() -> None:
-    lookout = seen_from(nav_at(), ping())
-    lookout.take([(ping(2.0, range_m=None), None)], nav_at(100.0, time_s=2.0), SETTING, 2.0)
-    assert lookout.is_empty
+    perception = seen_from(nav_at(), ping())
+    perception.ingest([(ping(2.0, range_m=None), None)], nav_at(100.0, time_s=2.0), SETTING, 2.0)
+    assert perception.is_empty
 
 
 @given(
@@ -103,7 +103,7 @@ def test_what_lies_far_behind_is_forgotten_in_time() -> None:
 def test_whatever_a_ranger_says_the_map_stays_sane(
     pings: list[SonarReading], width_rad: float | None
 ) -> None:
-    lookout = ObstaclePerception(SETTING)
-    lookout.take([(one, width_rad) for one in pings], nav_at(), SETTING, 0.0)
-    for thing in lookout.occupancy.things(0.0, SUSPECT):
+    perception = ObstaclePerception(SETTING)
+    perception.ingest([(one, width_rad) for one in pings], nav_at(), SETTING, 0.0)
+    for thing in perception.occupancy.obstacles(0.0, SUSPECT):
         assert distance_m(Point(0.0, 0.0), thing) <= SETTING.lookahead_m + 1.0

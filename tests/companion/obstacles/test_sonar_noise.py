@@ -9,21 +9,21 @@ def test_random_ranges_are_found_out_within_four_seconds_and_forgiven_once_they_
     babble, random = SonarNoiseMonitor(), Random(7)
     for _ in range(65):
         babble.update(random.uniform(0.02, 4.0), 4.0)
-    assert babble.is_babbling
+    assert babble.is_noisy
     for _ in range(60):
         babble.update(None, 4.0)
-    assert not babble.is_babbling
+    assert not babble.is_noisy
 
 
 def test_a_rock_in_every_other_direction_is_no_nonsense() -> None:
     babble = SonarNoiseMonitor()
     for n in range(500):
         babble.update((1.0, 1.1, 3.5, 3.4, None)[n % 5], 4.0)
-        assert not babble.is_babbling
+        assert not babble.is_noisy
 
 
 def test_a_range_that_never_changes_is_no_nonsense() -> None:
     babble = SonarNoiseMonitor()
     for _ in range(200):
         babble.update(2.0, 4.0)
-    assert not babble.is_babbling
+    assert not babble.is_noisy

@@ -7,7 +7,7 @@ from boat_rig import nav_at
 
 from companion.core.geo import Point
 from companion.core.state import NavState
-from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_puzzling
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 
@@ -26,7 +26,7 @@ def tracks_of(*tracks: Track) -> ObstacleTracks:
 
 def track(north_m: float, east_m: float, alone: int = 1, seen_s: float = 0.0) -> Track:
     out = Track(1, seen_s, Point(north_m, east_m), 0.4)
-    out.alone = alone
+    out.isolated_count = alone
     return out
 
 
@@ -47,22 +47,22 @@ def test_what_is_new_and_alone_is_looked_at_until_it_is_known() -> None:
     bearing = math.atan2(1.5, 3.0)
     assert sector.port_rad < bearing - 0.3 < bearing + 0.3 < sector.starboard_rad
     assert sector.starboard_rad - sector.port_rad < math.radians(90.0)
-    new.looks = 9
-    assert not is_puzzling(new, 0.1)
+    new.observations = 9
+    assert not is_unclassified(new, 0.1)
 
 
 def test_a_ghost_is_not_stared_at() -> None:
-    assert is_puzzling(track(3.0, 0.0), 0.2)
-    assert not is_puzzling(track(3.0, 0.0), 0.6)
+    assert is_unclassified(track(3.0, 0.0), 0.2)
+    assert not is_unclassified(track(3.0, 0.0), 0.6)
 
 
 def test_the_end_of_a_shore_is_not_stared_at() -> None:
-    assert not is_puzzling(track(3.0, 0.0, alone=0), 0.1)
+    assert not is_unclassified(track(3.0, 0.0, alone=0), 0.1)
 
 
 def test_a_mover_is_kept_in_view_and_the_way_ahead_too() -> None:
     mover = track(2.0, -2.0)
-    mover.is_mover = mover.is_likely = True
+    mover.is_mover = mover.is_likely_mover = True
     sector = choose_sector(under_way(1.0), tracks_of(mover), REACH_M, 0.5, is_open=False)
     assert sector.port_rad < -math.pi / 4 - 0.3
     assert sector.starboard_rad > 0.4

@@ -253,13 +253,13 @@ def test_as_many_keys_as_are_remembered_do_not_bind_each_other() -> None:
     keys = [SigningKey.from_passphrase(f"key {number}") for number in range(MAX_KEYS)]
     floors = KeyFloors()
     for number, key in enumerate(keys):
-        floors.keep(key, 1000 + number)
+        floors.record(key, 1000 + number)
     assert [floors.of(key) for key in keys] == [1000 + number for number in range(MAX_KEYS)]
     assert floors.of(KEY) == 0
-    floors.keep(KEY, 5)
+    floors.record(KEY, 5)
     assert floors.of(KEY) == 5
     assert floors.of(keys[0]) == floors.of(OTHER) == 1000, "who was displaced binds whoever is not known"
-    floors.keep(KEY, 3)
+    floors.record(KEY, 3)
     assert floors.of(KEY) == 5
 
 

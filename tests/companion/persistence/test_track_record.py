@@ -178,7 +178,7 @@ def test_on_a_straight_leg_the_end_of_the_track_is_never_far_behind() -> None:
     for _ in range(80):
         rig.run(1.0)
         trail = Trail()
-        TrailRecord(rig.storage, trail, 1).take_up(frame, armed=False)
+        TrailRecord(rig.storage, trail, 1).restore(frame, armed=False)
         end = rig.boat.vehicle.nav
         assert end is not None
         assert math.dist(trail.points[-1], end.point) <= 46.0
@@ -193,7 +193,7 @@ def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_secon
     trail.begin(Point(0.0, 0.0))
     for second in range(600):
         trail.points = [Point(2.0 * n, 3.0 * (n % 7)) for n in range(4000 + second)]
-        record.keep(1, frame, float(second))
+        record.update(1, frame, float(second))
     assert len(storage.sizes) >= 5
     assert sum(storage.sizes[:-1]) <= 600.0 * 1000.0
 
@@ -213,7 +213,7 @@ def test_whatever_stands_on_the_medium_gives_places_on_the_globe_or_none(content
     rig.storage.save(VOYAGE, b"")
     frame = rig.scenario.frame
     trail = Trail()
-    TrailRecord(storage, trail, 1).take_up(frame, armed=False)
+    TrailRecord(storage, trail, 1).restore(frame, armed=False)
     assert all(math.isfinite(value) for point in trail.points for value in point)
 
 
@@ -223,6 +223,6 @@ def test_a_boat_that_was_armed_before_it_knew_where_it_is_keeps_its_new_track(ar
     storage.content[FILE] = b'{"voyage": 1, "places": [[500000000, -12000000], [500000100, -12000000]]}'
     trail, frame = Trail(), Rig().scenario.frame
     record = TrailRecord(storage, trail, 1)
-    record.take_up(None, armed=armed)
-    record.take_up(frame, armed=False)
+    record.restore(None, armed=armed)
+    record.restore(frame, armed=False)
     assert bool(trail.points) is not armed

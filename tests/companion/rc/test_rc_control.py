@@ -53,7 +53,7 @@ class Hand:
                 reading = RcReading(self.now_s, tuple(self.channels), self.is_failsafe)
                 self.transmitter.update(reading, self.now_s)
             self.intent = self.vehicle.decide()
-        return [notice.text for notice in self.vehicle.take_notices()]
+        return [notice.text for notice in self.vehicle.take_status_texts()]
 
     @property
     def drive(self) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from test_signing_service import KEY, GuardedRig
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.router.admission import PLACES, SILENT_S, Standing, surplus
+from companion.router.admission import PLACES, SILENT_S, Standing, excess_links
 from companion.router.channels import Channels
 
 
@@ -35,19 +35,19 @@ def proven(count: int, heard_s: float = 0.0, host: str = "203.0.113.1") -> list[
 def test_as_many_as_there_are_places_stay() -> None:
     assert PLACES == 32
     assert SILENT_S == 10.0
-    assert surplus([*strangers(32), *proven(32)], 0.0) == []
+    assert excess_links([*strangers(32), *proven(32)], 0.0) == []
 
 
 def test_the_newest_stranger_is_let_in_and_the_oldest_goes() -> None:
     links = strangers(33)
-    (gone,) = surplus(links, 0.0)
+    (gone,) = excess_links(links, 0.0)
     assert gone is links[0]
 
 
 def test_whoever_has_proved_himself_stays_before_a_thousand_who_have_not() -> None:
     friend = Caller("198.51.100.1", Standing.PROVEN)
     links = [friend, *strangers(1000)]
-    gone = surplus(links, 1000.0)
+    gone = excess_links(links, 1000.0)
     assert len(gone) == 1000 - PLACES
     assert friend not in gone
     assert all(a is b for a, b in zip(gone, links[1:], strict=False))
@@ -55,32 +55,32 @@ def test_whoever_has_proved_himself_stays_before_a_thousand_who_have_not() -> No
 
 def test_speech_counts_more_than_silence_even_from_an_address_that_may_be_forged() -> None:
     speaking = Caller("198.51.100.1", Standing.SPEAKING)
-    assert speaking not in surplus([speaking, *strangers(1000)], 0.0)
+    assert speaking not in excess_links([speaking, *strangers(1000)], 0.0)
 
 
 def test_a_newcomer_is_let_in_although_all_others_speak() -> None:
     links = [Caller(f"203.0.113.{n}", Standing.SPEAKING) for n in range(PLACES)]
     newcomer = Caller("198.51.100.1")
-    assert surplus([*links, newcomer], 0.0) == [links[0]]
+    assert excess_links([*links, newcomer], 0.0) == [links[0]]
 
 
 def test_a_host_with_many_links_loses_one_of_its_own() -> None:
     quiet = Caller("198.51.100.1")
     links = [quiet, *strangers(PLACES)]
-    assert surplus(links, 0.0) == [links[1]]
+    assert excess_links(links, 0.0) == [links[1]]
 
 
 def test_one_who_fell_silent_makes_way_for_one_more_who_has_proved_himself() -> None:
     links = [*proven(PLACES, heard_s=100.0), Caller("198.51.100.1", Standing.PROVEN, 100.0)]
     links[7].heard_s = 100.0 - SILENT_S
     now_s = 100.0 + 0.1
-    assert surplus(links, now_s) == [links[7]]
+    assert excess_links(links, now_s) == [links[7]]
 
 
 def test_those_who_talk_stay_and_the_newest_of_the_host_that_has_most_goes() -> None:
     newcomer = Caller("198.51.100.1", Standing.PROVEN, 100.0)
     links = [*proven(PLACES, heard_s=100.0), newcomer]
-    assert surplus(links, 100.0 + SILENT_S) == [links[PLACES - 1]]
+    assert excess_links(links, 100.0 + SILENT_S) == [links[PLACES - 1]]
 
 
 def test_what_a_station_has_said_decides_its_standing() -> None:

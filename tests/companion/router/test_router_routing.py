@@ -104,7 +104,7 @@ def test_our_own_words_that_come_back_end_here(wire: Wire) -> None:
     router = router_with()
     assert router.route(2, wire.frame(OWN), 0.0) == NOWHERE
     assert router.echoes == 1
-    assert router.routes.heard_on(2) == []
+    assert router.routes.addresses_on(2) == []
 
 
 def test_a_frame_that_another_link_has_brought_is_dropped_and_one_said_twice_is_not(wire: Wire) -> None:
@@ -126,7 +126,7 @@ def test_no_frame_is_passed_on_for_two_links_within_half_a_window(
     repeats, now_s, first = DuplicateFilter(window_s=0.5), 0.0, dict[int, tuple[int, float]]()
     for channel, number, pause_s in seen:
         now_s += pause_s
-        is_repeat = repeats.is_repeat(bytes([number]), channel, now_s)
+        is_repeat = repeats.is_duplicate(bytes([number]), channel, now_s)
         brought = first.get(number)
         if brought is not None and brought[0] != channel and now_s - brought[1] < 0.25:
             assert is_repeat
@@ -139,7 +139,7 @@ def test_no_frame_is_passed_on_for_two_links_within_half_a_window(
 def test_what_is_remembered_of_frames_is_bounded() -> None:
     repeats = DuplicateFilter(max_frames=100)
     for number in range(10_000):
-        repeats.is_repeat(number.to_bytes(4, "little"), 1, 0.0)
+        repeats.is_duplicate(number.to_bytes(4, "little"), 1, 0.0)
     assert len(repeats._recent) + len(repeats._older) <= 100
 
 
@@ -178,9 +178,9 @@ def test_a_flood_of_addresses_displaces_nobody_heard_elsewhere(wire: Wire) -> No
         sender = Address(3 + number % 250, 1 + number // 250)
         router.route(3, wire.frame(sender), 1.0)
         router.route(3, wire.frame(GCS, command(Address(sender.component, number % 256))), 1.0)
-    assert len(router.routes.heard_on(3)) == MAX_HEARD
+    assert len(router.routes.addresses_on(3)) == MAX_HEARD
     assert router.route(1, wire.frame(GCS, command(OTHER)), 1.0).channels == (2,)
-    assert len(router._ways) <= 4096
+    assert len(router._decisions) <= 4096
 
 
 def test_a_link_that_does_not_forward_talks_with_the_boat_alone(wire: Wire) -> None:

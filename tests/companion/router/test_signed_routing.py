@@ -36,7 +36,7 @@ class Bridge:
         self.channels = Channels([MemoryPort(near), MemoryPort(far)], OWN)
         self.channels.accept()
         self.signed = self.channels.open[2]
-        self.signed.protect(Guard(Signatory(KEY, Stamps()), "required", 2))
+        self.signed.set_guard(Guard(Signatory(KEY, Stamps()), "required", 2))
 
     def pass_on(self) -> None:
         """Let what has come be routed."""
@@ -73,7 +73,7 @@ def test_what_is_refused_is_not_passed_on_and_teaches_no_way() -> None:
     bridge.boat.send(heartbeat(OTHER_BOAT))
     bridge.pass_on()
     assert bridge.station.receive() == []
-    assert bridge.channels.router.routes.where(OTHER_BOAT) == []
+    assert bridge.channels.router.routes.channels_of(OTHER_BOAT) == []
     assert bridge.signed.refused == 1
 
 
@@ -97,7 +97,7 @@ def test_whatever_overtakes_what_on_a_slow_link_the_timestamps_leave_in_order(
 ) -> None:
     near, far = memory_pair("radio", queue_frames=3)
     channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=100.0)))
-    channel.protect(Guard(Signatory(KEY, Stamps()), "required", 1))
+    channel.set_guard(Guard(Signatory(KEY, Stamps()), "required", 1))
     peer, layout = Signatory(KEY, Stamps()), LAYOUTS[0]
     own = build_frame(OWN, 0, layout, layout.pack(HEARTBEAT))
     for number, (is_urgent, is_read) in enumerate(steps):
@@ -113,7 +113,7 @@ def test_a_radio_s_budget_counts_the_signatures() -> None:
         near, far = memory_pair("radio")
         channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=500.0)))
         if is_signed_link:
-            channel.protect(Guard(Signatory(KEY, Stamps()), "required", 1))
+            channel.set_guard(Guard(Signatory(KEY, Stamps()), "required", 1))
         own = heartbeat(OWN)
         for tick in range(500):
             channel._emit(own, 0, 1, False, 0.02 * tick)

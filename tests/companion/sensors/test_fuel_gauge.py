@@ -6,7 +6,7 @@ import random
 import pytest
 from boat_rig import DENIED, FAILED, OK, FakeBattery, Rig, waypoint
 
-from companion.config.boat_config import Battery
+from companion.config.boat_config import BatteryPack
 from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
@@ -32,7 +32,7 @@ class Voyage:
     def __init__(self, *, ohm: float, exponent: float, has_current: bool, seed: int = 20261122) -> None:
         print(f"seed {seed}")  # noqa: T201
         noise, pack = random.Random(seed), Pack(BatteryParameters(resistance_ohm=ohm))
-        gauge, battery = FuelGauge(), Battery()
+        gauge, battery = FuelGauge(), BatteryPack()
         self.shown: list[int] = []
         self.true: list[float] = []
         for number in range(15_000):
@@ -79,7 +79,7 @@ def test_before_the_first_reading_nothing_is_known() -> None:
 
 
 def test_relaxation_after_a_load_does_not_show_but_another_pack_does() -> None:
-    gauge, battery = FuelGauge(), Battery()
+    gauge, battery = FuelGauge(), BatteryPack()
     for number in range(200):
         gauge.update(BatteryReading(0.1 * number, 11.4), battery, STOPPED)
     before = gauge.percent
@@ -94,7 +94,7 @@ def test_relaxation_after_a_load_does_not_show_but_another_pack_does() -> None:
 def test_what_stations_see_does_not_dip_as_the_boat_starts() -> None:
     rig = Rig().ready()
     rig.peer.forget()
-    at_rest = rig.boat.look().battery_percent
+    at_rest = rig.boat.take_snapshot().battery_percent
     rig = Rig().sail(waypoint(60.0, 0.0))
     rig.run(30.0)
     shown = [one.battery_remaining for one in rig.peer.said("BATTERY_STATUS")]
@@ -127,8 +127,8 @@ def test_a_changed_pack_is_full_and_its_failsafe_is_over() -> None:
     assert "Battery set to 100 %" in rig.peer.texts
     assert not is_low(rig)
     rig.run(15.0)
-    assert rig.boat.look().battery_percent in (99, 100)
-    assert rig.boat.look().consumed_mah < 10.0
+    assert rig.boat.take_snapshot().battery_percent in (99, 100)
+    assert rig.boat.take_snapshot().consumed_mah < 10.0
     assert not is_low(rig)
     assert rig.peer.said("BATTERY_STATUS")[-1].charge_state == dialect.MAV_BATTERY_CHARGE_STATE_OK
 

@@ -20,13 +20,13 @@ def test_a_date_that_nobody_has_told_is_none() -> None:
 
 def test_a_station_goes_before_the_computer_and_satellites_before_both() -> None:
     wall = WallTime(COMPUTER_S)
-    wall.keep(None, None)
+    wall.update(None, None)
     assert wall.unix_s(5.0) == COMPUTER_S + 5.0
-    wall.keep(fix(5.0, None), STATION_S)
+    wall.update(fix(5.0, None), STATION_S)
     assert wall.unix_s(5.0) == STATION_S + 5.0
-    wall.keep(fix(6.0, SATELLITES_S), STATION_S)
+    wall.update(fix(6.0, SATELLITES_S), STATION_S)
     assert wall.unix_s(6.5) == pytest.approx(SATELLITES_S + 0.5)
-    wall.keep(fix(7.0, None), STATION_S)
+    wall.update(fix(7.0, None), STATION_S)
     assert wall.unix_s(7.0) == pytest.approx(SATELLITES_S + 1.0)
 
 
@@ -34,16 +34,16 @@ def test_a_station_goes_before_the_computer_and_satellites_before_both() -> None
 def test_the_date_of_a_receiver_without_a_fix_does_not_count(fix_type: int) -> None:
     wall = WallTime(COMPUTER_S)
     cold = GnssFix(5.0, LatLon(0.0, 0.0), fix_type, 0, 99.99, unix_time_s=315_964_800.0)
-    wall.keep(cold, None)
+    wall.update(cold, None)
     assert wall.unix_s(5.0) == COMPUTER_S + 5.0
-    wall.keep(cold, STATION_S)
+    wall.update(cold, STATION_S)
     assert wall.unix_s(5.0) == STATION_S + 5.0
-    wall.keep(fix(6.0, SATELLITES_S), STATION_S)
+    wall.update(fix(6.0, SATELLITES_S), STATION_S)
     assert wall.unix_s(6.0) == SATELLITES_S
 
 
 def test_every_dated_fix_sets_the_date_anew() -> None:
     wall = WallTime()
-    wall.keep(fix(1.0, SATELLITES_S), None)
-    wall.keep(fix(2.0, SATELLITES_S + 1.25), None)
+    wall.update(fix(1.0, SATELLITES_S), None)
+    wall.update(fix(2.0, SATELLITES_S + 1.25), None)
     assert wall.unix_s(2.0) == pytest.approx(SATELLITES_S + 1.25)

@@ -136,7 +136,7 @@ def test_odometry_brings_velocity_and_yaw_rate_along() -> None:
     rig, camera = blind()
     yaw, surge, sway = math.pi / 2, 1.0, 0.2
     watch(rig, camera, 1.0, odometry(1.0, 2.0, yaw, surge, sway, 0.1))
-    fix, heading = rig.boat.senses.fix, rig.boat.senses.heading
+    fix, heading = rig.boat.sensors.fix, rig.boat.sensors.heading
     assert fix is not None
     assert heading is not None
     assert (fix.north_m_s, fix.east_m_s) == pytest.approx((-sway, surge), abs=1e-6)
@@ -168,7 +168,7 @@ def test_what_is_no_pose_is_dropped_and_counted(pose: Message) -> None:
     rig, camera = blind()
     watch(rig, camera, 0.4, pose)
     assert rig.boat.nav is None
-    assert rig.boat.senses.external.fix is None
+    assert rig.boat.sensors.external.fix is None
     assert rig.boat.endpoint._pose.dropped == 10
     assert rig.boat.endpoint.faults == 0
 
@@ -206,7 +206,7 @@ def test_nothing_from_outside_is_taken_unless_the_configuration_says_so() -> Non
     assert nav is not None
     assert before is not None
     assert math.hypot(nav.north_m - before.north_m, nav.east_m - before.east_m) < 3.0
-    assert rig.boat.senses.external.fix is None
+    assert rig.boat.sensors.external.fix is None
 
 
 def test_a_fallback_is_taken_only_while_the_receiver_is_silent() -> None:
@@ -218,7 +218,7 @@ def test_a_fallback_is_taken_only_while_the_receiver_is_silent() -> None:
     healthy = Rig(config={"external.position": 1}).ready()
     helper = healthy.connect(CAMERA)
     watch(healthy, helper, 1.0, gps_input(LatLon(40.0, 10.0)))
-    fix = healthy.boat.senses.fix
+    fix = healthy.boat.sensors.fix
     assert fix is not None
     assert fix.position.lat_deg == pytest.approx(50.0, abs=0.1)
 
@@ -229,7 +229,7 @@ def test_a_source_that_falls_silent_leaves_the_estimate_to_age() -> None:
     rig.run(4.0)
     assert rig.boat.nav is not None
     assert rig.boat.nav.position_age_s == pytest.approx(4.0, abs=0.1)
-    assert rig.boat.senses.fix is None
+    assert rig.boat.sensors.fix is None
     rig.set_mode(5)
     assert rig.mode == "HOLD"
 
@@ -329,7 +329,7 @@ def test_a_ranger_that_looks_down_or_nowhere_sees_no_obstacle(orientation: int) 
     camera = rig.connect(CAMERA)
     camera.send(dialect.MAVLink_distance_sensor_message(0, 20, 700, 321, 0, 3, orientation, 255))
     rig.step(2)
-    assert rig.boat.senses.sweep.latest is None
+    assert rig.boat.sensors.sweep.latest is None
 
 
 def test_the_pool_is_sailed_by_vision_alone() -> None:
@@ -395,6 +395,6 @@ def test_a_delayed_pose_is_placed_when_it_was_taken_where_the_clocks_are_known()
     stamp_us = round((rig.now_s - 0.2 + 500.0) * 1e6)
     camera.send(vision(1.0, 1.0, 0.0, stamp_us))
     rig.step(2)
-    fix = rig.boat.senses.external.fix
+    fix = rig.boat.sensors.external.fix
     assert fix is not None
     assert fix.time_s == pytest.approx(rig.now_s - 0.24, abs=0.03)

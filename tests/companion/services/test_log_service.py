@@ -95,7 +95,7 @@ def test_a_date_that_is_known_is_told(open_rig: OpenRig, tmp_path: Path) -> None
     request_list(rig.peer)
     rig.run(0.1)
     (entry,) = rig.peer.said("LOG_ENTRY")
-    unix_s = rig.boat.look().unix_s
+    unix_s = rig.boat.take_snapshot().unix_s
     assert unix_s > 1e9
     assert entry.time_utc == pytest.approx(unix_s, abs=3.0)
 
@@ -304,7 +304,7 @@ class Desk:
         self.service.handle(message, Origin(1, PLANNER), now_s)
 
     def sent(self) -> list[Message]:
-        return [out.message for out in self.outbox.take()]
+        return [out.message for out in self.outbox.drain()]
 
 
 def test_nothing_is_sent_to_a_link_without_room_and_nothing_is_lost(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ def test_a_heartbeat_says_what_somebody_is(
 def test_a_flood_of_stations_is_bounded_and_the_latest_are_known() -> None:
     roles = Roles()
     for component in range(1, 200):
-        roles.hear(beat(ONBOARD), Address(9, component), 0)
+        roles.update(beat(ONBOARD), Address(9, component), 0)
     assert roles.of(Address(9, 199)) is Role.PLANNER
     assert roles.of(Address(9, 199 - MAX_STATIONS)) is Role.UNKNOWN
 

@@ -282,7 +282,7 @@ def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> N
 
 def test_dead_reckoning_is_told_as_what_it_is() -> None:
     rig = Rig("open").ready()
-    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, gnss=Silent())
+    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, gnss=Silent())
     rig.run(5.0)
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 193) == OK
     (report,) = rig.peer.said("EKF_STATUS_REPORT")

@@ -17,7 +17,7 @@ PEER = Address(1, 191)
 def asked(service: TimeService, outbox: Outbox, now_s: float) -> int:
     """The stamp of the question that goes out at a time."""
     service.tick(now_s)
-    (question,) = [out.message for out in outbox.take()]
+    (question,) = [out.message for out in outbox.drain()]
     assert question.tc1 == 0
     return int(question.ts1)
 

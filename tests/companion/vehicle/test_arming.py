@@ -4,7 +4,7 @@ import msgspec
 import pytest
 from boat_rig import GOOD_FIX, nav_at
 
-from companion.config.boat_config import Arming, Motors
+from companion.config.boat_config import Arming, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
 from companion.sensors.readings import BatteryReading, GnssFix
@@ -20,7 +20,7 @@ def faults(
     battery: BatteryReading | None = FULL,
     setting: Arming = Arming(),  # noqa: B008
 ) -> list[str]:
-    return arming_faults(setting, Motors(), mode, nav, fix, battery)
+    return arming_faults(setting, MotorLimits(), mode, nav, fix, battery)
 
 
 def test_a_boat_that_is_well_arms() -> None:

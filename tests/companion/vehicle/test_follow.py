@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, Follow
 from companion.core.intent import HoldCourse, KeepStation
-from companion.core.requests import Sighting
+from companion.core.requests import OtherVehicle
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 from companion.vehicle.modes.follow import Following
@@ -17,11 +17,11 @@ CONFIG = BoatConfig()
 
 def seen(
     north_m: float, east_m: float, north_m_s: float = 0.0, east_m_s: float = 0.0, system: int = 2
-) -> Sighting:
-    return Sighting(system, place(north_m, east_m), north_m_s, east_m_s, math.atan2(east_m_s, north_m_s))
+) -> OtherVehicle:
+    return OtherVehicle(system, place(north_m, east_m), north_m_s, east_m_s, math.atan2(east_m_s, north_m_s))
 
 
-def following(sighting: Sighting, now_s: float = 0.0) -> Following:
+def following(sighting: OtherVehicle, now_s: float = 0.0) -> Following:
     one = Following()
     assert one.sight(sighting, CONFIG.follow, now_s)
     return one
@@ -55,7 +55,7 @@ def test_the_offset_is_seen_from_north_or_from_the_leads_bow(
     offset_type: int, north_m: float, east_m: float
 ) -> None:
     config = BoatConfig(follow=Follow(offset_type=offset_type, offset_x_m=-10.0))
-    intent = following(Sighting(2, place(50.0, 20.0), 0.0, 0.1, math.pi / 2)).intent(
+    intent = following(OtherVehicle(2, place(50.0, 20.0), 0.0, 0.1, math.pi / 2)).intent(
         nav_at(), FRAME, config, 2.0, 0.0
     )
     assert isinstance(intent, KeepStation)  # a lead that lies still

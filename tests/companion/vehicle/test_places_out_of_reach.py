@@ -25,7 +25,7 @@ def afloat(vehicle: Vehicle, north_m: float, now_s: float) -> list[StatusText]:
     """The boat is there, and decides."""
     vehicle.sense(nav_at(north_m, time_s=now_s), FRAME, None, None, now_s)
     vehicle.decide()
-    return vehicle.take_notices()
+    return vehicle.take_status_texts()
 
 
 # The end of a mission at home
@@ -83,7 +83,7 @@ def test_a_home_beyond_the_local_frame_is_refused(north_m: float, is_home: bool)
     assert outcome.accepted is is_home
     assert (vehicle.home == before) is not is_home
     if not is_home:
-        assert [notice.text for notice in vehicle.take_notices()] == ["Home: more than 100 km away"]
+        assert [notice.text for notice in vehicle.take_status_texts()] == ["Home: more than 100 km away"]
 
 
 def test_the_way_to_a_home_on_the_other_side_of_the_globe_is_refused() -> None:

@@ -12,9 +12,9 @@ from companion.core.requests import (
     Disarm,
     GoTo,
     ManualInput,
+    OtherVehicle,
     SetCurrentItem,
     SetHome,
-    Sighting,
     StartMission,
 )
 from companion.core.state import NavState
@@ -31,7 +31,7 @@ def vehicle_at(north_m: float = 0.0, east_m: float = 0.0, mode: Mode | None = No
     if mode is not None:
         assert vehicle.request(ChangeMode(mode)).accepted
         assert vehicle.request(Arm()).accepted
-    vehicle.take_notices()
+    vehicle.take_status_texts()
     return vehicle
 
 
@@ -41,7 +41,7 @@ def tick(vehicle: Vehicle, nav: NavState, now_s: float) -> object:
 
 
 def texts(vehicle: Vehicle) -> list[str]:
-    return [notice.text for notice in vehicle.take_notices()]
+    return [notice.text for notice in vehicle.take_status_texts()]
 
 
 def test_the_boats_modes_have_rovers_numbers() -> None:
@@ -77,7 +77,7 @@ def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     vehicle.take_mission(MISSION)
     vehicle.request(Arm())
     vehicle.request(Disarm())
-    vehicle.request(Sighting(2, place(20.0, 0.0), 1.0, 0.0, 0.0))
+    vehicle.request(OtherVehicle(2, place(20.0, 0.0), 1.0, 0.0, 0.0))
     assert vehicle.request(ChangeMode(mode)).accepted
     vehicle.request(ManualInput(1.0, 0.0))
     assert tick(vehicle, nav_at(), 0.02) == Stop()

@@ -72,12 +72,12 @@ def test_the_receiver_is_silent_from_the_command_on() -> None:
     run(boat, 2.0)
     assert inject(boat, GPS, OFF) == OK
     run(boat, 3.0)
-    fix = boat.boat.senses.fix
+    fix = boat.boat.sensors.fix
     assert fix is not None
     assert boat.time_s - fix.time_s > 2.5
     inject(boat, GPS, WELL)
     run(boat, 1.0)
-    fresh = boat.boat.senses.fix
+    fresh = boat.boat.sensors.fix
     assert fresh is not None
     assert boat.time_s - fresh.time_s < 0.5
 
@@ -165,7 +165,7 @@ def test_a_glitch_in_degrees_moves_fixes_by_as_many_metres() -> None:
     set_parameter(boat, "SIM_GPS_GLITCH_X", -0.001)
     set_parameter(boat, "SIM_GPS_GLITCH_Y", 0.001)
     run(boat, 0.5)
-    fix = boat.boat.senses.fix
+    fix = boat.boat.sensors.fix
     assert fix is not None
     here = boat.world.scenario.frame.to_local(fix.position)
     lat_deg = boat.world.scenario.frame.origin.lat_deg
@@ -220,7 +220,7 @@ def test_after_a_power_cut_the_clock_begins_at_zero_and_readings_carry_its_stamp
     boat = lockstep('faults=[{what="computer", at_s=5, for_s=2}]')
     run(boat, 10.0)
     assert boat.world.clock_s == pytest.approx(3.0, abs=0.03)
-    fix, heading = boat.boat.senses.fix, boat.boat.senses.heading
+    fix, heading = boat.boat.sensors.fix, boat.boat.sensors.heading
     assert fix is not None
     assert heading is not None
     assert 0.0 <= boat.world.clock_s - fix.time_s < 0.5
@@ -253,7 +253,7 @@ def test_a_full_disk_is_told_and_what_is_stored_later_is_kept() -> None:
 def test_a_clock_leaps_for_the_boat_and_its_readings_alike_and_never_goes_back() -> None:
     boat = lockstep('faults=[{what="clock", kind="wrong", size=100, at_s=2, for_s=3}]')
     run(boat, 3.0)
-    fix = boat.boat.senses.fix
+    fix = boat.boat.sensors.fix
     assert fix is not None
     assert boat.world.clock_s == pytest.approx(boat.time_s + 100.0)
     assert boat.world.clock_s - fix.time_s < 0.5

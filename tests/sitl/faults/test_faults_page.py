@@ -25,7 +25,7 @@ def test_the_table_of_faults_is_the_catalogue() -> None:
 
 def test_every_parameter_that_the_emulator_brings_along_is_on_the_page() -> None:
     world = World(load_scenario("open", ["sensors.rc.fitted=true"]))
-    brought = {knob.row.name for knob in world.hardware.knobs}
+    brought = {hook.row.name for hook in world.hardware.parameter_hooks}
     assert brought == set(re.findall(r"`((?:SIM|SYS)_\w+)`", PAGE))
 
 

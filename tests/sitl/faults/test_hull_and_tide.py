@@ -77,7 +77,7 @@ def test_a_hull_sensor_that_is_silent_is_no_alarm(what: str) -> None:
     rig = sailing(f'faults=[{{what="{what}", kind="off", at_s=5.0}}]')
     rig.run(30.0)
     assert rig.mode == "AUTO"
-    hull = rig.boat.senses.hull
+    hull = rig.boat.sensors.hull
     assert hull is not None
     assert (hull.is_wet is None, hull.temperature_c is None) == (what == "leak", what == "thermometer")
 
@@ -85,8 +85,8 @@ def test_a_hull_sensor_that_is_silent_is_no_alarm(what: str) -> None:
 def test_a_boat_without_a_hull_sensor_has_neither_its_faults_nor_its_parameters() -> None:
     rig = Rig("open", "sensors.hull.fitted=false", 'faults=[{what="leak", kind="wet"}]')
     rig.run(5.0)
-    assert rig.boat.senses.hull is None
-    assert not {"SIM_LEAK", "SIM_HULL_TEMP"} & {knob.row.name for knob in rig.world.hardware.knobs}
+    assert rig.boat.sensors.hull is None
+    assert not {"SIM_LEAK", "SIM_HULL_TEMP"} & {hook.row.name for hook in rig.world.hardware.parameter_hooks}
 
 
 def test_the_thermometer_warms_to_its_limit_and_is_cool_again_at_once() -> None:

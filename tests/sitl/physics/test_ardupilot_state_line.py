@@ -46,7 +46,7 @@ class SilentSonar:
     def read(self) -> list[SonarReading]:
         return []
 
-    def look(self, port_rad: float, starboard_rad: float) -> None:
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """Nowhere."""
 
     def close(self) -> None:

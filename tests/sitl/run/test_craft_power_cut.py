@@ -69,7 +69,7 @@ def test_files_survive_the_power_cut_and_a_full_disk_refuses_new_ones(tmp_path: 
     assert craft.boat.parameters.config.guidance.waypoint_radius_m == 3.25
     craft.boat.parameters.set("WP_RADIUS", 3.5)
     craft.close()
-    assert os.strerror(errno.ENOSPC) in craft.boat.parameters.take_stored()[-1].error
+    assert os.strerror(errno.ENOSPC) in craft.boat.parameters.poll_saves()[-1].error
     assert "WP_RADIUS 3.25" in (tmp_path / "params.parm").read_text(encoding="ascii")
 
 

@@ -429,7 +429,7 @@ def test_bursts_of_two_stations_share_the_tick(served: Served) -> None:
         session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a", origin=origin).session
         served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239), origin)
     served.service.tick(served.now_s)
-    out = [outgoing.channel for outgoing in served.outbox.take()]
+    out = [outgoing.channel for outgoing in served.outbox.drain()]
     assert abs(out.count(3) - out.count(4)) <= 1
     assert len(out) <= BLOCKS_PER_TICK
 
@@ -635,7 +635,7 @@ def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served)
     served.ask(Opcode.WRITE_FILE, file, session)
     assert value(served, "HDG_KP") == 4.0
     served.service.handle(request_of(77, Opcode.TERMINATE_SESSION, session=session), STATION, 0.0)
-    out = served.outbox.take()
+    out = served.outbox.drain()
     said = [(o.channel, o.message.param_value) for o in out if o.message.get_type() == "PARAM_VALUE"]
     texts = [o.message.text for o in out if o.message.get_type() == "STATUSTEXT"]
     assert said == [(None, 3.5)]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from companion.services.ftp.folder import FolderMount
 from companion.services.ftp.frames import Opcode, Refusal
-from companion.services.ftp.tree import Entry, page_of, split_path
+from companion.services.ftp.tree import DirectoryEntry, page_of, split_path
 
 SECRET = b"what nobody may have"
 WITH_PATH = [
@@ -118,10 +118,11 @@ def test_a_path_comes_to_pieces_that_are_plain_names(path: bytes) -> None:
 
 @given(
     entries=st.lists(
-        st.builds(Entry, st.text(min_size=1, max_size=250), st.none() | st.integers(-1, 2**40)), max_size=40
+        st.builds(DirectoryEntry, st.text(min_size=1, max_size=250), st.none() | st.integers(-1, 2**40)),
+        max_size=40,
     )
 )
-def test_pages_hold_every_entry_once_and_fit_a_block(entries: list[Entry]) -> None:
+def test_pages_hold_every_entry_once_and_fit_a_block(entries: list[DirectoryEntry]) -> None:
     seen = 0
     while seen < len(entries):
         page = page_of(entries, seen)

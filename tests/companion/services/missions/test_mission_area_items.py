@@ -7,7 +7,7 @@ from boat_rig import Rig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.items import Fault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
 
@@ -102,7 +102,7 @@ def test_broken_fences_are_refused_by_item(items: list[MissionItem], word: str) 
 @given(st.lists(st.tuples(st.sampled_from([5000, 5001, 5002, 5003, 5004]), st.integers(3, 5)), max_size=12))
 def test_any_list_is_a_fence_or_has_a_fault(entries: list[tuple[int, int]]) -> None:
     items = [area(command, float(count)) for command, count in entries]
-    assert isinstance(check_fence(items), Fault | None)
+    assert isinstance(check_fence(items), ItemFault | None)
 
 
 def test_a_thousand_vertices_fit_and_one_more_does_not() -> None:

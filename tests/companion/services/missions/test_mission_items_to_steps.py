@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from companion.core.geo import LatLon
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import Fault, MissionItem, MissionResult
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult
 from companion.services.missions.items import check_jumps, to_step
 from companion.vehicle.mission.steps import Home, Jump, ReturnHome, SetSpeed, Step, Wait, Waypoint
 
@@ -69,7 +69,7 @@ def test_an_item_that_the_boat_cannot_do_is_refused_by_its_field(
     given: MissionItem, result: MissionResult, word: str
 ) -> None:
     fault = to_step(1, given)
-    assert isinstance(fault, Fault)
+    assert isinstance(fault, ItemFault)
     assert fault.result is result
     assert word in fault.text
 
@@ -104,4 +104,4 @@ def test_whatever_an_item_carries_it_is_a_step_or_a_fault(
     elif isinstance(step, SetSpeed):
         assert 0.0 <= step.speed_m_s < INF
     else:
-        assert isinstance(step, Fault | Jump | ReturnHome)
+        assert isinstance(step, ItemFault | Jump | ReturnHome)

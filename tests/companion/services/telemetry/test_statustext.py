@@ -12,8 +12,8 @@ from companion.services.telemetry.statustext import StatusTextService
 
 def told(*texts: str) -> list[Message]:
     outbox = Outbox()
-    StatusTextService(outbox).tell([StatusText(Severity.WARNING, text) for text in texts])
-    taken = outbox.take()
+    StatusTextService(outbox).send([StatusText(Severity.WARNING, text) for text in texts])
+    taken = outbox.drain()
     assert all(one.channel is None for one in taken)
     return [one.message for one in taken]
 
@@ -49,15 +49,15 @@ def test_what_is_not_ascii_is_replaced_not_raised() -> None:
 def test_a_flood_of_lines_is_held_back_and_leaves_room_for_what_is_severe(severity: int) -> None:
     outbox = Outbox()
     texts = StatusTextService(outbox)
-    texts.tell([StatusText(severity, "refused")] * 1000)
-    assert len(outbox.take()) == 20
-    texts.tell([StatusText(Severity.CRITICAL, "Failsafe: battery low")])
-    assert len(outbox.take()) == 1
+    texts.send([StatusText(severity, "refused")] * 1000)
+    assert len(outbox.drain()) == 20
+    texts.send([StatusText(Severity.CRITICAL, "Failsafe: battery low")])
+    assert len(outbox.drain()) == 1
     assert texts.dropped == 980
     for _ in range(50):
         texts.tick(0.02)
-        texts.tell([StatusText(severity, "refused")] * 10)
-    assert len(outbox.take()) == pytest.approx(9, abs=1)  # of those, one makes up for the severe one
+        texts.send([StatusText(severity, "refused")] * 10)
+    assert len(outbox.drain()) == pytest.approx(9, abs=1)  # of those, one makes up for the severe one
 
 
 @pytest.mark.parametrize(
@@ -75,10 +75,10 @@ def test_a_journal_has_what_is_told_with_its_severity(
 ) -> None:
     caplog.set_level(logging.INFO)
     texts = StatusTextService(Outbox())
-    texts.tell([StatusText(severity, "not yet")])
-    texts.has_journal = True
-    texts.tell([StatusText(severity, "Failsafe: a\nlong\x1b[2J line" + "x" * 60)])
-    texts.tell_one(3, StatusText(severity, "Helm: 255/190 has it"))
+    texts.send([StatusText(severity, "not yet")])
+    texts.logs_texts = True
+    texts.send([StatusText(severity, "Failsafe: a\nlong\x1b[2J line" + "x" * 60)])
+    texts.send_to(3, StatusText(severity, "Helm: 255/190 has it"))
     assert [(record.levelno, record.getMessage()) for record in caplog.records] == [
         (level, "Failsafe: a long [2J line" + "x" * 60),
         (level, "Helm: 255/190 has it"),
@@ -87,6 +87,6 @@ def test_a_journal_has_what_is_told_with_its_severity(
 
 def test_a_flood_of_lines_does_not_fill_the_journal(caplog: pytest.LogCaptureFixture) -> None:
     texts = StatusTextService(Outbox())
-    texts.has_journal = True
-    texts.tell([StatusText(Severity.WARNING, "refused")] * 1000)
+    texts.logs_texts = True
+    texts.send([StatusText(Severity.WARNING, "refused")] * 1000)
     assert len(caplog.records) == 20

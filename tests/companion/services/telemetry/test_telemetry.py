@@ -180,7 +180,7 @@ def test_gyro_and_sonar_are_well_while_they_answer() -> None:
     status = latest(rig, "SYS_STATUS")
     assert status.onboard_control_sensors_present & bits == bits
     assert status.onboard_control_sensors_health & bits == bits
-    rig.boat.senses._hardware = dataclasses.replace(rig.hardware, compass=Silent(), sonar=None)
+    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=Silent(), sonar=None)
     rig.run(5.0)
     status = latest(rig, "SYS_STATUS")
     assert not status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
