@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from companion.core.errors import ConfigError
-from sitl.physics.servo_packet import parse_servos
+from sitl.physics.servo_packet import ServoPacket, parse_servos
 from sitl.physics.state_line import NO_ECHO_M, state_line
 from sitl.scenarios.scenario import Scenario
 from sitl.world.hull import LONGEST_STEP_S
@@ -20,8 +20,13 @@ class Backend:
     """Steps one world in lockstep with the other side: time passes here only when a new frame comes.
 
     A frame that comes twice is answered twice and stepped once, because the answer was lost. A frame count
-    that falls means that the other side has begun anew, and so does the water. The boat is moored until a
-    motor is first driven: an autopilot takes a minute to start. record: is shown each step's truth.
+    that falls means that the other side has begun anew, and so does the water. record: is shown each step's
+    truth.
+
+    The boat is moored, and its motors stand still, until they are first driven, because an autopilot takes a
+    minute to start. While ArduPilot starts, its outputs mean nothing: some are at 1000 µs, full astern, for
+    two seconds, then output 1 alone for 24 frames. Like an electronic speed controller, this side waits for
+    both outputs to have been in the middle; then both must have a pulse, and one of them drive.
     """
 
     def __init__(
@@ -43,6 +48,8 @@ class Backend:
             raise ConfigError(f"--left {left} and --right {right}: expected two different servo outputs")
         self.world = World(scenario)
         self.world.moor()
+        self._is_moored = True
+        self._has_rested = False  # both outputs have been in the middle
         self.steps = 0
         self.restarts = 0
         self.ignored = 0  # datagrams that are no servo packet
@@ -62,20 +69,32 @@ class Backend:
             return None
         if packet.frame == self._frame:
             return self._reply
-        if self._frame is not None and packet.frame < self._frame:
+        if self._frame is None:
+            self._has_rested = packet.frame > 0  # this side has started late or again: the other is at work
+        elif packet.frame < self._frame:
             self._begin_anew()
         self._frame = packet.frame
-        left, right = packet.share(self._left), packet.share(self._right)
-        if max(abs(left), abs(right)) > _DRIVEN:
+        if self._is_moored and self._is_driven(packet):
+            self._is_moored = False
             self.world.cast_off()
-        self.world.hardware.motors.write(left, right)
+        if not self._is_moored:
+            self.world.hardware.motors.write(packet.share(self._left), packet.share(self._right))
         self._advance(1.0 / packet.rate_hz)
         return self._reply
+
+    def _is_driven(self, packet: ServoPacket) -> bool:
+        """Whether an autopilot that has started drives a motor."""
+        if not (packet.has_pulse(self._left) and packet.has_pulse(self._right)):
+            return False
+        is_in_the_middle = max(abs(packet.share(self._left)), abs(packet.share(self._right))) <= _DRIVEN
+        self._has_rested = self._has_rested or is_in_the_middle
+        return self._has_rested and not is_in_the_middle
 
     def _begin_anew(self) -> None:
         self.restarts += 1
         self.world = World(self._scenario)
         self.world.moor()
+        self._is_moored, self._has_rested = True, False
         self._range_m, self._heard_s = self._silence_m(), -math.inf
 
     def _advance(self, dt_s: float) -> None:

@@ -21,12 +21,15 @@ class ServoPacket(NamedTuple):
     frame: int
     pulses_us: tuple[int, ...]
 
+    def has_pulse(self, channel: int) -> bool:
+        """Whether a channel, counted from 1, has a pulse that a servo output can send."""
+        return _LEAST_US <= self.pulses_us[channel - 1] <= _MOST_US
+
     def share(self, channel: int) -> float:
-        """What a channel, counted from 1, asks of a motor: −1..1. No pulse, or one that none sends, is 0."""
-        pulse_us = self.pulses_us[channel - 1]
-        if not _LEAST_US <= pulse_us <= _MOST_US:
+        """What a channel, counted from 1, asks of a motor: −1..1. Without a pulse it is 0."""
+        if not self.has_pulse(channel):
             return 0.0
-        return min(max((pulse_us - _CENTRE_US) / _SPAN_US, -1.0), 1.0)
+        return min(max((self.pulses_us[channel - 1] - _CENTRE_US) / _SPAN_US, -1.0), 1.0)
 
 
 def parse_servos(data: bytes) -> ServoPacket | None:

@@ -1,0 +1,104 @@
+"""What the real ArduPilot Rover sends: packets recorded from its 4.7-dev of July 2025, built unchanged.
+
+It ran with `--model JSON:127.0.0.1` against this project's `boat-sitl physics`. Frame 0 comes when a station
+has connected, at 1200 frames/s unless SIM_RATE_HZ says otherwise.
+"""
+
+import pytest
+
+from sitl.physics.backend import Backend
+from sitl.physics.servo_packet import ServoPacket, parse_servos
+from sitl.scenarios.scenario import load_scenario
+
+RATE_HZ = 1200
+MIDDLE, LOW = "dc05", "e803"
+# From frame 0 on: outputs 1 to 4 in the middle, all others at 1000 µs
+FIRST = bytes.fromhex("1a48b00400000000" + MIDDLE * 4 + LOW * 12)
+# From frame 2240 on, for 24 frames: output 1 at 1000 µs, whatever its function, and no other pulse
+SETTING_UP = bytes.fromhex("1a48b004c0080000" + LOW + "0000" * 15)
+# From frame 2264 on, disarmed: outputs that have a function, here 73 and 74 on these two
+READY = {
+    (1, 3): bytes.fromhex("1a48b004d8080000" + (MIDDLE + "0000") * 2 + "0000" * 12),
+    (1, 2): bytes.fromhex("1a48b004d8080000" + MIDDLE * 2 + "0000" * 14),
+    (5, 7): bytes.fromhex("1a48b004d8080000" + LOW + "0000" * 3 + (MIDDLE + "0000") * 2 + "0000" * 8),
+}
+OUTPUTS = sorted(READY)
+# Armed in AUTO, the first three packets that turn the boat to port
+UNDER_WAY = ((65587, 1496, 1506), (65611, 1490, 1512), (65635, 1484, 1519))
+
+
+def at_frame(data: bytes, frame: int) -> bytes:
+    """The same outputs at another frame: Rover repeats them until they change."""
+    return data[:4] + frame.to_bytes(4, "little") + data[8:]
+
+
+def driven(frame: int, outputs: tuple[int, int], left_us: int, right_us: int) -> bytes:
+    """A recorded packet with these pulses."""
+    data = bytearray(at_frame(READY[outputs], frame))
+    for output, pulse_us in zip(outputs, (left_us, right_us), strict=True):
+        data[6 + 2 * output : 8 + 2 * output] = pulse_us.to_bytes(2, "little")
+    return bytes(data)
+
+
+def start_up(backend: Backend, outputs: tuple[int, int]) -> None:
+    """Rover's first two seconds, then one more of waiting for its estimator."""
+    for frame in range(2240):
+        backend.handle(at_frame(FIRST, frame))
+    for frame in range(2240, 2264):
+        backend.handle(at_frame(SETTING_UP, frame))
+    for frame in range(2264, 3464):
+        backend.handle(at_frame(READY[outputs], frame))
+
+
+def in_a_current(outputs: tuple[int, int] = (1, 3)) -> Backend:
+    """A boat that anything but a mooring would let drift."""
+    return Backend(load_scenario("open", ("environment.current_m_s=0.5",)), *outputs)
+
+
+@pytest.mark.parametrize("data", [FIRST, SETTING_UP, *READY.values()])
+def test_recorded_packets_are_read(data: bytes) -> None:
+    servos = parse_servos(data)
+    assert isinstance(servos, ServoPacket)
+    assert (servos.rate_hz, len(servos.pulses_us)) == (RATE_HZ, 16)
+
+
+@pytest.mark.parametrize("outputs", OUTPUTS)
+def test_the_boat_stays_moored_while_rover_starts(outputs: tuple[int, int]) -> None:
+    backend = in_a_current(outputs)
+    start = backend.world.scenario.start
+    start_up(backend, outputs)
+    truth = backend.world.truth
+    assert truth.time_s == pytest.approx(3464 / RATE_HZ)
+    assert (truth.north_m, truth.east_m) == (start.north_m, start.east_m)
+    assert (truth.left_thrust_n, truth.right_thrust_n) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("outputs", OUTPUTS)
+def test_the_boat_casts_off_when_rover_first_drives(outputs: tuple[int, int]) -> None:
+    backend = in_a_current(outputs)
+    start = backend.world.scenario.start
+    start_up(backend, outputs)
+    for frame, left_us, right_us in UNDER_WAY:
+        backend.handle(driven(frame, outputs, left_us, right_us))
+    for frame in range(65636, 65636 + 2 * RATE_HZ):
+        backend.handle(driven(frame, outputs, 1484, 1519))
+    assert backend.world.truth.east_m - start.east_m > 0.1
+
+
+def test_rover_that_is_rebooted_finds_the_boat_moored_again() -> None:
+    backend = in_a_current()
+    start = backend.world.scenario.start
+    start_up(backend, (1, 3))
+    for frame in range(3464, 3464 + RATE_HZ):
+        backend.handle(driven(frame, (1, 3), 1900, 1900))
+    assert backend.world.truth.north_m != start.north_m
+    start_up(backend, (1, 3))
+    assert backend.restarts == 1
+    assert (backend.world.truth.north_m, backend.world.truth.east_m) == (start.north_m, start.east_m)
+
+
+def test_rover_that_is_under_way_when_this_side_starts_again_goes_on() -> None:
+    backend = in_a_current()
+    for frame in range(65636, 65636 + RATE_HZ):
+        backend.handle(driven(frame, (1, 3), 1900, 1900))
+    assert backend.world.truth.north_m > 0.1
