@@ -44,17 +44,20 @@ def physics(
     scenario = scenario_from(source, settings, case, seed, start)
     recorder = Recorder() if csv is not None else None
     backend = Backend(scenario, left, right, recorder.record if recorder is not None else None)
-    with busy_port_explained("choose another port with --port, and give it to ArduPilot's program as well"):
+    with busy_port_explained(
+        "choose another port with --port, and use the command for ArduPilot that is printed then"
+    ):
         server = PhysicsServer(backend, host, port)
     shutdown = Shutdown()
     shutdown.install()
     origin = scenario.frame.origin
     heading_deg = math.degrees(scenario.heading_rad) % 360.0
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, on UDP {host}:{server.port}")
-    typer.echo("boat-sitl: now start ArduPilot's Rover, with SERVO functions 73 (left) and 74 (right),")
-    typer.echo("boat-sitl: and SIM_RATE_HZ of at least 100:")
+    typer.echo(f"boat-sitl: now start ArduPilot's Rover, with SERVO{left}_FUNCTION 73 (left motor),")
+    typer.echo(f"boat-sitl: SERVO{right}_FUNCTION 74 (right motor) and SIM_RATE_HZ of at least 100:")
     home = f"{origin.lat_deg:.7f},{origin.lon_deg:.7f},0,{heading_deg:.0f}"
-    typer.echo(f"  ardurover --model JSON:{host} --home {home}")
+    other_port = "" if server.port == PORT else f" --sim-port-out {server.port}"
+    typer.echo(f"  ardurover --model JSON:{host}{other_port} --home {home}")
     sys.stdout.flush()
     server.run(shutdown, lambda who: typer.echo(f"boat-sitl: {who} steers"))
     if recorder is not None and csv is not None:

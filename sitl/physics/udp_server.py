@@ -6,7 +6,7 @@ from collections.abc import Callable
 from companion.core.errors import LinkError
 from sitl.physics.backend import Backend
 
-PORT = 9002
+PORT = 9002  # where ArduPilot sends its servo outputs unless it is told --sim-port-out
 _LOOK_S = 0.2  # how often to see whether to stop while nobody sends
 _DATAGRAM_BYTES = 2048
 

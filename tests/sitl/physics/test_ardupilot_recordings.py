@@ -6,6 +6,7 @@ has connected, at 1200 frames/s unless SIM_RATE_HZ says otherwise.
 
 import pytest
 
+from sitl.__main__ import run_program
 from sitl.physics.backend import Backend
 from sitl.physics.servo_packet import ServoPacket, parse_servos
 from sitl.scenarios.scenario import load_scenario
@@ -102,3 +103,32 @@ def test_rover_that_is_under_way_when_this_side_starts_again_goes_on() -> None:
     for frame in range(65636, 65636 + RATE_HZ):
         backend.handle(driven(frame, (1, 3), 1900, 1900))
     assert backend.world.truth.north_m > 0.1
+
+
+class IdleServer:
+    """A server that nobody calls."""
+
+    def __init__(self, backend: Backend, host: str, port: int) -> None:
+        self.backend, self.host, self.port = backend, host, port
+
+    def run(self, *_: object) -> None:
+        """End at once."""
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ((), "--model JSON:127.0.0.1 --home"),
+        (("--port", "9222"), "--model JSON:127.0.0.1 --sim-port-out 9222 --home"),
+    ],
+)
+def test_the_printed_command_sends_rover_to_the_port_in_use(
+    options: tuple[str, ...], told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Rover sends to 9002 unless `--sim-port-out` names another port, as its --help says."""
+    monkeypatch.setattr("sitl.cli.physics.PhysicsServer", IdleServer)
+    assert run_program(["physics", "open", "--left", "5", "--right", "7", *options]) == 0
+    printed = capsys.readouterr().out
+    assert f"  ardurover {told} 50.0000000,-1.2000000,0,0\n" in printed
+    assert "SERVO5_FUNCTION 73 (left motor)" in printed
+    assert "SERVO7_FUNCTION 74 (right motor)" in printed
