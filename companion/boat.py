@@ -23,7 +23,7 @@ from companion.obstacles.planning.avoidance import Stage
 from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import Storage
 from companion.persistence.voyage_record import Resume
-from companion.rc.rc_control import Transmitter
+from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
 from companion.sensors.external import ExternalSensors
@@ -61,8 +61,8 @@ class Boat:
         self.vehicle = Vehicle(self.parameters.config)
         self.motor_test = MotorTest(self.vehicle)
         self.trials = Trials(self.vehicle)
-        self.transmitter = Transmitter(self.vehicle)
-        self.vehicle.conduct.sticks.radio.is_fitted = hardware.rc is not None
+        self.rc_control = RcControl(self.vehicle)
+        self.vehicle.manual_input.rc.is_fitted = hardware.rc is not None
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
         self.signing = SigningStore(storage, unix_offset_s)
@@ -200,7 +200,7 @@ class Boat:
         self.steering.reset()
         fall = self.net.caught(error)
         what = f"Fault in the program: {type(error).__name__}, {outcome}"
-        self.vehicle.halt(what, disarms=fall is not Fall.HOLD or not has_stopped)
+        self.vehicle.stop_on_fault(what, disarms=fall is not Fall.HOLD or not has_stopped)
         try:
             self.endpoint.announce_changes()
             self._flush()
@@ -266,8 +266,8 @@ class Boat:
             perception.ingest(sensors.pings, self.nav, self.parameters.config.avoidance, now_s)
             sensors.point_sonar(perception.sector)
         self._wall_time.update(sensors.fix, self.endpoint.unix_offset_s, is_fix_own=sensors.is_fix_own)
-        self.vehicle.sense(self.nav, estimator.frame, sensors.fix, sensors.battery, now_s)
-        if sensors.rc is not None and self.transmitter.update(sensors.rc, now_s):
+        self.vehicle.update_state(self.nav, estimator.frame, sensors.fix, sensors.battery, now_s)
+        if sensors.rc is not None and self.rc_control.update(sensors.rc, now_s):
             self.steering.request_update()
 
     def _begin_elsewhere(self) -> None:
@@ -281,7 +281,7 @@ class Boat:
                 self.sensors.external.frame = None
             estimator.reset_origin()
             self.steering.reset()
-            self.vehicle.begin_elsewhere(far_m)
+            self.vehicle.reset_position(far_m)
             self._far_m = 0.0
         elif not was_far:
             text = f"GPS: {far_m / 1e3:.0f} km from where the boat was, not used until disarmed"
@@ -301,7 +301,7 @@ class Boat:
             steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
             thrust = self.motor_test.thrust(now_s)  # which may be the end of it
-            return steering.turn(
+            return steering.test_motors(
                 thrust,
                 config,
                 TICK_S,

@@ -14,7 +14,7 @@ from companion.core.errors import ConfigError
 from companion.mavlink.codec import Decoder
 from companion.rc.crsf import CrsfParser, crc8
 from companion.rc.ibus import IbusParser
-from companion.rc.rc_control import Transmitter
+from companion.rc.rc_control import RcControl
 from companion.rc.sbus import SbusParser
 from companion.sensors.nmea import NmeaReader
 from companion.sensors.nmea_fix import FixAssembler
@@ -145,7 +145,7 @@ def radio(data: bytes) -> None:
     piece, said = 1 + (data[1] if len(data) > 1 else 0), data[2:]
     if isinstance(parser, CrsfParser):
         said = _with_crc(said)
-    transmitter, now_s = Transmitter(Vehicle(_RADIO)), 0.0
+    rc_control, now_s = RcControl(Vehicle(_RADIO)), 0.0
     for at in range(0, len(said), piece):
         now_s += 0.001 * (1 + said[at] % 8)
         reading = parser.feed(said[at : at + piece], now_s)
@@ -153,7 +153,7 @@ def radio(data: bytes) -> None:
         if reading is not None:
             assert min(reading.channels_us, default=0) >= 0
             assert max(reading.channels_us, default=0) <= 0xFFFF
-            transmitter.update(reading, now_s)
+            rc_control.update(reading, now_s)
 
 
 def _with_crc(data: bytes) -> bytes:

@@ -84,7 +84,7 @@ class SetHome:
 
 
 @dataclass(frozen=True, slots=True)
-class ManualInput:
+class ManualControl:
     """The operator's hand at a station. Both −1..1; steering is positive to starboard.
 
     None leaves a stick to the transmitter.
@@ -115,6 +115,6 @@ Request = (
     | SetPoint
     | ChangeSpeed
     | SetHome
-    | ManualInput
+    | ManualControl
     | OtherVehicle
 )

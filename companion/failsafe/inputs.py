@@ -10,7 +10,7 @@ from companion.failsafe.power import Endurance
 from companion.failsafe.propulsion import MotorWatch
 from companion.failsafe.stations import Operator, Planner
 from companion.geofence.monitor import FenceMonitor
-from companion.rc.manual_input import Sticks
+from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading
 
 
@@ -53,7 +53,7 @@ class FailsafeInputs:
         "storage_fault",
     )
 
-    def __init__(self, config: BoatConfig, sticks: Sticks) -> None:
+    def __init__(self, config: BoatConfig, sticks: ManualInput) -> None:
         self.config = config
         self.sticks = sticks
         self.operator = Operator()

@@ -8,7 +8,7 @@ from companion.failsafe.actions import ON_THE_SPOT, Action
 from companion.failsafe.escalation import Escalation, Move
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.table import ROWS, Concerns, Condition
-from companion.rc.manual_input import Sticks
+from companion.rc.manual_input import ManualInput
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
@@ -31,7 +31,7 @@ class Failsafes:
 
     __slots__ = ("_due_s", "_ladders", "_was_armed", "_watched", "active", "signs")
 
-    def __init__(self, config: BoatConfig, sticks: Sticks) -> None:
+    def __init__(self, config: BoatConfig, sticks: ManualInput) -> None:
         self.signs = FailsafeInputs(config, sticks)
         self.active = 0
         self._ladders = [Escalation(row) for row in ROWS]
@@ -67,7 +67,7 @@ class Failsafes:
         for ladder in self._ladders:
             ladder.is_overruled = ladder.is_active
         self.signs.planner.release()
-        self.signs.sticks.let_go()
+        self.signs.sticks.stop_watching()
 
     def update(self, is_clearing: bool) -> list[Alarm]:
         """Look once. is_clearing: a drill runs; nothing is judged of the motors then."""
@@ -109,7 +109,7 @@ class Failsafes:
         if signs.planner.is_steering and not signs.is_guided and not self.active & _PLANNER_LOST:
             signs.planner.release()
         if not signs.mode.is_by_hand and not self.active & _HELM_LOST:
-            signs.sticks.let_go()
+            signs.sticks.stop_watching()
         signs.endurance.learn(signs.battery, signs.nav, signs.config, PERIOD_S)
         if not signs.armed:
             signs.motors.rearm()

@@ -45,7 +45,7 @@ class FailsafeActions:
             vehicle.armed,
         )
         signs.nav, signs.fix, signs.battery = nav, vehicle.fix, vehicle.battery
-        signs.is_guided = vehicle.conduct.is_guided(vehicle.mode)
+        signs.is_guided = vehicle.is_guided
         if now_s >= self._range_due_s:
             self._range_due_s = now_s + _RANGE_S
             home, frame = vehicle.home, vehicle.frame
@@ -146,14 +146,14 @@ class FailsafeActions:
         for mode in RETREATS[action]:
             fault = vehicle.estimate_fault() if mode is Mode.LOITER else ""
             if fault and self._can_reckon():
-                vehicle.fall_back(mode, "failsafe, by dead reckoning")
+                vehicle.force_mode(mode, "failsafe, by dead reckoning")
                 return
             if fault == NO_HEADING:
-                vehicle.fall_back(mode, "failsafe, feeling for its heading")
+                vehicle.force_mode(mode, "failsafe, feeling for its heading")
                 return
-            if vehicle.enter(mode, "failsafe").accepted:
+            if vehicle.change_mode(mode, "failsafe").accepted:
                 return
-        vehicle.enter(Mode.HOLD, "failsafe")
+        vehicle.change_mode(Mode.HOLD, "failsafe")
 
     def _can_reckon(self) -> bool:
         nav, timeout_s = self._vehicle.nav, self._vehicle.config.motors.estimate_timeout_s

@@ -67,14 +67,14 @@ def planner_lost(signs: "FailsafeInputs") -> str:
 def helm_lost(signs: "FailsafeInputs") -> str:
     """Sticks that steered the boat have gone stale."""
     config = signs.config
-    if not config.failsafe.rc_enabled or not signs.sticks.is_dropped(config, signs.now_s):
+    if not config.failsafe.rc_enabled or not signs.sticks.is_lost(config, signs.now_s):
         return ""
-    return "" if signs.sticks.radio.is_heard else "RC lost: nobody holds the sticks"
+    return "" if signs.sticks.rc.is_heard else "RC lost: nobody holds the sticks"
 
 
 def rc_lost(signs: "FailsafeInputs") -> str:
     """The transmitter is gone, and no station steers in its place."""
-    radio, config, now_s = signs.sticks.radio, signs.config, signs.now_s
+    radio, config, now_s = signs.sticks.rc, signs.config, signs.now_s
     enabled = config.failsafe.rc_enabled
     if not radio.is_heard or not enabled or (enabled == _GOES_ON and signs.mode is Mode.AUTO):
         return ""

@@ -172,7 +172,7 @@ class GuidancePipeline:
         self._command = command
         return command
 
-    def turn(
+    def test_motors(
         self, thrust: Thrust, config: BoatConfig, dt_s: float, *, may_turn: bool, command_age_s: float
     ) -> MotorCommand:
         """A motor test's command through the gate; nothing is steered for meanwhile."""

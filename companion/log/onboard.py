@@ -195,7 +195,7 @@ class OnboardLog:
         if now.sonar is not None and now.sonar is not self._ping:
             self._ping = now.sonar
             self._add(samples.sonar(now.sonar))
-        heard = now.vehicle.conduct.sticks.radio.latest
+        heard = now.vehicle.manual_input.rc.latest
         if heard is not None and heard is not self._heard:
             self._heard = heard
             self._add(samples.radio(heard))

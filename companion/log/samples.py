@@ -99,7 +99,7 @@ def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int)
             speed_pid.ff, 0.0, 0.0, speed_pid.saturated,
         )  # fmt: skip
     target_deg = wanted_deg = _degrees(demand.heading_rad)
-    if now.frame is not None and (target := now.vehicle.active_position()) is not None:
+    if now.frame is not None and (target := now.vehicle.destination) is not None:
         target_deg = _degrees(bearing_rad(nav.point, now.frame.to_local(target)))
     yield r.NTUN.pack(us, demand.distance_m, target_deg, wanted_deg, centideg, demand.cross_track_m)
 

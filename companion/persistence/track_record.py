@@ -16,7 +16,7 @@ from msgspec import Meta, Struct
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.units import deg_to_e7, e7_to_deg
 from companion.persistence.storage import Saving, Storage
-from companion.vehicle.modes.track import MOST_POINTS, Trail
+from companion.vehicle.modes.track import MOST_POINTS, SailedTrack
 
 logger = logging.getLogger(__name__)
 
@@ -38,12 +38,12 @@ class _Record(Struct, frozen=True, forbid_unknown_fields=True):
     places: Annotated[tuple[_Place, ...], Meta(max_length=MOST_POINTS + 1)]
 
 
-class TrailRecord:
+class TrackRecord:
     """Keeps the trail of an armed boat; hands over what was kept once it is known where that lies."""
 
     __slots__ = ("_due_s", "_kept", "_laid", "_places", "_saving", "_sign", "_storage", "_trail", "loss")
 
-    def __init__(self, storage: Storage, trail: Trail, cut_voyage: int | None) -> None:
+    def __init__(self, storage: Storage, trail: SailedTrack, cut_voyage: int | None) -> None:
         """cut_voyage: the voyage that a power cut ended; None: what is on the medium is over."""
         self._storage = storage
         self._trail = trail

@@ -18,7 +18,7 @@ from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode
 from companion.core.status_text import Severity
 from companion.persistence.storage import Saving, Storage
-from companion.persistence.track_record import TrailRecord
+from companion.persistence.track_record import TrackRecord
 from companion.vehicle.mission.steps import Mission
 from companion.vehicle.vehicle import Vehicle
 
@@ -99,7 +99,7 @@ class Resume:
         saved = self._saved
         self._number = 0 if saved is None else saved.number
         goes_on = saved is not None and saved.is_armed and vehicle.config.failsafe.resume != _FORGET
-        self._trail = TrailRecord(storage, vehicle.conduct.trail, self._number if goes_on else None)
+        self._trail = TrackRecord(storage, vehicle.track, self._number if goes_on else None)
         for name, what in ((_VOYAGE, loss), (_TRACK, self._trail.loss)):
             if what:
                 vehicle.losses.add(name, what, "Arming begins a new one")
@@ -230,22 +230,22 @@ class Resume:
         vehicle = self._vehicle
         first = Mode.LOITER if mode is Mode.AUTO and vehicle.is_outside else mode
         if math.isnan(self._countdown_s):
-            if vehicle.can_enter(mode) and vehicle.enter(first, "power is back").accepted:
+            if vehicle.can_enter(mode) and vehicle.change_mode(first, "power is back").accepted:
                 if vehicle.arming_faults():
                     return
                 self._countdown_s = now_s
-                vehicle.standing_order = True
+                vehicle.is_resuming = True
                 vehicle.notify(Severity.CRITICAL, f"Going on by itself in {WARNING_S:.0f} s: keep clear")
-        elif not vehicle.standing_order:
+        elif not vehicle.is_resuming:
             self._offer = None
             vehicle.notify(Severity.NOTICE, "Not going on by itself")
         elif now_s - self._countdown_s >= WARNING_S and vehicle.can_enter(mode):
-            vehicle.enter(first, "power is back")
+            vehicle.change_mode(first, "power is back")
             if vehicle.arming_faults():
                 return
             vehicle.request(ChangeMode(first))
             vehicle.request(Arm())
-            self._is_coming_inside = vehicle.standing_order = first is not mode
+            self._is_coming_inside = vehicle.is_resuming = first is not mode
             if self._is_coming_inside:
                 vehicle.notify(Severity.WARNING, "Outside the fence: coming back inside first")
             else:
@@ -254,7 +254,7 @@ class Resume:
     def _continue_inside(self) -> None:
         """The mission, once the boat is back; nothing any more if somebody has objected."""
         vehicle, nav = self._vehicle, self._vehicle.nav
-        if not vehicle.standing_order or vehicle.mode is not Mode.LOITER:
+        if not vehicle.is_resuming or vehicle.mode is not Mode.LOITER:
             self._offer, self._is_coming_inside = None, False
         elif nav is not None and vehicle.fence.margin_m(nav.point) >= vehicle.config.fence.margin_m:
             self._offer, self._is_coming_inside = None, False

@@ -9,10 +9,10 @@ import math
 from companion.config.boat_config import BoatConfig, Speed
 from companion.core.intent import Drive, HoldHeading, HoldTurn, Intent, Stop
 from companion.core.modes import Mode
-from companion.core.requests import ManualInput
+from companion.core.requests import ManualControl
 from companion.core.state import NavState
 from companion.core.units import clamp, wrap_pi
-from companion.rc.rc_input import Radio
+from companion.rc.rc_input import RcInput
 
 _CENTRE = 0.05  # a combined stick that is out by less points nowhere
 _MIN_THROTTLE = 0.05  # a cruise throttle below this is not a measured one
@@ -25,23 +25,23 @@ def top_speed_m_s(setting: Speed) -> float:
     return setting.max_throttle * setting.cruise_m_s / max(setting.cruise_throttle, _MIN_THROTTLE)
 
 
-class Sticks:
+class ManualInput:
     """Remembers where they are, since when, and which way SIMPLE's stick points.
 
-    latest: the station's; radio: the transmitter's.
+    latest: the station's; rc: the transmitter's.
     """
 
-    __slots__ = ("_ahead_rad", "_at_s", "_heading_rad", "_is_held", "latest", "radio")
+    __slots__ = ("_ahead_rad", "_at_s", "_heading_rad", "_is_held", "latest", "rc")
 
     def __init__(self) -> None:
-        self.latest = ManualInput(0.0, 0.0)
-        self.radio = Radio()
+        self.latest = ManualControl(0.0, 0.0)
+        self.rc = RcInput()
         self._at_s = -math.inf
         self._is_held = False
         self._ahead_rad = 0.0
         self._heading_rad = 0.0
 
-    def take(self, sticks: ManualInput, now_s: float) -> None:
+    def ingest(self, sticks: ManualControl, now_s: float) -> None:
         """A station's have been moved, or are still held."""
         self.latest, self._at_s = sticks, now_s
         self._is_held = True
@@ -51,15 +51,15 @@ class Sticks:
         self._at_s = -math.inf
         self._is_held = False
 
-    def let_go(self) -> None:
+    def stop_watching(self) -> None:
         """They do not steer now: nobody is missed should they fall silent."""
         self._is_held = False
 
-    def is_dropped(self, config: BoatConfig, now_s: float) -> bool:
+    def is_lost(self, config: BoatConfig, now_s: float) -> bool:
         """Whether a station has held them to steer, and nobody does any longer."""
         return self._is_held and not self.is_fresh(config, now_s)
 
-    def begin(self, nav: NavState | None) -> None:
+    def set_reference(self, nav: NavState | None) -> None:
         """A mode by hand begins: SIMPLE's stick takes the bow for ahead."""
         self._ahead_rad = self._heading_rad = 0.0 if nav is None else nav.heading_rad
 
@@ -69,11 +69,11 @@ class Sticks:
 
     def is_fresh(self, config: BoatConfig, now_s: float) -> bool:
         """Whether somebody holds any."""
-        return self.has_station(config, now_s) or self.radio.is_fresh(config.rc, now_s)
+        return self.has_station(config, now_s) or self.rc.is_fresh(config.rc, now_s)
 
-    def held(self, config: BoatConfig, now_s: float) -> tuple[float, float]:
+    def throttle_and_steering(self, config: BoatConfig, now_s: float) -> tuple[float, float]:
         """Throttle and steering as they are obeyed; at rest where nobody holds them."""
-        radio = self.radio
+        radio = self.rc
         throttle, steering = 0.0, 0.0
         if radio.is_fresh(config.rc, now_s):
             throttle, steering = radio.throttle, radio.steering
@@ -86,7 +86,7 @@ class Sticks:
         """What they ask for in one of the modes by hand; Stop once they are stale."""
         if not self.is_fresh(config, now_s):
             return _STOP
-        throttle, steering = self.held(config, now_s)
+        throttle, steering = self.throttle_and_steering(config, now_s)
         if mode is Mode.MANUAL:
             return Drive(throttle, steering)
         top_m_s = top_speed_m_s(config.speed)

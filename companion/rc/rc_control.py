@@ -8,7 +8,7 @@ from companion.vehicle.vehicle import Vehicle
 _NEWS = 0.01  # a stick that has moved by less can wait for guidance's next turn
 
 
-class Transmitter:
+class RcControl:
     """Hands what the receiver says to the vehicle. A station's sticks, while fresh, go before it."""
 
     __slots__ = ("_is_overridden", "_reading", "_steering", "_switches", "_throttle", "_vehicle")
@@ -26,14 +26,14 @@ class Transmitter:
         Returns whether something has changed that guidance should not wait for.
         """
         vehicle = self._vehicle
-        sticks, setting = vehicle.conduct.sticks, vehicle.config.rc
-        radio = sticks.radio
+        sticks, setting = vehicle.manual_input, vehicle.config.rc
+        radio = sticks.rc
         if reading is self._reading:
             return False
         self._reading = reading
         if not radio.is_fresh(setting, reading.time_s):
             self._switches.lose()
-        if not radio.hear(reading, setting):
+        if not radio.ingest(reading, setting):
             return False
         is_overridden = sticks.has_station(vehicle.config, now_s)
         if is_overridden is not self._is_overridden:

@@ -10,7 +10,7 @@ from companion.sensors.readings import RcReading
 _AT_REST = 0.05  # a throttle nearer to its trim is low enough to arm
 
 
-class Radio:
+class RcInput:
     """steering and throttle, −1..1, are those of the last good frame.
 
     latest: the last frame, good or bad. is_heard: there has been a good one since boot; before that nobody is
@@ -41,7 +41,7 @@ class Radio:
         self._good_s = -math.inf
         self._fault = ""  # of the last frame
 
-    def hear(self, reading: RcReading, setting: Rc) -> bool:
+    def ingest(self, reading: RcReading, setting: Rc) -> bool:
         """Take the next frame; whether it is a good one."""
         self.latest = reading
         self._noise.update(reading.channels_us)

@@ -104,7 +104,7 @@ class Switches:
         if before != _UNKNOWN:
             vehicle.request(ChangeMode(number))
         elif not vehicle.armed:
-            vehicle.enter(Mode(number), "mode switch")
+            vehicle.change_mode(Mode(number), "mode switch")
         else:
             return False
         return True

@@ -296,7 +296,7 @@ class Endpoint:
         """A planner whom the boat obeys is missed when it falls silent."""
         vehicle = self._vehicle
         is_order = getattr(message, "command", _REPOSITION) == _REPOSITION
-        if is_order and self.roles.of(sender) is Role.PLANNER and vehicle.conduct.is_guided(vehicle.mode):
+        if is_order and self.roles.of(sender) is Role.PLANNER and vehicle.is_guided:
             vehicle.planner.steers(now_s)
 
     def announce_changes(self) -> None:

@@ -143,7 +143,7 @@ class GuidedService:
             speed_m_s = math.hypot(message.vx, message.vy) or None
         if position is None or (speed_m_s is not None and not math.isfinite(speed_m_s)):
             self._tell(origin, "a number is out of range", now_s)
-        elif not self._vehicle.conduct.is_guided(self._vehicle.mode):
+        elif not self._vehicle.is_guided:
             self._tell(origin, "not in GUIDED", now_s)
         elif self._is_beyond_fence(position):
             self._tell(origin, "outside the fence", now_s)

@@ -1,6 +1,6 @@
 """MANUAL_CONTROL and RC_CHANNELS_OVERRIDE: the operator's hand on the boat, with Rover's axes.
 
-A transmitter's sticks, where there is a receiver, wait while a station's are fresh (`vehicle/sticks.py`).
+A transmitter's sticks, where there is a receiver, wait while a station's are fresh (`rc/manual_input.py`).
 One hand at a time. With several stations on, the first that moves the sticks has the helm for as long as it
 goes on; the others are ignored, and told so once. A helm that nobody holds any more may be taken over.
 """
@@ -8,7 +8,7 @@ goes on; the others are ignored, and told so once. A helm that nobody holds any 
 import math
 
 from companion.config.rc import RcChannel
-from companion.core.requests import ManualInput
+from companion.core.requests import ManualControl
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import clamp
 from companion.mavlink.dialect import Message
@@ -28,7 +28,7 @@ class ManualControlService:
     def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._texts = texts
-        self._rc = ManualInput(0.0, 0.0)
+        self._rc = ManualControl(0.0, 0.0)
         self._rc_s = -math.inf
         self._helm: Origin | None = None  # who has it, and from when
         self._helm_s = -math.inf
@@ -39,7 +39,7 @@ class ManualControlService:
         if _INVALID_AXIS in (message.y, message.z) or not self._may_steer(origin, now_s):
             return
         throttle, steering = message.z / 1000.0, message.y / 1000.0
-        self._vehicle.request(ManualInput(clamp(throttle, -1.0, 1.0), clamp(steering, -1.0, 1.0)))
+        self._vehicle.request(ManualControl(clamp(throttle, -1.0, 1.0), clamp(steering, -1.0, 1.0)))
 
     def on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
         """The transmitter's channels (RCMAP_ROLL, RCMAP_THROTTLE) with its ranges, but without dead zones.
@@ -53,9 +53,9 @@ class ManualControlService:
         if steering == throttle == _RC_IGNORE or not self._may_steer(origin, now_s):
             return
         fresh = now_s - self._rc_s <= self._vehicle.config.failsafe.manual_timeout_s
-        released = None if self._vehicle.conduct.sticks.radio.is_heard else 0.0
-        before = self._rc if fresh else ManualInput(released, released)
-        self._rc = ManualInput(
+        released = None if self._vehicle.manual_input.rc.is_heard else 0.0
+        before = self._rc if fresh else ManualControl(released, released)
+        self._rc = ManualControl(
             _from_rc(throttle, rc.throttle, before.throttle, released),
             _from_rc(steering, rc.steering, before.steering, released),
         )

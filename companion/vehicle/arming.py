@@ -5,7 +5,7 @@ from collections.abc import Callable
 from companion.config.boat_config import Arming, BoatConfig, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
-from companion.rc.manual_input import Sticks
+from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
 
 
@@ -38,12 +38,12 @@ def arming_faults(
     return faults
 
 
-def radio_fault(sticks: Sticks, config: BoatConfig, now_s: float) -> str:
+def radio_fault(sticks: ManualInput, config: BoatConfig, now_s: float) -> str:
     """Why the boat should not be armed with the transmitter as it is; empty when all is well.
 
     A transmitter that has never been heard keeps nobody from arming, nor does one while a station steers.
     """
-    radio = sticks.radio
+    radio = sticks.rc
     if now_s < radio.calibrated_until_s:
         return "RC: being calibrated"
     if not config.arming.check or not radio.is_heard or sticks.has_station(config, now_s):

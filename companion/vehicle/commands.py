@@ -10,7 +10,7 @@ from companion.core.requests import (
     ChangeSpeed,
     Disarm,
     GoTo,
-    ManualInput,
+    ManualControl,
     OtherVehicle,
     Outcome,
     Request,
@@ -27,18 +27,18 @@ _NOT_GUIDED = Outcome(False, "not in GUIDED")
 _NOT_THE_LEAD = Outcome(False, "not the one to follow")
 
 
-def carry_out(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
+def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
     """Do it, or say why not."""
     conduct = vehicle.conduct
     match request:
-        case ManualInput():
+        case ManualControl():
             if request.throttle is None and request.steering is None:
-                conduct.sticks.release()
+                vehicle.manual_input.release()
             else:
-                conduct.sticks.take(request, now_s)
+                vehicle.manual_input.ingest(request, now_s)
             return ACCEPTED
         case SetPoint():
-            if not conduct.is_guided(vehicle.mode):
+            if not vehicle.is_guided:
                 return _NOT_GUIDED
             conduct.hold(request, now_s)
             return ACCEPTED
@@ -53,7 +53,7 @@ def carry_out(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
             mode = mode_from_number(number)
             if mode is None:
                 return vehicle.refuse(f"Mode {number} is not available on this boat")
-            return vehicle.choose(mode)
+            return vehicle.select_mode(mode)
         case StartMission(first_seq):
             return _start_mission(vehicle, first_seq)
         case SetCurrentItem():
@@ -74,7 +74,7 @@ def _start_mission(vehicle: "Vehicle", first_seq: int | None) -> Outcome:
     progress = vehicle.progress
     if first_seq is not None and not progress.set_current(max(first_seq, 1)):
         return vehicle.refuse(f"Mission has no item {first_seq} (last is {progress.last_seq})")
-    return vehicle.choose(Mode.AUTO)
+    return vehicle.select_mode(Mode.AUTO)
 
 
 def _set_current(vehicle: "Vehicle", request: SetCurrentItem) -> Outcome:
@@ -91,10 +91,10 @@ def _set_current(vehicle: "Vehicle", request: SetCurrentItem) -> Outcome:
 def _go_to(vehicle: "Vehicle", request: GoTo) -> Outcome:
     if vehicle.frame is not None and not vehicle.fence.allows(vehicle.frame.to_local(request.position)):
         return vehicle.refuse("Go to: outside the fence")
-    if not vehicle.conduct.is_guided(vehicle.mode):
+    if not vehicle.is_guided:
         if not request.change_mode:
             return vehicle.refuse("Go to: not in GUIDED")
-        outcome = vehicle.choose(Mode.GUIDED)
+        outcome = vehicle.select_mode(Mode.GUIDED)
         if not outcome.accepted:
             return outcome
     if request.speed_m_s is not None:

@@ -16,11 +16,13 @@ from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.failsafe.response import NO_HEADING, TRY_AGAIN_S, FailsafeActions
 from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.losses import FENCE, Losses
+from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
-from companion.vehicle.commands import carry_out
+from companion.vehicle.commands import execute
 from companion.vehicle.mission.steps import Mission
 from companion.vehicle.modes.mode_manager import Conduct, distance_fault, station_of
+from companion.vehicle.modes.track import SailedTrack
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
@@ -36,9 +38,11 @@ class Vehicle:
         self.armed = False
         self.home: LatLon | None = None
         self.fence = Fence()
-        self.conduct = Conduct(self.fence)
+        self.manual_input = ManualInput()
+        self.track = SailedTrack()
+        self.conduct = Conduct(self.fence, self.manual_input, self.track)
         self.progress = self.conduct.progress
-        self.failsafes = Failsafes(config, self.conduct.sticks)
+        self.failsafes = Failsafes(config, self.manual_input)
         self.operator = self.failsafes.signs.operator
         self.planner = self.failsafes.signs.planner
         self.drills = RecoveryManeuvers(self)
@@ -48,9 +52,9 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
-        self.sails_mission_home = False  # RTL is the mission's last item, and it is under way
+        self.is_returning_from_mission = False  # RTL is the mission's last item, and it is under way
         self.is_restarting = False  # the program is about to begin anew: it does not arm any more
-        self.standing_order = False  # it is about to arm itself, or to go on; any mode or disarming ends that
+        self.is_resuming = False  # it is about to arm itself, or to go on; any mode or disarming ends that
         self.losses = Losses()
         self._response = FailsafeActions(self)
         self._home_is_chosen = False
@@ -81,7 +85,7 @@ class Vehicle:
 
     # What the owner calls each tick
 
-    def sense(
+    def update_state(
         self,
         nav: NavState | None,
         frame: LocalFrame | None,
@@ -97,10 +101,10 @@ class Vehicle:
         if nav is not None and frame is not None:
             self.conduct.prepare(frame, self.home, self.config, nav)
 
-    def begin_elsewhere(self, far_m: float) -> None:
+    def reset_position(self, far_m: float) -> None:
         """The boat was carried so far that positions are measured from another origin. Disarmed only."""
         self.notify(Severity.NOTICE, f"Position: {far_m / 1e3:.0f} km away, origin moved here")
-        self.conduct.trail.begin(None)
+        self.track.begin(None)
         if not self._home_is_chosen:
             self.home = None
 
@@ -120,7 +124,7 @@ class Vehicle:
         if self.drills.is_running:
             return self.drills.intent(self._now_s)
         if self.mode is Mode.MANUAL:
-            return self.conduct.sticks.intent(self.mode, self.config, self._now_s)
+            return self.manual_input.intent(self.mode, self.config, self._now_s)
         if self.mode is Mode.HOLD or now is None:
             return _STOP
         if self.probe.is_lame:
@@ -128,8 +132,8 @@ class Vehicle:
             if self.probe.is_due(self._now_s, has_room=has_room):
                 self.probe.begin(self._now_s)
         intent = self.conduct.decide(self.mode, now)
-        if self.sails_mission_home and self.conduct.way_home.arrived:
-            self.sails_mission_home = False
+        if self.is_returning_from_mission and self.conduct.way_home.arrived:
+            self.is_returning_from_mission = False
             self.notify(Severity.NOTICE, "Mission complete")
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
@@ -150,26 +154,26 @@ class Vehicle:
 
     def request(self, request: Request) -> Outcome:
         """Carry out a request, at once or not at all."""
-        return carry_out(request, self, self._now_s)
+        return execute(request, self, self._now_s)
 
-    def take_mission(self, mission: Mission) -> None:
+    def set_mission(self, mission: Mission) -> None:
         """Swap in a new mission. In AUTO the boat sails on if nothing up to here has changed, else it goes
         straight to the new first item.
         """
         goes_on = self.progress.replace(mission)
         if self.mode is Mode.AUTO and self.progress.is_empty:
-            self.enter(Mode.LOITER, "mission cleared")
+            self.change_mode(Mode.LOITER, "mission cleared")
         elif self.mode is Mode.AUTO and self.armed:
             what = f"goes on with item {self.progress.current_seq}" if goes_on else "begins at item 1"
             self.notify(Severity.INFO, f"New mission {what}")
 
-    def take_fence(self, areas: Sequence[FenceArea]) -> None:
+    def set_fence(self, areas: Sequence[FenceArea]) -> None:
         """Swap in a new fence; it counts at once."""
         self.fence.set_areas(areas)
         self.fence.update(self.frame, self.home, self.config.fence)
         self._warn_of_rally_points()
 
-    def take_rally(self, places: Sequence[LatLon]) -> None:
+    def set_rally(self, places: Sequence[LatLon]) -> None:
         """Swap in new rally points; the way home leads to the nearest of them and home."""
         self.conduct.way_home.rally = tuple(places)
         self._warn_of_rally_points()
@@ -183,11 +187,11 @@ class Vehicle:
         """How far it is home by the water; infinite where there is no way."""
         return self.conduct.way_home.home_distance_m(point)
 
-    def choose(self, mode: Mode) -> Outcome:
+    def select_mode(self, mode: Mode) -> Outcome:
         """Somebody chooses a mode: failsafes that are active leave it at that."""
-        outcome = self.enter(mode)
+        outcome = self.change_mode(mode)
         if outcome.accepted:
-            self.standing_order = False
+            self.is_resuming = False
             self.drills.stop()
             self.failsafes.overrule()
         return outcome
@@ -196,7 +200,7 @@ class Vehicle:
         """Whether the boat could change to a mode that steers by the position."""
         return not (self.estimate_fault() or self._mode_fault(mode))
 
-    def halt(self, why: str, *, disarms: bool) -> None:
+    def stop_on_fault(self, why: str, *, disarms: bool) -> None:
         """Something in the program has gone wrong: HOLD, or disarm. Told once, however often it happens."""
         if not self.armed or (self.mode is Mode.HOLD and not disarms):
             return
@@ -205,19 +209,19 @@ class Vehicle:
         if disarms:
             self.disarm("by the program")
         else:
-            self.fall_back(Mode.HOLD, "fault")
+            self.force_mode(Mode.HOLD, "fault")
 
-    def enter(self, mode: Mode, why: str = "") -> Outcome:
+    def change_mode(self, mode: Mode, why: str = "") -> Outcome:
         """Change mode if the boat can, and say why not if it cannot. The present mode just goes on."""
         if mode.needs_position and (fault := self.estimate_fault() or self._mode_fault(mode)):
             return self.refuse(f"{mode.name}: {fault}")
-        return self.fall_back(mode, why)
+        return self.force_mode(mode, why)
 
-    def fall_back(self, mode: Mode, why: str) -> Outcome:
+    def force_mode(self, mode: Mode, why: str) -> Outcome:
         """Change mode, whatever it lacks."""
         if mode is not self.mode:
             self.mode = mode
-            self.sails_mission_home = False
+            self.is_returning_from_mission = False
             self.speed_m_s = None
             self.notify(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
             self.conduct.begin(mode, self._situation())
@@ -231,7 +235,7 @@ class Vehicle:
             faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
         if config.arming.check and self.losses.text(FENCE):
             faults.append("Fence: the stored fence is lost: upload or clear it")
-        if fault := radio_fault(self.conduct.sticks, config, self._now_s):
+        if fault := radio_fault(self.manual_input, config, self._now_s):
             faults.append(fault)
         if self.is_restarting:
             faults.append(_RESTARTING)
@@ -242,7 +246,18 @@ class Vehicle:
         """Whether the boat is beyond the fence, as far as it knows where it is."""
         return self.nav is not None and self.fence.is_outside(self.nav.point)
 
-    def active_position(self) -> LatLon | None:
+    @property
+    def is_guided(self) -> bool:
+        """Whether another program may steer by set-points."""
+        return self.conduct.is_guided(self.mode)
+
+    @property
+    def has_returned(self) -> bool:
+        """Whether RTL has arrived."""
+        return self.conduct.way_home.arrived
+
+    @property
+    def destination(self) -> LatLon | None:
         """Where the boat is heading: the current waypoint or target, None when it steers for none."""
         return self.conduct.aim(self.mode)
 
@@ -267,14 +282,14 @@ class Vehicle:
         return "" if now is None or mode is self.mode else self.conduct.fault(mode, now)
 
     def _end_mission(self, intent: Intent, now: Situation) -> Intent:
-        if self.progress.go_home and self.enter(Mode.RTL, "mission item").accepted:
-            self.sails_mission_home = True
+        if self.progress.go_home and self.change_mode(Mode.RTL, "mission item").accepted:
+            self.is_returning_from_mission = True
             return self.conduct.decide(self.mode, now)
         self.notify(Severity.NOTICE, "Mission complete")
         if self.config.mission.done_behave == 0:
-            self.enter(Mode.HOLD, "mission complete")
+            self.change_mode(Mode.HOLD, "mission complete")
             return _STOP
-        self.enter(Mode.LOITER, "mission complete")
+        self.change_mode(Mode.LOITER, "mission complete")
         self.conduct.passage.stay(station_of(intent, now))
         return intent
 
@@ -290,14 +305,14 @@ class Vehicle:
         now = self._situation()
         if not self._home_is_chosen and now is not None:
             self.home = now.here
-        self.conduct.sticks.release()
-        self.conduct.trail.begin(None if self.estimate_fault() or self.nav is None else self.nav.point)
+        self.manual_input.release()
+        self.track.begin(None if self.estimate_fault() or self.nav is None else self.nav.point)
         self.conduct.begin(self.mode, now)
         self.notify(Severity.INFO, "Armed")
         return ACCEPTED
 
     def disarm(self, reason: str) -> Outcome:
-        self.standing_order = False
+        self.is_resuming = False
         if self.armed:
             self.armed = False
             self.drills.reset()

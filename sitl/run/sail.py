@@ -174,5 +174,5 @@ class Sailing:
 def _is_under_way(vehicle: Vehicle) -> bool:
     """Whether the boat sails its mission, or home because the mission's last item says so."""
     goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home
-    is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.conduct.way_home.arrived)
+    is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.has_returned)
     return vehicle.armed and is_on_its_way

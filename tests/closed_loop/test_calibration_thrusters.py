@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from boat_rig import OK, Rig, waypoint
 
-from companion.core.requests import ManualInput
+from companion.core.requests import ManualControl
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.persistence.storage import MemoryStorage
@@ -143,7 +143,7 @@ def test_by_hand_the_boat_goes_straight_once_it_is_calibrated(calibrated: Rig) -
         assert rig.set_mode(0) == OK
         assert rig.arm() == OK
         for _ in range(20):
-            rig.boat.vehicle.request(ManualInput(0.6, 0.0))
+            rig.boat.vehicle.request(ManualControl(0.6, 0.0))
             rig.run(0.5)
         return abs(rig.world._vessel.heading_rad)
 

@@ -160,7 +160,7 @@ def test_smart_rtl_sails_back_the_way_it_came() -> None:
         rig.peer.forget()
         rig.peer.command_int(192, -1, 1, 0, math.nan, x=deg_to_e7(place.lat_deg), y=deg_to_e7(place.lon_deg))
         rig.until(lambda: any("GUIDED: arrived" in text for text in rig.peer.texts), 60.0)
-    assert len(rig.boat.vehicle.conduct.trail.points) < 15
+    assert len(rig.boat.vehicle.track.points) < 15
     assert rig.set_mode(SMART_RTL) == OK
     furthest_m = 0.0
     corners = [False, False]

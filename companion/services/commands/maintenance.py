@@ -148,7 +148,7 @@ class MaintenanceCommands:
         """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero
         ends what is under way.
         """
-        radio = self._vehicle.conduct.sticks.radio
+        radio = self._vehicle.manual_input.rc
         wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
         if not any(wanted):
             radio.calibrated_until_s = -math.inf
@@ -171,7 +171,7 @@ class MaintenanceCommands:
     def _calibrate_radio(self, now_s: float) -> int:
         if self._vehicle.armed:
             return self._report(REJECTED_FOR_NOW, "Calibration: disarm first")
-        self._vehicle.conduct.sticks.radio.calibrated_until_s = now_s + _RADIO_S
+        self._vehicle.manual_input.rc.calibrated_until_s = now_s + _RADIO_S
         return ACCEPTED
 
     def _calibrate_compass(self, command: Command) -> int:

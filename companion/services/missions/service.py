@@ -73,9 +73,9 @@ class MissionService:
                 logger.warning("the stored %s is lost: %s", name, one.loss)
                 vehicle.losses.add(name, one.loss, f"Upload or clear the {_NAMES[one.type]}")
         self._lists[MissionType.MISSION].home = lambda: vehicle.home
-        vehicle.take_mission(self._lists[MissionType.MISSION].steps)
-        vehicle.take_fence(fence_areas(self.items(MissionType.FENCE)))
-        vehicle.take_rally(rally_points(self.items(MissionType.RALLY)))
+        vehicle.set_mission(self._lists[MissionType.MISSION].steps)
+        vehicle.set_fence(fence_areas(self.items(MissionType.FENCE)))
+        vehicle.set_rally(rally_points(self.items(MissionType.RALLY)))
 
     def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
         """What the boat holds of a kind."""
@@ -214,12 +214,12 @@ class MissionService:
         one.swap_in()
         self._vehicle.losses.end(one.type.name.lower())
         if one.type is MissionType.FENCE:
-            self._vehicle.take_fence(fence_areas(one.items))
+            self._vehicle.set_fence(fence_areas(one.items))
             return
         if one.type is MissionType.RALLY:
-            self._vehicle.take_rally(rally_points(one.items))
+            self._vehicle.set_rally(rally_points(one.items))
             return
-        self._vehicle.take_mission(one.steps)
+        self._vehicle.set_mission(one.steps)
         skipped = [seq for seq, step in enumerate(one.steps) if type(step) is Skip]
         if skipped:
             what = command_name(one.entries[skipped[0]].item.command)

@@ -85,7 +85,7 @@ def gps_global_origin(now: Snapshot) -> Message | None:
 
 def position_target_global_int(now: Snapshot) -> Message | None:
     """Where the boat is heading, and how fast; silent while it steers for no place."""
-    target, demand = now.vehicle.active_position(), now.demand
+    target, demand = now.vehicle.destination, now.demand
     if target is None or demand is None:
         return None
     north_m_s = demand.speed_m_s * math.cos(demand.heading_rad)
@@ -158,7 +158,7 @@ def nav_controller_output(now: Snapshot) -> Message | None:
             0.0, 0.0, heading_deg, heading_deg, 0, 0.0, 0.0, 0.0
         )
     target_deg = heading_deg = _int16(math.degrees(demand.heading_rad))
-    if now.frame is not None and (waypoint := now.vehicle.active_position()) is not None:
+    if now.frame is not None and (waypoint := now.vehicle.destination) is not None:
         target_deg = _int16(math.degrees(bearing_rad(nav.point, now.frame.to_local(waypoint))))
     return dialect.MAVLink_nav_controller_output_message(
         nav_roll=0.0,

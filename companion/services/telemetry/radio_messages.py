@@ -15,8 +15,8 @@ def rc_channels(now: Snapshot) -> Message:
     Sticks that a station holds stand in the place of the transmitter's. Without a receiver they are all there
     is, centred when released.
     """
-    sticks, config = now.vehicle.conduct.sticks, now.config
-    radio, rc, reading = sticks.radio, config.rc, sticks.radio.latest
+    sticks, config = now.vehicle.manual_input, now.config
+    radio, rc, reading = sticks.rc, config.rc, sticks.rc.latest
     pulses, signal = [], _UNKNOWN_SIGNAL
     if reading is not None and radio.is_fresh(rc, now.now_s):
         pulses = list(reading.channels_us[:_MOST_CHANNELS])
@@ -25,7 +25,7 @@ def rc_channels(now: Snapshot) -> Message:
     elif radio.is_fitted:
         signal = 0
     if sticks.has_station(config, now.now_s) or not radio.is_fitted:
-        throttle, steering = sticks.held(config, now.now_s)
+        throttle, steering = sticks.throttle_and_steering(config, now.now_s)
         pulses += [round(_CENTRE_US)] * (4 - len(pulses))
         pulses[rc.steering_channel - 1] = round(_CENTRE_US + _SPAN_US * steering)
         pulses[rc.throttle_channel - 1] = round(_CENTRE_US + _SPAN_US * throttle)

@@ -81,7 +81,7 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
         if now.now_s - now.heading.time_s <= now.config.motors.estimate_timeout_s:
             well |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
-    radio = now.vehicle.conduct.sticks.radio
+    radio = now.vehicle.manual_input.rc
     if radio.is_fitted:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
         if radio.is_fresh(now.config.rc, now.now_s):
@@ -158,7 +158,7 @@ def mission_current(vehicle: Vehicle) -> Message:
     progress = vehicle.progress
     if progress.is_empty:
         state = dialect.MISSION_STATE_NO_MISSION
-    elif vehicle.sails_mission_home:
+    elif vehicle.is_returning_from_mission:
         state = dialect.MISSION_STATE_ACTIVE
     elif progress.finished:
         state = dialect.MISSION_STATE_COMPLETE

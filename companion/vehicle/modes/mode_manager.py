@@ -13,7 +13,7 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.estimation.estimator import MAX_OFFSET_M
 from companion.geofence.fence import Fence
-from companion.rc.manual_input import Sticks
+from companion.rc.manual_input import ManualInput
 from companion.vehicle.mission.approach import Approach
 from companion.vehicle.mission.check import MissionCheck
 from companion.vehicle.mission.progress import MissionProgress
@@ -23,7 +23,7 @@ from companion.vehicle.modes.follow import Following
 from companion.vehicle.modes.goto import Passage
 from companion.vehicle.modes.rtl import WayHome
 from companion.vehicle.modes.smart_rtl import WayBack
-from companion.vehicle.modes.track import Trail
+from companion.vehicle.modes.track import SailedTrack
 from companion.vehicle.situation import Situation
 
 _STOP = Stop()
@@ -36,11 +36,11 @@ _STILL_M_S = 0.05  # water that hardly moves has no direction to point into
 class Conduct:
     """The modes' memories. Says what there is to say to the operator in `notices`, which the owner takes."""
 
-    def __init__(self, fence: Fence) -> None:
+    def __init__(self, fence: Fence, sticks: ManualInput, trail: SailedTrack) -> None:
         self.progress = MissionProgress()
-        self.sticks = Sticks()
+        self.sticks = sticks
         self.passage = Passage()
-        self.trail = Trail()
+        self.trail = trail
         self.following = Following()
         self.status_texts: list[StatusText] = []
         self.stemming: HoldHeading | None = None  # LOITER without a position: no more than heading and thrust
@@ -82,7 +82,7 @@ class Conduct:
         """A mode begins, or the boat is armed in it."""
         self._set_point = self.stemming = None
         if mode.is_by_hand:
-            self.sticks.begin(None if now is None else now.nav)
+            self.sticks.set_reference(None if now is None else now.nav)
         elif mode is Mode.AUTO:
             if self.progress.finished:
                 self.progress.restart()

@@ -4,7 +4,7 @@ from companion.core.geo import Point
 from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
 from companion.guidance.leg import Leg
-from companion.vehicle.modes.track import Trail
+from companion.vehicle.modes.track import SailedTrack
 
 
 class WayBack:
@@ -12,7 +12,7 @@ class WayBack:
 
     __slots__ = ("_leg", "_trail", "arrived")
 
-    def __init__(self, trail: Trail) -> None:
+    def __init__(self, trail: SailedTrack) -> None:
         self.arrived = False
         self._trail = trail
         self._leg: Leg | None = None

@@ -17,7 +17,7 @@ TAKEN_UP_M = 100.0  # a boat that is armed further from where its track was cut 
 _STEP_SHARE = 0.25  # of the accuracy: smaller movements are not looked at
 
 
-class Trail:
+class SailedTrack:
     """Points from where the boat was armed to where it turned last. Never more than max_points."""
 
     def __init__(self) -> None:

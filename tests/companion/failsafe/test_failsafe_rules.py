@@ -14,7 +14,7 @@ from companion.control.gate import Gate
 from companion.control.helm import Helm
 from companion.core.intent import Drive
 from companion.core.modes import Mode
-from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
+from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.core.state import EstimateFault
 from companion.core.status_text import Severity
 from companion.failsafe.monitor import PERIOD_S
@@ -69,7 +69,7 @@ class Failsafes(RuleBasedStateMachine):
         self.reason = ""
         home = FRAME.to_global(nav_at().point)
         there = FRAME.to_global(nav_at(300.0, 100.0).point)
-        self.vehicle.take_mission((Home(), Waypoint(there), Waypoint(home)))
+        self.vehicle.set_mission((Home(), Waypoint(there), Waypoint(home)))
         self.pass_time(1.0)
 
     @rule(faults=FAULTS, is_stale=st.booleans())
@@ -145,9 +145,9 @@ class Failsafes(RuleBasedStateMachine):
         if self.planner_is_there:
             vehicle.planner.heard(self.now_s)
         battery = BatteryReading(self.now_s, self.volt, 2.0)
-        vehicle.sense(self.nav, FRAME, GOOD_FIX, battery, self.now_s)
+        vehicle.update_state(self.nav, FRAME, GOOD_FIX, battery, self.now_s)
         if self.hand_is_there:
-            vehicle.request(ManualInput(0.5, 0.2))
+            vehicle.request(ManualControl(0.5, 0.2))
         if (hull := vehicle.failsafes.signs.hull) is not None:
             vehicle.failsafes.signs.hull = replace(hull, time_s=self.now_s)
         active, mode, armed = vehicle.failsafes.active, vehicle.mode, vehicle.armed

@@ -4,7 +4,7 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
-from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualInput
+from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.failsafe.actions import Action
 from companion.failsafe.escalation import Escalation, Move
 from companion.failsafe.table import ROWS, Condition
@@ -18,7 +18,7 @@ def armed_vehicle(mode: Mode = Mode.GUIDED, **settings: object) -> Vehicle:
     for name, value in settings.items():
         config = with_value(config, f"failsafe.{name}", value)
     vehicle = Vehicle(config)
-    vehicle.sense(nav_at(), FRAME, GOOD_FIX, None, 0.0)
+    vehicle.update_state(nav_at(), FRAME, GOOD_FIX, None, 0.0)
     assert vehicle.request(ChangeMode(mode)).accepted
     assert vehicle.request(Arm()).accepted
     vehicle.take_status_texts()
@@ -38,7 +38,7 @@ def live(
         now_s = start_s + tick * step_s
         battery = None if volt is None else BatteryReading(now_s, volt)
         nav = replace(nav_at(time_s=now_s), yaw_rate_rad_s=yaw_rate_rad_s)
-        vehicle.sense(nav, vehicle.frame, GOOD_FIX, battery, now_s)
+        vehicle.update_state(nav, vehicle.frame, GOOD_FIX, battery, now_s)
         vehicle.decide()
     return [notice.text for notice in vehicle.take_status_texts()]
 
@@ -121,7 +121,7 @@ def test_each_action_puts_the_boat_into_its_mode(action: Action, mode: Mode) -> 
 )
 def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Action, mode: Mode) -> None:
     vehicle = armed_vehicle(action=int(action))
-    vehicle.conduct.trail.is_lost = True
+    vehicle.track.is_lost = True
     lose_operator(vehicle)
     assert vehicle.mode == mode
 
@@ -225,7 +225,7 @@ def test_a_planner_is_not_missed_once_the_operator_has_taken_over() -> None:
 def driven_by_hand(mode: Mode = Mode.MANUAL) -> Vehicle:
     vehicle = armed_vehicle(mode)
     for _ in range(5):
-        vehicle.request(ManualInput(0.5, 0.0))
+        vehicle.request(ManualControl(0.5, 0.0))
         live(vehicle, 0.5)
     return vehicle
 
@@ -236,7 +236,7 @@ def test_a_hand_that_falls_silent_leaves_the_boat_keeping_station_and_not_adrift
     assert live(vehicle, 1.5) == ["Failsafe: RC lost: nobody holds the sticks", "Mode LOITER: failsafe"]
     told = []
     for _ in range(4):
-        vehicle.request(ManualInput(0.5, 0.0))
+        vehicle.request(ManualControl(0.5, 0.0))
         told += live(vehicle, 0.5)
     assert told == ["Failsafe over: sticks held again"]
     assert vehicle.mode.name == "LOITER"
@@ -249,7 +249,7 @@ def test_nobody_is_missed_at_a_helm_that_nobody_has_held() -> None:
 def test_sticks_that_are_let_go_in_another_mode_are_not_missed() -> None:
     vehicle = driven_by_hand()
     vehicle.request(ChangeMode(Mode.GUIDED))
-    vehicle.request(ManualInput(0.5, 0.0))
+    vehicle.request(ManualControl(0.5, 0.0))
     assert live(vehicle, 60.0) == ["Mode GUIDED"]
     vehicle.request(ChangeMode(Mode.MANUAL))
     assert live(vehicle, 60.0) == ["Mode MANUAL"]

@@ -12,9 +12,9 @@ from companion.core.geo import Line, Point
 from companion.core.modes import Mode
 from companion.mavlink.dialect import dialect
 from companion.persistence.storage import MemoryStorage, Saving
-from companion.persistence.track_record import FILE, TrailRecord
+from companion.persistence.track_record import FILE, TrackRecord
 from companion.persistence.voyage_record import FILE as VOYAGE
-from companion.vehicle.modes.track import TAKEN_UP_M, Trail
+from companion.vehicle.modes.track import TAKEN_UP_M, SailedTrack
 
 SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
 
@@ -92,7 +92,7 @@ def test_a_boat_cut_on_its_way_back_goes_on_along_its_track_by_itself() -> None:
 
 def test_a_second_cut_before_anybody_has_armed_the_boat_loses_nothing() -> None:
     rig = cut(cut(on_the_last_leg()))
-    assert len(rig.boat.vehicle.conduct.trail.points) >= 4
+    assert len(rig.boat.vehicle.track.points) >= 4
 
 
 def test_the_track_goes_on_with_the_mission_and_over_another_cut() -> None:
@@ -108,14 +108,14 @@ def test_the_track_goes_on_with_the_mission_and_over_another_cut() -> None:
 
 def test_a_boat_that_is_to_forget_forgets_its_track_too() -> None:
     rig = cut(on_the_last_leg({"failsafe.resume": 0}))
-    assert not rig.boat.vehicle.conduct.trail.points
+    assert not rig.boat.vehicle.track.points
 
 
 def test_a_voyage_that_had_ended_leaves_no_track() -> None:
     rig = on_the_last_leg()
     rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
     rig.run(1.0)
-    assert not cut(rig).boat.vehicle.conduct.trail.points
+    assert not cut(rig).boat.vehicle.track.points
 
 
 def test_another_voyage_s_track_is_not_taken_for_this_one_s() -> None:
@@ -131,11 +131,11 @@ def test_another_voyage_s_track_is_not_taken_for_this_one_s() -> None:
     assert rig.arm() == OK
     rig.run(1.0)
     rig.storage.save(FILE, old)
-    assert not cut(rig).boat.vehicle.conduct.trail.points
+    assert not cut(rig).boat.vehicle.track.points
 
 
 def test_a_boat_that_was_carried_elsewhere_begins_a_new_track() -> None:
-    trail = Trail()
+    trail = SailedTrack()
     trail.take_up([Point(0.0, 0.0), Point(50.0, 0.0)])
     there = Point(50.0, TAKEN_UP_M + 1.0)
     assert not trail.goes_on_from(there)
@@ -144,7 +144,7 @@ def test_a_boat_that_was_carried_elsewhere_begins_a_new_track() -> None:
 
 
 def test_where_the_water_has_carried_it_to_is_a_point_of_the_track() -> None:
-    trail = Trail()
+    trail = SailedTrack()
     trail.take_up([Point(0.0, 0.0), Point(50.0, 0.0)])
     trail.begin(Point(50.0, 20.0))
     for metre in range(40):
@@ -153,7 +153,7 @@ def test_where_the_water_has_carried_it_to_is_a_point_of_the_track() -> None:
 
 
 def test_only_one_arming_goes_on_with_a_cut_track() -> None:
-    trail = Trail()
+    trail = SailedTrack()
     trail.take_up([Point(0.0, 0.0), Point(50.0, 0.0)])
     trail.begin(Point(50.0, 1.0))
     trail.begin(Point(50.0, 2.0))
@@ -177,19 +177,19 @@ def test_on_a_straight_leg_the_end_of_the_track_is_never_far_behind() -> None:
     assert frame is not None
     for _ in range(80):
         rig.run(1.0)
-        trail = Trail()
-        TrailRecord(rig.storage, trail, 1).restore(frame, armed=False)
+        trail = SailedTrack()
+        TrackRecord(rig.storage, trail, 1).restore(frame, armed=False)
         end = rig.boat.vehicle.nav
         assert end is not None
         assert math.dist(trail.points[-1], end.point) <= 46.0
 
 
 def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_second() -> None:
-    storage, trail = Recording(), Trail()
+    storage, trail = Recording(), SailedTrack()
     rig = Rig().ready()
     frame = rig.boat.vehicle.frame
     assert frame is not None
-    record = TrailRecord(storage, trail, None)
+    record = TrackRecord(storage, trail, None)
     trail.begin(Point(0.0, 0.0))
     for second in range(600):
         trail.points = [Point(2.0 * n, 3.0 * (n % 7)) for n in range(4000 + second)]
@@ -212,8 +212,8 @@ def test_whatever_stands_on_the_medium_gives_places_on_the_globe_or_none(content
     rig = Rig()
     rig.storage.save(VOYAGE, b"")
     frame = rig.scenario.frame
-    trail = Trail()
-    TrailRecord(storage, trail, 1).restore(frame, armed=False)
+    trail = SailedTrack()
+    TrackRecord(storage, trail, 1).restore(frame, armed=False)
     assert all(math.isfinite(value) for point in trail.points for value in point)
 
 
@@ -221,8 +221,8 @@ def test_whatever_stands_on_the_medium_gives_places_on_the_globe_or_none(content
 def test_a_boat_that_was_armed_before_it_knew_where_it_is_keeps_its_new_track(armed: bool) -> None:
     storage = MemoryStorage()
     storage.content[FILE] = b'{"voyage": 1, "places": [[500000000, -12000000], [500000100, -12000000]]}'
-    trail, frame = Trail(), Rig().scenario.frame
-    record = TrailRecord(storage, trail, 1)
+    trail, frame = SailedTrack(), Rig().scenario.frame
+    record = TrackRecord(storage, trail, 1)
     record.restore(None, armed=armed)
     record.restore(frame, armed=False)
     assert bool(trail.points) is not armed

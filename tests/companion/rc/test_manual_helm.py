@@ -3,7 +3,7 @@
 import pytest
 from boat_rig import BOAT, OK, PLANNER, QGC, Peer, Rig
 
-from companion.core.requests import ManualInput
+from companion.core.requests import ManualControl
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 
@@ -18,10 +18,10 @@ def rig() -> Rig:
     return rig
 
 
-def push(rig: Rig, peer: Peer, throttle: int) -> ManualInput:
+def push(rig: Rig, peer: Peer, throttle: int) -> ManualControl:
     peer.send(dialect.MAVLink_manual_control_message(1, 0, 0, throttle, 0, 0))
     rig.receive()
-    return rig.boat.vehicle.conduct.sticks.latest
+    return rig.boat.vehicle.manual_input.latest
 
 
 def test_the_first_hand_has_the_helm_and_the_second_is_told_once(rig: Rig) -> None:

@@ -11,11 +11,11 @@ from companion.config.parameters import Parameters
 from companion.config.rc import RcChannel
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.modes import Mode
-from companion.core.requests import Arm, ChangeMode, ManualInput
+from companion.core.requests import Arm, ChangeMode, ManualControl
 from companion.failsafe.table import Condition
 from companion.persistence.storage import MemoryStorage
 from companion.rc.pulses import deflection, mode_position
-from companion.rc.rc_control import Transmitter
+from companion.rc.rc_control import RcControl
 from companion.sensors.readings import RcReading
 from companion.vehicle.mission.steps import Waypoint
 from companion.vehicle.vehicle import Vehicle
@@ -33,7 +33,7 @@ class Hand:
         for name, value in {"rc__arm_channel": 5, "rc__mode_channel": 6, **settings}.items():
             config = with_value(config, name.replace("__", "."), value)
         self.vehicle = Vehicle(config)
-        self.transmitter = Transmitter(self.vehicle)
+        self.rc_control = RcControl(self.vehicle)
         self.channels = [1500, 1500, 1500, 1500, 1000, MANUAL_US, 1500, 1500]
         self.now_s = 0.0
         self.is_on = True
@@ -48,10 +48,10 @@ class Hand:
             )
         for _ in range(round(seconds / STEP_S)):
             self.now_s += STEP_S
-            self.vehicle.sense(nav_at(time_s=self.now_s), FRAME, GOOD_FIX, None, self.now_s)
+            self.vehicle.update_state(nav_at(time_s=self.now_s), FRAME, GOOD_FIX, None, self.now_s)
             if self.is_on:
                 reading = RcReading(self.now_s, tuple(self.channels), self.is_failsafe)
-                self.transmitter.update(reading, self.now_s)
+                self.rc_control.update(reading, self.now_s)
             self.intent = self.vehicle.decide()
         return [notice.text for notice in self.vehicle.take_status_texts()]
 
@@ -297,7 +297,7 @@ def test_a_mode_switch_that_is_put_on_a_channel_under_way_changes_nothing_until_
 def test_a_stations_sticks_go_first_while_they_are_fresh() -> None:
     hand = Hand().armed()
     hand.live(0.5, throttle=2000)
-    hand.vehicle.request(ManualInput(-0.5, 0.25))
+    hand.vehicle.request(ManualControl(-0.5, 0.25))
     told = hand.live(0.5)
     assert hand.drive == (-0.5, 0.25)
     assert told == ["Helm: a station's sticks go before the transmitter's"]
@@ -308,10 +308,10 @@ def test_a_stations_sticks_go_first_while_they_are_fresh() -> None:
 def test_an_axis_that_a_station_leaves_alone_is_the_transmitters() -> None:
     hand = Hand().armed()
     hand.live(0.5, throttle=2000, steering=1000)
-    hand.vehicle.request(ManualInput(None, 0.5))
+    hand.vehicle.request(ManualControl(None, 0.5))
     hand.live(0.1)
     assert hand.drive == (1.0, 0.5)
-    hand.vehicle.request(ManualInput(None, None))
+    hand.vehicle.request(ManualControl(None, None))
     hand.live(0.1)
     assert hand.drive == (1.0, -1.0)
 
@@ -387,7 +387,7 @@ def test_both_sticks_thrown_over_at_once_are_believed() -> None:
 def in_auto(enabled: int) -> Hand:
     hand = Hand(failsafe__rc_enabled=enabled).armed()
     vehicle = hand.vehicle
-    vehicle.take_mission((Waypoint(FRAME.origin, 2.0), Waypoint(place(500.0, 0.0), 2.0)))
+    vehicle.set_mission((Waypoint(FRAME.origin, 2.0), Waypoint(place(500.0, 0.0), 2.0)))
     hand.live(0.5, mode=AUTO_US)
     assert vehicle.mode is Mode.AUTO
     return hand
@@ -422,7 +422,7 @@ def test_a_station_that_steers_in_its_place_keeps_the_failsafe_quiet() -> None:
     hand = Hand().armed()
     hand.is_on = False
     for _ in range(20):
-        hand.vehicle.request(ManualInput(0.5, 0.0))
+        hand.vehicle.request(ManualControl(0.5, 0.0))
         hand.live(0.5)
     assert hand.vehicle.mode is Mode.MANUAL
     assert hand.drive == (0.5, 0.0)

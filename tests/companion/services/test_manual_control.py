@@ -1,7 +1,7 @@
 import pytest
 from boat_rig import BOAT, OK, PLANNER, Rig
 
-from companion.core.requests import ManualInput
+from companion.core.requests import ManualControl
 from companion.mavlink.dialect import Message, dialect
 
 INVALID, KEEP, RELEASE = 0x7FFF, 0xFFFF, 0
@@ -28,9 +28,9 @@ def rig() -> Rig:
     return rig
 
 
-def taken(rig: Rig) -> ManualInput:
+def taken(rig: Rig) -> ManualControl:
     rig.receive()
-    return rig.boat.vehicle.conduct.sticks.latest
+    return rig.boat.vehicle.manual_input.latest
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def taken(rig: Rig) -> ManualInput:
 )
 def test_y_steers_and_z_is_the_throttle(rig: Rig, y: int, z: int, throttle: float, steering: float) -> None:
     rig.peer.send(sticks(y, z))
-    assert taken(rig) == ManualInput(throttle, steering)
+    assert taken(rig) == ManualControl(throttle, steering)
 
 
 @pytest.mark.parametrize(("y", "z"), [(INVALID, 500), (500, INVALID), (INVALID, INVALID)])
@@ -55,20 +55,20 @@ def test_an_invalid_axis_makes_the_whole_message_nobodys_hand(rig: Rig, y: int, 
 
 def test_sticks_for_another_boat_are_left_to_it(rig: Rig) -> None:
     rig.peer.send(sticks(0, 1000, target=2))
-    assert taken(rig) == ManualInput(0.0, 0.0)
+    assert taken(rig) == ManualControl(0.0, 0.0)
 
 
 @pytest.mark.parametrize(
     ("steering_us", "throttle_us", "expected"),
     [
-        (1500, 2000, ManualInput(1.0, 0.0)),
-        (1000, 1500, ManualInput(0.0, -1.0)),
-        (1750, 1250, ManualInput(-0.5, 0.5)),
-        (900, 2300, ManualInput(1.0, -1.0)),
+        (1500, 2000, ManualControl(1.0, 0.0)),
+        (1000, 1500, ManualControl(0.0, -1.0)),
+        (1750, 1250, ManualControl(-0.5, 0.5)),
+        (900, 2300, ManualControl(1.0, -1.0)),
     ],
 )
 def test_rc_override_is_read_around_the_centre(
-    rig: Rig, steering_us: int, throttle_us: int, expected: ManualInput
+    rig: Rig, steering_us: int, throttle_us: int, expected: ManualControl
 ) -> None:
     rig.peer.send(override(steering_us, throttle_us))
     assert taken(rig) == expected
@@ -77,11 +77,11 @@ def test_rc_override_is_read_around_the_centre(
 def test_a_released_axis_is_centred_and_an_ignored_one_keeps_its_value(rig: Rig) -> None:
     rig.peer.send(override(1600, 1800))
     rig.peer.send(override(KEEP, 1900))
-    assert taken(rig) == ManualInput(0.8, 0.2)
+    assert taken(rig) == ManualControl(0.8, 0.2)
     rig.peer.send(override(1500, KEEP))
-    assert taken(rig) == ManualInput(0.8, 0.0)
+    assert taken(rig) == ManualControl(0.8, 0.0)
     rig.peer.send(override(1500, RELEASE))
-    assert taken(rig) == ManualInput(0.0, 0.0)
+    assert taken(rig) == ManualControl(0.0, 0.0)
 
 
 def test_an_axis_of_long_ago_does_not_come_back(rig: Rig) -> None:
@@ -89,7 +89,7 @@ def test_an_axis_of_long_ago_does_not_come_back(rig: Rig) -> None:
     taken(rig)
     rig.run(2.0)
     rig.peer.send(override(1600, KEEP))
-    assert taken(rig) == ManualInput(0.0, 0.2)
+    assert taken(rig) == ManualControl(0.0, 0.2)
 
 
 def test_an_override_that_ignores_all_axes_keeps_nothing_fresh(rig: Rig) -> None:
@@ -105,6 +105,6 @@ def test_only_the_chosen_operator_has_his_hand_on_the_boat() -> None:
     planner = rig.connect(PLANNER)
     planner.send(sticks(0, 1000))
     planner.send(override(1500, 2000))
-    assert taken(rig) == ManualInput(0.0, 0.0)
+    assert taken(rig) == ManualControl(0.0, 0.0)
     rig.peer.send(sticks(0, 500))
-    assert taken(rig) == ManualInput(0.5, 0.0)
+    assert taken(rig) == ManualControl(0.5, 0.0)

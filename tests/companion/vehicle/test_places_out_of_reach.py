@@ -23,7 +23,7 @@ CMD = dialect
 
 def afloat(vehicle: Vehicle, north_m: float, now_s: float) -> list[StatusText]:
     """The boat is there, and decides."""
-    vehicle.sense(nav_at(north_m, time_s=now_s), FRAME, None, None, now_s)
+    vehicle.update_state(nav_at(north_m, time_s=now_s), FRAME, None, None, now_s)
     vehicle.decide()
     return vehicle.take_status_texts()
 
@@ -34,22 +34,22 @@ def afloat(vehicle: Vehicle, north_m: float, now_s: float) -> list[StatusText]:
 def test_a_mission_that_ends_at_home_is_complete_when_the_boat_is_there() -> None:
     vehicle = Vehicle(BoatConfig())
     afloat(vehicle, 0.0, 1.0)
-    vehicle.take_mission((Home(), Waypoint(place(50.0, 0.0)), ReturnHome()))
+    vehicle.set_mission((Home(), Waypoint(place(50.0, 0.0)), ReturnHome()))
     vehicle.arm(force=True)
     assert vehicle.request(StartMission()).accepted
     told = [notice.text for now_s in (2.0, 3.0, 4.0) for notice in afloat(vehicle, 50.0, now_s)]
     assert vehicle.mode is Mode.RTL
     assert "Mission complete" not in told
-    assert vehicle.sails_mission_home
+    assert vehicle.is_returning_from_mission
     told = [notice.text for now_s in (60.0, 61.0, 62.0) for notice in afloat(vehicle, 0.5, now_s)]
     assert [text for text in told if text == "Mission complete"] == ["Mission complete"]
-    assert not vehicle.sails_mission_home
+    assert not vehicle.is_returning_from_mission
 
 
 def test_a_mission_that_is_called_off_on_its_way_home_is_not_complete() -> None:
     vehicle = Vehicle(BoatConfig())
     afloat(vehicle, 0.0, 1.0)
-    vehicle.take_mission((Home(), Waypoint(place(50.0, 0.0)), ReturnHome()))
+    vehicle.set_mission((Home(), Waypoint(place(50.0, 0.0)), ReturnHome()))
     vehicle.arm(force=True)
     vehicle.request(StartMission())
     afloat(vehicle, 50.0, 2.0)

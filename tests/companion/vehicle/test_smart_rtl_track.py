@@ -6,14 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.core.geo import Line, Point
-from companion.vehicle.modes.track import Trail
+from companion.vehicle.modes.track import SailedTrack
 
 ACCURACY_M = 1.0
 
 
-def sailed(track: list[Point], max_points: int = 500, step_m: float = 0.1) -> tuple[Trail, list[Point]]:
+def sailed(track: list[Point], max_points: int = 500, step_m: float = 0.1) -> tuple[SailedTrack, list[Point]]:
     """A trail along a polyline, and the positions that it was shown."""
-    trail = Trail()
+    trail = SailedTrack()
     trail.begin(track[0])
     shown = []
     for start, end in itertools.pairwise(track):

@@ -11,7 +11,7 @@ from companion.core.requests import (
     ChangeSpeed,
     Disarm,
     GoTo,
-    ManualInput,
+    ManualControl,
     OtherVehicle,
     SetCurrentItem,
     SetHome,
@@ -36,7 +36,7 @@ def vehicle_at(north_m: float = 0.0, east_m: float = 0.0, mode: Mode | None = No
 
 
 def tick(vehicle: Vehicle, nav: NavState, now_s: float) -> object:
-    vehicle.sense(nav, FRAME, GOOD_FIX, None, now_s)
+    vehicle.update_state(nav, FRAME, GOOD_FIX, None, now_s)
     return vehicle.decide()
 
 
@@ -74,19 +74,19 @@ def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number
 @pytest.mark.parametrize("mode", list(Mode))
 def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     vehicle = vehicle_at()
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     vehicle.request(Arm())
     vehicle.request(Disarm())
     vehicle.request(OtherVehicle(2, place(20.0, 0.0), 1.0, 0.0, 0.0))
     assert vehicle.request(ChangeMode(mode)).accepted
-    vehicle.request(ManualInput(1.0, 0.0))
+    vehicle.request(ManualControl(1.0, 0.0))
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
 
 @pytest.mark.parametrize("mode", [mode for mode in Mode if mode not in (Mode.MANUAL, Mode.HOLD)])
 def test_a_mode_that_steers_by_position_is_refused_without_one(mode: Mode) -> None:
     vehicle = Vehicle(BoatConfig())
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     assert vehicle.request(ChangeMode(mode)).reason == f"{mode.name}: no position yet"
     tick(vehicle, nav_at(age_s=10.0), 0.0)
     assert vehicle.request(ChangeMode(mode)).reason == f"{mode.name}: position is stale"
@@ -96,14 +96,14 @@ def test_a_mode_that_steers_by_position_is_refused_without_one(mode: Mode) -> No
 def test_auto_needs_a_mission() -> None:
     vehicle = vehicle_at()
     assert vehicle.request(ChangeMode(Mode.AUTO)).reason == "AUTO: no mission"
-    vehicle.take_mission((Home(),))
+    vehicle.set_mission((Home(),))
     assert vehicle.request(ChangeMode(Mode.AUTO)).reason == "AUTO: no mission"
 
 
 def test_sticks_are_thrust_until_they_are_stale() -> None:
     vehicle = vehicle_at(mode=Mode.MANUAL)
     assert tick(vehicle, nav_at(), 0.02) == Stop()
-    vehicle.request(ManualInput(0.5, -0.25))
+    vehicle.request(ManualControl(0.5, -0.25))
     assert tick(vehicle, nav_at(), 1.0) == Drive(0.5, -0.25)
     assert tick(vehicle, nav_at(), 1.1) == Stop()
 
@@ -111,7 +111,7 @@ def test_sticks_are_thrust_until_they_are_stale() -> None:
 def test_sticks_from_before_arming_do_not_move_the_boat() -> None:
     vehicle = vehicle_at()
     vehicle.request(ChangeMode(Mode.MANUAL))
-    vehicle.request(ManualInput(1.0, 0.0))
+    vehicle.request(ManualControl(1.0, 0.0))
     vehicle.request(Arm())
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
@@ -213,7 +213,7 @@ def test_disarming_says_by_whom_and_only_once() -> None:
 def test_starting_the_mission_enters_auto_at_the_item_asked_for() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
     assert vehicle.request(StartMission()).reason == "AUTO: no mission"
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     assert vehicle.request(StartMission(2)).accepted
     assert (vehicle.mode, vehicle.progress.current_seq) == (Mode.AUTO, 2)
     assert vehicle.request(StartMission(3)).reason == "Mission has no item 3 (last is 2)"
@@ -225,7 +225,7 @@ def test_starting_the_mission_enters_auto_at_the_item_asked_for() -> None:
 def test_after_the_mission_the_boat_does_as_it_was_told(behave: int, mode: Mode) -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
     vehicle.config = BoatConfig(mission=type(vehicle.config.mission)(done_behave=behave))
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     vehicle.request(StartMission())
     tick(vehicle, nav_at(50.0, 0.0), 1.0)
     intent = tick(vehicle, nav_at(50.0, 49.0), 2.0)
@@ -238,7 +238,7 @@ def test_after_the_mission_the_boat_does_as_it_was_told(behave: int, mode: Mode)
 
 def test_a_mission_may_end_with_the_way_home() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
-    vehicle.take_mission((*MISSION, ReturnHome()))
+    vehicle.set_mission((*MISSION, ReturnHome()))
     vehicle.request(StartMission(2))
     leg = tick(vehicle, nav_at(50.0, 50.0), 2.0)
     assert vehicle.mode is Mode.RTL
@@ -253,7 +253,7 @@ def test_a_speed_lasts_until_the_mode_changes() -> None:
     leg = tick(vehicle, nav_at(), 0.1)
     assert isinstance(leg, FollowLeg)
     assert leg.speed_m_s == 0.7
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     vehicle.request(StartMission())
     leg = tick(vehicle, nav_at(), 0.2)
     assert isinstance(leg, FollowLeg)
@@ -266,24 +266,24 @@ def test_a_speed_lasts_until_the_mode_changes() -> None:
 
 def test_clearing_the_mission_under_way_leaves_auto() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     vehicle.request(StartMission())
-    vehicle.take_mission(())
+    vehicle.set_mission(())
     assert vehicle.mode is Mode.LOITER
     assert texts(vehicle)[-1] == "Mode LOITER: mission cleared"
 
 
 def test_the_place_that_telemetry_shows_is_the_one_being_sailed_to() -> None:
+    assert vehicle_at(mode=Mode.HOLD).destination is None
     vehicle = vehicle_at(mode=Mode.HOLD)
-    assert vehicle.active_position() is None
-    vehicle.take_mission(MISSION)
+    vehicle.set_mission(MISSION)
     vehicle.request(StartMission(2))
-    assert vehicle.active_position() == place(50.0, 50.0)
+    assert vehicle.destination == place(50.0, 50.0)
     vehicle.request(ChangeMode(Mode.RTL))
-    assert vehicle.active_position() == vehicle.home
+    assert vehicle.destination == vehicle.home
 
 
 def test_an_estimate_that_goes_missing_stops_the_boat() -> None:
     vehicle = vehicle_at(mode=Mode.LOITER)
-    vehicle.sense(None, None, None, None, 1.0)
+    vehicle.update_state(None, None, None, None, 1.0)
     assert vehicle.decide() == Stop()
