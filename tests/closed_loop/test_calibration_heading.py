@@ -20,7 +20,7 @@ WATER = {
 }
 
 
-class FailsafeActions(NamedTuple):
+class StepResponse(NamedTuple):
     """To a step of the heading at cruise speed: shares of the step, and seconds."""
 
     overshoot: float
@@ -42,7 +42,7 @@ def afloat(model: str, config: dict[str, object], seed: int) -> Rig:
     return Rig("open", *settings, config=config).ready()
 
 
-def response(model: str, gains: dict[str, object]) -> FailsafeActions:
+def response(model: str, gains: dict[str, object]) -> StepResponse:
     rig = afloat(model, gains, seed=12)
     assert rig.set_mode(GUIDED) == OK
     assert rig.arm() == OK
@@ -62,7 +62,7 @@ def response(model: str, gains: dict[str, object]) -> FailsafeActions:
     hold(0.0, 40)
     off = hold(STEP_RAD, 20)
     unsettled = [tick for tick, one in enumerate(off) if abs(one) > 0.1]
-    return FailsafeActions(max(off), sum(abs(one) for one in off) * 0.02, unsettled[-1] * 0.02)
+    return StepResponse(max(off), sum(abs(one) for one in off) * 0.02, unsettled[-1] * 0.02)
 
 
 @pytest.mark.parametrize("model", ["lake", "pool"])
