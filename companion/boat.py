@@ -10,7 +10,8 @@ from companion.calibration.trials import Trials
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.control.thruster_trim import ThrusterTrim
+from companion.config.thrusters import Thrusters
+from companion.control.allocation import motor_pwm
 from companion.core.state import STOPPED, MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
@@ -37,6 +38,7 @@ logger = logging.getLogger(__name__)
 
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
+_BARE = Thrusters()  # a motor gets its thrust share as it is, while the motors are measured
 _TOUCHES_S = 2.0  # held at the shore for so long, and what the motors do says nothing of them
 _LINKS_S = 0.1  # how often a tick looks for links that come and go without a descriptor to tell of it
 
@@ -93,7 +95,6 @@ class Boat:
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
         self.steering = GuidancePipeline(config, self.vehicle.status_texts)
-        self.trim = ThrusterTrim()
         self.net = SafetyNet()
         self.resume = Resume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
@@ -174,9 +175,8 @@ class Boat:
         self._receive(now_s, None, looks_for_links=looks_for_links)
         self.command = self._steer(now_s)
         is_bare = self.trials.is_bare or self.motor_test.is_running
-        self.trim.update(self.command, self.parameters.config.thrusters, is_bare=is_bare)
-        probe, left, right = self.vehicle.probe, self.trim.left, self.trim.right
-        self._hardware.motors.write(-left if probe.left < 0 else left, -right if probe.right < 0 else right)
+        setting = _BARE if is_bare else self.parameters.config.thrusters
+        self._hardware.motors.write(*motor_pwm(self.command, self.vehicle.status.motors, setting))
         if self._logbook is not None:
             self._logbook.tick(now_s, self.take_snapshot, self.channels)
         self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.sensors.compass, self.load)

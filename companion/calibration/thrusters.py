@@ -17,8 +17,9 @@ from companion.calibration.runs import Crossing, Pair, Run, Turn, go_to_edge, op
 from companion.calibration.trial import Finding, Routine, Sight, Step, TrialError, come_back
 from companion.config.boat_config import BoatConfig
 from companion.config.thrusters import Thrusters
-from companion.control.thruster_trim import share_of, told
+from companion.control.allocation import from_pwm, motor_pwm
 from companion.core.intent import Drive
+from companion.core.state import HEALTHY_MOTORS, MotorCommand
 from companion.core.units import clamp
 
 _FULL: Final = 3.0  # times the top speed that is known so far: more than any boat can do
@@ -113,8 +114,8 @@ def _balanced(setting: Thrusters, pairs: list[Pair]) -> Thrusters:
     ratios = []
     for pair in pairs:
         left, right = (
-            share_of(pair.left, setting.left_ahead, 1.0),
-            share_of(pair.right, setting.right_ahead, 1.0),
+            from_pwm(pair.left, setting.left_ahead, 1.0),
+            from_pwm(pair.right, setting.right_ahead, 1.0),
         )
         if not (left > 0.0 and right > 0.0):
             raise TrialError("one motor does not pull")
@@ -132,8 +133,8 @@ def _speeds(setting: Thrusters, full: Pair, cruising: Pair, config: BoatConfig) 
     if cruising.speed_m_s < _SHORT * cruise_m_s:
         return findings
     throttle = 0.5 * (
-        share_of(cruising.left, setting.left_ahead, setting.left_gain)
-        + share_of(cruising.right, setting.right_ahead, setting.right_gain)
+        from_pwm(cruising.left, setting.left_ahead, setting.left_gain)
+        + from_pwm(cruising.right, setting.right_ahead, setting.right_gain)
     )
     throttle = min(throttle * cruise_m_s / cruising.speed_m_s, 1.0)
     findings.append(Finding("CRUISE_THROTTLE", 100.0 * throttle))
@@ -143,7 +144,6 @@ def _speeds(setting: Thrusters, full: Pair, cruising: Pair, config: BoatConfig) 
 
 
 def _steered(setting: Thrusters, steering: float) -> Drive:
-    """What the bare motors must be told for steering alone."""
-    left = told(steering, setting.left_ahead, setting.left_astern, setting.left_gain, setting.asymmetry)
-    right = told(-steering, setting.right_ahead, setting.right_astern, setting.right_gain, setting.asymmetry)
+    """What the bare motors must get for steering alone."""
+    left, right = motor_pwm(MotorCommand(steering, -steering), HEALTHY_MOTORS, setting)
     return Drive(0.5 * (left + right), 0.5 * (left - right))

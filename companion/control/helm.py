@@ -1,11 +1,12 @@
 """The helm: closes the heading and speed loops, or lets the operator's hand through."""
 
 from companion.config.boat_config import BoatConfig
+from companion.control.allocation import allocate
 from companion.control.heading import HeadingControl, gain_schedule
-from companion.control.mixer import mix
+from companion.control.single_thruster import SingleThrusterController
 from companion.control.speed import SpeedControl
 from companion.core.intent import Drive, Stop
-from companion.core.state import Demand, NavState, PidOutput, Thrust
+from companion.core.state import HEALTHY_MOTORS, Demand, MotorStates, NavState, PidOutput, Thrust
 
 _NO_THRUST = Thrust(0.0, 0.0)
 
@@ -17,11 +18,12 @@ class Helm:
     are not closed forget what they have learned, so none starts with an integral from another situation.
     """
 
-    __slots__ = ("_heading", "_speed", "heading_pid", "speed_pid")
+    __slots__ = ("_heading", "_single", "_speed", "heading_pid", "speed_pid")
 
     def __init__(self) -> None:
         self._heading = HeadingControl()
         self._speed = SpeedControl()
+        self._single = SingleThrusterController()
         self.heading_pid: PidOutput | None = None
         self.speed_pid: PidOutput | None = None
 
@@ -32,14 +34,24 @@ class Helm:
         self.heading_pid = self.speed_pid = None
 
     def update(
-        self, demand: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig, dt_s: float
+        self,
+        demand: Demand | Drive | Stop,
+        nav: NavState | None,
+        config: BoatConfig,
+        dt_s: float,
+        motors: MotorStates = HEALTHY_MOTORS,
     ) -> Thrust:
-        """Thrust per side for this tick. A Demand without a NavState gives none."""
+        """Thrust per side for this tick. A Demand without a NavState gives none. Drive runs a failed motor
+        too: the operator and the motor check try it.
+        """
         if isinstance(demand, Demand) and nav is not None:
+            if motors.has_failed:
+                effort = self._single.update(demand, nav, motors, config.speed.max_throttle)
+                return allocate(*effort, motors)
             return self._close_loops(demand, nav, config, dt_s)
         if self.heading_pid is not None:
             self.reset()
-        return mix(demand.throttle, demand.steering) if isinstance(demand, Drive) else _NO_THRUST
+        return allocate(demand.throttle, demand.steering) if isinstance(demand, Drive) else _NO_THRUST
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
@@ -57,4 +69,4 @@ class Helm:
         room = 1.0 - abs(heading.total)
         speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, current_along)
         self.heading_pid, self.speed_pid = heading, speed
-        return mix(speed.total, heading.total)
+        return allocate(speed.total, heading.total)

@@ -5,7 +5,7 @@ to make.
 """
 
 import math
-from enum import IntFlag
+from enum import Enum, IntFlag
 
 from msgspec import Struct
 
@@ -105,3 +105,31 @@ class MotorCommand(Struct, frozen=True, gc=False):
 
 
 STOPPED = MotorCommand(0.0, 0.0)
+
+
+class MotorState(Enum):
+    """How a motor answers its command."""
+
+    HEALTHY = "healthy"
+    FAILED = "failed"  # gives no thrust
+    REVERSED = "reversed"  # turns the wrong way
+
+
+class MotorStates(Struct, frozen=True, gc=False):
+    """The state of both motors."""
+
+    left: MotorState = MotorState.HEALTHY
+    right: MotorState = MotorState.HEALTHY
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether a motor gives no thrust."""
+        return self.left is MotorState.FAILED or self.right is MotorState.FAILED
+
+    @property
+    def has_reversed(self) -> bool:
+        """Whether a motor turns the wrong way."""
+        return self.left is MotorState.REVERSED or self.right is MotorState.REVERSED
+
+
+HEALTHY_MOTORS = MotorStates()

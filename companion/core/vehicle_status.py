@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 from companion.core.modes import Mode
+from companion.core.state import HEALTHY_MOTORS, MotorStates
 
 
 class VehicleStatus(NamedTuple):
     """One tick's status.
 
     failsafes: bits of the failsafes that are active. needs_position: False while the intent needs a heading
-    only. left_motor and right_motor: 1 in order, 0 no thrust, -1 reversed.
+    only.
     """
 
     mode: Mode = Mode.HOLD
@@ -18,6 +19,5 @@ class VehicleStatus(NamedTuple):
     needs_position: bool = True
     is_ungrounding: bool = False
     is_checking_motors: bool = False
-    left_motor: int = 1
-    right_motor: int = 1
+    motors: MotorStates = HEALTHY_MOTORS
     is_restarting: bool = False

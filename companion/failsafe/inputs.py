@@ -28,6 +28,8 @@ class FailsafeInputs:
         "config",
         "consumed_mah",
         "endurance",
+        "failed_motor",
+        "failed_motor",
         "fence",
         "fix",
         "gives_way",
@@ -37,7 +39,6 @@ class FailsafeInputs:
         "home_distance_m",
         "hull",
         "is_guided",
-        "lame",
         "left",
         "load",
         "mode",
@@ -65,7 +66,7 @@ class FailsafeInputs:
         self.mode = Mode.HOLD
         self.armed = False
         self.is_guided = False
-        self.lame = ""  # which motor, when it was tried, did not pull
+        self.failed_motor = ""  # the motor that did not pull in a motor check
         self.nav: NavState | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None

@@ -113,7 +113,7 @@ class Failsafes:
         signs.endurance.learn(signs.battery, signs.nav, signs.config, PERIOD_S)
         if not signs.armed:
             signs.motors.rearm()
-        if is_clearing or signs.gives_way or signs.lame:  # one motor alone drives the hull as no model says
+        if is_clearing or signs.gives_way or signs.failed_motor:  # no model fits a boat on one motor
             signs.motors.pause()
         else:
             signs.motors.update(

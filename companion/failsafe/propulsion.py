@@ -171,7 +171,7 @@ class MotorWatch:
 
 def motor_failing(signs: "FailsafeInputs") -> str:
     """A motor gives no thrust, or too little for its current."""
-    return signs.lame or signs.motors.fault
+    return signs.failed_motor or signs.motors.fault
 
 
 def steering_lost(signs: "FailsafeInputs") -> str:

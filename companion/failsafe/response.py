@@ -79,15 +79,15 @@ class FailsafeActions:
             return
         if vehicle.drills.refloat.is_running and action in ON_THE_SPOT:
             return  # first it has to float
-        if action is Action.CLEAR_PROPELLERS and vehicle.probe.is_turned:
+        if action is Action.CLEAR_PROPELLERS and vehicle.probe.motors.has_reversed:
             action = Action.TRY_MOTORS  # what was turned round may be right again
         if action is Action.DISARM:
             vehicle.disarm("by failsafe")
         elif does_nothing:
             return
-        elif action is Action.CLEAR_PROPELLERS and vehicle.probe.is_lame and not self.may_drift(_DRIFT_S):
-            return  # sailing with one motor is all that keeps it off
         elif action is Action.CLEAR_PROPELLERS:
+            if vehicle.probe.motors.has_failed and not self.may_drift(_DRIFT_S):
+                return  # sailing with one motor is all that keeps it off
             vehicle.notify(Severity.WARNING, "Clearing the propellers")
             vehicle.drills.clearing.begin(now_s)
         elif action is Action.TRY_MOTORS and not self.may_drift(_TRY_S) and self._presume(now_s):
@@ -132,7 +132,7 @@ class FailsafeActions:
             return False
         vehicle.drills.stop()
         vehicle.probe.presume(lost == "left", now_s)
-        vehicle.failsafes.signs.lame = vehicle.probe.fault()
+        vehicle.failsafes.signs.failed_motor = vehicle.probe.fault()
         vehicle.notify(Severity.WARNING, "No room to try the motors: going on with one")
         return True
 

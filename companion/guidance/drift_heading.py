@@ -1,24 +1,54 @@
-"""Where to let a boat drift that the water carries off faster than it sails.
+"""The heading of a boat that sails slower than the current, as with one motor.
 
-It cannot stay, but it can choose its way: of all velocities over ground that it can have, set plus its own
-speed one way or another, the one with the longest time before the fence.
+The boat cannot stay, but it can choose where it drifts. Of all velocities over ground that it can have, the
+current plus its own speed on some heading, it takes the one with the longest time before the fence.
 """
 
 import math
-from typing import Final
+from typing import Final, Protocol
 
 from companion.core.geo import Point
 from companion.core.state import Demand, NavState
 from companion.obstacles.planning.free_space import Bounds
 
 _COURSES: Final = 24
-_REACH_S: Final = 120.0  # what lies further off is no worry yet
+_REACH_S: Final = 120.0  # lines beyond this time do not count yet
+_AGAIN_S: Final = 2.0  # time between two choices
+_ROOM_M: Final = 8.0  # from a line: a boat that steers with one motor swings to and fro
+
+
+class Lines(Bounds, Protocol):
+    """The fence, as far as it counts here."""
+
+    def is_near(self, point: Point, reach_m: float) -> bool:
+        """Whether some line may be nearer than reach_m."""
+
+
+class DriftHeading:
+    """Replaces the demand where the boat cannot hold it: near a line, or in a faster current."""
+
+    __slots__ = ("_demand", "_due_s")
+
+    def __init__(self) -> None:
+        self._demand: Demand | None = None
+        self._due_s = 0.0
+
+    def update(self, wanted: Demand, nav: NavState, fence: Lines, speed_m_s: float, now_s: float) -> Demand:
+        """What to hold for now. speed_m_s: the speed through the water that the boat reaches."""
+        is_slow = math.hypot(nav.current_north_m_s, nav.current_east_m_s) <= speed_m_s
+        if is_slow and not fence.is_near(nav.point, _ROOM_M):
+            self._demand = None
+            return wanted
+        if self._demand is None or now_s >= self._due_s:
+            self._due_s = now_s + _AGAIN_S
+            self._demand = drift_demand(nav, fence, speed_m_s)
+        return self._demand
 
 
 def drift_demand(nav: NavState, bounds: Bounds, speed_m_s: float) -> Demand:
     """The heading, at speed_m_s through the water, that leads clear of lines for longest.
 
-    The first of equals counts, beginning with the bow into the set.
+    The first of equals counts, beginning with the bow into the current.
     """
     current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
     upstream = math.atan2(-current_e, -current_n)

@@ -5,27 +5,23 @@ Where to go changes slowly, and is costly to work out; how the bow swings does n
 loops behind it (heading, speed, gate) run every tick on its last word.
 """
 
-import math
-
 from companion.config.boat_config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
-from companion.control.lame import LAME_SHARE, LameHelm
+from companion.control.single_thruster import SINGLE_THRUSTER_SPEED
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import STOPPED, Demand, MotorCommand, NavState, Thrust
 from companion.core.status_text import StatusText
 from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.brake import FenceBrake
 from companion.geofence.fence import Fence
-from companion.guidance.drift_heading import drift_demand
+from companion.guidance.drift_heading import DriftHeading
 from companion.guidance.pilot import Pilot
 from companion.guidance.stall_detector import StallDetector
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Avoidance
 
 GUIDANCE_S = 0.1
-_DRIFT_S = 2.0  # how often the way of a boat adrift is chosen anew
-_LAME_ROOM_M = 8.0  # a boat that swings to and fro keeps this from lines, with only one motor
 _AT_LINE_M = 1.2  # the hull's half length, and what the position is off
 _SLACK_S = 1e-6
 _STOP = Stop()
@@ -36,12 +32,10 @@ class GuidancePipeline:
 
     __slots__ = (
         "_command",
-        "_drift",
-        "_drift_due_s",
+        "_drift_heading",
         "_due_s",
         "_fence_brake",
         "_guided_s",
-        "_lame",
         "_pilot",
         "_steered",
         "avoidance",
@@ -66,9 +60,7 @@ class GuidancePipeline:
         self._command = STOPPED
         self._due_s = 0.0
         self._guided_s = 0.0
-        self._lame = LameHelm()
-        self._drift: Demand | None = None
-        self._drift_due_s = 0.0
+        self._drift_heading = DriftHeading()
 
     def reset(self) -> None:
         """Forget what was steered for, after something has gone wrong in it."""
@@ -109,8 +101,9 @@ class GuidancePipeline:
             steered = self._pilot.update(intent, nav, config, dt_s)
         else:
             steered = self._keep_clear(intent, nav, status, fence, config, dt_s, now_s)
-        if _is_lame(status) and isinstance(steered, Demand) and nav is not None:
-            steered = self._limp(steered, nav, fence, config, now_s)
+        if status.motors.has_failed and isinstance(steered, Demand) and nav is not None:
+            speed_m_s = SINGLE_THRUSTER_SPEED * config.handling.top_speed_m_s
+            steered = self._drift_heading.update(steered, nav, fence, speed_m_s, now_s)
         self._steered = steered
         self.demand = steered if isinstance(steered, Demand) else None
 
@@ -134,28 +127,12 @@ class GuidancePipeline:
             return steered
         return self._fence_brake.limit(steered, intent, nav, fence, config, dt_s)
 
-    def _limp(self, wanted: Demand, nav: NavState, fence: Fence, config: BoatConfig, now_s: float) -> Demand:
-        """One motor: near a line, or in faster water, the boat can but choose where it is carried."""
-        speed_m_s = LAME_SHARE * config.handling.top_speed_m_s
-        is_slow = math.hypot(nav.current_north_m_s, nav.current_east_m_s) <= speed_m_s
-        if is_slow and not fence.is_near(nav.point, _LAME_ROOM_M):
-            self._drift = None
-            return wanted
-        if self._drift is None or now_s >= self._drift_due_s:
-            self._drift_due_s = now_s + _DRIFT_S
-            self._drift = drift_demand(nav, fence, speed_m_s)
-        return self._drift
-
     def drive(
         self, nav: NavState | None, status: VehicleStatus, config: BoatConfig, now_s: float, dt_s: float
     ) -> MotorCommand:
         """Close the loops for one tick."""
         steered = self._steered
-        if _is_lame(status) and isinstance(steered, Demand) and nav is not None:
-            most = config.speed.max_throttle
-            thrust = self._lame.update(steered, nav, is_left=status.left_motor != 0, most=most)
-        else:
-            thrust = self.helm.update(steered, nav, config, dt_s)
+        thrust = self.helm.update(steered, nav, config, dt_s, status.motors)
         command = self.gate.check(
             thrust,
             armed=status.armed,
@@ -186,7 +163,3 @@ class GuidancePipeline:
             setting=config.motors,
             dt_s=dt_s,
         )
-
-
-def _is_lame(status: VehicleStatus) -> bool:
-    return status.left_motor == 0 or status.right_motor == 0

@@ -78,8 +78,7 @@ class Vehicle:
             self.conduct.stemming is None,
             self.drills.refloat.is_running,
             probe.is_running,
-            probe.left,
-            probe.right,
+            probe.motors,
             self.is_restarting,
         )
 
@@ -127,7 +126,7 @@ class Vehicle:
             return self.manual_input.intent(self.mode, self.config, self._now_s)
         if self.mode is Mode.HOLD or now is None:
             return _STOP
-        if self.probe.is_lame:
+        if self.probe.motors.has_failed:
             has_room = self._response.may_drift(TRY_AGAIN_S)
             if self.probe.is_due(self._now_s, has_room=has_room):
                 self.probe.begin(self._now_s)

@@ -5,6 +5,7 @@ from boat_rig import OK, Rig
 from fence_rig import box, fenced, margin_m, polygon
 
 from companion.boat import TICK_S
+from companion.core.state import MotorState, MotorStates
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
 from sitl.scenarios.missions import fence_along, plan_mission, wire_items
@@ -23,7 +24,8 @@ def test_a_dead_motor_is_found_out_between_lines_that_brake_the_boat(what: str, 
     probe = rig.boat.vehicle.probe
     probe.begin(rig.now_s)
     rig.until(lambda: not probe.is_running, 10.0)
-    assert (probe.left, probe.right) == ((0, 1) if what == "motor_left" else (1, 0))
+    failed = MotorState.FAILED
+    assert probe.motors == (MotorStates(left=failed) if what == "motor_left" else MotorStates(right=failed))
     assert margin_m(rig) > 0.5
 
 

@@ -101,7 +101,7 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_w
         rig.run(0.5)
         was_tried, before = probe.is_running, was_tried  # as it is now and then
         assert was_tried or before or (rig.boat.command.left, rig.boat.command.right)[dead] == 0.0
-        assert probe.is_lame
+        assert probe.motors.has_failed
 
 
 def test_weed_that_comes_off_lets_the_mission_go_on() -> None:

@@ -18,7 +18,6 @@ from companion.boat import TICK_S
 from companion.calibration.motor_test import MotorTest
 from companion.config.boat_config import BoatConfig
 from companion.control.helm import Helm
-from companion.control.thruster_trim import ThrusterTrim
 from companion.core.state import NavState, Thrust
 from companion.estimation.estimator import Estimator
 from companion.guidance.pipeline import GUIDANCE_S, GuidancePipeline
@@ -168,15 +167,12 @@ def test_an_estimate_that_is_not_a_number_stops_the_motors_in_the_same_tick(
     boat.off_after_s(SAME_TICK_S)
 
 
-def test_a_trim_that_makes_a_command_not_a_number_is_stopped_by_the_driver(
+def test_an_allocation_that_makes_a_command_not_a_number_is_stopped_by_the_driver(
     boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     boat.sail()
 
-    def broken(trim: ThrusterTrim, *_: object, **__: object) -> None:
-        trim.left = NAN
-
-    monkeypatch.setattr(ThrusterTrim, "update", broken)
+    monkeypatch.setattr("companion.boat.motor_pwm", lambda *_: (NAN, 0.0))
     boat.off_after_s(SAME_TICK_S)
 
 

@@ -13,7 +13,7 @@ import math
 
 from companion.calibration.fitting import Fit
 from companion.core.intent import Drive, Intent, Stop
-from companion.core.state import NavState
+from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates, NavState
 
 _STOP = Stop()
 _SETTLE_S = 1.5
@@ -34,13 +34,16 @@ _LONGEST_S = 120.0
 _SAMPLE_S = 0.1
 _DEAD_SHARE = 0.2  # of the better motor's answer
 _FAINT_RAD_S2 = 0.05  # at full drive: less than this from both tells nothing
+_WORDS = {
+    MotorState.HEALTHY: "pulls",
+    MotorState.FAILED: "does not pull",
+    MotorState.REVERSED: "is reversed: turned round",
+}
 _UNEXPLAINED = 0.8  # of the turning's squares: with more left over, something else turned the boat
 
 
 class MotorCheck:
-    """left and right: 1 a motor that answers, −1 one that runs the wrong way round and is driven the other
-    way for it, 0 one that does not pull. It steers in place of the mode for as long as it `is_running`.
-    """
+    """`motors` is what was found out. It steers in place of the mode for as long as it `is_running`."""
 
     __slots__ = (
         "_again_s",
@@ -51,43 +54,35 @@ class MotorCheck:
         "_wait_s",
         "is_running",
         "is_unclear",
-        "left",
-        "right",
+        "motors",
     )
 
     def __init__(self) -> None:
         self.is_running = False
         self.is_unclear = False  # the last try has taught nothing
-        self.left = self.right = 1
+        self.motors = HEALTHY_MOTORS
         self._began_s = 0.0
         self._wait_s = _SOON_S
         self._soon_s = self._again_s = 0.0  # it is tried again: with room to drift, without
         self._fit = Fit(4)
         self._last = (math.nan, 0.0)  # when the present sample began, and the turn rate then
 
-    @property
-    def is_lame(self) -> bool:
-        """Whether only one motor is left to steer and sail with."""
-        return self.left * self.right == 0
-
-    @property
-    def is_turned(self) -> bool:
-        """Whether one is driven the other way round."""
-        return self.left < 0 or self.right < 0
-
     def reset(self) -> None:
         """Both are thought to be well."""
         self.stop()
-        self.left = self.right = 1
+        self.motors = HEALTHY_MOTORS
 
     def is_due(self, now_s: float, *, has_room: bool) -> bool:
         """Whether it is time to see if a dead motor pulls again. has_room: to drift meanwhile."""
-        return self.is_lame and now_s > (self._soon_s if has_room else self._again_s)
+        return self.motors.has_failed and now_s > (self._soon_s if has_room else self._again_s)
 
     def presume(self, is_left: bool, now_s: float) -> None:
         """There is no room to try: a motor is taken to be dead until there is."""
         self.is_running = False
-        self.left, self.right = (0, self.right or 1) if is_left else (self.left or 1, 0)
+        failed, other = MotorState.FAILED, self.motors.right if is_left else self.motors.left
+        if other is failed:
+            other = MotorState.HEALTHY
+        self.motors = MotorStates(failed, other) if is_left else MotorStates(other, failed)
         self._soon_s, self._again_s = now_s + _SOON_S, now_s + _AGAIN_S
 
     def begin(self, now_s: float) -> None:
@@ -141,24 +136,28 @@ class MotorCheck:
         self.is_unclear = is_faint or self._fit.residual(found) > _UNEXPLAINED * self._fit.square
         if self.is_unclear:
             return
-        self.left = _answer(left / most) * (self.left or 1)
-        self.right = _answer(right / most) * (self.right or 1)
-        if not self.is_lame:
+        self.motors = MotorStates(
+            _answer(left / most, self.motors.left), _answer(right / most, self.motors.right)
+        )
+        if not self.motors.has_failed:
             self._wait_s = _SOON_S
 
     def fault(self) -> str:
         """Which motor does not pull; empty when both do."""
-        return "" if not self.is_lame else f"{'Right' if self.left else 'Left'} motor does not pull"
+        if not self.motors.has_failed:
+            return ""
+        return f"{'Left' if self.motors.left is MotorState.FAILED else 'Right'} motor does not pull"
 
     def found(self) -> str:
         """The outcome, in words."""
         if self.is_unclear:
             return "Motors tried: their answer is not clear"
-        words = {1: "pulls", 0: "does not pull", -1: "is reversed: turned round"}
-        return f"Left motor {words[self.left]}, right {words[self.right]}"
+        return f"Left motor {_WORDS[self.motors.left]}, right {_WORDS[self.motors.right]}"
 
 
-def _answer(share: float) -> int:
+def _answer(share: float, before: MotorState) -> MotorState:
+    """The state of a motor by its share of the better one's answer, driven as its state before asks."""
     if abs(share) < _DEAD_SHARE:
-        return 0
-    return 1 if share > 0.0 else -1
+        return MotorState.FAILED
+    is_reversed = (share < 0.0) is not (before is MotorState.REVERSED)
+    return MotorState.REVERSED if is_reversed else MotorState.HEALTHY

@@ -41,7 +41,7 @@ class RecoveryManeuvers:
         self.stop()
         self.probe.reset()
         signs = self._vehicle.failsafes.signs
-        signs.lame = ""
+        signs.failed_motor = ""
         signs.motors.rearm()
 
     def intent(self, now_s: float) -> Intent:
@@ -62,19 +62,19 @@ class RecoveryManeuvers:
 
     def _clear(self, now_s: float) -> Intent:
         intent = self.clearing.intent(now_s)
-        if self.probe.is_lame and not self.clearing.is_running:
+        if self.probe.motors.has_failed and not self.clearing.is_running:
             self.probe.begin(now_s)  # has it helped?
         return intent
 
     def _try_motors(self, now_s: float) -> Intent:
         signs = self._vehicle.failsafes.signs
         probe = self.probe
-        before = probe.left, probe.right
+        before = probe.motors
         intent = probe.intent(self._vehicle.nav, signs.left, signs.right, now_s)
         if not probe.is_running:
             self._vehicle.notify(Severity.WARNING, probe.found())
-            signs.lame = probe.fault()
-            is_cleared = not probe.is_unclear and not probe.is_lame and before == (probe.left, probe.right)
+            signs.failed_motor = probe.fault()
+            is_cleared = not probe.is_unclear and not probe.motors.has_failed and probe.motors == before
             if is_cleared:
                 signs.motors.clear(now_s)
             else:

@@ -1,4 +1,4 @@
-"""Trying the motors, and getting on with what is left."""
+"""Trying the motors one by one."""
 
 import math
 
@@ -6,24 +6,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.control.lame import LameHelm
-from companion.core.geo import Point
 from companion.core.intent import Drive, Stop
-from companion.core.state import Demand, NavState
+from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates, NavState
 from companion.failsafe.recovery.motor_check import MotorCheck
-from companion.guidance.drift_heading import drift_demand
+
+WORDS = {1: MotorState.HEALTHY, 0: MotorState.FAILED, -1: MotorState.REVERSED}
 
 
-def nav_at(
-    now_s: float = 0.0,
-    yaw_rate: float = 0.0,
-    heading: float = 0.0,
-    current_m_s: tuple[float, float] = (0.0, 0.0),
-) -> NavState:
-    return NavState(
-        now_s, 0.0, 0.0, heading, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1,
-        current_north_m_s=current_m_s[0], current_east_m_s=current_m_s[1],
-    )  # fmt: skip
+def states(left: int, right: int) -> MotorStates:
+    """1 pulls, 0 does not, −1 pulls the wrong way."""
+    return MotorStates(WORDS[left], WORDS[right])
+
+
+def nav_at(now_s: float, yaw_rate: float) -> NavState:
+    return NavState(now_s, 0.0, 0.0, 0.0, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
 
 
 def tried(
@@ -66,15 +62,15 @@ def tried(
 def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wind: float) -> None:
     probe = MotorCheck()
     tried(probe, 1.0 * left, 1.0 * right, wind)
-    assert (probe.left, probe.right) == (left, right)
-    assert probe.is_lame is (left == 0)
-    assert bool(probe.fault()) is probe.is_lame
+    assert probe.motors == states(left, right)
+    assert probe.motors.has_failed is (left == 0)
+    assert bool(probe.fault()) is probe.motors.has_failed
 
 
 def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
     probe = MotorCheck()
     tried(probe, 0.0, 0.0, 0.05)
-    assert (probe.left, probe.right) == (1, 1)
+    assert probe.motors == HEALTHY_MOTORS
     assert probe.is_unclear
     assert "not clear" in probe.found()
 
@@ -82,27 +78,29 @@ def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
 def test_a_hull_that_is_turned_by_what_it_touches_teaches_nothing() -> None:
     probe = MotorCheck()
     tried(probe, 1.0, 1.0, is_aground=True)
-    assert (probe.left, probe.right, probe.is_unclear) == (1, 1, True)
+    assert probe.motors == HEALTHY_MOTORS
+    assert probe.is_unclear
 
 
 @pytest.mark.parametrize("left", [1, 0, -1])
 def test_pulses_that_are_not_driven_as_they_are_meant_tell_all_the_same(left: int) -> None:
     probe = MotorCheck()
     tried(probe, 1.0 * left, 1.0, 0.05, held_back=0.1)
-    assert (probe.left, probe.right) == (left, 1)
+    assert probe.motors == states(left, 1)
 
 
 @given(st.floats(0.2, 3.0), st.floats(-0.1, 0.1), st.sampled_from([1, 0, -1]))
 def test_neither_swing_nor_wind_hides_a_dead_motor(damping_s: float, wind: float, left: int) -> None:
     probe = MotorCheck()
     tried(probe, 1.0 * left, 1.0, wind, damping_s=damping_s)
-    assert (probe.left, probe.right) == (left, 1)
+    assert probe.motors == states(left, 1)
 
 
 def test_a_motor_presumed_dead_is_tried_soon() -> None:
     probe = MotorCheck()
     probe.presume(is_left=True, now_s=100.0)
-    assert (probe.left, probe.right, probe.is_running) == (0, 1, False)
+    assert probe.motors == states(0, 1)
+    assert not probe.is_running
     assert probe.fault() == "Left motor does not pull"
     assert not probe.is_due(124.0, has_room=True)
     assert probe.is_due(126.0, has_room=True)
@@ -114,9 +112,9 @@ def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> N
     probe = MotorCheck()
     tried(probe, 1.0, -1.0)
     tried(probe, 1.0, 1.0)  # as it is driven now
-    assert (probe.left, probe.right) == (1, -1)
+    assert probe.motors == states(1, -1)
     tried(probe, 1.0, -1.0)  # the wires are right again
-    assert (probe.left, probe.right) == (1, 1)
+    assert probe.motors == HEALTHY_MOTORS
 
 
 def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
@@ -137,7 +135,7 @@ def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurr
         assert not probe.is_due(9.0 + wait_s, has_room=True)
         assert probe.is_due(11.0 + wait_s, has_room=True)
     tried(probe, 1.0, 1.0)
-    assert not probe.is_lame
+    assert not probe.motors.has_failed
     tried(probe, 0.0, 1.0)
     assert probe.is_due(36.0, has_room=True)
 
@@ -147,54 +145,3 @@ def test_without_an_estimate_the_trying_is_broken_off() -> None:
     probe.begin(0.0)
     assert probe.intent(None, 0.0, 0.0, 1.0) == Stop()
     assert not probe.is_running
-
-
-@given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.floats(-2.0, 2.0), st.booleans())
-def test_one_motor_is_all_that_a_lame_helm_drives(
-    heading: float, wanted: float, speed: float, is_left: bool
-) -> None:
-    thrust = LameHelm().update(Demand(wanted, speed), nav_at(heading=heading), is_left=is_left, most=0.8)
-    alone, dead = (thrust.left, thrust.right) if is_left else (thrust.right, thrust.left)
-    assert dead == 0.0
-    assert abs(alone) in (0.0, 0.8)
-
-
-def test_a_lame_boat_swings_to_and_fro_about_its_heading() -> None:
-    helm, demand = LameHelm(), Demand(0.0, 1.0)
-    thrusts = [
-        helm.update(demand, nav_at(heading=heading), is_left=True, most=1.0).left
-        for heading in (0.0, 0.7, 0.9, 0.0, -0.7, -0.9, 0.0)
-    ]
-    assert thrusts == [1.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0]
-
-
-def test_who_asks_only_for_what_the_water_does_rests() -> None:
-    thrust = LameHelm().update(Demand(0.0, 0.3), nav_at(current_m_s=(0.3, 0.0)), is_left=True, most=1.0)
-    assert (thrust.left, thrust.right) == (0.0, 0.0)
-
-
-class Wall:
-    """A line across the way north, open to the east of it."""
-
-    is_active = True
-
-    def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
-        north, east = math.cos(course_rad), math.sin(course_rad)
-        if north <= 0.0:
-            return reach_m
-        way_m = (40.0 - point.north_m) / north
-        return reach_m if point.east_m + way_m * east > 15.0 else min(way_m, reach_m)
-
-
-def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
-    demand = drift_demand(nav_at(current_m_s=(0.8, 0.0)), Wall(), 0.35)
-    north = 0.8 + 0.35 * math.cos(demand.heading_rad)
-    east = 0.35 * math.sin(demand.heading_rad)
-    assert 40.0 / north * east > 15.0
-    through = demand.speed_m_s - 0.8 * math.cos(demand.heading_rad)
-    assert through == pytest.approx(0.35)
-
-
-def test_with_room_all_round_it_points_into_the_set() -> None:
-    demand = drift_demand(nav_at(current_m_s=(0.0, -0.8)), Wall(), 0.35)
-    assert demand.heading_rad == pytest.approx(math.pi / 2.0)
