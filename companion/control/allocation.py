@@ -15,8 +15,9 @@ and a the asymmetry (1 ahead), a motor gets
 
     d + (1 − d) g min(a |s|, 1)        with the sign of s; zero for zero
 
-and a reversed motor the negative of it. Below FAINT the dead band is reduced in proportion, so that a share
-which oscillates about zero does not make the motor jump from side to side.
+A reversed motor gets the opposite sign. Its asymmetry stays that of the thrust, which is the propeller's; its
+dead band is that of the command, which is the driver's and the motor's. Below FAINT the dead band is reduced
+in proportion, so that a share which oscillates about zero does not make the motor jump from side to side.
 """
 
 from typing import Final
@@ -48,27 +49,33 @@ def motor_pwm(command: MotorCommand, motors: MotorStates, setting: Thrusters) ->
 
     A failed motor gets its share too: the motor check tries it.
     """
-    more = setting.asymmetry
-    left = to_pwm(command.left, setting.left_ahead, setting.left_astern, setting.left_gain, more)
-    right = to_pwm(command.right, setting.right_ahead, setting.right_astern, setting.right_gain, more)
-    return (
-        -left if motors.left is MotorState.REVERSED else left,
-        -right if motors.right is MotorState.REVERSED else right,
-    )
+    more, turned = setting.asymmetry, MotorState.REVERSED
+    ahead, astern, gain = setting.left_ahead, setting.left_astern, setting.left_gain
+    left = to_pwm(command.left, ahead, astern, gain, more, is_reversed=motors.left is turned)
+    ahead, astern, gain = setting.right_ahead, setting.right_astern, setting.right_gain
+    right = to_pwm(command.right, ahead, astern, gain, more, is_reversed=motors.right is turned)
+    return left, right
 
 
-def to_pwm(share: float, ahead: float, astern: float, gain: float, asymmetry: float) -> float:
-    """The PWM share of one motor for a share of thrust: see the text above. NaN becomes zero."""
+def to_pwm(
+    share: float, ahead: float, astern: float, gain: float, asymmetry: float, *, is_reversed: bool = False
+) -> float:
+    """The PWM share of one motor for a share of thrust: see the text above. NaN becomes zero.
+
+    ahead, astern: the dead bands of positive and negative commands.
+    """
     if share > 0.0:
-        size, dead = min(share, 1.0), ahead
+        size = min(share, 1.0)
     elif share < 0.0:
-        size, dead = min(-share * asymmetry, 1.0), astern
+        size = min(-share * asymmetry, 1.0)
     else:
         return 0.0
+    is_positive = (share > 0.0) is not is_reversed
+    dead = ahead if is_positive else astern
     if size < FAINT:
         dead *= size / FAINT
     size = dead + (1.0 - dead) * gain * size
-    return size if share > 0.0 else -size
+    return size if is_positive else -size
 
 
 def from_pwm(pwm: float, dead_band: float, gain: float) -> float:

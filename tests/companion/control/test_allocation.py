@@ -107,6 +107,15 @@ def test_a_reversed_motor_gets_the_opposite_command_and_the_other_motor_its_own(
     assert motor_pwm(command, MotorStates(right=REVERSED), Thrusters()) == (0.5, 0.3)
 
 
+def test_a_reversed_motor_has_the_dead_band_of_its_command_and_the_asymmetry_of_its_thrust() -> None:
+    setting = Thrusters(left_ahead=0.1, left_astern=0.2, right_ahead=0.3, right_astern=0.4, asymmetry=1.25)
+    both = MotorStates(REVERSED, REVERSED)
+    # Ahead: the bands of negative commands, 0.2 + 0.8 × 0.4 and 0.4 + 0.6 × 0.4, the share as it is
+    assert motor_pwm(MotorCommand(0.4, 0.4), both, setting) == pytest.approx((-0.52, -0.64))
+    # Astern: the bands of positive commands, 0.1 + 0.9 × 0.5 and 0.3 + 0.7 × 0.5, the share enlarged
+    assert motor_pwm(MotorCommand(-0.4, -0.4), both, setting) == pytest.approx((0.55, 0.65))
+
+
 def test_a_failed_motor_that_is_tried_gets_its_command() -> None:
     command = MotorCommand(0.5, -0.3)
     assert motor_pwm(command, MotorStates(FAILED, FAILED), Thrusters()) == (0.5, -0.3)
