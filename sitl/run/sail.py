@@ -11,7 +11,7 @@ from companion.core.modes import Mode
 from companion.log.logbook import Logbook
 from companion.mavlink.items import MissionItem, MissionType
 from companion.vehicle.mission.places import locate
-from companion.vehicle.mission.steps import Waypoint
+from companion.vehicle.mission.steps import Wait, Waypoint
 from companion.vehicle.vehicle import Vehicle
 from sitl.reports.estimate_overlay import EstimateOverlay
 from sitl.run.lockstep import Lockstep
@@ -68,6 +68,7 @@ class Sailing:
         self.planned: list[Point] = []
         self.lockstep = Lockstep(scenario, logbook=logbook)
         self._leg_of_seq: dict[int, int] = {}
+        self._holds_s = 0.0  # all waits of the mission
         self._sailed: int | None = None  # ticks before the mission was over
 
     def run(
@@ -78,7 +79,7 @@ class Sailing:
     ) -> Result:
         """Sail the mission to its end.
 
-        timeout_s: simulated seconds after the start; by default a multiple of the planned time.
+        timeout_s: simulated seconds after the start; by default a multiple of the planned time and the waits.
         linger_s: how long to watch a boat that has ended its mission, or has left it, within that time.
         tell: called about once a simulated second with the time and the current item.
 
@@ -89,7 +90,8 @@ class Sailing:
         self._prepare()
         started_s = self.lockstep.time_s
         planned_m = sum(distance_m(a, b) for a, b in zip(self.planned, self.planned[1:], strict=False))
-        limit_s = timeout_s or BOOT_S + _SLACK * planned_m / self.scenario.vehicle.speed.cruise_m_s
+        cruise_m_s = self.scenario.vehicle.speed.cruise_m_s
+        limit_s = timeout_s or BOOT_S + _SLACK * planned_m / cruise_m_s + self._holds_s
         completed = self._sail(started_s + limit_s, tell, linger_s)
         cpu_s = time.process_time() - began_s
         lockstep = self.lockstep
@@ -128,6 +130,8 @@ class Sailing:
         truth = lockstep.world.truth
         self.planned = [Point(truth.north_m, truth.east_m)]
         for seq, step in enumerate(lockstep.boat.vehicle.progress.mission):
+            if isinstance(step, Waypoint | Wait) and math.isfinite(step.hold_s):
+                self._holds_s += step.hold_s
             if isinstance(step, Waypoint):
                 self._leg_of_seq[seq] = len(self.planned) - 1
                 self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))

@@ -30,6 +30,13 @@ def test_a_run_is_measured_against_the_truth() -> None:
     assert {seq for _, seq in told} == {1, 2}
 
 
+def test_the_time_that_a_mission_waits_at_its_places_counts_towards_its_limit() -> None:
+    stay = dataclasses.replace(waypoint(5.0, 0.0), param1=120.0)
+    result = Sailing(scenario("open"), [HOME_ITEM, stay]).run()
+    assert result.completed
+    assert result.time_s > 120.0
+
+
 def test_a_mission_that_takes_too_long_is_not_completed_and_says_where_it_was() -> None:
     sailing = Sailing(scenario("open"), [HOME_ITEM, waypoint(200.0, 0.0)])
     result = sailing.run(timeout_s=5.0)
