@@ -15,6 +15,7 @@ from companion.control.allocation import motor_pwm
 from companion.core.state import STOPPED, MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
+from companion.failsafe.inputs import BoardReadings
 from companion.guidance.pipeline import GuidancePipeline
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
@@ -39,7 +40,7 @@ logger = logging.getLogger(__name__)
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
 _BARE = Thrusters()  # a motor gets its thrust share as it is, while the motors are measured
-_TOUCHES_S = 2.0  # held at the shore for so long, and what the motors do says nothing of them
+_HELD_S = 2.0  # by the shore: from then on the motion says nothing of the motors
 _LINKS_S = 0.1  # how often a tick looks for links that come and go without a descriptor to tell of it
 
 
@@ -217,24 +218,28 @@ class Boat:
             timeout_s = self.parameters.config.motors.command_timeout_s
             self.vehicle.notify(Severity.CRITICAL, f"Program stalled: motors cut off after {timeout_s:g} s")
 
-    def _show_signs(self, now_s: float) -> None:
-        """What the failsafes look at, as far as the vehicle does not know it itself."""
-        if not self.vehicle.failsafes.is_due(now_s):
-            return
-        signs, sensors = self.vehicle.failsafes.signs, self.sensors
-        signs.left, signs.right = self.command.left, self.command.right
-        gives_way = self.steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
-        touches = self.steering.headway.held_s > _TOUCHES_S
-        signs.gives_way = gives_way or touches or self.trials.is_running
-        signs.headway = self.steering.headway.verdict
-        signs.load = self.load
-        signs.consumed_mah = sensors.consumed_mah
-        signs.heading, signs.hull = sensors.compass, sensors.hull
-        if sensors.sonar is not None and not self.steering.perception.is_noisy:
-            signs.sonar_s = sensors.sonar.time_s
-        signs.storage_fault = self.resume.fault
-        if self._logbook is not None and self._logbook.sink.fault:
-            signs.storage_fault = self._logbook.sink.fault
+    def _board_readings(self) -> BoardReadings:
+        """What the failsafes look at and the vehicle does not know itself."""
+        sensors, steering = self.sensors, self.steering
+        gives_way = steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
+        is_held = steering.headway.held_s > _HELD_S
+        sonar_s = self.vehicle.board.sonar_s
+        if sensors.sonar is not None and not steering.perception.is_noisy:
+            sonar_s = sensors.sonar.time_s
+        log_fault = "" if self._logbook is None else self._logbook.sink.fault
+        return BoardReadings(
+            left=self.command.left,
+            right=self.command.right,
+            judges_motors=not (gives_way or is_held or self.trials.is_running),
+            stall=steering.headway.verdict,
+            held_s=steering.headway.held_s,
+            load=self.load,
+            consumed_mah=sensors.consumed_mah,
+            heading=sensors.compass,
+            hull=sensors.hull,
+            sonar_s=sonar_s,
+            storage_fault=log_fault or self.resume.fault,
+        )
 
     @property
     def wants_restart(self) -> bool:
@@ -291,7 +296,8 @@ class Boat:
         steering, config, nav, vehicle = self.steering, self.parameters.config, self.nav, self.vehicle
         trials = self.trials
         if steering.is_due(now_s) or trials.is_running:
-            self._show_signs(now_s)
+            if vehicle.failsafes.is_due(now_s):
+                vehicle.board = self._board_readings()
             intent = vehicle.decide()
             if trials.is_running:
                 if steering.avoidance.stage is not Stage.CLEAR:

@@ -1,8 +1,10 @@
-"""What a failsafe can do."""
+"""What a failsafe can do, and the decisions that it comes down to; the vehicle carries these out."""
 
 from enum import IntEnum
+from typing import Final, NamedTuple
 
 from companion.core.modes import Mode
+from companion.failsafe.recovery.transition_table import Trigger
 
 
 class Action(IntEnum):
@@ -16,20 +18,64 @@ class Action(IntEnum):
     DISARM = 5
     LOITER_OR_HOLD = 6
     CLEAR_PROPELLERS = 7
-    TRY_MOTORS = 8
-    GET_OFF = 9
+    CHECK_MOTORS = 8
+    UNGROUND = 9
 
 
-RETREATS: dict[Action, tuple[Mode, ...]] = {
+MODES: Final[dict[Action, tuple[Mode, ...]]] = {
     Action.RTL: (Mode.RTL, Mode.LOITER),
     Action.HOLD: (),
     Action.SMART_RTL_OR_RTL: (Mode.SMART_RTL, Mode.RTL, Mode.LOITER),
     Action.SMART_RTL_OR_HOLD: (Mode.SMART_RTL,),
     Action.LOITER_OR_HOLD: (Mode.LOITER,),
 }
-"""The modes of an action: the first that can be entered, else HOLD. Who cannot go home stays, not drifts."""
+"""The modes of an action: the first that can be entered, else HOLD, in which the boat drifts."""
 
-ON_THE_SPOT = (Action.CLEAR_PROPELLERS, Action.TRY_MOTORS, Action.GET_OFF)
-"""In place of the mode, which goes on afterwards."""
+RECOVERIES: Final[dict[Action, tuple[Trigger, str]]] = {
+    Action.CLEAR_PROPELLERS: (Trigger.CLEAR, "Clearing the propellers"),
+    Action.CHECK_MOTORS: (Trigger.CHECK, "Trying the motors"),
+    Action.UNGROUND: (Trigger.UNGROUND, ""),
+}
+"""The recovery of an action, and what the operator is told. The mode goes on afterwards."""
 
 WAYS_HOME = (Mode.RTL, Mode.SMART_RTL)
+
+
+class Notify(NamedTuple):
+    """Tell the operator."""
+
+    severity: int
+    text: str
+
+
+class Disarm(NamedTuple):
+    """Motors off."""
+
+
+class Retreat(NamedTuple):
+    """Enter the first of these modes that can be entered, else HOLD."""
+
+    modes: tuple[Mode, ...]
+
+
+class LimitSpeed(NamedTuple):
+    """Sail no faster than this share of cruise speed."""
+
+    share: float
+
+
+class Recover(NamedTuple):
+    """Start a recovery manoeuvre."""
+
+    trigger: Trigger
+    severity: int
+    text: str
+
+
+class AssumeFailed(NamedTuple):
+    """Sail on with one motor."""
+
+    is_left: bool
+
+
+Decision = Notify | Disarm | Retreat | LimitSpeed | Recover | AssumeFailed

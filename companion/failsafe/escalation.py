@@ -8,17 +8,17 @@ from companion.failsafe.actions import Action
 from companion.failsafe.table import Row, Step
 
 
-class Move(Enum):
-    """What has just happened on a ladder."""
+class Change(Enum):
+    """What has just changed."""
 
     STAYS = 0
     FIRES = 1
-    CLIMBS = 2  # the trouble has lasted: the next step
+    ESCALATES = 2  # the condition has lasted: the next step
     ENDS = 3
 
 
 class Escalation:
-    """Remembers since when there has been trouble, or none. `action` is what the present step asks for."""
+    """One row's timing: since when its condition has held, or not. action: what the present step asks for."""
 
     __slots__ = (
         "_calm_s",
@@ -40,35 +40,35 @@ class Escalation:
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything but what came before, in case it comes again."""
-        self.text = ""  # the trouble in words, as it was when it was last seen
+        """Forget everything but when it ended, in case it comes back."""
+        self.text = ""  # the condition in words, as last seen
         self.action = Action.NONE
         self.is_active = False
         self.is_overruled = False  # the operator has chosen a mode since it fired
         self._since_s = self._calm_s = math.nan
         self._step_s = 0.0
 
-    def update(self, text: str, setting: Failsafe, now_s: float) -> Move:
-        """Take what the watch says now, "" while all is well."""
+    def update(self, text: str, setting: Failsafe, now_s: float) -> Change:
+        """Take what the condition says now, "" while nothing is wrong."""
         if not text:
             if not self.is_active:
                 self._since_s = math.nan
-                return Move.STAYS
+                return Change.STAYS
             if math.isnan(self._calm_s):
                 self._calm_s = now_s
             if now_s - self._calm_s < self.row.clear_s:
-                return Move.STAYS
+                return Change.STAYS
             self.reset()
             self._ended_s = now_s
-            return Move.ENDS
+            return Change.ENDS
         self._calm_s = math.nan
         self.text = text
         if self.is_active:
-            return self._climb(setting, now_s)
+            return self._escalate(setting, now_s)
         if math.isnan(self._since_s):
             self._since_s = now_s
         if now_s - self._since_s < _seconds(self.row.after, setting):
-            return Move.STAYS
+            return Change.STAYS
         self.is_active, self._step_s = True, now_s
         step, first = self._next_step(setting), _action(self.row.action, setting)
         is_relapse = now_s - self._ended_s < self.row.relapse_s
@@ -77,28 +77,28 @@ class Escalation:
             self.action = _action(step.action, setting)
         else:
             self._next, self.action = 0, first
-        return Move.FIRES
+        return Change.FIRES
 
-    def _climb(self, setting: Failsafe, now_s: float) -> Move:
+    def _escalate(self, setting: Failsafe, now_s: float) -> Change:
         step = self._next_step(setting)
         if step is None or self.is_overruled or self.action is Action.NONE:
-            return Move.STAYS
+            return Change.STAYS
         wait_s = _seconds(step.after, setting)
         if wait_s <= 0.0 or now_s - self._step_s < wait_s:
-            return Move.STAYS
+            return Change.STAYS
         self._next += 1
         self._step_s = now_s
         self.action = _action(step.action, setting)
-        return Move.CLIMBS
+        return Change.ESCALATES
 
     def _next_step(self, setting: Failsafe) -> Step | None:
-        """The step to come. Clearing the propellers is tried as often as is set."""
+        """The step to come. The propellers are cleared as often as is set."""
         steps = self.row.then
         if not steps or steps[0].action is not Action.CLEAR_PROPELLERS:
             return steps[self._next] if self._next < len(steps) else None
         begun = _action(self.row.action, setting)
         again = 0
-        if begun in (Action.CLEAR_PROPELLERS, Action.TRY_MOTORS):
+        if begun in (Action.CLEAR_PROPELLERS, Action.CHECK_MOTORS):
             again = setting.clearing_tries - (begun is Action.CLEAR_PROPELLERS)
         if self._next < again:
             return steps[0]

@@ -1,84 +1,71 @@
-"""All that the failsafes look at."""
+"""What the failsafes look at: one frozen value, made once a cycle by `companion.vehicle.failsafes`."""
 
 import math
+
+from msgspec import Struct
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.modes import Mode
 from companion.core.state import NavState
-from companion.failsafe.power import Endurance
-from companion.failsafe.propulsion import MotorWatch
-from companion.failsafe.stations import Operator, Planner
-from companion.geofence.monitor import FenceMonitor
-from companion.rc.manual_input import ManualInput
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, HullReading
+from companion.failsafe.motors.hypotheses import Hypothesis
+from companion.failsafe.recovery.transition_table import State
+from companion.geofence.fence import Fence
+from companion.guidance.stall_detector import StallVerdict
+from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
 
 
-class FailsafeInputs:
-    """The vehicle and the boat write them, ten times a second is enough; the watches read them.
+class BoardReadings(Struct, frozen=True):
+    """What the vehicle does not know itself: motors, senses and the computer.
 
-    headway: guidance's verdict, 1 the water is as fast as the boat, 2 something holds it, 3 the shore does.
-    sonar_s: when the latest ping came, NaN where there is no sonar. storage_fault: why something could not
-    be written, "".
+    left, right: what the motors are given. judges_motors: False where the hull does not move as the motors
+    push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore has held the
+    boat. load: share of the tick that the loop takes. sonar_s: time of the latest ping, NaN without a sonar.
+    storage_fault: why something could not be written, "".
     """
 
-    __slots__ = (
-        "armed",
-        "battery",
-        "config",
-        "consumed_mah",
-        "endurance",
-        "failed_motor",
-        "failed_motor",
-        "fence",
-        "fix",
-        "gives_way",
-        "heading",
-        "headway",
-        "home",
-        "home_distance_m",
-        "hull",
-        "is_guided",
-        "left",
-        "load",
-        "mode",
-        "motors",
-        "nav",
-        "now_s",
-        "operator",
-        "planner",
-        "right",
-        "shortfall",
-        "sonar_s",
-        "sticks",
-        "storage_fault",
-    )
+    left: float = 0.0
+    right: float = 0.0
+    judges_motors: bool = True
+    stall: StallVerdict = StallVerdict.MAKING_WAY
+    held_s: float = 0.0
+    load: float = 0.0
+    consumed_mah: float = 0.0
+    heading: HeadingReading | None = None
+    hull: HullReading | None = None
+    sonar_s: float = math.nan
+    storage_fault: str = ""
 
-    def __init__(self, config: BoatConfig, sticks: ManualInput) -> None:
-        self.config = config
-        self.sticks = sticks
-        self.operator = Operator()
-        self.planner = Planner()
-        self.endurance = Endurance()
-        self.motors = MotorWatch(config)
-        self.fence = FenceMonitor()
-        self.now_s = 0.0
-        self.mode = Mode.HOLD
-        self.armed = False
-        self.is_guided = False
-        self.failed_motor = ""  # the motor that did not pull in a motor check
-        self.nav: NavState | None = None
-        self.fix: GnssFix | None = None
-        self.battery: BatteryReading | None = None
-        self.home: Point | None = None
-        self.home_distance_m = math.inf  # by the water; infinite while no way is known
-        self.shortfall = ""  # of charge for the way home, in words
-        self.heading: HeadingReading | None = None  # as the part gave it
-        self.hull: HullReading | None = None
-        self.consumed_mah = 0.0
-        self.gives_way = False  # motors are not judged: at an obstacle, or in a calibration trial
-        self.left = self.right = 0.0  # what the motors are given
-        self.headway = 0
-        self.load = 0.0
-        self.sonar_s = math.nan
-        self.storage_fault = ""
+
+class FailsafeInputs(Struct, frozen=True, kw_only=True):
+    """One cycle's inputs.
+
+    operator_silent_s: NaN before the first heartbeat. planner_silent_s: NaN while no planner steers.
+    sticks_dropped: a station's sticks steered, and are stale. radio_fault: what is wrong with a transmitter
+    that has been heard. beyond_fence_m: 0 inside. station: where LOITER stays. shortfall: of charge for the
+    way home, in words. verdict: the motor fault inferred under way; needs_motor_check: only a check can tell.
+    failed_motor: the one that a motor check has found, in words.
+    """
+
+    now_s: float
+    config: BoatConfig
+    mode: Mode = Mode.HOLD
+    armed: bool = False
+    nav: NavState | None = None
+    battery: BatteryReading | None = None
+    board: BoardReadings = BoardReadings()
+    fence: Fence
+    beyond_fence_m: float = 0.0
+    station: Point | None = None
+    operator_silent_s: float = math.nan
+    planner_silent_s: float = math.nan
+    sticks_dropped: bool = False
+    has_station_sticks: bool = False
+    radio_heard: bool = False
+    radio_fault: str = ""
+    shortfall: str = ""
+    verdict: Hypothesis | None = None
+    needs_motor_check: bool = False
+    failed_motor: str = ""
+    reversed_motor: bool = False
+    recovery: State = State.IDLE

@@ -1,16 +1,17 @@
-"""Every failsafe in one table: what is watched, for how long, what is done, and what comes after that.
+"""Every failsafe in one table: condition, delay, guard, action, escalation, and what ends it.
 
-A row fires once when its watch has had something to say for `after` seconds without a break. If the trouble
-lasts, the steps of `then` follow, each so long after the one before, unless the operator has chosen a mode
-since: then it stands. After `clear_s` seconds without trouble the row is over; the boat stays in the mode it
-is in, and the operator says what next. Strings name fields of `settings/failsafe.py`.
+A row fires once when its condition has held for `after` seconds without a break. While it lasts, the steps of
+`then` follow, each so long after the one before, unless the operator has chosen a mode since. The row is over
+after `clear_s` seconds without the condition; the boat stays in its mode until the operator chooses another.
+Strings name fields of `config/failsafe.py`.
 """
 
 from collections.abc import Callable
 from enum import IntFlag
 from typing import NamedTuple
 
-from companion.failsafe import boundary, estimate, hull, power, propulsion, stations
+from companion.core.modes import Mode
+from companion.failsafe import conditions, guards
 from companion.failsafe.actions import Action
 from companion.failsafe.inputs import FailsafeInputs
 
@@ -45,27 +46,30 @@ class Condition(IntFlag):
     AGROUND = 1 << 22
 
 
-class Concerns(IntFlag):
-    """The modes in which something is done about it; it is told in all."""
-
-    ALL = 0
-    STEERED_BY_POSITION = 1  # not MANUAL, which the operator may always choose
-    NOT_BY_HAND = 2
-
-
 class Step(NamedTuple):
-    """The next rung: so long after the one before, this."""
+    """The next action, so long after the one before."""
 
     after: float | str
     action: Action | str
 
 
+class Guard(NamedTuple):
+    """When a row does not act.
+
+    modes: in which something is done; it is told in all. disarmed: a disarmed boat is watched too. spares: a
+    boat that does already what it would be told to do; HOLD, disarming and recoveries spare none.
+    """
+
+    modes: frozenset[Mode] = guards.ALL_MODES
+    disarmed: bool = False
+    spares: Callable[[FailsafeInputs], bool] = guards.on_way_home
+
+
 class Row(NamedTuple):
     """One failsafe.
 
-    over: what is told when it is over. is_watched_disarmed: else only an armed boat is watched.
-    spares_way_home: a boat under way home goes on. limps: it goes home slowly. relapse_s: trouble that comes
-    back so soon after it was over goes on with the next step.
+    over: what is told at its end. relapse_s: a condition that comes back so soon goes on with the next step.
+    is_slow: its retreats are at reduced speed.
     """
 
     condition: Condition
@@ -73,118 +77,118 @@ class Row(NamedTuple):
     action: str
     over: str
     after: float | str = 0.0
+    guard: Guard = Guard()
     then: tuple[Step, ...] = ()
     clear_s: float = 1.0
-    concerns: Concerns = Concerns.ALL
-    is_watched_disarmed: bool = False
-    spares_way_home: bool = True
-    limps: bool = False
     relapse_s: float = 0.0
+    is_slow: bool = False
 
 
 _LONG = Step("long_timeout_s", "long_action")
 _CLEAR_AGAIN = Step(18.0, Action.CLEAR_PROPELLERS)
-_TRY = Step(15.0, Action.TRY_MOTORS)
-_LIMP_HOME = Step(15.0, Action.RTL)
+_CHECK = Step(15.0, Action.CHECK_MOTORS)
+_GO_HOME = Step(15.0, Action.RTL)
 _GIVE_UP = Step(90.0, Action.LOITER_OR_HOLD)
+
+_ALWAYS = Guard(spares=guards.never)
+_DISARMED_TOO = Guard(disarmed=True)
+_BY_POSITION = Guard(guards.POSITION_MODES, spares=guards.never)
+_AUTONOMOUS = Guard(guards.AUTONOMOUS_MODES, spares=guards.never)
 
 ROWS: tuple[Row, ...] = (
     Row(
-        Condition.CAPSIZED, propulsion.capsized, "capsize_action", "upright again",
-        after=2.0, clear_s=5.0, spares_way_home=False,
+        Condition.CAPSIZED, conditions.capsized, "capsize_action", "upright again",
+        after=2.0, guard=_ALWAYS, clear_s=5.0,
     ),
     Row(
-        Condition.HEADING_LOST, estimate.heading_lost, "heading_action", "heading known again",
-        concerns=Concerns.STEERED_BY_POSITION, spares_way_home=False,
+        Condition.HEADING_LOST, conditions.heading_lost, "heading_action", "heading known again",
+        guard=_BY_POSITION,
     ),
     Row(
-        Condition.POSITION_LOST, estimate.position_lost, "position_action", "position known again",
-        after=0.5, then=(Step("dead_reckoning_s", Action.HOLD),),
-        clear_s=2.0, concerns=Concerns.STEERED_BY_POSITION, spares_way_home=False,
+        Condition.POSITION_LOST, conditions.position_lost, "position_action", "position known again",
+        after=0.5, guard=_BY_POSITION, then=(Step("dead_reckoning_s", Action.HOLD),), clear_s=2.0,
     ),
     Row(
-        Condition.LEAK, hull.leak, "leak_action", "hull dry again",
+        Condition.LEAK, conditions.leak, "leak_action", "hull dry again",
         after=2.0, clear_s=10.0,
     ),
     Row(
-        Condition.TOO_HOT, hull.too_hot, "temperature_action", "cool again",
+        Condition.TOO_HOT, conditions.too_hot, "temperature_action", "cool again",
         after=10.0, clear_s=30.0,
     ),
     Row(
-        Condition.BATTERY_CRITICAL, power.battery_critical, "battery_critical_action", "",
-        after="battery_low_s", clear_s=_NEVER, is_watched_disarmed=True,
+        Condition.BATTERY_CRITICAL, conditions.battery_critical, "battery_critical_action", "",
+        after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER,
     ),
     Row(
-        Condition.BATTERY_LOW, power.battery_low, "battery_action", "",
-        after="battery_low_s", clear_s=_NEVER, is_watched_disarmed=True,
+        Condition.BATTERY_LOW, conditions.battery_low, "battery_action", "",
+        after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER,
     ),
     Row(
-        Condition.OUT_OF_RANGE, power.out_of_range, "range_action", "",
+        Condition.OUT_OF_RANGE, conditions.out_of_range, "range_action", "",
         after=5.0, clear_s=_NEVER,
     ),
     Row(
-        Condition.STEERING_LOST, propulsion.steering_lost, "steering_action", "steering turns the boat again",
-        then=(_TRY, Step(15.0, Action.LOITER_OR_HOLD)), clear_s=10.0, relapse_s=60.0,
-        concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
+        Condition.STEERING_LOST, conditions.steering_lost, "steering_action", "steering turns the boat again",
+        guard=_AUTONOMOUS, then=(_CHECK, Step(15.0, Action.LOITER_OR_HOLD)), clear_s=10.0, relapse_s=60.0,
     ),
     Row(
-        Condition.MOTOR_FAILING, propulsion.motor_failing, "motor_action", "motors pull again",
-        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
-        concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
+        Condition.MOTOR_FAILING, conditions.motor_failing, "motor_action", "motors pull again",
+        guard=_AUTONOMOUS, then=(_CLEAR_AGAIN, _GO_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
+        is_slow=True,
     ),
     Row(
-        Condition.AGROUND, propulsion.aground, "aground_action", "afloat again",
-        clear_s=2.0, concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
+        Condition.AGROUND, conditions.aground, "aground_action", "afloat again",
+        guard=_AUTONOMOUS, clear_s=2.0,
     ),
     Row(
-        Condition.STUCK, propulsion.stuck, "stuck_action", "free again",
-        then=(_CLEAR_AGAIN, _LIMP_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
-        concerns=Concerns.NOT_BY_HAND, spares_way_home=False, limps=True,
+        Condition.STUCK, conditions.stuck, "stuck_action", "free again",
+        guard=_AUTONOMOUS, then=(_CLEAR_AGAIN, _GO_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
+        is_slow=True,
     ),
     Row(
-        Condition.NO_HEADWAY, propulsion.no_headway, "headway_action", "making way again",
-        then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0, relapse_s=60.0,
-        concerns=Concerns.NOT_BY_HAND, spares_way_home=False,
+        Condition.NO_HEADWAY, conditions.no_headway, "headway_action", "making way again",
+        guard=_AUTONOMOUS, then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0, relapse_s=60.0,
     ),
     Row(
-        Condition.OPERATOR_LOST, stations.operator_lost, "action", "operator heard again",
-        then=(_LONG,), is_watched_disarmed=True,
+        Condition.OPERATOR_LOST, conditions.operator_lost, "action", "operator heard again",
+        guard=_DISARMED_TOO, then=(_LONG,),
     ),
     Row(
-        Condition.PLANNER_LOST, stations.planner_lost, "planner_action", "planner heard again",
+        Condition.PLANNER_LOST, conditions.planner_lost, "planner_action", "planner heard again",
         then=(_LONG,),
     ),
     Row(
-        Condition.HELM_LOST, stations.helm_lost, "action", "sticks held again",
+        Condition.HELM_LOST, conditions.helm_lost, "action", "sticks held again",
         after="rc_timeout_s", then=(_LONG,),
     ),
     Row(
-        Condition.RC_LOST, stations.rc_lost, "action", "transmitter heard again",
+        Condition.RC_LOST, conditions.rc_lost, "action", "transmitter heard again",
         after="rc_timeout_s", then=(_LONG,),
     ),
     Row(
-        Condition.GNSS_BAD, estimate.gnss_bad, "gnss_action", "GPS good again",
-        clear_s=3.0, concerns=Concerns.STEERED_BY_POSITION,
+        Condition.GNSS_BAD, conditions.gnss_bad, "gnss_action", "GPS good again",
+        guard=Guard(guards.POSITION_MODES), clear_s=3.0,
     ),
     Row(
-        Condition.COMPASS_BAD, estimate.compass_bad, "compass_action", "compass good again",
-        clear_s=3.0, concerns=Concerns.STEERED_BY_POSITION,
+        Condition.COMPASS_BAD, conditions.compass_bad, "compass_action", "compass good again",
+        guard=Guard(guards.POSITION_MODES), clear_s=3.0,
     ),
     Row(
-        Condition.SONAR_LOST, hull.sonar_lost, "sonar_action", "sonar pings again",
-        clear_s=3.0, concerns=Concerns.NOT_BY_HAND,
+        Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "sonar pings again",
+        guard=Guard(guards.AUTONOMOUS_MODES), clear_s=3.0,
     ),
     Row(
-        Condition.OVERRUN, hull.overrun, "overrun_action", "computer keeps up again",
+        Condition.OVERRUN, conditions.overrun, "overrun_action", "computer keeps up again",
         after=3.0, clear_s=10.0,
     ),
     Row(
-        Condition.STORAGE_FAILED, hull.storage_failed, "storage_action", "written again",
-        clear_s=10.0, is_watched_disarmed=True,
+        Condition.STORAGE_FAILED, conditions.storage_failed, "storage_action", "written again",
+        guard=_DISARMED_TOO, clear_s=10.0,
     ),
     Row(
-        Condition.FENCE_BREACHED, boundary.fence_breached, "fence_action", "inside the fence again",
-        after=0.5, clear_s=2.0,
+        Condition.FENCE_BREACHED, conditions.fence_breached, "fence_action", "inside the fence again",
+        after=0.5, guard=Guard(spares=guards.on_way_home_or_inside), clear_s=2.0,
     ),
 )  # fmt: skip
-"""The gravest first: where two fire at once, the first has its way unless the second asks for more."""
+"""The gravest first: of two that fire at once, the later one sees the mode that the first has chosen."""

@@ -11,15 +11,19 @@ from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.vehicle_status import VehicleStatus
+from companion.failsafe.guards import may_drift
+from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
-from companion.failsafe.response import NO_HEADING, TRY_AGAIN_S, FailsafeActions
+from companion.failsafe.recovery.transition_table import Trigger
+from companion.failsafe.response import RECHECK_DRIFT_S
 from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.losses import FENCE, Losses
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
 from companion.vehicle.commands import execute
+from companion.vehicle.failsafes import NO_HEADING, run_failsafes, run_recovery
 from companion.vehicle.mission.steps import Mission
 from companion.vehicle.modes.mode_manager import Conduct, distance_fault, station_of
 from companion.vehicle.modes.track import SailedTrack
@@ -43,10 +47,10 @@ class Vehicle:
         self.conduct = Conduct(self.fence, self.manual_input, self.track)
         self.progress = self.conduct.progress
         self.failsafes = Failsafes(config, self.manual_input)
-        self.operator = self.failsafes.signs.operator
-        self.planner = self.failsafes.signs.planner
-        self.drills = RecoveryManeuvers(self)
-        self.probe = self.drills.probe
+        self.operator = self.failsafes.operator
+        self.planner = self.failsafes.planner
+        self.recovery = RecoveryManeuvers()
+        self.board = BoardReadings()  # replaced by the owner before each cycle of the failsafes
         self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
         self.nav: NavState | None = None
         self.frame: LocalFrame | None = None
@@ -56,7 +60,6 @@ class Vehicle:
         self.is_restarting = False  # the program is about to begin anew: it does not arm any more
         self.is_resuming = False  # it is about to arm itself, or to go on; any mode or disarming ends that
         self.losses = Losses()
-        self._response = FailsafeActions(self)
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
         self.status_texts = self.conduct.status_texts  # for the operator, until `take_notices`
@@ -70,15 +73,15 @@ class Vehicle:
     @property
     def status(self) -> VehicleStatus:
         """What other parts of the boat depend on, for this tick."""
-        probe = self.probe
+        recovery = self.recovery
         return VehicleStatus(
             self.mode,
             self.armed,
             self.failsafes.active,
             self.conduct.stemming is None,
-            self.drills.refloat.is_running,
-            probe.is_running,
-            probe.motors,
+            recovery.is_ungrounding,
+            recovery.is_checking,
+            recovery.motor_check.motors,
             self.is_restarting,
         )
 
@@ -110,7 +113,7 @@ class Vehicle:
     def decide(self) -> Intent:
         """What to sail now. Runs the failsafes first."""
         if self.failsafes.is_due(self._now_s):
-            self._response.watch(self._now_s)
+            run_failsafes(self, self._now_s)
         for text in self.losses.update(self._now_s):
             self.notify(Severity.WARNING, text)
         if not self.armed:
@@ -120,16 +123,17 @@ class Vehicle:
         now = self._situation()
         if now is not None and not lacks_position(now.nav, self.config.motors.estimate_timeout_s):
             self.conduct.record(self.mode, now)
-        if self.drills.is_running:
-            return self.drills.intent(self._now_s)
+        if self.recovery.is_active:
+            return run_recovery(self, self._now_s)
         if self.mode is Mode.MANUAL:
             return self.manual_input.intent(self.mode, self.config, self._now_s)
         if self.mode is Mode.HOLD or now is None:
             return _STOP
-        if self.probe.motors.has_failed:
-            has_room = self._response.may_drift(TRY_AGAIN_S)
-            if self.probe.is_due(self._now_s, has_room=has_room):
-                self.probe.begin(self._now_s)
+        check = self.recovery.motor_check
+        if check.motors.has_failed:
+            has_room = may_drift(self.nav, self.fence, RECHECK_DRIFT_S)
+            if check.is_due(self._now_s, has_room=has_room):
+                self.recovery.handle(Trigger.CHECK, self._now_s)
         intent = self.conduct.decide(self.mode, now)
         if self.is_returning_from_mission and self.conduct.way_home.arrived:
             self.is_returning_from_mission = False
@@ -191,7 +195,7 @@ class Vehicle:
         outcome = self.change_mode(mode)
         if outcome.accepted:
             self.is_resuming = False
-            self.drills.stop()
+            self.recovery.handle(Trigger.ABORT, self._now_s)
             self.failsafes.overrule()
         return outcome
 
@@ -204,7 +208,7 @@ class Vehicle:
         if not self.armed or (self.mode is Mode.HOLD and not disarms):
             return
         self.notify(Severity.CRITICAL, why)
-        self.drills.stop()
+        self.recovery.handle(Trigger.ABORT, self._now_s)
         if disarms:
             self.disarm("by the program")
         else:
@@ -314,7 +318,8 @@ class Vehicle:
         self.is_resuming = False
         if self.armed:
             self.armed = False
-            self.drills.reset()
+            self.recovery.reset()
+            self.failsafes.motors.rearm()
             self.notify(Severity.INFO, f"Disarmed {reason}")
         return ACCEPTED
 

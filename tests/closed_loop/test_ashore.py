@@ -6,6 +6,7 @@ from fence_rig import box, fenced, margin_m, polygon
 
 from companion.boat import TICK_S
 from companion.core.state import MotorState, MotorStates
+from companion.failsafe.recovery.transition_table import Trigger
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
 from sitl.scenarios.missions import fence_along, plan_mission, wire_items
@@ -21,11 +22,13 @@ def test_a_dead_motor_is_found_out_between_lines_that_brake_the_boat(what: str, 
     assert rig.set_mode(5) == OK
     assert rig.arm() == OK
     rig.world.electronics.faults.begin(FaultSetting(what=what, kind=kind))
-    probe = rig.boat.vehicle.probe
-    probe.begin(rig.now_s)
-    rig.until(lambda: not probe.is_running, 10.0)
+    recovery = rig.boat.vehicle.recovery
+    recovery.handle(Trigger.CHECK, rig.now_s)
+    rig.until(lambda: not recovery.is_checking, 10.0)
     failed = MotorState.FAILED
-    assert probe.motors == (MotorStates(left=failed) if what == "motor_left" else MotorStates(right=failed))
+    assert recovery.motor_check.motors == (
+        MotorStates(left=failed) if what == "motor_left" else MotorStates(right=failed)
+    )
     assert margin_m(rig) > 0.5
 
 

@@ -95,13 +95,13 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_w
     assert len(found) >= 3, "tried at once, and after each clearing"
     rig.until(lambda: rig.mode == "LOITER", 120.0)
     dead = 0 if name == "Left" else 1
-    probe = rig.boat.vehicle.probe
+    recovery = rig.boat.vehicle.recovery
     was_tried = True
     for _ in range(20):
         rig.run(0.5)
-        was_tried, before = probe.is_running, was_tried  # as it is now and then
+        was_tried, before = recovery.is_checking, was_tried  # as it is now and then
         assert was_tried or before or (rig.boat.command.left, rig.boat.command.right)[dead] == 0.0
-        assert probe.motors.has_failed
+        assert recovery.motor_check.motors.has_failed
 
 
 def test_weed_that_comes_off_lets_the_mission_go_on() -> None:

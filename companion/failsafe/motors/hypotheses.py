@@ -37,6 +37,11 @@ class Hypothesis(NamedTuple):
     threshold: float
 
     @property
+    def has_thrust(self) -> bool:
+        """Whether the motor still pushes, be it the wrong way."""
+        return self.fault not in (Fault.DEAD, Fault.BLOCKED)
+
+    @property
     def text(self) -> str:
         """For the operator."""
         side = "left" if self.is_left else "right"

@@ -13,7 +13,7 @@ import math
 
 from companion.calibration.fitting import Fit
 from companion.core.intent import Drive, Intent, Stop
-from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates, NavState
+from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates
 
 _STOP = Stop()
 _SETTLE_S = 1.5
@@ -43,42 +43,25 @@ _UNEXPLAINED = 0.8  # of the turning's squares: with more left over, something e
 
 
 class MotorCheck:
-    """`motors` is what was found out. It steers in place of the mode for as long as it `is_running`."""
+    """motors: what the checks have found. is_unclear: the last one has found nothing."""
 
-    __slots__ = (
-        "_again_s",
-        "_began_s",
-        "_fit",
-        "_last",
-        "_soon_s",
-        "_wait_s",
-        "is_running",
-        "is_unclear",
-        "motors",
-    )
+    __slots__ = ("_again_s", "_began_s", "_fit", "_last", "_soon_s", "_wait_s", "is_unclear", "motors")
 
     def __init__(self) -> None:
-        self.is_running = False
-        self.is_unclear = False  # the last try has taught nothing
+        self.is_unclear = False
         self.motors = HEALTHY_MOTORS
         self._began_s = 0.0
         self._wait_s = _SOON_S
-        self._soon_s = self._again_s = 0.0  # it is tried again: with room to drift, without
+        self._soon_s = self._again_s = 0.0  # the next check: with room to drift, without
         self._fit = Fit(4)
         self._last = (math.nan, 0.0)  # when the present sample began, and the turn rate then
 
-    def reset(self) -> None:
-        """Both are thought to be well."""
-        self.stop()
-        self.motors = HEALTHY_MOTORS
-
     def is_due(self, now_s: float, *, has_room: bool) -> bool:
-        """Whether it is time to see if a dead motor pulls again. has_room: to drift meanwhile."""
+        """Whether it is time to check a failed motor again. has_room: to drift meanwhile."""
         return self.motors.has_failed and now_s > (self._soon_s if has_room else self._again_s)
 
-    def presume(self, is_left: bool, now_s: float) -> None:
-        """There is no room to try: a motor is taken to be dead until there is."""
-        self.is_running = False
+    def assume_failed(self, is_left: bool, now_s: float) -> None:
+        """Without room for a check, take a motor for failed until there is."""
         failed, other = MotorState.FAILED, self.motors.right if is_left else self.motors.left
         if other is failed:
             other = MotorState.HEALTHY
@@ -87,25 +70,18 @@ class MotorCheck:
 
     def begin(self, now_s: float) -> None:
         """Start, or start anew."""
-        self.is_running, self._began_s = True, now_s
+        self._began_s = now_s
         self._soon_s, self._again_s = now_s + self._wait_s, now_s + _AGAIN_S
         self._wait_s = min(2.0 * self._wait_s, _LONGEST_S)
         self._fit, self._last = Fit(4), (math.nan, 0.0)
 
-    def stop(self) -> None:
-        """Break off, with nothing learned."""
-        self.is_running = False
-
-    def intent(self, nav: NavState | None, left: float, right: float, now_s: float) -> Intent:
-        """What the motors are to do now; ends by itself. left, right: what they were given meanwhile."""
+    def update(self, yaw_rate_rad_s: float, left: float, right: float, now_s: float) -> Intent | None:
+        """What the motors do now; None once the check is over. left, right: their commands until now."""
         at_s = now_s - self._began_s + _SLACK_S
-        if nav is None or not at_s >= 0.0:
-            self.stop()
-            return _STOP
-        self._sample(nav.yaw_rate_rad_s, left, right, now_s)
+        self._sample(yaw_rate_rad_s, left, right, now_s)
         if at_s >= _LENGTH_S:
             self._judge()
-            return _STOP
+            return None
         for begins_s, drive in _PULSES:
             if begins_s <= at_s < begins_s + _PULSE_S:
                 return drive
@@ -124,7 +100,6 @@ class MotorCheck:
 
     def _judge(self) -> None:
         """Both motors ahead turn the boat away from their own side."""
-        self.is_running = False
         solved = self._fit.solve()
         self.is_unclear = solved is None
         if solved is None:

@@ -1,82 +1,106 @@
-"""What goes before the mode: clearing the propellers, trying the motors, getting off the shore."""
+"""Recovery manoeuvres: they steer in place of the mode, which goes on afterwards."""
 
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
+from companion.config.boat_config import BoatConfig
 from companion.core.intent import Intent, Stop
-from companion.core.status_text import Severity
+from companion.core.state import NavState
 from companion.failsafe.recovery.motor_check import MotorCheck
-from companion.failsafe.recovery.propeller_clearing import PropellerClearing
+from companion.failsafe.recovery.propeller_clearing import CLEARING_S, clearing_intent
+from companion.failsafe.recovery.transition_table import TRANSITIONS, UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.ungrounding import Ungrounding
-
-if TYPE_CHECKING:
-    from companion.vehicle.vehicle import Vehicle
+from companion.geofence.fence import Fence
 
 _STOP = Stop()
 
 
+class Step(NamedTuple):
+    """One cycle of a manoeuvre. text: for the operator. cleared: whether a motor check that has just ended
+    acquits both motors; None while none has ended.
+    """
+
+    intent: Intent
+    text: str = ""
+    cleared: bool | None = None
+
+
 class RecoveryManeuvers:
-    """One at a time steers."""
+    """The state machine of `transition_table`, with what its states need to remember."""
 
-    __slots__ = ("_vehicle", "clearing", "probe", "refloat")
+    __slots__ = ("_began_s", "_ungrounding", "motor_check", "state")
 
-    def __init__(self, vehicle: "Vehicle") -> None:
-        self._vehicle = vehicle
-        self.clearing = PropellerClearing()
-        self.probe = MotorCheck()
-        self.refloat = Ungrounding()
+    def __init__(self) -> None:
+        self.state = State.IDLE
+        self.motor_check = MotorCheck()
+        self._ungrounding = Ungrounding()
+        self._began_s = 0.0
 
     @property
-    def is_running(self) -> bool:
-        """Whether one of them steers."""
-        return self.clearing.is_running or self.probe.is_running or self.refloat.is_running
+    def is_active(self) -> bool:
+        """Whether a manoeuvre steers."""
+        return self.state is not State.IDLE
 
-    def stop(self) -> None:
-        """Break off: somebody has chosen a mode."""
-        self.clearing.stop()
-        self.probe.stop()
-        self.refloat.stop()
+    @property
+    def is_ungrounding(self) -> bool:
+        """Whether the boat is getting off the shore."""
+        return self.state in UNGROUNDING
+
+    @property
+    def is_checking(self) -> bool:
+        """Whether each motor is tested alone."""
+        return self.state is State.CHECKING
+
+    def handle(self, trigger: Trigger, now_s: float) -> bool:
+        """Change the state by the table; False where the state ignores the trigger."""
+        state = TRANSITIONS[self.state].get(trigger)
+        if state is None:
+            return False
+        self.state = state
+        if trigger is Trigger.CLEAR:
+            self._began_s = now_s
+        elif trigger is Trigger.CHECK:
+            self.motor_check.begin(now_s)
+        elif trigger is Trigger.UNGROUND:
+            self._ungrounding.begin(now_s)
+        return True
+
+    def update(
+        self, nav: NavState | None, fence: Fence, config: BoatConfig, left: float, right: float, now_s: float
+    ) -> Step:
+        """Go on with the manoeuvre under way. left, right: what the motors were given until now."""
+        if self.is_ungrounding:
+            return self._unground(nav, fence, config, now_s)
+        if self.state is State.CHECKING:
+            return self._check_motors(nav, left, right, now_s)
+        elapsed_s = now_s - self._began_s
+        if elapsed_s >= CLEARING_S:
+            self.handle(Trigger.DONE, now_s)
+            if self.motor_check.motors.has_failed:
+                self.handle(Trigger.CHECK, now_s)  # has it helped?
+        return Step(clearing_intent(elapsed_s))
+
+    def _unground(self, nav: NavState | None, fence: Fence, config: BoatConfig, now_s: float) -> Step:
+        rounds = self._ungrounding.rounds
+        intent, trigger = self._ungrounding.update(self.state, nav, fence, config, now_s)
+        if trigger is not None:
+            self.handle(trigger, now_s)
+        is_next_round = self._ungrounding.rounds > rounds
+        return Step(intent, "Aground: motors rest, then it tries again" if is_next_round else "")
+
+    def _check_motors(self, nav: NavState | None, left: float, right: float, now_s: float) -> Step:
+        check = self.motor_check
+        if nav is None:
+            self.handle(Trigger.DONE, now_s)
+            return Step(_STOP)
+        before = check.motors
+        intent = check.update(nav.yaw_rate_rad_s, left, right, now_s)
+        if intent is not None:
+            return Step(intent)
+        self.handle(Trigger.DONE, now_s)
+        cleared = not check.is_unclear and not check.motors.has_failed and check.motors == before
+        return Step(_STOP, check.found(), cleared)
 
     def reset(self) -> None:
-        """Break off, and forget what was found out: the boat is disarmed."""
-        self.stop()
-        self.probe.reset()
-        signs = self._vehicle.failsafes.signs
-        signs.failed_motor = ""
-        signs.motors.rearm()
-
-    def intent(self, now_s: float) -> Intent:
-        """What the motors are to do now. To be called while one is running."""
-        if self.refloat.is_running:
-            return self._get_off(now_s)
-        if self.clearing.is_running:
-            return self._clear(now_s)
-        return self._try_motors(now_s)
-
-    def _get_off(self, now_s: float) -> Intent:
-        refloat, vehicle = self.refloat, self._vehicle
-        rounds = refloat.rounds
-        intent = refloat.intent(vehicle.nav, vehicle.fence, vehicle.config, now_s)
-        if refloat.rounds > rounds:
-            vehicle.notify(Severity.WARNING, "Aground: motors rest, then it tries again")
-        return intent
-
-    def _clear(self, now_s: float) -> Intent:
-        intent = self.clearing.intent(now_s)
-        if self.probe.motors.has_failed and not self.clearing.is_running:
-            self.probe.begin(now_s)  # has it helped?
-        return intent
-
-    def _try_motors(self, now_s: float) -> Intent:
-        signs = self._vehicle.failsafes.signs
-        probe = self.probe
-        before = probe.motors
-        intent = probe.intent(self._vehicle.nav, signs.left, signs.right, now_s)
-        if not probe.is_running:
-            self._vehicle.notify(Severity.WARNING, probe.found())
-            signs.failed_motor = probe.fault()
-            is_cleared = not probe.is_unclear and not probe.motors.has_failed and probe.motors == before
-            if is_cleared:
-                signs.motors.clear(now_s)
-            else:
-                signs.motors.reset()
-        return intent
+        """The boat is disarmed: stop, and take both motors for healthy."""
+        self.state = State.IDLE
+        self.motor_check = MotorCheck()

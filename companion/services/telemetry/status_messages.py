@@ -30,7 +30,7 @@ def sys_status(now: Snapshot) -> Message:
     vehicle, estimate_timeout_s = now.vehicle, now.config.motors.estimate_timeout_s
     nav = now.nav
     health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
-    if not vehicle.failsafes.signs.fence.is_outside:
+    if not vehicle.failsafes.fence.is_outside:
         # A fence that is not there cannot be breached; MAVProxy warns of a breach where this bit is missing
         health |= dialect.MAV_SYS_STATUS_GEOFENCE
     if nav is None or nav.heading_age_s > estimate_timeout_s:
@@ -117,7 +117,7 @@ def fence_status(now: Snapshot) -> Message | None:
     """How the boat stands to its fence; silent without one."""
     if not now.vehicle.fence.is_active:
         return None
-    watch = now.vehicle.failsafes.signs.fence
+    watch = now.vehicle.failsafes.fence
     breach = dialect.FENCE_BREACH_BOUNDARY if watch.is_outside else dialect.FENCE_BREACH_NONE
     return dialect.MAVLink_fence_status_message(
         breach_status=int(watch.is_outside),

@@ -17,10 +17,13 @@ from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.core.state import EstimateFault
 from companion.core.status_text import Severity
+from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.monitor import PERIOD_S
-from companion.failsafe.propulsion import MotorWatch
+from companion.failsafe.motors.hypotheses import HYPOTHESES, Hypothesis
+from companion.failsafe.motors.watch import MotorWatch
 from companion.failsafe.table import Condition
 from companion.guidance.pilot import Pilot
+from companion.guidance.stall_detector import StallVerdict
 from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
 from companion.vehicle.mission.steps import Home, Waypoint
 from companion.vehicle.vehicle import Vehicle
@@ -30,15 +33,6 @@ FAULTS = st.lists(st.sampled_from(EstimateFault), max_size=3)
 
 class ScriptedMotors(MotorWatch):
     """Says of the motors what the test wants, whatever they do."""
-
-    def __init__(self, config: BoatConfig) -> None:
-        super().__init__(config)
-        self.text = ""
-
-    @property
-    def fault(self) -> str:
-        """As scripted."""
-        return self.text
 
     def reset(self) -> None:
         """Nothing to forget."""
@@ -57,7 +51,7 @@ class Failsafes(RuleBasedStateMachine):
         super().__init__()
         self.config = BoatConfig()
         self.vehicle = Vehicle(self.config)
-        self.vehicle.failsafes.signs.motors = self.motors = ScriptedMotors(self.config)
+        self.vehicle.failsafes.motors = self.motors = ScriptedMotors(self.config)
         self.pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
         self.now_s = 0.0
         self.faults = 0
@@ -90,21 +84,30 @@ class Failsafes(RuleBasedStateMachine):
         self.operator_is_there, self.planner_is_there, self.hand_is_there = operator, planner, hand
 
     @rule(
-        headway=st.integers(0, 3),
+        stall=st.sampled_from(StallVerdict),
         is_wet=st.booleans(),
         load=st.sampled_from((0.1, 1.5)),
         roll=st.sampled_from((0.0, 2.0)),
         storage=st.sampled_from(("", "No space left on device")),
-        fault=st.sampled_from(("", "Left motor does not pull")),
+        verdict=st.sampled_from((None, *HYPOTHESES)),
     )
     def something_is_wrong_on_board(
-        self, headway: int, is_wet: bool, load: float, roll: float, storage: str, fault: str
+        self,
+        stall: StallVerdict,
+        is_wet: bool,
+        load: float,
+        roll: float,
+        storage: str,
+        verdict: Hypothesis | None,
     ) -> None:
-        signs = self.vehicle.failsafes.signs
-        signs.headway, signs.load, signs.storage_fault = headway, load, storage
-        signs.hull = HullReading(self.now_s, is_wet, 20.0)
-        signs.heading = HeadingReading(self.now_s, 0.0, 0.0, roll, 0.0)
-        self.motors.text = fault
+        self.vehicle.board = BoardReadings(
+            stall=stall,
+            load=load,
+            storage_fault=storage,
+            hull=HullReading(self.now_s, is_wet, 20.0),
+            heading=HeadingReading(self.now_s, 0.0, 0.0, roll, 0.0),
+        )
+        self.motors.verdict = verdict
 
     @rule(mode=st.sampled_from(Mode))
     def the_operator_chooses_a_mode(self, mode: Mode) -> None:
@@ -148,12 +151,12 @@ class Failsafes(RuleBasedStateMachine):
         vehicle.update_state(self.nav, FRAME, GOOD_FIX, battery, self.now_s)
         if self.hand_is_there:
             vehicle.request(ManualControl(0.5, 0.2))
-        if (hull := vehicle.failsafes.signs.hull) is not None:
-            vehicle.failsafes.signs.hull = replace(hull, time_s=self.now_s)
+        if (hull := vehicle.board.hull) is not None:
+            vehicle.board = replace(vehicle.board, hull=replace(hull, time_s=self.now_s))
         active, mode, armed = vehicle.failsafes.active, vehicle.mode, vehicle.armed
         self.drive()
         if vehicle.armed and self.faults & EstimateFault.HEADING_LOST and not self.reason:
-            is_blind = vehicle.mode in (Mode.MANUAL, Mode.HOLD) or vehicle.drills.is_running
+            is_blind = vehicle.mode in (Mode.MANUAL, Mode.HOLD) or vehicle.recovery.is_active
             feels = (
                 vehicle.mode is Mode.LOITER and isinstance(self.intent, Drive) and not self.intent.steering
             )
@@ -187,15 +190,15 @@ class Failsafes(RuleBasedStateMachine):
         self.command, self.reason = (command.left, command.right), command.reason
 
     def read_notices(self) -> list[str]:
-        status_texts = self.vehicle.take_status_texts()
-        assert all(Severity.CRITICAL <= notice.severity <= Severity.INFO for notice in status_texts)
-        assert len(status_texts) <= 30
-        return [notice.text for notice in status_texts]
+        notices = self.vehicle.take_status_texts()
+        assert all(Severity.CRITICAL <= notice.severity <= Severity.INFO for notice in notices)
+        assert len(notices) <= 30
+        return [notice.text for notice in notices]
 
     @invariant()
     def a_disarmed_boat_gives_no_thrust(self) -> None:
         assert self.vehicle.armed or self.command == (0.0, 0.0)
-        assert self.vehicle.armed or not self.vehicle.drills.is_running
+        assert self.vehicle.armed or not self.vehicle.recovery.is_active
 
     @invariant()
     def every_command_is_a_share(self) -> None:

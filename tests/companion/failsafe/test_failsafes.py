@@ -6,7 +6,8 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.failsafe.actions import Action
-from companion.failsafe.escalation import Escalation, Move
+from companion.failsafe.escalation import Change, Escalation
+from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.table import ROWS, Condition
 from companion.sensors.readings import BatteryReading
 from companion.vehicle.vehicle import Vehicle
@@ -268,14 +269,17 @@ def test_every_condition_has_one_row_and_its_fields_exist() -> None:
 def test_motors_are_not_judged_while_the_boat_gives_way_to_an_obstacle(gives_way: bool) -> None:
     """Both motors go up and down, each in its own time; from 30 s on only the right one turns the bow."""
     vehicle = armed_vehicle()
-    signs = vehicle.failsafes.signs
     told: list[str] = []
     rate = 0.0
     for tick in range(600):
-        left = signs.left if tick < 300 else 0.0
-        signs.left, signs.right = 0.9 if tick // 15 % 2 else 0.1, 0.9 if tick // 22 % 2 else 0.1
-        signs.gives_way = gives_way
-        rate += 0.1 * (0.4 * (left * abs(left) - signs.right * abs(signs.right)) - 0.8 * rate)
+        left = vehicle.board.left if tick < 300 else 0.0
+        board = BoardReadings(
+            left=0.9 if tick // 15 % 2 else 0.1,
+            right=0.9 if tick // 22 % 2 else 0.1,
+            judges_motors=not gives_way,
+        )
+        vehicle.board = board
+        rate += 0.1 * (0.4 * (left * abs(left) - board.right * abs(board.right)) - 0.8 * rate)
         told += live(vehicle, 0.1, step_s=0.1, yaw_rate_rad_s=rate)
     assert any(text.endswith("motor does not pull") for text in told) is not gives_way
 
@@ -288,7 +292,7 @@ def test_a_relapse_that_is_only_told_stays_told() -> None:
     for tick in range(1200):
         text = "Left motor does not pull" if tick % 400 < 100 else ""
         move = ladder.update(text, setting, 0.1 * tick)
-        if move is not Move.STAYS:
-            moves.append((move, ladder.action if move is not Move.ENDS else Action.NONE))
-    assert [move for move, _ in moves] == 3 * [Move.FIRES, Move.ENDS]
+        if move is not Change.STAYS:
+            moves.append((move, ladder.action if move is not Change.ENDS else Action.NONE))
+    assert [move for move, _ in moves] == 3 * [Change.FIRES, Change.ENDS]
     assert {action for _, action in moves} == {Action.NONE}

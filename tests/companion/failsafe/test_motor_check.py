@@ -23,7 +23,7 @@ def nav_at(now_s: float, yaw_rate: float) -> NavState:
 
 
 def tried(
-    probe: MotorCheck,
+    check: MotorCheck,
     left: float,
     right: float,
     wind_rad_s2: float = 0.0,
@@ -36,11 +36,11 @@ def tried(
 
     held_back: of the throttle, by whoever else has a say. is_aground: what it touches turns it as it likes.
     """
-    probe.begin(10.0)
+    check.begin(10.0)
     now_s, rate, a, b = 10.0, 0.1, 0.0, 0.0
     for tick in range(1000):
-        intent = probe.intent(nav_at(now_s, rate), a, b, now_s)
-        if not probe.is_running:
+        intent = check.update(rate, a, b, now_s)
+        if intent is None:
             return
         a, b = 0.0, 0.0
         if isinstance(intent, Drive):
@@ -60,88 +60,80 @@ def tried(
 @pytest.mark.parametrize("left", [1, 0, -1])
 @pytest.mark.parametrize("right", [1, -1])
 def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wind: float) -> None:
-    probe = MotorCheck()
-    tried(probe, 1.0 * left, 1.0 * right, wind)
-    assert probe.motors == states(left, right)
-    assert probe.motors.has_failed is (left == 0)
-    assert bool(probe.fault()) is probe.motors.has_failed
+    check = MotorCheck()
+    tried(check, 1.0 * left, 1.0 * right, wind)
+    assert check.motors == states(left, right)
+    assert check.motors.has_failed is (left == 0)
+    assert bool(check.fault()) is check.motors.has_failed
 
 
 def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
-    probe = MotorCheck()
-    tried(probe, 0.0, 0.0, 0.05)
-    assert probe.motors == HEALTHY_MOTORS
-    assert probe.is_unclear
-    assert "not clear" in probe.found()
+    check = MotorCheck()
+    tried(check, 0.0, 0.0, 0.05)
+    assert check.motors == HEALTHY_MOTORS
+    assert check.is_unclear
+    assert "not clear" in check.found()
 
 
 def test_a_hull_that_is_turned_by_what_it_touches_teaches_nothing() -> None:
-    probe = MotorCheck()
-    tried(probe, 1.0, 1.0, is_aground=True)
-    assert probe.motors == HEALTHY_MOTORS
-    assert probe.is_unclear
+    check = MotorCheck()
+    tried(check, 1.0, 1.0, is_aground=True)
+    assert check.motors == HEALTHY_MOTORS
+    assert check.is_unclear
 
 
 @pytest.mark.parametrize("left", [1, 0, -1])
 def test_pulses_that_are_not_driven_as_they_are_meant_tell_all_the_same(left: int) -> None:
-    probe = MotorCheck()
-    tried(probe, 1.0 * left, 1.0, 0.05, held_back=0.1)
-    assert probe.motors == states(left, 1)
+    check = MotorCheck()
+    tried(check, 1.0 * left, 1.0, 0.05, held_back=0.1)
+    assert check.motors == states(left, 1)
 
 
 @given(st.floats(0.2, 3.0), st.floats(-0.1, 0.1), st.sampled_from([1, 0, -1]))
 def test_neither_swing_nor_wind_hides_a_dead_motor(damping_s: float, wind: float, left: int) -> None:
-    probe = MotorCheck()
-    tried(probe, 1.0 * left, 1.0, wind, damping_s=damping_s)
-    assert probe.motors == states(left, 1)
+    check = MotorCheck()
+    tried(check, 1.0 * left, 1.0, wind, damping_s=damping_s)
+    assert check.motors == states(left, 1)
 
 
 def test_a_motor_presumed_dead_is_tried_soon() -> None:
-    probe = MotorCheck()
-    probe.presume(is_left=True, now_s=100.0)
-    assert probe.motors == states(0, 1)
-    assert not probe.is_running
-    assert probe.fault() == "Left motor does not pull"
-    assert not probe.is_due(124.0, has_room=True)
-    assert probe.is_due(126.0, has_room=True)
-    assert not probe.is_due(159.0, has_room=False)
-    assert probe.is_due(161.0, has_room=False)
+    check = MotorCheck()
+    check.assume_failed(is_left=True, now_s=100.0)
+    assert check.motors == states(0, 1)
+    assert check.fault() == "Left motor does not pull"
+    assert not check.is_due(124.0, has_room=True)
+    assert check.is_due(126.0, has_room=True)
+    assert not check.is_due(159.0, has_room=False)
+    assert check.is_due(161.0, has_room=False)
 
 
 def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> None:
-    probe = MotorCheck()
-    tried(probe, 1.0, -1.0)
-    tried(probe, 1.0, 1.0)  # as it is driven now
-    assert probe.motors == states(1, -1)
-    tried(probe, 1.0, -1.0)  # the wires are right again
-    assert probe.motors == HEALTHY_MOTORS
+    check = MotorCheck()
+    tried(check, 1.0, -1.0)
+    tried(check, 1.0, 1.0)  # as it is driven now
+    assert check.motors == states(1, -1)
+    tried(check, 1.0, -1.0)  # the wires are right again
+    assert check.motors == HEALTHY_MOTORS
 
 
 def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
-    probe = MotorCheck()
-    tried(probe, 0.0, 1.0)
-    assert not probe.is_due(34.0, has_room=True)
-    assert probe.is_due(36.0, has_room=True)
-    assert not probe.is_due(69.0, has_room=False)
-    assert probe.is_due(71.0, has_room=False)
-    tried(probe, 1.0, 1.0)
-    assert not probe.is_due(1000.0, has_room=True)
+    check = MotorCheck()
+    tried(check, 0.0, 1.0)
+    assert not check.is_due(34.0, has_room=True)
+    assert check.is_due(36.0, has_room=True)
+    assert not check.is_due(69.0, has_room=False)
+    assert check.is_due(71.0, has_room=False)
+    tried(check, 1.0, 1.0)
+    assert not check.is_due(1000.0, has_room=True)
 
 
 def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurry() -> None:
-    probe = MotorCheck()
+    check = MotorCheck()
     for wait_s in (25.0, 50.0, 100.0, 120.0, 120.0):
-        tried(probe, 0.0, 1.0)  # begins at 10 s
-        assert not probe.is_due(9.0 + wait_s, has_room=True)
-        assert probe.is_due(11.0 + wait_s, has_room=True)
-    tried(probe, 1.0, 1.0)
-    assert not probe.motors.has_failed
-    tried(probe, 0.0, 1.0)
-    assert probe.is_due(36.0, has_room=True)
-
-
-def test_without_an_estimate_the_trying_is_broken_off() -> None:
-    probe = MotorCheck()
-    probe.begin(0.0)
-    assert probe.intent(None, 0.0, 0.0, 1.0) == Stop()
-    assert not probe.is_running
+        tried(check, 0.0, 1.0)  # begins at 10 s
+        assert not check.is_due(9.0 + wait_s, has_room=True)
+        assert check.is_due(11.0 + wait_s, has_room=True)
+    tried(check, 1.0, 1.0)
+    assert not check.motors.has_failed
+    tried(check, 0.0, 1.0)
+    assert check.is_due(36.0, has_room=True)

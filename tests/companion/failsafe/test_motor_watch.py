@@ -11,7 +11,7 @@ from companion.core.geo import LatLon
 from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
-from companion.failsafe.propulsion import MotorWatch
+from companion.failsafe.motors.watch import MotorWatch
 from companion.sensors.readings import BatteryReading, GnssFix
 
 DT_S = 0.1
@@ -109,6 +109,12 @@ class Hull:
         return math.inf
 
 
+def verdict_of(hull: Hull) -> tuple[bool, Fault] | None:
+    """Side and fault; a function, so that the type checker expects it to change."""
+    verdict = hull.watch.verdict
+    return None if verdict is None else (verdict.is_left, verdict.fault)
+
+
 SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 
 
@@ -130,10 +136,9 @@ def test_each_fault_is_named_with_its_side(side: int, fault: Fault, within_s: fl
     assert hull.seconds_to_verdict(within_s) <= within_s
     name = ("left", "right")[side]
     said = text.format(side=name, Side=name.capitalize())
-    is_reversed = fault is Fault.REVERSED
-    assert (hull.watch.fault, hull.watch.reversal) == (("", said) if is_reversed else (said, ""))
-    lost = name if fault in (Fault.DEAD, Fault.BLOCKED) else ""
-    assert hull.watch.has_lost == lost
+    verdict = next(one for one in HYPOTHESES if (one.is_left, one.fault) == verdict_of(hull))
+    assert (verdict.text, verdict.is_left, verdict.fault) == (said, side == 0, fault)
+    assert verdict.has_thrust is (fault not in (Fault.DEAD, Fault.BLOCKED))
 
 
 @SIDES
@@ -141,13 +146,14 @@ def test_each_fault_is_named_with_its_side(side: int, fault: Fault, within_s: fl
 def test_without_a_measured_current_a_motor_without_thrust_is_named_or_tried(side: int, fault: Fault) -> None:
     hull = Hull(has_current=False)
     hull.sail(40.0)
-    assert not hull.watch.needs_trial
+    assert not hull.watch.needs_check
     hull.faults[side] = fault
     began_s = hull.now_s
-    while not hull.watch.verdict and not hull.watch.needs_trial:
+    while not hull.watch.verdict and not hull.watch.needs_check:
         assert hull.now_s - began_s < 25.0
         hull.sail(DT_S)
-    assert hull.watch.fault in ("", f"{('Left', 'Right')[side]} motor does not pull")
+    verdict = hull.watch.verdict
+    assert verdict is None or verdict.fault is Fault.REVERSED or verdict.is_left is (side == 0)
 
 
 def test_a_current_that_is_measured_spares_the_trial() -> None:
@@ -160,14 +166,14 @@ def test_a_current_that_is_measured_spares_the_trial() -> None:
         asked_s = math.inf
         for _ in range(200):
             hull.step(0.9, -0.9)
-            if hull.watch.needs_trial:
+            if hull.watch.needs_check:
                 asked_s = min(asked_s, hull.now_s - began_s)
         assert (asked_s == math.inf) is has_current, asked_s
         assert has_current or 6.0 <= asked_s <= 10.0, asked_s
         hull.watch.clear(hull.now_s)
         for _ in range(100):
             hull.step(0.9, -0.9)
-        assert not hull.watch.needs_trial, "the trial stands"
+        assert not hull.watch.needs_check, "the trial stands"
 
 
 @pytest.mark.parametrize("has_current", [True, False])
@@ -266,7 +272,7 @@ def test_a_verdict_ends_once_the_motor_pulls_again() -> None:
     hull.faults[1] = Fault.DEAD
     assert hull.seconds_to_verdict(3.0) < 3.0
     hull.sail(10.0)
-    assert hull.watch.fault == "Right motor does not pull"
+    assert verdict_of(hull) == (False, Fault.DEAD)
     hull.faults[1] = None
     hull.sail(5.0)
     assert hull.watch.verdict is None
@@ -278,9 +284,9 @@ def test_a_verdict_stands_while_the_motors_do_something_else() -> None:
     hull.faults[0] = Fault.BLOCKED
     hull.seconds_to_verdict(3.0)
     hull.watch.pause()
-    assert hull.watch.fault == "Left motor is blocked"
+    assert verdict_of(hull) == (True, Fault.BLOCKED)
     hull.watch.reset()
-    assert hull.watch.fault == ""
+    assert hull.watch.verdict is None
 
 
 @SIDES

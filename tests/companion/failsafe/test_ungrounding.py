@@ -9,9 +9,10 @@ from msgspec.structs import replace
 from companion.config.boat_config import BoatConfig
 from companion.config.fence import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.intent import Drive, HoldCourse, Stop
+from companion.core.intent import Drive, HoldCourse, Intent, Stop
 from companion.core.state import NavState
-from companion.failsafe.recovery.ungrounding import Ungrounding
+from companion.failsafe.recovery.recovery import RecoveryManeuvers
+from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FencePolygon
 
 CONFIG = BoatConfig()
@@ -33,31 +34,35 @@ def nav_at(north_m: float, east_m: float, heading_rad: float) -> NavState:
 
 
 def tries(
-    refloat: Ungrounding, heading_rad: float, seconds: float, slide_m_s: float = 0.0
+    recovery: RecoveryManeuvers, heading_rad: float, seconds: float, slide_m_s: float = 0.0
 ) -> list[tuple[float, Drive]]:
     """What is driven, and since when, by a boat that lies on the north shore."""
-    begun: list[tuple[float, Drive]] = []
+    starts: list[tuple[float, Drive]] = []
     was_driving, water = False, fence()
     for tick in range(round(seconds / DT)):
         now_s = tick * DT
-        intent = refloat.intent(nav_at(-0.3, slide_m_s * now_s, heading_rad), water, CONFIG, now_s)
+        intent = get_off(recovery, nav_at(-0.3, slide_m_s * now_s, heading_rad), water, now_s)
         assert isinstance(intent, Drive | Stop)
         if isinstance(intent, Drive) and not was_driving:
-            begun.append((now_s, intent))
+            starts.append((now_s, intent))
         was_driving = isinstance(intent, Drive)
-    return begun
+    return starts
 
 
-def begun_at(now_s: float = 0.0) -> Ungrounding:
-    refloat = Ungrounding()
-    refloat.begin(now_s)
-    return refloat
+def get_off(recovery: RecoveryManeuvers, nav: NavState | None, water: Fence, now_s: float) -> Intent:
+    return recovery.update(nav, water, CONFIG, 0.0, 0.0, now_s).intent
+
+
+def begun() -> RecoveryManeuvers:
+    recovery = RecoveryManeuvers()
+    recovery.handle(Trigger.UNGROUND, 0.0)
+    return recovery
 
 
 @pytest.mark.parametrize("heading_deg", [80.0, -80.0, 60.0, 150.0, 20.0])
 def test_by_turns_it_goes_along_the_shore_straight_off_and_turns_off(heading_deg: float) -> None:
     heading = math.radians(heading_deg)
-    along, off, back, turn = (drive for _, drive in tries(begun_at(), heading, 24.0)[:4])
+    along, off, back, turn = (drive for _, drive in tries(begun(), heading, 24.0)[:4])
     side = math.copysign(1.0, math.remainder(math.pi - heading, math.tau))  # where the water is
     assert along.throttle > 0.0
     assert back.throttle < 0.0
@@ -67,35 +72,34 @@ def test_by_turns_it_goes_along_the_shore_straight_off_and_turns_off(heading_deg
 
 
 def test_the_motors_rest_between_tries_and_longer_after_each_round() -> None:
-    refloat = begun_at()
-    begun = [at_s for at_s, _ in tries(refloat, math.pi / 2.0, 400.0)]
-    gaps = [later - at_s for at_s, later in itertools.pairwise(begun)]
+    recovery = begun()
+    starts = [at_s for at_s, _ in tries(recovery, math.pi / 2.0, 400.0)]
+    gaps = [later - at_s for at_s, later in itertools.pairwise(starts)]
     assert min(gaps) > 5.0
     assert [round(gap) for gap in gaps[3:12:4]] == [19, 34, 64]  # a try of four seconds each
-    assert refloat.rounds >= 4
-    assert refloat.is_running
+    assert recovery.is_ungrounding
 
 
 def test_a_try_that_makes_way_goes_on_but_not_for_ever() -> None:
-    begun = [at_s for at_s, _ in tries(begun_at(), math.pi / 2.0, 60.0, slide_m_s=0.3)]
-    assert 20.0 < begun[1] - begun[0] < 27.0
+    starts = [at_s for at_s, _ in tries(begun(), math.pi / 2.0, 60.0, slide_m_s=0.3)]
+    assert 20.0 < starts[1] - starts[0] < 27.0
 
 
 def test_once_off_it_stands_off_and_then_ends() -> None:
-    refloat, water = begun_at(), fence()
-    intent = refloat.intent(nav_at(-1.5, 0.0, 0.0), water, CONFIG, 1.0)
+    recovery, water = begun(), fence()
+    intent = get_off(recovery, nav_at(-1.5, 0.0, 0.0), water, 1.0)
     assert isinstance(intent, HoldCourse)
     assert abs(intent.course_rad) == pytest.approx(math.pi, abs=1e-3)  # south
-    assert refloat.is_running
-    assert refloat.intent(nav_at(-4.0, 0.0, 0.0), water, CONFIG, 3.0) == Stop()
-    assert not refloat.is_running
+    assert recovery.is_ungrounding
+    assert get_off(recovery, nav_at(-4.0, 0.0, 0.0), water, 3.0) == Stop()
+    assert not recovery.is_ungrounding
 
 
 def test_one_that_cannot_get_further_off_does_not_try_for_ever() -> None:
-    refloat, water = begun_at(), fence()
+    recovery, water = begun(), fence()
     for second in range(30):
-        refloat.intent(nav_at(-1.5, 0.0, 0.0), water, CONFIG, float(second))
-    assert not refloat.is_running
+        get_off(recovery, nav_at(-1.5, 0.0, 0.0), water, float(second))
+    assert not recovery.is_ungrounding
 
 
 ASHORE = nav_at(-0.3, 0.0, 0.0)
@@ -104,20 +108,21 @@ LOST = [None, replace(ASHORE, heading_age_s=60.0), replace(ASHORE, position_age_
 
 @pytest.mark.parametrize("nav", LOST)
 def test_without_position_or_heading_it_ends(nav: NavState | None) -> None:
-    refloat = begun_at()
-    assert refloat.intent(nav, fence(), CONFIG, 1.0) == Stop()
-    assert not refloat.is_running
+    recovery = begun()
+    assert get_off(recovery, nav, fence(), 1.0) == Stop()
+    assert not recovery.is_ungrounding
 
 
 def test_without_a_fence_there_is_no_shore_to_get_off() -> None:
-    refloat = begun_at()
-    assert refloat.intent(ASHORE, Fence(), CONFIG, 1.0) == Stop()
-    assert not refloat.is_running
+    recovery = begun()
+    assert get_off(recovery, ASHORE, Fence(), 1.0) == Stop()
+    assert not recovery.is_ungrounding
 
 
-def test_beginning_again_does_not_begin_anew() -> None:
-    refloat = begun_at()
-    tries(refloat, 1.0, 100.0)
-    rounds = refloat.rounds
-    refloat.begin(100.0)
-    assert refloat.rounds == rounds > 0
+def test_the_operator_is_told_when_a_round_of_tries_did_not_help() -> None:
+    recovery, water, told = begun(), fence(), []
+    for tick in range(400):
+        step = recovery.update(ASHORE, water, CONFIG, 0.0, 0.0, tick * DT)
+        if step.text:
+            told.append((round(tick * DT), step.text))
+    assert told == [(22, "Aground: motors rest, then it tries again")]

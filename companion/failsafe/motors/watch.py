@@ -1,16 +1,13 @@
-"""Whether the motors do what they are told, and whether the boat gets on."""
+"""Which motor has failed, inferred from turn rate, speed and current."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from companion.config.boat_config import BoatConfig
 from companion.core.state import NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
 from companion.sensors.readings import BatteryReading, GnssFix
-
-if TYPE_CHECKING:
-    from companion.failsafe.inputs import FailsafeInputs
 
 MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
 CLEARED_S: Final = 180.0  # for which a trial that has found both motors well stands
@@ -22,11 +19,9 @@ HELPLESS_REVERSAL: Final = 12.0
 _STEERED: Final = 0.5  # of one motor's thrust, between the two: with more, a hull without wind turns,
 _TURNS_RAD_S: Final = 0.05  # like this at least
 _HELPLESS_S: Final = 1.0
-_TRIAL_S: Final = 6.0  # of the same, for boats without a measured current
+_CHECK_S: Final = 6.0  # of the same, for boats without a measured current
 _SMOOTH_S: Final = 1.0
 _WITHOUT_CURRENT: Final = (Fault.DEAD, Fault.REVERSED)
-
-NO_HEADWAY, STUCK, AGROUND = 1, 2, 3  # guidance's verdicts
 
 
 class MotorWatch:
@@ -54,33 +49,13 @@ class MotorWatch:
         self._suspect: Hypothesis | None = None
 
     @property
-    def needs_trial(self) -> bool:
-        """Whether only a trial can tell if both motors pull.
+    def needs_check(self) -> bool:
+        """Whether only a motor check can tell if both motors pull.
 
         A motor that gives no thrust and a wind against it look alike to a boat that measures no current,
         while the commands stand still.
         """
-        return self._helpless_s >= _TRIAL_S and not self._evidence.has_current
-
-    @property
-    def fault(self) -> str:
-        """A motor that does not pull as it should, in words."""
-        verdict = self.verdict
-        return "" if verdict is None or verdict.fault is Fault.REVERSED else verdict.text
-
-    @property
-    def reversal(self) -> str:
-        """A motor that runs the wrong way, in words."""
-        verdict = self.verdict
-        return "" if verdict is None or verdict.fault is not Fault.REVERSED else verdict.text
-
-    @property
-    def has_lost(self) -> str:
-        """ "left" or "right": the motor that gives no thrust; else empty."""
-        verdict = self.verdict
-        if verdict is None or verdict.fault not in (Fault.DEAD, Fault.BLOCKED):
-            return ""
-        return "left" if verdict.is_left else "right"
+        return self._helpless_s >= _CHECK_S and not self._evidence.has_current
 
     def reset(self) -> None:
         """Judge anew; what was learned of the boat stays."""
@@ -167,38 +142,3 @@ class MotorWatch:
         is_turning = self._turn_rad_s * math.copysign(1.0, self._steered) >= _TURNS_RAD_S
         is_helpless = abs(self._steered) > _STEERED and not is_turning
         self._helpless_s = self._helpless_s + dt_s if is_helpless else 0.0
-
-
-def motor_failing(signs: "FailsafeInputs") -> str:
-    """A motor gives no thrust, or too little for its current."""
-    return signs.failed_motor or signs.motors.fault
-
-
-def steering_lost(signs: "FailsafeInputs") -> str:
-    """A motor runs the wrong way."""
-    return signs.motors.reversal
-
-
-def no_headway(signs: "FailsafeInputs") -> str:
-    """Full ahead, and the water is as fast as the boat."""
-    return "No headway: the water is as fast as the boat" if signs.headway == NO_HEADWAY else ""
-
-
-def stuck(signs: "FailsafeInputs") -> str:
-    """Full ahead, and something holds the boat."""
-    return "Stuck: something holds the boat" if signs.headway == STUCK else ""
-
-
-def aground(signs: "FailsafeInputs") -> str:
-    """Close to a line, driven hard, and held."""
-    return "Aground: held at the shore" if signs.headway == AGROUND else ""
-
-
-def capsized(signs: "FailsafeInputs") -> str:
-    """Keel up, or nearly; told by a heading sensor that also gives roll and pitch."""
-    reading, limit_rad = signs.heading, signs.config.failsafe.capsize_rad
-    if reading is None or limit_rad <= 0.0 or reading.roll_rad is None or reading.pitch_rad is None:
-        return ""
-    if not max(abs(reading.roll_rad), abs(reading.pitch_rad)) > limit_rad:
-        return ""
-    return f"Capsized: roll {math.degrees(reading.roll_rad):.0f}, pitch {math.degrees(reading.pitch_rad):.0f}"

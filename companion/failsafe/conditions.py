@@ -1,0 +1,197 @@
+"""The conditions of the failsafes: each says in a few words what is wrong, "" while nothing is."""
+
+import math
+from typing import Final
+
+from companion.core.health import fault_texts, lacks_heading, lacks_position
+from companion.core.modes import Mode
+from companion.core.state import EstimateFault
+from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.motors.hypotheses import Fault
+from companion.guidance.stall_detector import StallVerdict
+
+_STALE_S: Final = 5.0  # a hull sensor that has been silent for longer says nothing
+_RC_EXCEPT_AUTO: Final = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
+# Plain numbers: an IntFlag's arithmetic costs microseconds
+_GNSS: Final = int(
+    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
+)
+_COMPASS: Final = int(EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE)
+
+
+# Position and heading
+
+
+def position_lost(inputs: FailsafeInputs) -> str:
+    """The position is too uncertain to sail by."""
+    nav, timeout_s = inputs.nav, inputs.config.motors.estimate_timeout_s
+    return "Position lost" if nav is not None and lacks_position(nav, timeout_s) else ""
+
+
+def heading_lost(inputs: FailsafeInputs) -> str:
+    """The heading is too uncertain to steer by."""
+    nav, timeout_s = inputs.nav, inputs.config.motors.estimate_timeout_s
+    return "Heading lost" if nav is not None and lacks_heading(nav, timeout_s) else ""
+
+
+def gnss_bad(inputs: FailsafeInputs) -> str:
+    """The receiver is silent, late, frozen or jumping."""
+    return _worst(inputs, _GNSS)
+
+
+def compass_bad(inputs: FailsafeInputs) -> str:
+    """The compass is silent, late, stuck, or disagrees with the course."""
+    return _worst(inputs, _COMPASS)
+
+
+def _worst(inputs: FailsafeInputs, of: int) -> str:
+    nav = inputs.nav
+    return "" if nav is None or not nav.faults & of else fault_texts(nav.faults & of)[0]
+
+
+# Power
+
+
+def battery_low(inputs: FailsafeInputs) -> str:
+    """Below BATT_LOW_VOLT."""
+    return _below(inputs, inputs.config.failsafe.battery_low_v, "low")
+
+
+def battery_critical(inputs: FailsafeInputs) -> str:
+    """Below BATT_CRT_VOLT."""
+    return _below(inputs, inputs.config.failsafe.battery_critical_v, "critical")
+
+
+def _below(inputs: FailsafeInputs, limit_v: float, what: str) -> str:
+    battery = inputs.battery
+    if battery is None or limit_v <= 0.0 or not battery.voltage_v < limit_v:
+        return ""
+    return f"Battery {what}: {battery.voltage_v:.1f} V"
+
+
+def out_of_range(inputs: FailsafeInputs) -> str:
+    """The charge will soon no longer take the boat home."""
+    return inputs.shortfall
+
+
+# Propulsion
+
+
+def motor_failing(inputs: FailsafeInputs) -> str:
+    """A motor gives no thrust, or too little for its current."""
+    verdict = inputs.verdict
+    inferred = "" if verdict is None or verdict.fault is Fault.REVERSED else verdict.text
+    return inputs.failed_motor or inferred
+
+
+def steering_lost(inputs: FailsafeInputs) -> str:
+    """A motor turns the wrong way."""
+    verdict = inputs.verdict
+    return verdict.text if verdict is not None and verdict.fault is Fault.REVERSED else ""
+
+
+def no_headway(inputs: FailsafeInputs) -> str:
+    """Full ahead, and the current is as fast as the boat."""
+    is_stalled = inputs.board.stall is StallVerdict.NO_HEADWAY
+    return "No headway: the water is as fast as the boat" if is_stalled else ""
+
+
+def stuck(inputs: FailsafeInputs) -> str:
+    """Full ahead, and something holds the boat."""
+    return "Stuck: something holds the boat" if inputs.board.stall is StallVerdict.STUCK else ""
+
+
+# Boundary
+
+
+def aground(inputs: FailsafeInputs) -> str:
+    """Close to a line of the fence, driven hard, and held."""
+    return "Aground: held at the shore" if inputs.board.stall is StallVerdict.AGROUND else ""
+
+
+def fence_breached(inputs: FailsafeInputs) -> str:
+    """Beyond a line of the fence."""
+    beyond_m = inputs.beyond_fence_m
+    return f"Outside the fence by {beyond_m:.1f} m" if beyond_m > 0.0 else ""
+
+
+# Hull
+
+
+def capsized(inputs: FailsafeInputs) -> str:
+    """Keel up, or nearly, by a heading sensor that gives roll and pitch."""
+    reading, limit_rad = inputs.board.heading, inputs.config.failsafe.capsize_rad
+    if reading is None or limit_rad <= 0.0 or reading.roll_rad is None or reading.pitch_rad is None:
+        return ""
+    if not max(abs(reading.roll_rad), abs(reading.pitch_rad)) > limit_rad:
+        return ""
+    return f"Capsized: roll {math.degrees(reading.roll_rad):.0f}, pitch {math.degrees(reading.pitch_rad):.0f}"
+
+
+def leak(inputs: FailsafeInputs) -> str:
+    """Water in the hull."""
+    reading = inputs.board.hull
+    is_wet = reading is not None and reading.is_wet and inputs.now_s - reading.time_s <= _STALE_S
+    return "Water in the hull" if is_wet else ""
+
+
+def too_hot(inputs: FailsafeInputs) -> str:
+    """Hull or computer above FS_TEMP_MAX."""
+    reading, limit_c = inputs.board.hull, inputs.config.failsafe.max_temperature_c
+    if reading is None or reading.temperature_c is None or limit_c <= 0.0:
+        return ""
+    if not reading.temperature_c > limit_c or inputs.now_s - reading.time_s > _STALE_S:
+        return ""
+    return f"Too hot: {reading.temperature_c:.0f} C"
+
+
+# Links
+
+
+def operator_lost(inputs: FailsafeInputs) -> str:
+    """The operator's heartbeats have stopped."""
+    setting = inputs.config.failsafe
+    is_lost = setting.gcs_enabled and inputs.operator_silent_s > setting.gcs_timeout_s
+    return f"Operator lost for {setting.gcs_timeout_s:g} s" if is_lost else ""
+
+
+def planner_lost(inputs: FailsafeInputs) -> str:
+    """The program that steers in GUIDED, or in a mission's hand-over, is silent."""
+    limit_s = inputs.config.failsafe.planner_timeout_s
+    is_lost = limit_s > 0.0 and inputs.planner_silent_s > limit_s
+    return f"Planner lost for {limit_s:g} s" if is_lost else ""
+
+
+def helm_lost(inputs: FailsafeInputs) -> str:
+    """A station's sticks that steered the boat are stale."""
+    is_lost = inputs.config.failsafe.rc_enabled and inputs.sticks_dropped and not inputs.radio_heard
+    return "RC lost: nobody holds the sticks" if is_lost else ""
+
+
+def rc_lost(inputs: FailsafeInputs) -> str:
+    """The transmitter is gone, and no station steers in its place."""
+    enabled = inputs.config.failsafe.rc_enabled
+    if not inputs.radio_heard or not enabled or (enabled == _RC_EXCEPT_AUTO and inputs.mode is Mode.AUTO):
+        return ""
+    return f"RC lost: {inputs.radio_fault}" if inputs.radio_fault and not inputs.has_station_sticks else ""
+
+
+# Computer
+
+
+def sonar_lost(inputs: FailsafeInputs) -> str:
+    """A sonar that has pinged is silent."""
+    limit_s = inputs.config.failsafe.sonar_timeout_s
+    return f"Sonar lost for {limit_s:g} s" if inputs.now_s - inputs.board.sonar_s > limit_s else ""
+
+
+def overrun(inputs: FailsafeInputs) -> str:
+    """The control loop takes longer than its tick."""
+    load = inputs.board.load
+    return f"Computer overloaded: {100.0 * load:.0f} % of its time" if load > 1.0 else ""
+
+
+def storage_failed(inputs: FailsafeInputs) -> str:
+    """Data that must survive a restart could not be written."""
+    fault = inputs.board.storage_fault
+    return f"Not written: {fault}" if fault else ""

@@ -1,0 +1,43 @@
+"""When a failsafe does not act: what the guards of the table ask of the inputs."""
+
+import math
+from typing import Final
+
+from companion.core.modes import Mode
+from companion.core.state import NavState
+from companion.failsafe.actions import WAYS_HOME
+from companion.failsafe.inputs import FailsafeInputs
+from companion.geofence.fence import Fence
+
+_ASTRAY_RAD: Final = (0.0, -0.3, 0.3)  # the direction of the current is known to about this
+
+ALL_MODES: Final = frozenset(Mode)
+POSITION_MODES: Final = frozenset(mode for mode in Mode if mode.needs_position)
+"""Not MANUAL, which the operator may always choose."""
+AUTONOMOUS_MODES: Final = frozenset(mode for mode in Mode if not mode.is_by_hand)
+
+
+def on_way_home(inputs: FailsafeInputs) -> bool:
+    """The boat sails home already."""
+    return inputs.mode in WAYS_HOME
+
+
+def on_way_home_or_inside(inputs: FailsafeInputs) -> bool:
+    """The boat sails home, or to a station inside the fence."""
+    if inputs.mode is not Mode.LOITER:
+        return inputs.mode in WAYS_HOME
+    return inputs.station is not None and inputs.fence.allows(inputs.station)
+
+
+def never(_: FailsafeInputs) -> bool:
+    """No exception is made."""
+    return False
+
+
+def may_drift(nav: NavState | None, fence: Fence, seconds: float) -> bool:
+    """Whether the current carries the boat over no line of the fence in this time."""
+    if nav is None:
+        return True
+    drift_m = seconds * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
+    course = math.atan2(nav.current_east_m_s, nav.current_north_m_s)
+    return all(fence.room_m(nav.point, course + off, drift_m) >= drift_m for off in _ASTRAY_RAD)

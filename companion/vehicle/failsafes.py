@@ -1,0 +1,134 @@
+"""Between the vehicle and its failsafes: what they look at, and what the vehicle does about it."""
+
+import math
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from companion.core.health import lacks_heading
+from companion.core.intent import Intent
+from companion.core.modes import Mode
+from companion.core.status_text import Severity
+from companion.failsafe.actions import AssumeFailed, Decision, Disarm, LimitSpeed, Notify, Recover, Retreat
+from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.monitor import PERIOD_S
+from companion.failsafe.recovery.transition_table import Trigger
+from companion.failsafe.response import respond, routine_check
+from companion.failsafe.table import Condition
+
+if TYPE_CHECKING:
+    from companion.vehicle.vehicle import Vehicle
+
+NO_HEADING = "no heading"
+
+
+def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
+    """One cycle: look, decide, and do it."""
+    inputs = failsafe_inputs(vehicle, now_s)
+    for alarm in vehicle.failsafes.update(inputs):
+        # An alarm before may have changed the mode
+        seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
+        for decision in respond(alarm, seen):
+            _carry_out(decision, vehicle, now_s)
+    if inputs.needs_motor_check:
+        seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
+        for decision in routine_check(seen):
+            _carry_out(decision, vehicle, now_s)
+
+
+def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
+    """All that the failsafes look at. Made once a cycle: it also feeds what learns over cycles."""
+    failsafes, config, mode, board = vehicle.failsafes, vehicle.config, vehicle.mode, vehicle.board
+    nav, frame, battery = vehicle.nav, vehicle.frame, vehicle.battery
+    planner, sticks, motors = failsafes.planner, failsafes.sticks, failsafes.motors
+    endurance, check = failsafes.endurance, vehicle.recovery.motor_check
+    if endurance.is_due(now_s):
+        home = None if vehicle.home is None or frame is None else frame.to_local(vehicle.home)
+        home_m = math.inf if nav is None else vehicle.home_distance_m(nav.point)
+        endurance.compare(nav, home, home_m, battery, board.consumed_mah, config)
+    endurance.learn(battery, nav, config, PERIOD_S)
+    failsafes.fence.update(vehicle.fence, nav, config.motors, now_s)
+    if not vehicle.is_guided and not failsafes.is_active(Condition.PLANNER_LOST):
+        planner.release()
+    if not mode.is_by_hand and not failsafes.is_active(Condition.HELM_LOST):
+        sticks.stop_watching()
+    if not vehicle.armed:
+        motors.rearm()
+    # One motor alone moves the hull as no model says
+    if vehicle.recovery.is_active or not board.judges_motors or check.motors.has_failed:
+        motors.pause()
+    else:
+        motors.update(board.left, board.right, nav, vehicle.fix, battery, config, now_s, PERIOD_S)
+    station = vehicle.conduct.passage.station
+    return FailsafeInputs(
+        now_s=now_s,
+        config=config,
+        mode=mode,
+        armed=vehicle.armed,
+        nav=nav,
+        battery=battery,
+        board=board,
+        fence=vehicle.fence,
+        beyond_fence_m=failsafes.fence.beyond_m,
+        station=None if station is None or frame is None else frame.to_local(station),
+        operator_silent_s=now_s - failsafes.operator.last_heard_s,
+        planner_silent_s=planner.silent_s(now_s),
+        sticks_dropped=sticks.is_lost(config, now_s),
+        has_station_sticks=sticks.has_station(config, now_s),
+        radio_heard=sticks.rc.is_heard,
+        radio_fault=sticks.rc.fault(config.rc, now_s),
+        shortfall=endurance.shortfall,
+        verdict=motors.verdict,
+        needs_motor_check=motors.needs_check,
+        failed_motor=check.fault(),
+        reversed_motor=check.motors.has_reversed,
+        recovery=vehicle.recovery.state,
+    )
+
+
+def _carry_out(decision: Decision, vehicle: "Vehicle", now_s: float) -> None:
+    match decision:
+        case Notify(severity, text):
+            vehicle.notify(severity, text)
+        case Disarm():
+            vehicle.disarm("by failsafe")
+        case Retreat(modes):
+            vehicle.recovery.handle(Trigger.RETREAT if modes else Trigger.ABORT, now_s)
+            _retreat(modes, vehicle)
+        case LimitSpeed(share):
+            vehicle.speed_m_s = share * vehicle.config.speed.cruise_m_s
+        case Recover(trigger, severity, text):
+            if vehicle.recovery.handle(trigger, now_s) and text:
+                vehicle.notify(severity, text)
+        case AssumeFailed(is_left):
+            vehicle.recovery.handle(Trigger.ABORT, now_s)
+            vehicle.recovery.motor_check.assume_failed(is_left, now_s)
+
+
+def _retreat(modes: tuple[Mode, ...], vehicle: "Vehicle") -> None:
+    """Enter the first mode that can be entered. LOITER needs no position: it goes by dead reckoning."""
+    nav, timeout_s = vehicle.nav, vehicle.config.motors.estimate_timeout_s
+    for mode in modes:
+        fault = vehicle.estimate_fault() if mode is Mode.LOITER else ""
+        if fault and nav is not None and vehicle.frame is not None and not lacks_heading(nav, timeout_s):
+            vehicle.force_mode(mode, "failsafe, by dead reckoning")
+            return
+        if fault == NO_HEADING:
+            vehicle.force_mode(mode, "failsafe, feeling for its heading")
+            return
+        if vehicle.change_mode(mode, "failsafe").accepted:
+            return
+    vehicle.change_mode(Mode.HOLD, "failsafe")
+
+
+def run_recovery(vehicle: "Vehicle", now_s: float) -> Intent:
+    """Go on with the recovery under way."""
+    board = vehicle.board
+    step = vehicle.recovery.update(vehicle.nav, vehicle.fence, vehicle.config, board.left, board.right, now_s)
+    if step.text:
+        vehicle.notify(Severity.WARNING, step.text)
+    if step.cleared:
+        vehicle.failsafes.motors.clear(now_s)
+    elif step.cleared is not None:
+        vehicle.failsafes.motors.reset()
+    return step.intent
