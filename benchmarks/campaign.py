@@ -3,8 +3,9 @@
 import time
 
 from benchmarks.measure import Row, alone
-from sitl.experiments.campaign.run import Run
-from sitl.experiments.campaign.workers import cores, local_crew
+from sitl.experiments.mission_trial import run_mission
+from sitl.experiments.runner import cores, local_pool
+from sitl.experiments.trial import Trial
 
 _RUNS = 16
 _ROUNDS = 3
@@ -21,11 +22,11 @@ def rows() -> list[Row]:
 
 
 def _seconds(workers: int, count: int) -> float:
-    runs = [Run(number=n, scenario="open", seed=n, course="straight") for n in range(1, count + 1)]
-    with local_crew(workers) as crew:
-        list(crew.sail(runs[: 2 * workers]))  # every worker has imported what it needs
+    runs = [Trial(number=n, scenario="open", seed=n, course="straight") for n in range(1, count + 1)]
+    with local_pool(workers) as pool:
+        list(pool.run(run_mission, runs[: 2 * workers]))  # every worker has imported what it needs
         began_s = time.perf_counter()
-        outcomes = list(crew.sail(runs))
+        outcomes = list(pool.run(run_mission, runs))
         taken_s = time.perf_counter() - began_s
     assert all(outcome.ended == "completed" for outcome in outcomes)
     return taken_s

@@ -1,54 +1,53 @@
-"""`boat-sitl encounters`: what avoidance makes of things in the way."""
+"""`boat-sitl encounters`: the avoidance experiment."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import Progress
 
 from companion.core.output_file import write_text
-from sitl.cli.arguments import Workers
-from sitl.experiments.campaign.workers import cores
-from sitl.experiments.encounters.bench import WATERS, markdown, sail_all
+from sitl.cli.arguments import Settings, Workers
+from sitl.cli.progress import progress_bar
+from sitl.experiments.encounters.encounter import encounter_trials, run_encounter
+from sitl.experiments.encounters.table import ENCOUNTERS, markdown
+from sitl.experiments.runner import cores, local_pool, run_trials
+from sitl.scenarios.layers import parse_overrides
+from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.sampling import MOST_SEED
 
 
 def encounters(
-    seeds: Annotated[int, typer.Option(min=1, max=100_000, help="runs in each water")] = 20,
-    first_seed: Annotated[int, typer.Option(min=1, max=MOST_SEED, help="the first one's")] = 1,
+    seeds: Annotated[int, typer.Option(min=1, max=100_000, help="runs of each encounter")] = 20,
+    first_seed: Annotated[int, typer.Option(min=1, max=MOST_SEED, help="the first seed")] = 1,
     only: Annotated[
-        list[str] | None, typer.Option(metavar="WORD", help="waters whose name has this word in it [all]")
+        list[str] | None, typer.Option(metavar="WORD", help="encounters whose name contains this word [all]")
     ] = None,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="a setting, such as vehicle.avoidance.by_sight=1"),
-    ] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="write the table here, too")] = None,
+    settings: Settings = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="write the table to this file, too")] = None,
     workers: Workers = None,
 ) -> None:
-    """Sail a leg with rocks, walls, shores and moving things in the way that the boat's plan does not know.
+    """Run a leg with rocks, walls, shores and moving obstacles that the boat's plan does not know.
 
-    Each run is sailed without them first: what moves is aimed at where the boat would be. Prints a table.
+    Each run is first made without them, so that a mover can be aimed at the boat. Prints a table.
 
     Example:  boat-sitl encounters --seeds 5 --only crossing
     """
     console = Console(stderr=True, highlight=False)
-    waters = [water for water in WATERS if not only or any(word in water.name for word in only)]
-    if not waters:
-        known = ", ".join(water.name for water in WATERS)
+    chosen = [one for one in ENCOUNTERS if not only or any(word in one.name for word in only)]
+    if not chosen:
+        known = ", ".join(one.name for one in ENCOUNTERS)
         raise typer.BadParameter(f"--only {', '.join(only or ())}: expected a part of one of {known}")
-    sown = range(first_seed, first_seed + seeds)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("sailing", total=len(waters) * seeds)
-        trials = sail_all(
-            waters,
-            sown,
-            tuple(overrides or ()),
-            workers or cores(),
-            lambda: progress.update(task, advance=1),
-        )
-    table = markdown(trials)
+    load_scenario("open", settings or ())  # a wrong setting is reported before the first run
+    trials = encounter_trials(
+        chosen, range(first_seed, first_seed + seeds), dict(parse_overrides(settings or ()).tree)
+    )
+    with (
+        progress_bar(console, "encounters", len(trials)) as advance,
+        local_pool(workers or cores()) as pool,
+    ):
+        results = run_trials(pool, run_encounter, trials, advance=advance, is_strict=True)
+    table = markdown(trials, results)
     typer.echo(table)
     if out is not None:
         write_text(out, table)

@@ -1,4 +1,4 @@
-"""`boat-sitl paper`: the paper's experiment, sailed again."""
+"""`boat-sitl paper`: the paper's experiment, repeated in simulation."""
 
 import json
 from pathlib import Path
@@ -7,15 +7,15 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.markdown import Markdown
-from rich.progress import Progress
 
 from companion.core.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
-from sitl.experiments.campaign.workers import cores
+from sitl.cli.progress import progress_bar
 from sitl.experiments.paper import figures, table
-from sitl.experiments.paper.conditions import CASES, FIRST_SEED, RUNS, Method, seeds
-from sitl.experiments.paper.experiment import sail_all
+from sitl.experiments.paper.conditions import FIRST_SEED, RUNS, Method, seeds
+from sitl.experiments.paper.run import paper_trials, run_paper_trial
 from sitl.experiments.paper.step_response import step_responses
+from sitl.experiments.runner import cores, local_pool, run_trials
 
 
 def paper(
@@ -29,10 +29,10 @@ def paper(
     workers: Workers = None,
     as_json_text: Annotated[bool, typer.Option("--json", help="the reductions as JSON on stdout")] = False,
 ) -> None:
-    """Sail the five cases of the paper with on/off steering, heading PID, and what came after them.
+    """Run the five cases of the paper with on/off steering, heading PID and line-of-sight guidance.
 
-    Every method sails the same plan through the same water. Prints Table 3 by the paper's equations and by
-    the true figures; writes runs.csv, table3.csv, tables.md and the figures. docs/paper.md discusses them.
+    All methods have the same plans and disturbances. Prints Table 3 by the paper's equations and from ground
+    truth; writes runs.csv, table3.csv, tables.md and the figures. docs/paper.md discusses them.
     Exit code 1 unless heading PID beats on/off steering in mean length, time and both deviations in every
     case.
 
@@ -46,20 +46,19 @@ def paper(
     console.print(f"seeds {reported[0]} to {reported[-1]}{untouched}")
     for method in Method:
         console.print(f"  {method}: {method.meaning}")
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("sailing", total=len(CASES) * len(Method) * runs)
-        sailed = sail_all(reported, workers or cores(), lambda: progress.update(task, advance=1))
-    trials = [one.trial for one in sailed]
-    rows = table.rows(trials)
+    trials = paper_trials(reported)
+    with progress_bar(console, "paper", len(trials)) as advance, local_pool(workers or cores()) as pool:
+        results = run_trials(pool, run_paper_trial, trials, advance=advance, is_strict=True)
+    rows = table.rows(results)
     text = table.markdown(rows)
-    table.write_trials(out / "runs.csv", trials)
+    table.write_results(out / "runs.csv", results)
     table.write_rows(out / "table3.csv", rows)
     write_text(out / "tables.md", text)
     figures.draw_step_responses(step_responses(reported[0]), out / "figure5.png")
     figures.draw_pool(out / "figure16.png")
     figures.draw_deviations(rows, out / "figure17.png")
     figures.draw_lengths_and_times(rows, out / "figure18.png")
-    figures.draw_tracks(sailed, out / "tracks.png")
+    figures.draw_tracks(results, out / "tracks.png")
     shares = table.reductions(rows)
     if as_json_text:
         typer.echo(json.dumps({"seeds": reported, "reductions": shares}, indent=2))

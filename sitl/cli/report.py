@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from companion.core.output_file import write_text
-from sitl.experiments.campaign.ledger import Ledger
+from sitl.experiments.result_log import ResultLog
 from sitl.reports.campaign_page import campaign_page
 from sitl.reports.run_page import run_page
 from sitl.run.run_record import load_record
@@ -28,12 +28,10 @@ def report(
     """
     remark = ""
     if source.is_dir():
-        plan, outcomes = Ledger.read(source)
-        text, beside = campaign_page(plan, outcomes), source / "report.html"
-        if len(outcomes) < len(plan.runs):
-            remark = (
-                f" (stopped early: {len(plan.runs) - len(outcomes)} of {len(plan.runs)} runs are missing)"
-            )
+        plan, results = ResultLog.read(source)
+        text, beside = campaign_page(plan, results), source / "report.html"
+        if len(results) < len(plan.runs):
+            remark = f" (stopped early: {len(plan.runs) - len(results)} of {len(plan.runs)} runs are missing)"
     else:
         text, beside = run_page(load_record(source)), source.with_suffix(".html")
     page = out or beside

@@ -1,4 +1,4 @@
-"""`boat-sitl tune`: PID gains for a boat, found by sailing."""
+"""`boat-sitl tune`: PID gains for a boat, found by simulation."""
 
 import hashlib
 import json
@@ -8,33 +8,34 @@ from typing import Annotated
 import msgspec
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from companion.core.errors import BoatError
 from companion.core.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
+from sitl.cli.progress import progress_bar
 from sitl.experiments.campaign.campaign import Campaign
-from sitl.experiments.campaign.ledger import Ledger
-from sitl.experiments.campaign.run import Outcome, Run
-from sitl.experiments.campaign.workers import Crew, cores, local_crew
+from sitl.experiments.mission_trial import run_mission
+from sitl.experiments.result_log import ResultLog
+from sitl.experiments.runner import TrialPool, cores, local_pool, run_trials
+from sitl.experiments.trial import Trial, TrialResult
+from sitl.experiments.tuning.comparison import GainComparison, compare
 from sitl.experiments.tuning.gains import Gains, gains_of, parameter_file
 from sitl.experiments.tuning.picture import draw_search
-from sitl.experiments.tuning.search import CANDIDATES, REACHES, Sail, Standing, search
-from sitl.experiments.tuning.trial import Trials
-from sitl.experiments.tuning.verdict import TuningVerdict, judge
+from sitl.experiments.tuning.problem import TuningProblem
+from sitl.experiments.tuning.search import CANDIDATES, REACHES, Ranking, RunTrials, search
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.sampling import MOST_SEED
 
-_CHECK_SEEDS = 8  # other seeds than those of the search
-_CHECK_AT = 1_000_000  # where the numbers of their runs begin
+_CHECK_SEEDS = 8  # not those of the search
+_CHECK_AT = 1_000_000  # the first number of these trials
 _FIGURES = ("kept_rms_m", "kept_max_m", "overshoot_m", "command_travel_per_s", "time_s")
 
-Found = tuple[list[Standing], dict[str, list[Outcome]]]
+Found = tuple[list[Ranking], dict[str, list[TrialResult]]]
 
 
 class TuneError(BoatError):
-    """The boat does not sail the course."""
+    """The boat does not complete the course."""
 
 
 def tune(
@@ -43,18 +44,18 @@ def tune(
         Path | None, typer.Option("--out", "-o", metavar="DIR", help="where results go [out/tune-BOAT]")
     ] = None,
     workers: Workers = None,
-    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="of the search and of its runs")] = 9001,
-    candidates: Annotated[int, typer.Option(min=4, max=100_000, help="sets of gains a round")] = CANDIDATES,
+    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="of the search and its runs")] = 9001,
+    candidates: Annotated[int, typer.Option(min=4, max=100_000, help="sets of gains per round")] = CANDIDATES,
     as_json_text: Annotated[
         bool, typer.Option("--json", help="gains, verdict and figures as JSON on stdout")
     ] = False,
 ) -> None:
-    """Find the gains of heading and speed by a campaign, and write them as a parameter file.
+    """Tune the gains of heading and speed, and write them as a parameter file.
 
-    Tries sets of gains on a course of sharp and gentle corners, in still water and in currents, and looks
-    closer around the best (successive halving). Then sails the best and the boat's own on seeds that the
-    search has not seen; what is not better there beyond doubt is not taken. After Ctrl-C the same command
-    goes on where it stopped.
+    Compares sets of gains on a course of sharp and gentle corners, in still water and in currents, and
+    searches closer around the best (successive halving). Then checks the best against the boat's own on
+    seeds that the search did not use; gains that are not significantly better are rejected. After Ctrl-C the
+    same command continues.
 
     A ground station loads tuned.parm; so does the boat, as params.parm in its storage folder. tuning.png
     shows the search. Exit code 1 if the boat does not complete the course with the gains that are written.
@@ -66,90 +67,95 @@ def tune(
     scenario = load_scenario("open", [f"boat.model={model}"])
     folder = out or Path("out") / f"tune-{Path(boat).stem}"
     output_folder(folder)
-    trials = Trials(model, scenario.vehicle, scenario.frame, folder)
+    problem = TuningProblem(model, scenario.vehicle, scenario.frame, folder)
     before = gains_of(scenario.vehicle)
     plan = Campaign(
         f"tune {boat}", "tune", (), (), _fingerprint(boat, before, seed, candidates, scenario.hull)
     )
     console.print(f"tune {boat}: search with seeds from {seed}, check with seeds from {seed + 100}")
-    with Ledger(folder, plan) as ledger, local_crew(workers or cores()) as crew:
-        if ledger.outcomes:
-            console.print(f"{len(ledger.outcomes)} runs are there from before")
+    with ResultLog(folder, plan) as log, local_pool(workers or cores()) as pool:
+        if log.results:
+            console.print(f"{len(log.results)} runs are there from before")
         try:
-            standings, checked = _sail_all(trials, before, seed, candidates, ledger, crew, console)
+            rankings, checked = _search_and_check(problem, before, seed, candidates, pool, log, console)
         except KeyboardInterrupt:
-            console.print(f"{len(ledger.outcomes)} runs are kept: the same command goes on")
+            console.print(f"{len(log.results)} runs are kept: the same command goes on")
             raise
-    best = standings[-1].best
-    verdict = judge(trials.ratios(checked["after"], checked["before"]))
+    best = rankings[-1].best
+    verdict = compare(problem.ratios(checked["after"], checked["before"]))
     taken = best if verdict.is_better else before
     path = folder / "tuned.parm"
     word = "found" if verdict.is_better else "its own: no better ones were found"
     write_text(path, parameter_file(taken, [f"gains of {boat}, {word} with seed {seed}"]))
-    draw_search(standings, verdict, f"gains of {boat}", folder / "tuning.png")
+    draw_search(rankings, verdict, f"gains of {boat}", folder / "tuning.png")
     if as_json_text:
         typer.echo(_as_json(boat, seed, before, best, verdict, checked, path))
     else:
         _print(before, best, verdict, checked, console)
         console.print(f"written: {path}, {folder / 'tuning.png'}")
-    outcomes = checked["after" if verdict.is_better else "before"]
-    lost = sum(outcome.ended != "completed" for outcome in outcomes)
+    results = checked["after" if verdict.is_better else "before"]
+    lost = sum(result.ended != "completed" for result in results)
     if lost:
-        raise TuneError(f"{lost} of {len(outcomes)} runs with the gains in {path} are not completed")
+        raise TuneError(f"{lost} of {len(results)} runs with the gains in {path} are not completed")
 
 
-def _sail_all(
-    trials: Trials, before: Gains, seed: int, candidates: int, ledger: Ledger, crew: Crew, console: Console
+def _search_and_check(
+    problem: TuningProblem,
+    before: Gains,
+    seed: int,
+    candidates: int,
+    pool: TrialPool,
+    log: ResultLog,
+    console: Console,
 ) -> Found:
-    """Search, then sail the best gains and the boat's own on other seeds."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("", total=None)
+    """Search, then compare the best gains with those before on other seeds."""
+    title = ""
 
-        def sail(runs: list[Run]) -> list[Outcome]:
-            left = [run for run in runs if run.number not in ledger.outcomes]
-            progress.update(task, total=len(runs), completed=len(runs) - len(left))
-            for outcome in crew.sail(left):
-                ledger.add(outcome)
-                progress.advance(task)
-            return [ledger.outcomes[run.number] for run in runs]
+    def run(trials: list[Trial]) -> list[TrialResult]:
+        done = sum(trial.number in log.results for trial in trials)
+        with progress_bar(console, title, len(trials), done) as advance:
+            return run_trials(pool, run_mission, trials, log, advance)
 
-        standings: list[Standing] = []
-        progress.update(task, description=f"round 1 of {len(REACHES)}")
-        for standing in search(trials, before, seed, sail, candidates):
-            standings.append(standing)
-            compared, ratio = len(standing.ratios), standing.ratios[0]
-            console.print(
-                f"round {standing.round}: best of {compared}: cost relative to baseline {ratio:.3f}"
-            )
-            progress.update(task, description=f"round {standing.round} of {len(REACHES)}")
-        progress.update(task, description="check")
-        return standings, _checked(trials, before, standings[-1].best, seed + 100, sail)
+    rankings: list[Ranking] = []
+    title = f"round 1 of {len(REACHES)}"
+    for ranking in search(problem, before, seed, run, candidates):
+        rankings.append(ranking)
+        compared, ratio = len(ranking.ratios), ranking.ratios[0]
+        console.print(f"round {ranking.round}: best of {compared}: cost relative to baseline {ratio:.3f}")
+        title = f"round {ranking.round} of {len(REACHES)}"
+    title = "check"
+    return rankings, _checked(problem, before, rankings[-1].best, seed + 100, run)
 
 
-def _checked(trials: Trials, before: Gains, after: Gains, seed: int, sail: Sail) -> dict[str, list[Outcome]]:
-    """Outcomes on seeds that the search has not seen."""
+def _checked(
+    problem: TuningProblem, before: Gains, after: Gains, seed: int, run: RunTrials
+) -> dict[str, list[TrialResult]]:
+    """Results on seeds that the search did not use."""
     seeds = range(seed, seed + _CHECK_SEEDS)
-    checked = {"before": sail(trials.runs(before, seeds, _CHECK_AT))}
+    checked = {"before": run(problem.trials(before, seeds, _CHECK_AT))}
     same = after == before
-    checked["after"] = checked["before"] if same else sail(trials.runs(after, seeds, 2 * _CHECK_AT))
+    checked["after"] = checked["before"] if same else run(problem.trials(after, seeds, 2 * _CHECK_AT))
     return checked
 
 
 def _print(
-    before: Gains, after: Gains, verdict: TuningVerdict, checked: dict[str, list[Outcome]], console: Console
+    before: Gains,
+    after: Gains,
+    verdict: GainComparison,
+    checked: dict[str, list[TrialResult]],
+    console: Console,
 ) -> None:
     table = Table("", "before", "best found", box=None)
     for path in before:
         table.add_row(path, f"{before[path]:g}", f"{after[path]:g}")
-    table.add_row("cost relative to baseline", "1", f"{verdict.ratio:.3f} ± {verdict.doubt:.3f}")
+    table.add_row("cost relative to baseline", "1", f"{verdict.ratio:.3f} ± {verdict.uncertainty:.3f}")
     for figure in _FIGURES:
-        table.add_row(figure, *(_told(_mean(outcomes, figure)) for outcomes in checked.values()))
+        table.add_row(figure, *(_told(_mean(results, figure)) for results in checked.values()))
     console.print(table)
     if verdict.is_better:
         console.print(f"the gains found cost {1.0 - verdict.ratio:.0%} less")
     else:
-        console.print("no gains were found that are better beyond doubt: the boat keeps its own")
+        console.print("no gains were found that are better beyond uncertainty: the boat keeps its own")
 
 
 def _as_json(
@@ -157,8 +163,8 @@ def _as_json(
     seed: int,
     before: Gains,
     best: Gains,
-    verdict: TuningVerdict,
-    checked: dict[str, list[Outcome]],
+    verdict: GainComparison,
+    checked: dict[str, list[TrialResult]],
     path: Path,
 ) -> str:
     tree = {
@@ -168,20 +174,19 @@ def _as_json(
         "best": best,
         "is_better": verdict.is_better,
         "ratio": verdict.ratio,
-        "doubt": verdict.doubt,
+        "doubt": verdict.uncertainty,
         "figures": {
-            name: {figure: _mean(outcomes, figure) for figure in _FIGURES}
-            for name, outcomes in checked.items()
+            name: {figure: _mean(results, figure) for figure in _FIGURES} for name, results in checked.items()
         },
         "file": str(path),
     }
     return json.dumps(tree, indent=2)
 
 
-def _mean(outcomes: list[Outcome], figure: str) -> float | None:
+def _mean(results: list[TrialResult], figure: str) -> float | None:
     """None where a run has no such figure."""
-    values = [value for o in outcomes if isinstance(value := o.figures.get(figure), float)]
-    return sum(values) / len(values) if len(values) == len(outcomes) else None
+    values = [value for o in results if isinstance(value := o.figures.get(figure), float)]
+    return sum(values) / len(values) if len(values) == len(results) else None
 
 
 def _told(value: float | None) -> str:

@@ -9,8 +9,8 @@ from typing import Any
 
 from sitl.experiments.campaign.campaign import Campaign, leaves
 from sitl.experiments.campaign.expect import judge
-from sitl.experiments.campaign.run import Outcome, Run
 from sitl.experiments.campaign.table import Table, tabulate
+from sitl.experiments.trial import Trial, TrialResult
 from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
 from sitl.reports.labels import label, labelled
 from sitl.reports.page import Mark, Page
@@ -29,13 +29,13 @@ _GROUPED = (
 )
 
 
-def campaign_page(plan: Campaign, outcomes: Sequence[Outcome]) -> str:
+def campaign_page(plan: Campaign, results: Sequence[TrialResult]) -> str:
     """The page, as HTML."""
-    table = tabulate(plan, outcomes)
-    ended = Counter(outcome.ended for outcome in outcomes)
-    touching = sum(bool(outcome.touched) for outcome in outcomes)
-    page = Page(plan.title, f"{len(outcomes)} of {len(plan.runs)} runs of {plan.source}")
-    missing = len(plan.runs) - len(outcomes)
+    table = tabulate(plan, results)
+    ended = Counter(result.ended for result in results)
+    touching = sum(bool(result.touched) for result in results)
+    page = Page(plan.title, f"{len(results)} of {len(plan.runs)} runs of {plan.source}")
+    missing = len(plan.runs) - len(results)
     if missing:
         page.warning(
             f"Stopped early: {missing} of {len(plan.runs)} runs are missing, and all figures are of those "
@@ -45,12 +45,12 @@ def campaign_page(plan: Campaign, outcomes: Sequence[Outcome]) -> str:
     tiles += [("missing", str(missing))] if missing else []
     page.tiles([*tiles, ("touched something", str(touching))])
     _expectations(page, plan, table)
-    _groups(page, plan, outcomes, table)
+    _groups(page, plan, results, table)
     clearances = draw_clearances(table)
     if clearances is not None:
         page.heading("Clearance")
         page.picture(clearances, "A dot a run.")
-    _runs_to_look_at(page, plan, outcomes, table)
+    _runs_to_look_at(page, plan, results, table)
     page.heading("What was sailed")
     page.details("the first run", json.dumps(_tree(plan.runs[0]), indent=2, ensure_ascii=False))
     return page.render()
@@ -84,7 +84,7 @@ def _expectations(page: Page, plan: Campaign, table: Table) -> None:
                 page.picture(figure, caption)
 
 
-def _groups(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Table) -> None:
+def _groups(page: Page, plan: Campaign, results: Sequence[TrialResult], table: Table) -> None:
     """Means by what varies in few steps: voyages, and settings of a grid."""
     columns = [
         name for name in ("scenario", "case", "course", "mission", *plan.factors) if _is_grouping(name, table)
@@ -103,7 +103,7 @@ def _groups(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Tabl
     )
     tracks = draw_tracks(
         [
-            (", ".join(str(value) for value in key) or plan.title, [outcomes[n] for n in members])
+            (", ".join(str(value) for value in key) or plan.title, [results[n] for n in members])
             for key, members in groups.items()
         ]
     )
@@ -112,48 +112,46 @@ def _groups(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Tabl
         page.picture(tracks, "The true tracks, laid over each other; red: not completed.", is_vector=False)
 
 
-def _runs_to_look_at(page: Page, plan: Campaign, outcomes: Sequence[Outcome], table: Table) -> None:
+def _runs_to_look_at(page: Page, plan: Campaign, results: Sequence[TrialResult], table: Table) -> None:
     """Runs that touched something or did not complete, each with its fault and how to sail it again."""
     runs = {run.number: run for run in plan.runs}
     odd = [
-        (runs[outcome.number], outcome, row)
-        for outcome, row in zip(outcomes, table, strict=True)
-        if outcome.touched or outcome.ended != "completed"
+        (runs[result.number], result, row)
+        for result, row in zip(results, table, strict=True)
+        if result.touched or result.ended != "completed"
     ]
     page.heading("Runs to look at")
     if not odd:
-        missing = len(plan.runs) - len(outcomes)
+        missing = len(plan.runs) - len(results)
         which = f"every run that was sailed ({missing} are missing)" if missing else "every run"
         page.paragraph(f"None: {which} was completed, and nothing was touched.")
         return
-    by_fault = Counter(str(row.get("fault") or "none") for _, outcome, row in odd if outcome.touched)
+    by_fault = Counter(str(row.get("fault") or "none") for _, result, row in odd if result.touched)
     if by_fault:
         page.paragraph("Touched, by fault: " + ", ".join(f"{what} {n}" for what, n in by_fault.most_common()))
-    marks: list[Mark] = [
-        "bad" if outcome.touched or outcome.ended == "error" else "" for _, outcome, _ in odd
-    ]
+    marks: list[Mark] = ["bad" if result.touched or result.ended == "error" else "" for _, result, _ in odd]
     page.table(
         ("run", "ended", "fault", "touched", "inevitable", "why", "again"),
         [
             (
                 run.number,
-                outcome.ended,
+                result.ended,
                 row.get("fault") or "",
-                "; ".join(outcome.touched),
+                "; ".join(result.touched),
                 row.get("inevitable") or "",
-                outcome.why,
+                result.why,
                 again(run),
             )
-            for run, outcome, row in odd[:_MOST_LISTED]
+            for run, result, row in odd[:_MOST_LISTED]
         ],
         marks[:_MOST_LISTED],
     )
-    for run, outcome, _ in odd[:_MOST_LISTED]:
-        if outcome.traceback:
-            page.details(f"run {run.number}: traceback", outcome.traceback)
+    for run, result, _ in odd[:_MOST_LISTED]:
+        if result.traceback:
+            page.details(f"run {run.number}: traceback", result.traceback)
 
 
-def again(run: Run) -> str:
+def again(run: Trial) -> str:
     """The command that sails a run once more."""
     words = ["boat-sitl", "sail", run.scenario, "--seed", str(run.seed)]
     words += ["--case", run.case] if run.case else []
@@ -176,5 +174,5 @@ def _mean(values: Sequence[Any]) -> float | None:
     return fmean(numbers) if numbers else None
 
 
-def _tree(run: Run) -> dict[str, Any]:
+def _tree(run: Trial) -> dict[str, Any]:
     return {name: getattr(run, name) for name in run.__struct_fields__}

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from mission_tools.drawing.legend import INK, PAPER, PLANNED, SAILED
 from sitl.experiments.campaign.expect import Expectation
-from sitl.experiments.campaign.run import Outcome
+from sitl.experiments.trial import TrialResult
 from sitl.reports.labels import label, labelled
 from sitl.scenarios.courses import COURSES
 
@@ -89,10 +89,10 @@ def groups_of(expectation: Expectation, table: Sequence[Row]) -> list[tuple[str,
     return list(groups.items())
 
 
-def draw_tracks(named: Sequence[tuple[str, Sequence[Outcome]]]) -> Figure | None:
+def draw_tracks(named: Sequence[tuple[str, Sequence[TrialResult]]]) -> Figure | None:
     """Small charts side by side, each with every track of one group laid over the next; equal axes."""
-    named = [(name, [o for o in outcomes if len(o.track) > 1]) for name, outcomes in named]
-    named = [(name, outcomes) for name, outcomes in named if outcomes][: 2 * _COLUMNS]
+    named = [(name, [o for o in results if len(o.track) > 1]) for name, results in named]
+    named = [(name, results) for name, results in named if results][: 2 * _COLUMNS]
     if not named:
         return None
     rows = math.ceil(len(named) / _COLUMNS)
@@ -102,12 +102,12 @@ def draw_tracks(named: Sequence[tuple[str, Sequence[Outcome]]]) -> Figure | None
     panels = figure.subplots(rows, columns, squeeze=False)
     for axes in panels.flat[len(named) :]:
         axes.set_axis_off()
-    for axes, (name, outcomes) in zip(panels.flat, named, strict=False):
-        _draw_group(axes, name, outcomes)
+    for axes, (name, results) in zip(panels.flat, named, strict=False):
+        _draw_group(axes, name, results)
     return figure
 
 
-def _draw_group(axes: Axes, name: str, outcomes: Sequence[Outcome]) -> None:
+def _draw_group(axes: Axes, name: str, results: Sequence[TrialResult]) -> None:
     axes.set_facecolor("#eaf3f8")
     course = COURSES.get(name.split(",", maxsplit=1)[0], ())
     if course:
@@ -115,13 +115,13 @@ def _draw_group(axes: Axes, name: str, outcomes: Sequence[Outcome]) -> None:
             [p.east_m for p in course], [p.north_m for p in course], color=PLANNED, linewidth=1.2, alpha=0.7
         )
     for colour, picked in ((SAILED, True), (_MISSED, False)):
-        lines = [o.track for o in outcomes[:_MOST_TRACKS] if (o.ended == "completed") is picked]
+        lines = [o.track for o in results[:_MOST_TRACKS] if (o.ended == "completed") is picked]
         axes.add_collection(
-            LineCollection(lines, colors=colour, linewidths=0.9, alpha=max(0.2, 1.0 / len(outcomes) ** 0.5))
+            LineCollection(lines, colors=colour, linewidths=0.9, alpha=max(0.2, 1.0 / len(results) ** 0.5))
         )
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_title(_wrapped(f"{labelled(name)}: {len(outcomes)} runs"), fontsize=10, color=INK, loc="left")
+    axes.set_title(_wrapped(f"{labelled(name)}: {len(results)} runs"), fontsize=10, color=INK, loc="left")
     axes.tick_params(labelsize=7.5)
     axes.grid(color="white", linewidth=0.7)
     axes.set_xlabel("east, m", fontsize=8)

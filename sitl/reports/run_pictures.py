@@ -198,7 +198,7 @@ def _current(axes: Axes, record: RunRecord) -> None:
             truth["time_s"][::every], true, color=colour, linewidth=1.6, alpha=0.55, label=f"current, {word}"
         )
         axes.plot(
-            beliefs["time_s"], beliefs[f"set_{word}_m_s"], color=colour, linewidth=1.1, linestyle="--",
+            beliefs["time_s"], beliefs[f"current_{word}_m_s"], color=colour, linewidth=1.1, linestyle="--",
             label=f"set as estimated, {word}",
         )  # fmt: skip
 

@@ -5,12 +5,13 @@ from pathlib import Path
 import pytest
 
 from sitl.experiments.campaign.campaign import load_campaign
-from sitl.experiments.campaign.run import Run, sail_run
+from sitl.experiments.mission_trial import run_mission
+from sitl.experiments.trial import Trial, attempt
 
 CAMPAIGN = Path("examples/campaigns/other_hulls.toml")
 
 
-def run_of(hull: str) -> Run:
+def run_of(hull: str) -> Trial:
     """Its zigzag in a current to the east, by the first seed."""
     (run,) = (
         run
@@ -23,7 +24,7 @@ def run_of(hull: str) -> Run:
 
 @pytest.mark.parametrize("hull", ["small_skeg", "heavy_and_slow", "gnss_1_hz", "poor_sensors"])
 def test_a_hull_that_the_boat_does_not_know_completes_its_course(hull: str) -> None:
-    outcome = sail_run(run_of(hull))
+    outcome = attempt(run_mission, run_of(hull))
     assert outcome.ended == "completed", outcome.why
     overshoot_m = outcome.figures["overshoot_m"]
     assert isinstance(overshoot_m, float)

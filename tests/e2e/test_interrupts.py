@@ -78,7 +78,7 @@ def campaign(run_program: RunProgram, folder: Path, **environment: str) -> Progr
 
 
 @pytest.mark.parametrize("module", ["sitl.__main__", "numpy", "companion.boat"])
-def test_an_interrupt_while_campaign_workers_start_is_theirs_no_more_than_anybodys(
+def test_an_interrupt_while_campaign_workers_start_prints_no_traceback(
     run_program: RunProgram, hook: Path, tmp_path: Path, module: str
 ) -> None:
     environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": module, "INTERRUPT_IN": "worker"}

@@ -42,7 +42,7 @@ from companion.config.section import NonNegative, Positive, Section
 from companion.core.errors import ConfigError
 from sitl.experiments.campaign.design import Choice, Row, Sample, grid_rows, sample_rows
 from sitl.experiments.campaign.expect import Expectation
-from sitl.experiments.campaign.run import Run
+from sitl.experiments.trial import Trial
 from sitl.scenarios.layers import Layer, decode, merge
 from sitl.scenarios.missions import course_names
 from sitl.world.sensors.sampling import Seed
@@ -85,7 +85,7 @@ class Campaign:
 
     title: str
     source: str
-    runs: tuple[Run, ...]
+    runs: tuple[Trial, ...]
     expect: tuple[Expectation, ...]
     fingerprint: str
 
@@ -113,7 +113,7 @@ def load_campaign(path: Path) -> Campaign:
     )
 
 
-def _runs(file: File, path: Path) -> Iterator[Run]:
+def _runs(file: File, path: Path) -> Iterator[Trial]:
     table, name = file.run, str(path)
     for course in _each(table.course):
         if course and course not in course_names():
@@ -151,7 +151,7 @@ def _runs(file: File, path: Path) -> Iterator[Run]:
     for number, ((scenario, case, course, mission), (n, (factors, tree)), seed) in enumerate(
         product(voyages, enumerate(settings), seeds), 1
     ):
-        yield Run(
+        yield Trial(
             number=number,
             scenario=_beside(path, scenario),
             seed=seed + n % len(draws) * stride,
@@ -210,7 +210,7 @@ def _range(value: object, where: str) -> tuple[float, float] | Choice:
     return range_
 
 
-def _fingerprint(runs: Sequence[Run]) -> str:
+def _fingerprint(runs: Sequence[Trial]) -> str:
     """SHA-256 over the runs and the files that they name."""
     digest = hashlib.sha256()
     for run in runs:

@@ -9,13 +9,11 @@ from companion.vehicle.mission.steps import Waypoint
 from sitl.experiments.campaign.fault_figures import fault_figures
 from sitl.experiments.campaign.inevitable import inevitable
 from sitl.experiments.campaign.motor_figures import motor_figures
+from sitl.experiments.trial import Figures
 from sitl.reports.estimate_overlay import Estimate
 from sitl.run.sail import Result, Sailing
 from sitl.scenarios.courses import tracking
 from sitl.scenarios.station_keeping import station_figures
-
-Figure = float | int | str | bool | None
-Figures = dict[str, Figure]
 
 _OF_THE_MACHINE = frozenset(("cpu_seconds", "real_time_factor"))
 _OF_THE_RUN = frozenset(("scenario", "seed"))  # columns of the run already

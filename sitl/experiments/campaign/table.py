@@ -9,29 +9,29 @@ from typing import Any
 
 from companion.core.output_file import output_file
 from sitl.experiments.campaign.campaign import Campaign
-from sitl.experiments.campaign.run import Outcome, Run
+from sitl.experiments.trial import Trial, TrialResult
 
 Table = list[dict[str, Any]]
 
 
-def tabulate(campaign: Campaign, outcomes: Sequence[Outcome]) -> Table:
+def tabulate(campaign: Campaign, results: Sequence[TrialResult]) -> Table:
     """One dictionary a run: what it was, how it ended, its figures. Every row has every column."""
     runs = {run.number: run for run in campaign.runs}
-    rows = [{**_of_run(runs[outcome.number]), **_of_outcome(outcome)} for outcome in outcomes]
+    rows = [{**_of_run(runs[result.number]), **_of_outcome(result)} for result in results]
     columns = dict.fromkeys(column for row in rows for column in row)
     return [{column: row.get(column) for column in columns} for row in rows]
 
 
-def _of_run(run: Run) -> dict[str, Any]:
+def _of_run(run: Trial) -> dict[str, Any]:
     named = {name: value for name in ("case", "course", "mission") if (value := getattr(run, name))}
     factors = {name: _plain(value) for name, value in run.factors.items()}
     return {"run": run.number, "scenario": run.scenario, **named, "seed": run.seed, **factors}
 
 
-def _of_outcome(outcome: Outcome) -> dict[str, Any]:
-    touched = "; ".join(outcome.touched)
-    figures = {"completed": False, **outcome.figures}
-    return {"ended": outcome.ended, **figures, "touched": touched, "why": outcome.why}
+def _of_outcome(result: TrialResult) -> dict[str, Any]:
+    touched = "; ".join(result.touched)
+    figures = {"completed": False, **result.figures}
+    return {"ended": result.ended, **figures, "touched": touched, "why": result.why}
 
 
 def write_csv(table: Table, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The paper's figures 5, 16, 17 and 18, made anew, and the tracks of all runs."""
+"""The paper's figures 5, 16, 17 and 18 from this simulation, and the tracks of all runs."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -13,9 +13,10 @@ from companion.core.output_file import output_file
 from mission_tools.drawing.draw import arrange_names, draw_chart
 from mission_tools.drawing.legend import INK, PAPER
 from sitl.experiments.paper.conditions import CASES, Method, conditions
+from sitl.experiments.paper.run import planned
 from sitl.experiments.paper.step_response import STEP_RAD, StepResponse
 from sitl.experiments.paper.table import Row
-from sitl.experiments.paper.trial import Sailed, planned
+from sitl.experiments.trial import TrialResult
 
 COLOURS = {Method.ON_OFF: "#c0392b", Method.PID: "#1f6fb2", Method.LOS: "#2e8b57", Method.EXACT: "#8e6bbf"}
 CASE_COLOURS = dict(zip(CASES, ("#c0392b", "#1f6fb2", "#2e8b57", "#d08a1d", "#8e6bbf"), strict=True))
@@ -55,8 +56,8 @@ def draw_pool(path: Path) -> None:
         for is_exact, style in ((False, "-"), (True, ":")):
             points = planned(case, is_exact)
             axes.plot(
-                [p.east_m for p in points], [p.north_m for p in points], style, color=colour, linewidth=1.6,
-                label=f"case {case}" if not is_exact else None, zorder=8,
+                *_easts_norths(points), style, color=colour, linewidth=1.6, zorder=8,
+                label=f"case {case}" if not is_exact else None,
             )  # fmt: skip
         start, goal = points[0], points[-1]
         axes.plot(start.east_m, start.north_m, "o", color=colour, markersize=9, mec="white", zorder=9)
@@ -66,9 +67,12 @@ def draw_pool(path: Path) -> None:
     _save(figure, path, "The pool of 240 × 110 cm (Fig. 16)")
 
 
-def draw_tracks(runs: Sequence[Sailed], path: Path) -> None:
+def draw_tracks(results: Sequence[TrialResult], path: Path) -> None:
     """Every run over its plan: a row a method, a column a case."""
-    methods = [method for method in Method if any(run.trial.method == method for run in runs)]
+    tracks: dict[tuple[object, object], list[TrialResult]] = {}
+    for result in results:
+        tracks.setdefault((result.figures["method"], result.figures["case"]), []).append(result)
+    methods = [method for method in Method if any(method == key for key, _ in tracks)]
     figure = _figure((2.5 * len(CASES) + 0.6, 5.1 * len(methods)))
     for row, method in enumerate(methods):
         for column, case in enumerate(CASES):
@@ -76,20 +80,15 @@ def draw_tracks(runs: Sequence[Sailed], path: Path) -> None:
             points = planned(case, method.is_exact)
             _pool(axes, points)
             axes.tick_params(labelleft=column == 0, labelsize=7)
-            for run in runs:
-                if run.trial.case == case and run.trial.method == method:
-                    axes.plot(
-                        [p.east_m for p in run.track], [p.north_m for p in run.track],
-                        color=COLOURS[method], linewidth=0.9, alpha=0.6, zorder=8,
-                    )  # fmt: skip
-            axes.plot(
-                [p.east_m for p in points],
-                [p.north_m for p in points],
-                "--",
-                color=INK,
-                linewidth=1.0,
-                zorder=9,
-            )
+            for result in tracks.get((method, case), ()):
+                axes.plot(
+                    *zip(*result.track, strict=True),
+                    color=COLOURS[method],
+                    linewidth=0.9,
+                    alpha=0.6,
+                    zorder=8,
+                )
+            axes.plot(*_easts_norths(points), "--", color=INK, linewidth=1.0, zorder=9)
             axes.set_title(f"{method}, case {case}", fontsize=10, color=INK)
     _save(figure, path, "True tracks of all runs over their plans")
 
@@ -142,6 +141,10 @@ def _pool(axes: Axes, route: Sequence[Point] = ()) -> None:
     west, south, east, north = chart.water.bounds
     draw_chart(axes, chart, 0.0, route)
     axes.set(xlim=(west - 0.03, east + _NAME_M), ylim=(south - 0.03, north + 0.03), aspect="equal")
+
+
+def _easts_norths(points: Sequence[Point]) -> tuple[list[float], list[float]]:
+    return [point.east_m for point in points], [point.north_m for point in points]
 
 
 def _figure(size: tuple[float, float]) -> Figure:

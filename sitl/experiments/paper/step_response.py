@@ -1,4 +1,4 @@
-"""The paper's Fig. 5: how the heading answers to a step, for the three gain sets it compares."""
+"""The paper's Fig. 5: the heading's step response for three gain sets."""
 
 import dataclasses
 import math
@@ -10,7 +10,7 @@ import msgspec
 from companion.core.modes import Mode
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
-from sitl.experiments.paper.helmsman import HeadingPid
+from sitl.experiments.paper.shore_steering import HeadingPid
 from sitl.run.lockstep import Lockstep
 from sitl.run.operator import Orders
 from sitl.scenarios.scenario import Scenario, load_scenario
@@ -26,11 +26,7 @@ _BAND = 0.05  # of the step
 
 @dataclass(frozen=True, slots=True)
 class StepResponse:
-    """Heading after the step, from where it was, as the boat truly turned.
-
-    rise_s: from 10 to 90 % of the step; settle_s: until it stays within 5 % of it; None if it never does.
-    overshoot: share of the step.
-    """
+    """The true heading after the step, relative to the heading before."""
 
     gains: tuple[float, float, float]
     times_s: tuple[float, ...]
@@ -43,13 +39,13 @@ class StepResponse:
 
     @property
     def rise_s(self) -> float | None:
-        """Time from 10 % to 90 %."""
+        """Time from 10 % to 90 % of the step; None: not reached."""
         low, high = self._first(0.1), self._first(0.9)
         return None if low is None or high is None else high - low
 
     @property
     def settle_s(self) -> float | None:
-        """When it came within 5 % of the step for good."""
+        """Time until it stays within 5 % of the step; None: never."""
         late = [
             time
             for time, heading in zip(self.times_s, self.headings_rad, strict=True)
@@ -63,10 +59,10 @@ class StepResponse:
 
 
 def step_responses(seed: int = 1) -> list[StepResponse]:
-    """One response for each gain set, in the pool boat's own water without walls.
+    """One response for each gain set: the pool boat on open water.
 
     Raises:
-        SailError: the boat would not arm or change mode.
+        SailError: the boat did not arm or change mode.
     """
     scenario = load_scenario("open", ("boat.model=pool", f"seed={seed}"))
     return [_respond(scenario, gains) for gains in GAIN_SETS]
@@ -82,7 +78,7 @@ def _respond(scenario: Scenario, gains: tuple[float, float, float]) -> StepRespo
     station.listen_to(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED)
     orders = Orders(lockstep, lockstep.step)
     orders.until_armable()
-    orders.wait(lambda: "LOCAL_POSITION_NED" in station.latest, 10.0, "the boat did not tell where it is")
+    orders.wait(lambda: "LOCAL_POSITION_NED" in station.latest, 10.0, "the boat sent no position")
     orders.change_mode(Mode.GUIDED)
     orders.arm()
     _hold(lockstep, law, 0.0, SETTLE_S)

@@ -1,16 +1,16 @@
-"""The paper's Table 3, twice: by its own equations, and by the true figures."""
+"""The paper's Table 3: by its own equations and from ground truth."""
 
 import csv
 import dataclasses
 import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from companion.core.output_file import output_file
 from sitl.experiments.paper.conditions import CASES, RUNS, Method
-from sitl.experiments.paper.trial import Trial
+from sitl.experiments.trial import TrialResult
 
 STEP_CM = 0.15  # the paper's d
 STEPS_PER_S = 30.0  # the paper's n; its text says 31, its table was made with 30
@@ -44,7 +44,7 @@ def equation_7_cm(path_length_cm: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One case by one method: true figures over all runs; standard deviations are those of a sample.
+    """One case by one method, from ground truth, with sample standard deviations.
 
     paper_*_cm: equations 5 to 7 of the mean time.
     """
@@ -65,35 +65,35 @@ class Row:
     paper_sd_cm: float
 
 
-def rows(trials: Sequence[Trial]) -> list[Row]:
-    """The table's rows, case by case, methods in their order.
-
-    A run that never arrived counts with the way and the time that it had.
-    """
+def rows(results: Sequence[TrialResult]) -> list[Row]:
+    """The table's rows by case and method. A run that did not arrive counts with its length and time."""
     out = []
     for case in CASES:
         for method in Method:
-            of_both = [trial for trial in trials if trial.case == case and trial.method == method]
+            of_both = [
+                one for one in results if one.figures["case"] == case and one.figures["method"] == method
+            ]
             if of_both:
                 out.append(_row(case, method, of_both))
     return out
 
 
-def _row(case: str, method: Method, trials: Sequence[Trial]) -> Row:
-    lengths, times = [trial.length_m for trial in trials], [trial.time_s for trial in trials]
-    off = [trial.off_plan_rms_m for trial in trials]
+def _row(case: str, method: Method, results: Sequence[TrialResult]) -> Row:
+    lengths, times, off = (
+        [result.value(name) for result in results] for name in ("length_m", "time_s", "off_plan_rms_m")
+    )
     path_length_cm = equation_5_cm(statistics.fmean(times))
     return Row(
         case=case,
         method=str(method),
-        runs=len(trials),
-        arrived=sum(trial.arrived for trial in trials),
-        planned_m=trials[0].planned_m,
+        runs=len(results),
+        arrived=sum(bool(result.figures["arrived"]) for result in results),
+        planned_m=results[0].value("planned_m"),
         length_mean_m=statistics.fmean(lengths),
         length_sd_m=_deviation(lengths),
         time_mean_s=statistics.fmean(times),
         time_sd_s=_deviation(times),
-        collisions=sum(trial.collisions for trial in trials),
+        collisions=round(sum(result.value("collisions") for result in results)),
         off_plan_rms_m=math.sqrt(statistics.fmean(rms * rms for rms in off)),
         paper_length_cm=path_length_cm,
         paper_average_cm=equation_6_cm(path_length_cm),
@@ -111,15 +111,13 @@ FIGURES: dict[str, Callable[[Row], float]] = {
     "time": lambda row: row.time_mean_s,
     "time SD": lambda row: row.time_sd_s,
 }
-"""What heading PID is held against on/off steering in."""
+"""The figures by which heading PID is compared with on/off steering."""
 
 
 def reductions(
     table: Sequence[Row], against: Method = Method.ON_OFF, by: Method = Method.PID
 ) -> dict[str, dict[str, float]]:
-    """By case and figure: the share by which one method's figure is smaller than the other's, negative where
-    it is larger.
-    """
+    """By case and figure: the reduction by one method against the other; negative where it is larger."""
     found = {(row.case, row.method): row for row in table}
     out: dict[str, dict[str, float]] = {}
     for case in CASES:
@@ -175,17 +173,17 @@ def markdown(table: Sequence[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_trials(path: Path, trials: Sequence[Trial]) -> None:
-    """One row a run.
+def write_results(path: Path, results: Sequence[TrialResult]) -> None:
+    """Write one row a trial.
 
     Raises:
         OutputError: the file cannot be written.
     """
-    _write(path, [dataclasses.asdict(trial) for trial in trials])
+    _write(path, [result.figures for result in results])
 
 
 def write_rows(path: Path, table: Sequence[Row]) -> None:
-    """One row a case and method.
+    """Write one row a case and method.
 
     Raises:
         OutputError: the file cannot be written.
@@ -193,7 +191,7 @@ def write_rows(path: Path, table: Sequence[Row]) -> None:
     _write(path, [dataclasses.asdict(row) for row in table])
 
 
-def _write(path: Path, records: Sequence[dict[str, object]]) -> None:
+def _write(path: Path, records: Sequence[Mapping[str, object]]) -> None:
     with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(records[0]))
         writer.writeheader()

@@ -7,25 +7,25 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from companion.core.output_file import output_file
-from sitl.experiments.tuning.search import Standing
-from sitl.experiments.tuning.verdict import TuningVerdict
+from sitl.experiments.tuning.comparison import GainComparison
+from sitl.experiments.tuning.search import Ranking
 
 _MOST_SHOWN = 3.0  # higher costs are drawn at the upper edge
 
 
-def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: str, path: Path) -> None:
+def draw_search(rankings: Sequence[Ranking], verdict: GainComparison, title: str, path: Path) -> None:
     """Write it as PNG."""
     figure = Figure(figsize=(8.0, 4.5), layout="constrained")
     axes = figure.subplots()
-    places = range(1, len(standings) + 1)
-    for place, standing in zip(places, standings, strict=True):
-        shown = [min(ratio, _MOST_SHOWN) for ratio in standing.ratios]
-        axes.plot([place] * len(shown), shown, "o", color=f"C{standing.round - 1}", alpha=0.5, markersize=5)
-    axes.plot(places, [standing.ratios[0] for standing in standings], "-", color="0.3", label="best")
+    places = range(1, len(rankings) + 1)
+    for place, ranking in zip(places, rankings, strict=True):
+        shown = [min(ratio, _MOST_SHOWN) for ratio in ranking.ratios]
+        axes.plot([place] * len(shown), shown, "o", color=f"C{ranking.round - 1}", alpha=0.5, markersize=5)
+    axes.plot(places, [ranking.ratios[0] for ranking in rankings], "-", color="0.3", label="best")
     axes.errorbar(
-        [len(standings) + 1],
+        [len(rankings) + 1],
         [verdict.ratio],
-        yerr=[verdict.doubt],
+        yerr=[verdict.uncertainty],
         fmt="s",
         color="k",
         capsize=4,
@@ -36,7 +36,7 @@ def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: st
     axes.set_yticks([0.5, 0.7, 1.0, 1.5, 2.0], ["0.5", "0.7", "1", "1.5", "2"])
     axes.set_ylim(top=1.05 * _MOST_SHOWN)
     axes.minorticks_off()
-    axes.set_xticks([*places, len(standings) + 1], [*_labels(standings), "check"])
+    axes.set_xticks([*places, len(rankings) + 1], [*_labels(rankings), "check"])
     axes.tick_params(axis="x", rotation=45)
     axes.set_ylabel("cost relative to baseline")
     axes.set_title(title)
@@ -45,11 +45,11 @@ def draw_search(standings: Sequence[Standing], verdict: TuningVerdict, title: st
         figure.savefig(aside, dpi=110)
 
 
-def _labels(standings: Sequence[Standing]) -> list[str]:
+def _labels(rankings: Sequence[Ranking]) -> list[str]:
     """A round and which of its comparisons: each sails the better half of the one before on more seeds."""
     counts: Counter[int] = Counter()
     labels = []
-    for standing in standings:
-        counts[standing.round] += 1
-        labels.append(f"round {standing.round}.{counts[standing.round]}")
+    for ranking in rankings:
+        counts[ranking.round] += 1
+        labels.append(f"round {ranking.round}.{counts[ranking.round]}")
     return labels

@@ -35,11 +35,11 @@ COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-upload|missio
 AT_WORK = {
     "serve": "sitl.cli.serve.moor",
     "sail": "sitl.cli.sail._run",
-    "campaign": "sitl.cli.campaign.Ledger",
-    "encounters": "sitl.cli.encounters.sail_all",
+    "campaign": "sitl.cli.campaign.ResultLog",
+    "encounters": "sitl.cli.encounters.run_trials",
     "report": "sitl.cli.report.load_record",
-    "tune": "sitl.cli.tune.local_crew",
-    "paper": "sitl.cli.paper.sail_all",
+    "tune": "sitl.cli.tune.local_pool",
+    "paper": "sitl.cli.paper.run_trials",
     "physics": "sitl.cli.physics.PhysicsServer",
 }
 

@@ -14,10 +14,11 @@ import pytest
 from companion.core.errors import ConfigError
 from sitl.__main__ import run_program
 from sitl.experiments.campaign.campaign import load_campaign
-from sitl.experiments.campaign.ledger import NAME, Ledger
-from sitl.experiments.campaign.run import Outcome, Run, sail_run
 from sitl.experiments.campaign.table import tabulate, write_csv
-from sitl.experiments.campaign.workers import cluster_crew, local_crew
+from sitl.experiments.mission_trial import run_mission
+from sitl.experiments.result_log import NAME, ResultLog
+from sitl.experiments.runner import cluster_pool, local_pool
+from sitl.experiments.trial import Task, Trial, TrialResult, attempt
 
 SHORT = """
 [run]
@@ -62,9 +63,9 @@ def test_a_campaign_is_tabulated_judged_and_done(file: Path, capsys: pytest.Capt
 
 def test_the_table_is_the_same_to_the_byte_whoever_sails_the_runs(file: Path) -> None:
     plan = load_campaign(file)
-    alone = sorted((sail_run(run) for run in plan.runs), key=lambda outcome: outcome.number)
-    with local_crew(2) as crew:
-        shared = sorted(crew.sail(reversed(plan.runs)), key=lambda outcome: outcome.number)
+    alone = sorted((attempt(run_mission, run) for run in plan.runs), key=lambda outcome: outcome.number)
+    with local_pool(2) as pool:
+        shared = sorted(pool.run(run_mission, reversed(plan.runs)), key=lambda outcome: outcome.number)
     paths = file.parent / "alone.csv", file.parent / "shared.csv"
     for outcomes, path in zip((alone, shared), paths, strict=True):
         write_csv(tabulate(plan, outcomes), path)
@@ -74,34 +75,34 @@ def test_the_table_is_the_same_to_the_byte_whoever_sails_the_runs(file: Path) ->
 def test_an_interrupted_campaign_goes_on_where_it_stopped(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sailed: list[int] = []
+    ran: list[int] = []
 
-    class Crew:
+    class Pool:
         def __init__(self, most: int) -> None:
             self.most = most
 
-        def __enter__(self) -> "Crew":
+        def __enter__(self) -> "Pool":
             return self
 
         def __exit__(self, *_: object) -> None:
             pass
 
-        def sail(self, runs: list[Run]) -> object:
-            for run in runs[: self.most]:
-                sailed.append(run.number)
-                yield sail_run(run)
-            if self.most < len(runs):
+        def run(self, task: Task, trials: list[Trial]) -> object:
+            for trial in trials[: self.most]:
+                ran.append(trial.number)
+                yield attempt(task, trial)
+            if self.most < len(trials):
                 raise KeyboardInterrupt
 
     out = file.parent / "out"
-    monkeypatch.setattr("sitl.cli.campaign.local_crew", lambda _: Crew(3))
+    monkeypatch.setattr("sitl.cli.campaign.local_pool", lambda _: Pool(3))
     assert run_program(["campaign", str(file), "-o", str(out)]) == 130
     assert "3 of 8 runs are kept" in capsys.readouterr().out
     with (out / NAME).open("ab") as ledger:
         ledger.write(b'{"number":4,"ended":"comp')  # what a power cut leaves
-    monkeypatch.setattr("sitl.cli.campaign.local_crew", lambda _: Crew(99))
+    monkeypatch.setattr("sitl.cli.campaign.local_pool", lambda _: Pool(99))
     assert run_program(["campaign", str(file), "-o", str(out)]) == 0
-    assert sailed == list(range(1, 9))
+    assert ran == list(range(1, 9))
     resumed = (out / "runs.csv").read_bytes()
     assert run_program(["campaign", str(file), "-o", str(file.parent / "afresh")]) == 0
     assert (file.parent / "afresh" / "runs.csv").read_bytes() == resumed
@@ -109,13 +110,13 @@ def test_an_interrupted_campaign_goes_on_where_it_stopped(
 
 def test_the_runs_of_another_campaign_are_not_taken_for_this_ones(file: Path) -> None:
     out = file.parent / "out"
-    Ledger(out, load_campaign(file)).close()
+    ResultLog(out, load_campaign(file)).close()
     file.write_text(SHORT.format(share=1.0) + "\n[sample]\ncount = 2\n", encoding="utf-8")
     with pytest.raises(ConfigError, match="holds the runs of another campaign: remove it"):
-        Ledger(out, load_campaign(file))
+        ResultLog(out, load_campaign(file))
     (out / NAME).write_text("something else\n")
     with pytest.raises(ConfigError, match="not a campaign's runs"):
-        Ledger(out, load_campaign(file))
+        ResultLog(out, load_campaign(file))
 
 
 def test_an_expectation_that_is_not_met_is_exit_code_one(
@@ -131,10 +132,10 @@ def test_an_expectation_that_is_not_met_is_exit_code_one(
 def test_workers_do_not_outlive_a_program_that_was_killed() -> None:
     program = (
         "import os, sys\n"
-        "from sitl.experiments.campaign.workers import local_crew\n"
+        "from sitl.experiments.runner import local_pool\n"
         "if __name__ == '__main__':\n"
-        "    with local_crew(1) as crew:\n"
-        "        print(crew._executor.submit(os.getpid).result(), flush=True)\n"
+        "    with local_pool(1) as pool:\n"
+        "        print(pool.executor.submit(os.getpid).result(), flush=True)\n"
         "        sys.stdin.read()\n"
     )
     with subprocess.Popen(
@@ -151,15 +152,18 @@ def test_workers_do_not_outlive_a_program_that_was_killed() -> None:
 
 
 def test_a_run_that_fails_is_a_result_with_its_reason(file: Path) -> None:
-    bad_key = sail_run(
-        Run(number=1, scenario="open", seed=1, course="straight", settings={"hul": 1}, source="x")
+    bad_key = attempt(
+        run_mission,
+        Trial(number=1, scenario="open", seed=1, course="straight", settings={"hul": 1}, source="x"),
     )
     assert (bad_key.ended, bad_key.why) == ("error", "x: hul: no such setting")
-    no_mission = sail_run(Run(number=2, scenario="open", seed=1, mission=str(file.parent / "none.plan")))
+    no_mission = attempt(
+        run_mission, Trial(number=2, scenario="open", seed=1, mission=str(file.parent / "none.plan"))
+    )
     assert no_mission.ended == "error"
     assert "none.plan" in no_mission.why
     low = {"vehicle": {"arming": {"battery_min_v": 50.0}}}
-    refused = sail_run(Run(number=3, scenario="open", seed=1, course="straight", settings=low))
+    refused = attempt(run_mission, Trial(number=3, scenario="open", seed=1, course="straight", settings=low))
     assert refused.ended == "refused"
     assert "armable" in refused.why
 
@@ -168,14 +172,14 @@ def test_a_defect_is_a_result_with_its_traceback(monkeypatch: pytest.MonkeyPatch
     def stumble(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a defect")
 
-    monkeypatch.setattr("sitl.experiments.campaign.run.load_scenario", stumble)
-    outcome = sail_run(Run(number=1, scenario="open", seed=1, course="straight"))
+    monkeypatch.setattr("sitl.experiments.mission_trial.load_scenario", stumble)
+    outcome = attempt(run_mission, Trial(number=1, scenario="open", seed=1, course="straight"))
     assert outcome.ended == "error"
     assert "ZeroDivisionError: a defect" in outcome.traceback
 
 
 def test_a_run_that_does_not_arrive_says_where_it_was() -> None:
-    outcome = sail_run(Run(number=1, scenario="open", seed=1, course="straight", timeout_s=5.0))
+    outcome = attempt(run_mission, Trial(number=1, scenario="open", seed=1, course="straight", timeout_s=5.0))
     assert outcome.ended == "not completed"
     assert outcome.why.startswith("at item 1 of 1 in AUTO")
     assert outcome.figures["completed"] is False
@@ -183,7 +187,9 @@ def test_a_run_that_does_not_arrive_says_where_it_was() -> None:
 
 def test_station_keeping_has_figures_of_its_own() -> None:
     settings = {"environment": {"current_m_s": 0.3}}
-    outcome = sail_run(Run(number=1, scenario="open", seed=2, course="station", settings=settings))
+    outcome = attempt(
+        run_mission, Trial(number=1, scenario="open", seed=2, course="station", settings=settings)
+    )
     assert outcome.ended == "completed"
     assert outcome.figures["station_s"] == pytest.approx(600.0, abs=15.0)
     share = outcome.figures["station_near_share"]
@@ -193,8 +199,8 @@ def test_station_keeping_has_figures_of_its_own() -> None:
 
 def test_a_failed_run_has_a_row_with_what_there_is_to_say(file: Path) -> None:
     plan = load_campaign(file)
-    failed = Outcome(number=1, ended="error", why="no such thing")
-    table = tabulate(plan, [failed, sail_run(plan.runs[1])])
+    failed = TrialResult(number=1, ended="error", why="no such thing")
+    table = tabulate(plan, [failed, attempt(run_mission, plan.runs[1])])
     assert (table[0]["ended"], table[0]["completed"], table[0]["why"]) == ("error", False, "no such thing")
     assert table[0]["time_s"] is None
     assert set(table[0]) == set(table[1])
@@ -204,7 +210,7 @@ def test_a_failed_run_has_a_row_with_what_there_is_to_say(file: Path) -> None:
 def test_without_dask_a_scheduler_is_told_what_to_install() -> None:
     with (
         pytest.raises(ConfigError, match="pip install 'mavboat\\[cluster\\]'"),
-        cluster_crew("tcp://127.0.0.1:1"),
+        cluster_pool("tcp://127.0.0.1:1"),
     ):
         pass
 
@@ -214,8 +220,8 @@ def test_a_dask_cluster_sails_the_same_runs(file: Path) -> None:
     plan = load_campaign(file)
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-        cluster_crew(cluster.scheduler_address) as crew,
+        cluster_pool(cluster.scheduler_address) as pool,
     ):
-        outcomes = sorted(crew.sail(plan.runs), key=lambda outcome: outcome.number)
-    alone = [sail_run(run) for run in plan.runs]
+        outcomes = sorted(pool.run(run_mission, plan.runs), key=lambda outcome: outcome.number)
+    alone = [attempt(run_mission, run) for run in plan.runs]
     assert [(o.ended, o.figures) for o in outcomes] == [(o.ended, o.figures) for o in alone]

@@ -1,13 +1,14 @@
-"""The bench for avoidance: waters drawn from a seed, what is aimed at the boat, and who could have dodged."""
+"""The avoidance experiment: obstacles drawn from a seed, movers on a collision course, and the table."""
 
 import math
 
 import pytest
 
 from companion.core.geo import Point
-from sitl.experiments.encounters.bench import WATERS, markdown
-from sitl.experiments.encounters.trial import Trial, Water, sail_encounter
-from sitl.experiments.encounters.waters import LEG_M, Kind, Meeting, mover, still_water
+from sitl.experiments.encounters.encounter import Encounter, encounter_trials, run_encounter
+from sitl.experiments.encounters.obstacles import LEG_M, Kind, Meeting, mover, still_obstacles
+from sitl.experiments.encounters.table import ENCOUNTERS, markdown
+from sitl.experiments.trial import TrialResult
 from sitl.world.movers import Mover, MoverSettings
 
 STILL: tuple[Kind, ...] = ("lone", "gap", "field", "dense", "shore")
@@ -15,9 +16,9 @@ MOVING: tuple[Kind, ...] = ("head_on", "crossing")
 
 
 @pytest.mark.parametrize("kind", STILL)
-def test_a_water_is_a_function_of_its_seed(kind: Kind) -> None:
-    assert still_water(kind, 3) == still_water(kind, 3)
-    assert still_water(kind, 3) != still_water(kind, 4)
+def test_still_obstacles_are_a_function_of_the_seed(kind: Kind) -> None:
+    assert still_obstacles(kind, 3) == still_obstacles(kind, 3)
+    assert still_obstacles(kind, 3) != still_obstacles(kind, 4)
 
 
 @pytest.mark.parametrize("kind", MOVING)
@@ -32,24 +33,27 @@ def test_what_moves_is_aimed_at_where_the_boat_would_be(kind: Kind, seed: int) -
 
 def test_rocks_leave_the_ends_of_the_leg_free() -> None:
     for seed in range(1, 20):
-        for rock in still_water("dense", seed)["map"]["obstacles"]:
+        for rock in still_obstacles("dense", seed)["map"]["obstacles"]:
             east_m, north_m = rock["circle"]["centre"]
             to_ends_m = min(math.hypot(north_m, east_m), math.hypot(north_m - LEG_M, east_m))
             assert to_ends_m > rock["circle"]["radius_m"] + 4.0
 
 
 def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> None:
-    trial = sail_encounter(Water("crossing", 0.2), 1, ("vehicle.avoidance.enable=1",))
-    assert trial.touches > 0
-    assert trial.could_help
+    (trial,) = encounter_trials([Encounter("crossing", 0.2)], [1], {"vehicle": {"avoidance": {"enable": 1}}})
+    figures = run_encounter(trial).figures
+    assert figures["touches"]
+    assert figures["could_help"]
 
 
-def test_the_table_has_a_row_for_each_water() -> None:
-    def trial(water: Water, touches: int) -> Trial:
-        return Trial(water, 1, True, touches, False, 40.0, 20.0, 1, 0)
-
-    table = markdown([trial(water, number % 2) for number, water in enumerate(WATERS)])
-    lines = table.splitlines()
-    assert len(lines) == len(WATERS) + 2
+def test_the_table_has_a_row_for_each_encounter() -> None:
+    trials = encounter_trials(ENCOUNTERS, [1], {})
+    figures = {"could_help": False, "time_s": 40.0, "alone_s": 20.0, "moves_told": 1, "no_way_told": 0}
+    results = [
+        TrialResult(number=n, ended="completed", figures={**figures, "touches": n % 2})
+        for n, _ in enumerate(trials)
+    ]
+    lines = markdown(trials, results).splitlines()
+    assert len(lines) == len(ENCOUNTERS) + 2
     assert lines[2] == "| lone | 1 | 0 |  | 1 | 2.00 | 1 | 0 |"
     assert "| head on 0.2 m/s | 1 | 1 | 1 | 1 | 2.00 | 1 | 0 |" in lines

@@ -2,33 +2,34 @@
 
 import csv
 import math
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
-from companion.core.geo import distance_m
+from companion.core.geo import Point, distance_m
 from companion.mavlink.dialect import dialect
 from sitl.cli.paper import paper
 from sitl.experiments.paper import table
 from sitl.experiments.paper.conditions import CASES, MAX_CURRENT_M_S, Method, conditions, seeds
-from sitl.experiments.paper.helmsman import HeadingPid, OnOff
+from sitl.experiments.paper.run import paper_trials, planned, run_paper_trial
+from sitl.experiments.paper.shore_steering import HeadingPid, OnOff
 from sitl.experiments.paper.step_response import GAIN_SETS, step_responses
-from sitl.experiments.paper.trial import Trial, planned, sail_trial
+from sitl.experiments.trial import Figures, Trial, TrialResult
 
-TRIAL = Trial("5", str(Method.ON_OFF), 1, 0.005, 0.8, True, 20.0, 0.9, 0, 0.02)
+FIGURES: Figures = {
+    "case": "5", "method": str(Method.ON_OFF), "seed": 1, "current_m_s": 0.005, "planned_m": 0.8,
+    "arrived": True, "time_s": 20.0, "length_m": 0.9, "collisions": 0, "off_plan_rms_m": 0.02,
+}  # fmt: skip
 
 
-def trials() -> list[Trial]:
-    """Two runs of case 5 by each of two methods; the PID's are shorter, quicker and more alike."""
-    by_pid = replace(TRIAL, method=str(Method.PID), time_s=18.0, length_m=0.85)
-    return [
-        TRIAL,
-        replace(TRIAL, seed=2, time_s=24.0, length_m=1.1, off_plan_rms_m=0.04, collisions=2, arrived=False),
-        by_pid,
-        replace(by_pid, seed=2, time_s=19.0, length_m=0.86),
-    ]
+def results() -> list[TrialResult]:
+    """Two runs of case 5 by each of two methods; the PID's are shorter, faster and more alike."""
+    strayed: Figures = {"time_s": 24.0, "length_m": 1.1, "off_plan_rms_m": 0.04, "collisions": 2}
+    by_pid: Figures = {"method": str(Method.PID), "time_s": 18.0, "length_m": 0.85}
+    again: Figures = {**by_pid, "seed": 2, "time_s": 19.0, "length_m": 0.86}
+    changes: list[Figures] = [{}, {"seed": 2, "arrived": False, **strayed}, by_pid, again]
+    return [TrialResult(number=1, ended="completed", figures={**FIGURES, **change}) for change in changes]
 
 
 def test_equations_5_to_7_reproduce_the_papers_table_from_its_times() -> None:
@@ -40,7 +41,7 @@ def test_equations_5_to_7_reproduce_the_papers_table_from_its_times() -> None:
 
 
 def test_rows_have_means_sample_deviations_and_every_collision() -> None:
-    on_off, by_pid = table.rows(trials())
+    on_off, by_pid = table.rows(results())
     assert (on_off.case, on_off.method, on_off.runs, on_off.arrived) == ("5", "A*", 2, 1)
     assert on_off.length_mean_m == pytest.approx(1.0)
     assert on_off.length_sd_m == pytest.approx(0.2 / math.sqrt(2.0))
@@ -51,22 +52,22 @@ def test_rows_have_means_sample_deviations_and_every_collision() -> None:
 
 
 def test_reductions_are_shares_and_negative_where_it_got_worse() -> None:
-    better = table.reductions(table.rows(trials()))["5"]
+    better = table.reductions(table.rows(results()))["5"]
     assert better["length"] == pytest.approx(1.0 - 0.855 / 1.0)
     assert better["time SD"] == pytest.approx(1.0 - 1.0 / 4.0)
-    worse = table.reductions(table.rows(trials()), against=Method.PID, by=Method.ON_OFF)["5"]
+    worse = table.reductions(table.rows(results()), against=Method.PID, by=Method.ON_OFF)["5"]
     assert worse["length"] < 0.0
 
 
 def test_the_tables_show_both_and_print_what_the_paper_has() -> None:
-    text = table.markdown(table.rows(trials()))
+    text = table.markdown(table.rows(results()))
     assert "| 5 | A* | 99.0 (82.8) | 22.0 (18.4) |" in text
     assert "100.0 ± 14.1" in text
     assert "1 of 2" in text
 
 
 def test_runs_are_written_one_a_line(tmp_path: Path) -> None:
-    table.write_trials(tmp_path / "runs.csv", trials())
+    table.write_results(tmp_path / "runs.csv", results())
     with (tmp_path / "runs.csv").open(newline="") as file:
         read = list(csv.DictReader(file))
     assert [row["length_m"] for row in read] == ["0.900000", "1.100000", "0.850000", "0.860000"]
@@ -82,11 +83,11 @@ def test_every_method_of_a_seed_sails_in_one_current_and_seeds_differ() -> None:
 def test_seeds_may_be_chosen_and_are_sailed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     asked: list[tuple[int, ...]] = []
 
-    def sail_all(seeds: tuple[int, ...], *_: object) -> None:
-        asked.append(seeds)
+    def run_trials(_pool: object, _task: object, trials: list[Trial], **_: object) -> None:
+        asked.append(tuple(dict.fromkeys(trial.seed for trial in trials)))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("sitl.cli.paper.sail_all", sail_all)
+    monkeypatch.setattr("sitl.cli.paper.run_trials", run_trials)
     with pytest.raises(KeyboardInterrupt):
         paper(out=tmp_path, runs=3, first_seed=7001, workers=1, as_json_text=True)
     assert asked == [(7001, 7002, 7003)]
@@ -113,7 +114,7 @@ def test_on_off_turns_fully_outside_its_dead_zone(error_deg: float, turn: int) -
     assert order.z == round(1000 * conditions("5", 1).vehicle.speed.cruise_throttle)
 
 
-def test_the_pid_helmsman_asks_for_the_bearing_at_cruise_speed() -> None:
+def test_the_pid_asks_for_the_bearing_at_cruise_speed() -> None:
     order = HeadingPid(conditions("5", 1)).order(math.radians(120.0), 0.0)
     assert 2.0 * math.degrees(math.atan2(order.q[3], order.q[0])) == pytest.approx(120.0)
     assert order.type_mask & dialect.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE == 0
@@ -122,13 +123,15 @@ def test_the_pid_helmsman_asks_for_the_bearing_at_cruise_speed() -> None:
 
 @pytest.mark.parametrize("method", list(Method))
 def test_the_free_case_is_sailed_to_its_goal_by_every_method(method: Method) -> None:
-    sailed = sail_trial("5", method, 101)
-    trial, goal = sailed.trial, sailed.plan[-1]
-    assert trial.arrived
-    assert distance_m(sailed.track[-1], goal) < 0.15
-    assert 0.6 < trial.length_m < 1.3
-    assert trial.time_s > trial.length_m / 0.07
-    assert trial.collisions == 0
+    (trial,) = paper_trials([101], ["5"], [method])
+    result = run_paper_trial(trial)
+    goal = planned("5", method.is_exact)[-1]
+    assert result.ended == "completed"
+    east_m, north_m = result.track[-1]
+    assert distance_m(Point(north_m, east_m), goal) < 0.15
+    assert 0.6 < result.value("length_m") < 1.3
+    assert result.value("time_s") > result.value("length_m") / 0.07
+    assert result.value("collisions") == 0
 
 
 def test_the_gain_set_that_the_paper_chose_settles_first() -> None:

@@ -14,12 +14,11 @@ from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.persistence.storage import MemoryStorage
 from sitl.__main__ import run_program
-from sitl.experiments.campaign.figures import Figures
-from sitl.experiments.campaign.run import Outcome, Run
+from sitl.experiments.trial import Figures, Task, Trial, TrialResult
+from sitl.experiments.tuning.comparison import compare
 from sitl.experiments.tuning.gains import TUNED, Gains, drawn_around, gains_of, parameter_file, settings_of
+from sitl.experiments.tuning.problem import FAILED, TuningProblem
 from sitl.experiments.tuning.search import search
-from sitl.experiments.tuning.trial import FAILED, Trials
-from sitl.experiments.tuning.verdict import judge
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors import generator
 
@@ -27,22 +26,22 @@ POOL = load_scenario("open", ["boat.model=pool"])
 WANTED = {"heading.kp": 9.0, "heading.ki": 1.0, "heading.kd": 2.5, "speed.kp": 3.0, "speed.ki": 1.0}
 
 
-def trials(folder: Path) -> Trials:
-    return Trials("pool", POOL.vehicle, POOL.frame, folder)
+def trials(folder: Path) -> TuningProblem:
+    return TuningProblem("pool", POOL.vehicle, POOL.frame, folder)
 
 
-def distance(run: Run) -> float:
+def distance(run: Trial) -> float:
     """How far a run's gains are from those wanted, in factors of e."""
     vehicle = run.settings["vehicle"]
     found: Gains = {path: vehicle[path.partition(".")[0]][path.partition(".")[2]] for path in TUNED}
     return sum(abs(found[path] / WANTED[path] - 1.0) for path in TUNED)
 
 
-def pretend(runs: list[Run]) -> list[Outcome]:
+def pretend(runs: list[Trial]) -> list[TrialResult]:
     """Runs whose cross-track error is the distance to the wanted gains, with some noise."""
     figures = {"kept_max_m": 0.0, "overshoot_m": 0.0, "command_travel_per_s": 0.0}
     return [
-        Outcome(
+        TrialResult(
             number=run.number,
             ended="completed",
             figures={
@@ -56,26 +55,26 @@ def pretend(runs: list[Run]) -> list[Outcome]:
 
 def test_the_search_comes_near_the_gains_that_cost_least(tmp_path: Path) -> None:
     first = gains_of(POOL.vehicle)
-    standings = list(search(trials(tmp_path), first, 1, pretend, candidates=40))
-    assert standings[-1].round == 3
-    assert standings[-1].ratios[0] < 0.5
-    assert list(standings[-1].ratios) == sorted(standings[-1].ratios)
+    rankings = list(search(trials(tmp_path), first, 1, pretend, candidates=40))
+    assert rankings[-1].round == 3
+    assert rankings[-1].ratios[0] < 0.5
+    assert list(rankings[-1].ratios) == sorted(rankings[-1].ratios)
     found, before = (
-        fmean(map(distance, trials(tmp_path).runs(gains, range(1), 1)))
-        for gains in (standings[-1].best, first)
+        fmean(map(distance, trials(tmp_path).trials(gains, range(1), 1)))
+        for gains in (rankings[-1].best, first)
     )
     assert found < 0.5 * before
 
 
 def test_the_same_search_asks_for_the_same_runs_under_the_same_numbers(tmp_path: Path) -> None:
-    def asked() -> list[Run]:
-        runs: list[Run] = []
+    def asked() -> list[Trial]:
+        runs: list[Trial] = []
 
-        def sail(batch: list[Run]) -> list[Outcome]:
+        def run(batch: list[Trial]) -> list[TrialResult]:
             runs.extend(batch)
             return pretend(batch)
 
-        list(search(trials(tmp_path), gains_of(POOL.vehicle), 5, sail, candidates=8))
+        list(search(trials(tmp_path), gains_of(POOL.vehicle), 5, run, candidates=8))
         return runs
 
     once = asked()
@@ -86,9 +85,9 @@ def test_the_same_search_asks_for_the_same_runs_under_the_same_numbers(tmp_path:
 
 
 def test_the_gains_to_begin_with_win_where_nothing_is_better(tmp_path: Path) -> None:
-    standings = list(search(trials(tmp_path), WANTED, 2, pretend, candidates=8))
-    assert standings[-1].best == WANTED
-    assert standings[-1].ratios[0] == 1.0
+    rankings = list(search(trials(tmp_path), WANTED, 2, pretend, candidates=8))
+    assert rankings[-1].best == WANTED
+    assert rankings[-1].ratios[0] == 1.0
 
 
 def test_what_is_drawn_stays_within_reach_and_has_few_digits() -> None:
@@ -113,7 +112,7 @@ def test_gains_become_settings_of_the_vehicle() -> None:
     }
 
 
-def outcome(rms_m: float, ended: str = "completed") -> Outcome:
+def outcome(rms_m: float, ended: str = "completed") -> TrialResult:
     """A run that came out like that."""
     figures: Figures = {
         "kept_rms_m": rms_m,
@@ -121,7 +120,7 @@ def outcome(rms_m: float, ended: str = "completed") -> Outcome:
         "overshoot_m": 0.0,
         "command_travel_per_s": 0.0,
     }
-    return Outcome(number=1, ended=ended, figures=figures)
+    return TrialResult(number=1, ended=ended, figures=figures)
 
 
 def test_a_run_that_is_not_completed_costs_more_than_any_that_is(tmp_path: Path) -> None:
@@ -134,27 +133,27 @@ def test_hard_water_weighs_no_more_than_easy_water(tmp_path: Path) -> None:
 
 
 def test_what_may_be_chance_is_not_better() -> None:
-    assert judge([0.90, 0.92, 0.88, 0.91]).is_better
-    assert not judge([0.5, 1.4, 0.8, 1.2]).is_better
-    assert not judge([1.0] * 6).is_better
-    assert not judge([1.1, 1.12, 1.09]).is_better
+    assert compare([0.90, 0.92, 0.88, 0.91]).is_better
+    assert not compare([0.5, 1.4, 0.8, 1.2]).is_better
+    assert not compare([1.0] * 6).is_better
+    assert not compare([1.1, 1.12, 1.09]).is_better
 
 
-class Crew:
-    """Satisfies what `tune` asks of a crew; breaks off after so many runs, as Ctrl-C does."""
+class Pool:
+    """Stands in for the pool of `tune`; raises after this many trials, as Ctrl-C does."""
 
     def __init__(self, most: int) -> None:
         self.left = most
 
-    def __enter__(self) -> "Crew":
+    def __enter__(self) -> "Pool":
         return self
 
     def __exit__(self, *_: object) -> None:
         pass
 
-    def sail(self, runs: list[Run]) -> Iterator[Outcome]:
-        """The runs, as far as they go."""
-        for one in pretend(runs):
+    def run(self, task: Task, trials: list[Trial]) -> Iterator[TrialResult]:
+        """Results, until the interruption."""
+        for one in pretend(trials):
             if self.left == 0:
                 raise KeyboardInterrupt
             self.left -= 1
@@ -163,10 +162,10 @@ class Crew:
 
 def tuned(folder: Path, monkeypatch: pytest.MonkeyPatch, most: int = 10_000) -> tuple[int, int]:
     """The exit code of `boat-sitl tune pool`, and how many runs it has sailed."""
-    crew = Crew(most)
-    monkeypatch.setattr(import_module("sitl.cli.tune"), "local_crew", lambda _: crew)
+    pool = Pool(most)
+    monkeypatch.setattr(import_module("sitl.cli.tune"), "local_pool", lambda _: pool)
     code = run_program(["tune", "pool", "-o", str(folder), "--candidates", "6", "--json"])
-    return code, most - crew.left
+    return code, most - pool.left
 
 
 def test_after_an_interruption_the_same_command_goes_on_to_the_same_end(

@@ -13,8 +13,9 @@ from companion.core.errors import ConfigError
 from sitl.__main__ import run_program
 from sitl.experiments.campaign.campaign import Campaign
 from sitl.experiments.campaign.expect import Expectation
-from sitl.experiments.campaign.ledger import Ledger
-from sitl.experiments.campaign.run import Outcome, Run, sail_run
+from sitl.experiments.mission_trial import run_mission
+from sitl.experiments.result_log import ResultLog
+from sitl.experiments.trial import Trial, TrialResult, attempt
 from sitl.reports.campaign_page import again, campaign_page
 from sitl.reports.campaign_pictures import draw_expectation
 from sitl.reports.labels import label, labelled
@@ -96,11 +97,13 @@ def test_text_is_escaped_and_missing_figures_are_dashes() -> None:
 
 def test_the_page_of_a_campaign_shows_verdicts_and_the_runs_to_look_at() -> None:
     runs = (
-        Run(number=1, scenario="open", seed=1, course="straight", factors={"environment.current_m_s": 0.0}),
-        Run(number=2, scenario="open", seed=1, course="zigzag", factors={"environment.current_m_s": 0.0}),
+        Trial(number=1, scenario="open", seed=1, course="straight", factors={"environment.current_m_s": 0.0}),
+        Trial(number=2, scenario="open", seed=1, course="zigzag", factors={"environment.current_m_s": 0.0}),
     )
-    good = sail_run(runs[0])
-    bad = Outcome(number=2, ended="error", why="a defect <here>", traceback="Traceback …", touched=("Rock",))
+    good = attempt(run_mission, runs[0])
+    bad = TrialResult(
+        number=2, ended="error", why="a defect <here>", traceback="Traceback …", touched=("Rock",)
+    )
     expect = (Expectation(figure="cross_track_rms_m", each="course", at_most=0.5),)
     page = campaign_page(Campaign("Two runs", "two.toml", runs, expect, ""), [good, bad])
     assert "course straight" in page
@@ -113,7 +116,7 @@ def test_the_page_of_a_campaign_shows_verdicts_and_the_runs_to_look_at() -> None
 
 def test_the_command_that_sails_a_run_again_says_all_of_it() -> None:
     settings = {"random": {"fault": True}, "environment": {"current_m_s": 0.5}}
-    run = Run(number=3, scenario="random", seed=7, fence=True, linger_s=30.0, settings=settings)
+    run = Trial(number=3, scenario="random", seed=7, fence=True, linger_s=30.0, settings=settings)
     assert again(run) == (
         "boat-sitl sail random --seed 7 --fence --linger 30 "
         "--set random.fault=true --set environment.current_m_s=0.5"
@@ -149,18 +152,18 @@ def visible(page: str) -> str:
     return re.sub(r"<[^>]*>", " ", page)
 
 
-def two_runs(*outcomes: Outcome) -> str:
-    runs = tuple(Run(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
+def two_runs(*outcomes: TrialResult) -> str:
+    runs = tuple(Trial(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
     expect = (Expectation(figure="cross_track_rms_m", each="course", at_most=0.5),)
     return campaign_page(Campaign("Three runs", "three.toml", runs, expect, ""), list(outcomes))
 
 
 @pytest.fixture(scope="module")
-def outcome() -> Outcome:
-    return sail_run(Run(number=1, scenario="open", seed=1, course="straight"))
+def outcome() -> TrialResult:
+    return attempt(run_mission, Trial(number=1, scenario="open", seed=1, course="straight"))
 
 
-def test_a_campaign_that_was_stopped_says_so_and_how_many_runs_are_missing(outcome: Outcome) -> None:
+def test_a_campaign_that_was_stopped_says_so_and_how_many_runs_are_missing(outcome: TrialResult) -> None:
     page = two_runs(outcome)
     words = visible(page)
     assert "Stopped early: 2 of 3 runs are missing" in words
@@ -170,7 +173,7 @@ def test_a_campaign_that_was_stopped_says_so_and_how_many_runs_are_missing(outco
     assert "met so far" in words
 
 
-def test_a_whole_campaign_says_nothing_of_the_kind(outcome: Outcome) -> None:
+def test_a_whole_campaign_says_nothing_of_the_kind(outcome: TrialResult) -> None:
     others = [structs.replace(outcome, number=number) for number in (2, 3)]
     words = visible(two_runs(outcome, *others))
     assert "issing" not in words
@@ -179,16 +182,16 @@ def test_a_whole_campaign_says_nothing_of_the_kind(outcome: Outcome) -> None:
 
 
 def test_the_report_of_a_stopped_campaign_says_so_on_the_line_too(
-    outcome: Outcome, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    outcome: TrialResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    runs = tuple(Run(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
-    with Ledger(tmp_path, Campaign("Three runs", "three.toml", runs, (), "")) as ledger:
+    runs = tuple(Trial(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
+    with ResultLog(tmp_path, Campaign("Three runs", "three.toml", runs, (), "")) as ledger:
         ledger.add(outcome)
     assert run_program(["report", str(tmp_path)]) == 0
     assert "(stopped early: 2 of 3 runs are missing)" in capsys.readouterr().out
 
 
-def test_pages_fit_a_phone(record: RunRecord, outcome: Outcome) -> None:
+def test_pages_fit_a_phone(record: RunRecord, outcome: TrialResult) -> None:
     """A phone shows a page without this tag at a third of its size; what is wide scrolls in a box."""
     for page in (run_page(record), two_runs(outcome)):
         assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in page
@@ -196,7 +199,7 @@ def test_pages_fit_a_phone(record: RunRecord, outcome: Outcome) -> None:
         assert page.count('<div class="wide">') == page.count("<table>") + page.count("<img")
 
 
-def test_pages_speak_of_figures_in_words(record: RunRecord, outcome: Outcome) -> None:
+def test_pages_speak_of_figures_in_words(record: RunRecord, outcome: TrialResult) -> None:
     for page in (run_page(record), two_runs(outcome)):
         words = visible(page)
         keys = set(re.findall(r"\b[a-z]+(?:_[a-z0-9]+)+\b", words))

@@ -22,7 +22,7 @@ from mission_tools.maps.scenario import load_scenario as load_map
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.program import run_program
 from sitl.experiments.campaign.campaign import MOST_RUNS, load_campaign
-from sitl.experiments.campaign.ledger import NAME, Ledger
+from sitl.experiments.result_log import NAME, ResultLog
 from sitl.scenarios.scenario import Tree, load_scenario
 from sitl.world.world import World
 
@@ -177,11 +177,11 @@ def test_a_receivers_errors_stay_on_the_globe(kind: str) -> None:
 def test_a_damaged_line_of_a_campaigns_runs_is_named(tmp_path: Path, line: bytes) -> None:
     (tmp_path / "c.toml").write_text('[run]\ncourse = "straight"\n')
     plan = load_campaign(tmp_path / "c.toml")
-    Ledger(tmp_path, plan).close()
+    ResultLog(tmp_path, plan).close()
     with (tmp_path / NAME).open("ab") as file:
         file.write(line + b"\n")
     with pytest.raises(ConfigError, match=rf"{NAME}: line 2 is damaged: remove it"):
-        Ledger(tmp_path, plan)
+        ResultLog(tmp_path, plan)
 
 
 def numbers_of(type_: Any, prefix: str = "") -> list[str]:  # noqa: ANN401

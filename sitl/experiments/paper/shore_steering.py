@@ -1,7 +1,7 @@
-"""Steering by somebody at a station: the paper's loops, closed over the air as a planner on shore would.
+"""Steering from a ground station: the control loops of the paper, closed over telemetry.
 
-Both look at the boat's own telemetry, aim at the next waypoint and go on to the one after it as soon as it is
-within the waypoint radius or abeam; the goal must be met within the radius.
+Both laws steer to the next waypoint and switch to the one after it when it is within the acceptance radius or
+abeam; the goal must be reached within the radius.
 """
 
 import math
@@ -21,17 +21,17 @@ DEAD_ZONE_RAD = math.radians(15.0)
 _STICK = 1000.0
 
 
-class Law(Protocol):
-    """How an aim becomes a message to the boat."""
+class SteeringLaw(Protocol):
+    """Turns a bearing into a message to the boat."""
 
     mode: Mode
 
     def order(self, aim_rad: float, heading_rad: float) -> Message:
-        """What to send, given the bearing of the next waypoint and where the bow points."""
+        """The message for a bearing to the next waypoint and the heading."""
 
 
 class OnOff:
-    """Full turn to port or starboard outside the dead zone, straight ahead inside, at cruise throttle."""
+    """Full turn outside the dead zone, straight ahead inside, at cruise throttle."""
 
     mode = Mode.MANUAL
 
@@ -48,7 +48,7 @@ class OnOff:
 
 
 class HeadingPid:
-    """The boat's own heading PID, told the bearing to hold."""
+    """The boat's own heading PID, commanded to the bearing."""
 
     mode = Mode.GUIDED
 
@@ -71,10 +71,10 @@ class HeadingPid:
         return message
 
 
-class Helmsman:
-    """Follows a plan by a law. has_arrived: the last waypoint is reached."""
+class ShoreSteering:
+    """Follows a plan by a steering law."""
 
-    def __init__(self, station: Station, law: Law, plan: Sequence[Point], radius_m: float) -> None:
+    def __init__(self, station: Station, law: SteeringLaw, plan: Sequence[Point], radius_m: float) -> None:
         """plan: start, waypoints and goal, in the boat's local frame."""
         station.listen_to(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, dialect.MAVLINK_MSG_ID_ATTITUDE)
         interval_us = 1e6 * SAMPLE_S
@@ -88,19 +88,19 @@ class Helmsman:
         self._next_s = -math.inf
 
     @property
-    def sees(self) -> bool:
-        """Whether the boat has told where it is and where its bow points."""
+    def has_telemetry(self) -> bool:
+        """Whether position and heading were received."""
         return "LOCAL_POSITION_NED" in self._station.latest and "ATTITUDE" in self._station.latest
 
     @property
     def has_arrived(self) -> bool:
-        """Whether nothing is left to sail to."""
+        """Whether the last waypoint is reached."""
         return self._next == len(self._plan)
 
     def step(self, now_s: float) -> None:
-        """Look and give an order, when it is time to."""
+        """Send the next command when it is due."""
         latest = self._station.latest
-        if now_s < self._next_s or self.has_arrived or not self.sees:
+        if now_s < self._next_s or self.has_arrived or not self.has_telemetry:
             return
         position, attitude = latest["LOCAL_POSITION_NED"], latest["ATTITUDE"]
         self._next_s = now_s + SAMPLE_S - 1e-6

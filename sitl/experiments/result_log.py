@@ -1,7 +1,7 @@
-"""The finished runs of a campaign on disk, one line of JSON each, in the order in which they ended.
+"""The results of an experiment on disk: one line of JSON for each finished trial, in the order of their ends.
 
-The first line says which campaign, and which version of the program, so that runs of another are never taken
-for this one's. A last line that an interruption has cut short is dropped.
+The first line holds the experiment's fingerprint and the program's version, which must match when the file is
+opened again. An incomplete last line, left by an interruption, is dropped.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ from msgspec import Struct
 from companion.core.errors import ConfigError, OutputError
 from companion.core.output_file import output_file, output_folder
 from sitl.experiments.campaign.campaign import Campaign
-from sitl.experiments.campaign.run import Outcome
+from sitl.experiments.trial import TrialResult
 
 NAME = "runs.jsonl"
 PLAN = "campaign.json"
@@ -29,11 +29,11 @@ class Head(Struct, frozen=True):
     program: str
 
 
-class Ledger:
-    """The file, open for more. `outcomes` holds those of earlier sessions at first, then all."""
+class ResultLog:
+    """The open file. `results` begins with those of earlier sessions."""
 
     def __init__(self, folder: Path, campaign: Campaign) -> None:
-        """Open or begin the ledger in a folder, which is made.
+        """Open or create the log; the folder is created.
 
         Raises:
             ConfigError: the folder holds the runs of another campaign.
@@ -41,15 +41,15 @@ class Ledger:
         """
         output_folder(folder)
         self.path = folder / NAME
-        self.outcomes: dict[int, Outcome] = {}
+        self.results: dict[int, TrialResult] = {}
         head = Head(campaign.fingerprint, version("mavboat"))
         lines = self.path.read_bytes().splitlines(keepends=True) if self.path.exists() else []
         whole = [line for line in lines if line.endswith(b"\n")]
         if whole:
             self._check(whole[0], head)
             for number, line in enumerate(whole[1:], 2):
-                outcome = self._parse(line, number)
-                self.outcomes[outcome.number] = outcome
+                result = self._parse(line, number)
+                self.results[result.number] = result
         self._file: IO[bytes] = self.path.open("r+b" if lines else "wb")
         self._file.truncate(sum(map(len, whole)))
         self._file.seek(0, 2)
@@ -62,17 +62,13 @@ class Ledger:
                 self.close()
                 raise
 
-    def add(self, outcome: Outcome) -> None:
-        """Keep a finished run: it survives this program from now on."""
-        self.outcomes[outcome.number] = outcome
-        self._write(msgspec.json.encode(outcome))
-
-    def in_order(self) -> list[Outcome]:
-        """What has been kept, by the runs' numbers."""
-        return [self.outcomes[number] for number in sorted(self.outcomes)]
+    def add(self, result: TrialResult) -> None:
+        """Store a result; it survives an end of this program."""
+        self.results[result.number] = result
+        self._write(msgspec.json.encode(result))
 
     def close(self) -> None:
-        """Let the file go. What a full disk has not taken has been told before."""
+        """Close the file. `add` has reported a full disk before."""
         with contextlib.suppress(OSError):
             self._file.close()
 
@@ -85,7 +81,7 @@ class Ledger:
         self.close()
 
     @classmethod
-    def read(cls, folder: Path) -> tuple[Campaign, list[Outcome]]:
+    def read(cls, folder: Path) -> tuple[Campaign, list[TrialResult]]:
         """A folder's campaign and its finished runs in order.
 
         Raises:
@@ -94,18 +90,16 @@ class Ledger:
         try:
             campaign = msgspec.json.decode((folder / PLAN).read_bytes(), type=Campaign)
         except (OSError, msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-            raise ConfigError(
-                f"{folder}: no campaign in it: expected a folder that one was sailed to"
-            ) from None
-        with cls(folder, campaign) as ledger:
-            return campaign, ledger.in_order()
+            raise ConfigError(f"{folder}: no campaign in it: expected the folder of one") from None
+        with cls(folder, campaign) as log:
+            return campaign, [log.results[number] for number in sorted(log.results)]
 
-    def _parse(self, line: bytes, number: int) -> Outcome:
+    def _parse(self, line: bytes, number: int) -> TrialResult:
         try:
-            return msgspec.json.decode(line, type=Outcome)
+            return msgspec.json.decode(line, type=TrialResult)
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             raise ConfigError(
-                f"{self.path}: line {number} is damaged: remove it, and the same command sails that run again"
+                f"{self.path}: line {number} is damaged: remove it to run that trial again"
             ) from None
 
     def _check(self, line: bytes, head: Head) -> None:
@@ -116,7 +110,7 @@ class Ledger:
         if found != head:
             other = "another campaign" if found.campaign != head.campaign else f"version {found.program}"
             raise ConfigError(
-                f"{self.path}: holds the runs of {other}: remove it to begin anew, or choose another folder"
+                f"{self.path}: holds the runs of {other}: remove it to start again, or choose another folder"
             )
 
     def _write(self, line: bytes) -> None:

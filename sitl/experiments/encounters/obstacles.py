@@ -34,7 +34,7 @@ class Meeting(NamedTuple):
     course_rad: float
 
 
-def still_water(kind: Kind, seed: int) -> Tree:
+def still_obstacles(kind: Kind, seed: int) -> Tree:
     """The table [map] of what lies still."""
     random = generator(seed, f"encounter/{kind}")
     if kind == "lone":

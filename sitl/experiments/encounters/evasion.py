@@ -31,7 +31,7 @@ _WATCHED_S: Final = 8.0
 _WARM_S: Final = 0.4  # until the motors turn as they did
 
 
-def could_dodge(scenario: Scenario, rows: Rows) -> bool:
+def could_evade(scenario: Scenario, rows: Rows) -> bool:
     """Whether some manoeuvre after the first possible echo keeps clear of the movers for _WATCHED_S.
 
     rows: the truth of every tick of a run with a touch, up to it at least.

@@ -1,0 +1,130 @@
+"""The task of the avoidance experiment: the same leg without and with an obstacle."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from itertools import product
+from typing import Any
+
+import msgspec
+
+from companion.core.geo import Point, bearing_rad
+from mission_tools.mission.route import mission_along
+from sitl.experiments.encounters.evasion import could_evade
+from sitl.experiments.encounters.obstacles import (
+    LEG_M,
+    Kind,
+    Meeting,
+    Tree,
+    meets_at_m,
+    mover,
+    still_obstacles,
+)
+from sitl.experiments.trial import Trial, TrialResult
+from sitl.run.sail import Result, Sailing
+from sitl.scenarios.layers import COMMAND_LINE, Layer
+from sitl.scenarios.missions import wire_items
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.sensors import generator
+from sitl.world.world import Truth
+
+MOST_S = 400.0
+_COURSE_M = 2.0  # the boat's course at the meeting is measured over this distance
+
+
+@dataclass(frozen=True, slots=True)
+class Encounter:
+    """A kind of obstacle, its speed, and the current."""
+
+    kind: Kind
+    speed_m_s: float = 0.0
+    current_m_s: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """For tables."""
+        moves = f" {self.speed_m_s:g} m/s" if self.speed_m_s else ""
+        current = f", current {self.current_m_s:g} m/s" if self.current_m_s else ""
+        return f"{self.kind.replace('_', ' ')}{moves}{current}"
+
+
+def encounter_trials(
+    encounters: Sequence[Encounter], seeds: Sequence[int], settings: dict[str, Any]
+) -> list[Trial]:
+    """Every encounter with every seed. settings: override the scenario's."""
+    return [
+        Trial(
+            number=number,
+            scenario="open",
+            seed=seed,
+            settings=settings,
+            factors=asdict(one),
+            source=COMMAND_LINE,
+        )
+        for number, (one, seed) in enumerate(product(encounters, seeds), 1)
+    ]
+
+
+def run_encounter(trial: Trial) -> TrialResult:
+    """Simulate one encounter. The figures, from ground truth:
+
+    touches: contacts of the hull; could_help: whether some simple manoeuvre, begun when the sonar could first
+    detect the mover, would have kept clear; moves_told and no_way_told: messages to the operator; alone_s:
+    the duration without an obstacle.
+
+    Raises:
+        SailError: the boat did not arm or start.
+    """
+    encounter = Encounter(**trial.factors)
+    alone_s, track = _alone(encounter.current_m_s, trial.seed, msgspec.json.encode(trial.settings))
+    if encounter.speed_m_s:
+        meeting = _meeting(track, meets_at_m(encounter.kind, trial.seed))
+        tree: Tree = {"movers": [mover(encounter.kind, trial.seed, encounter.speed_m_s, meeting)]}
+    else:
+        tree = still_obstacles(encounter.kind, trial.seed)
+    scenario = _scenario(encounter.current_m_s, trial.seed, trial.settings, tree)
+    sailing, result = _sail(scenario)
+    touches = sailing.lockstep.world.groundings
+    texts = [event.text for event in sailing.timeline.events if event.kind == "text"]
+    is_helpless = touches and encounter.speed_m_s and not could_evade(scenario, sailing.recorder.rows)
+    return TrialResult(
+        number=trial.number,
+        ended="completed" if result.completed else "not completed",
+        figures={
+            "touches": touches,
+            "could_help": not is_helpless,
+            "time_s": result.time_s,
+            "alone_s": alone_s,
+            "moves_told": sum("moves" in text for text in texts),
+            "no_way_told": sum("no way round" in text for text in texts),
+        },
+    )
+
+
+def _scenario(current_m_s: float, seed: int, settings: dict[str, Any], tree: Tree) -> Scenario:
+    towards_deg = generator(seed, "encounter/current").uniform(0.0, 360.0)
+    environment = {"current_m_s": current_m_s, "current_to_deg": towards_deg}
+    layer = Layer("encounter", {"seed": seed, "environment": environment, **tree})
+    return load_scenario("open", over=[layer, Layer(COMMAND_LINE, settings)])
+
+
+def _sail(scenario: Scenario) -> tuple[Sailing, Result]:
+    leg = [scenario.frame.to_global(Point(north_m, 0.0)) for north_m in (0.0, LEG_M)]
+    sailing = Sailing(scenario, wire_items(mission_along(leg)))
+    return sailing, sailing.run(timeout_s=MOST_S)
+
+
+@cache
+def _alone(current_m_s: float, seed: int, settings: bytes) -> tuple[float, tuple[tuple[float, Point], ...]]:
+    """The run without an obstacle: its duration, and the boat's position by time. settings: JSON."""
+    sailing, result = _sail(_scenario(current_m_s, seed, msgspec.json.decode(settings), {}))
+    fields = [Truth._fields.index(name) for name in ("time_s", "north_m", "east_m")]
+    rows = sailing.recorder.rows[:, fields].tolist()
+    return result.time_s, tuple((time_s, Point(north_m, east_m)) for time_s, north_m, east_m in rows)
+
+
+def _meeting(track: Sequence[tuple[float, Point]], along_m: float) -> Meeting:
+    """Where the boat was when it had travelled along_m on the leg."""
+    time_s, at = next(one for one in track if one[1].north_m >= along_m)
+    _, before = next(one for one in track if one[1].north_m >= along_m - _COURSE_M)
+    return Meeting(time_s, at, bearing_rad(before, at))

@@ -1,0 +1,47 @@
+"""All encounters of the avoidance experiment, and their results as a table."""
+
+from collections.abc import Sequence
+from statistics import fmean
+from typing import Final
+
+from sitl.experiments.encounters.encounter import Encounter
+from sitl.experiments.trial import Trial, TrialResult
+
+ENCOUNTERS: Final = (
+    *(
+        Encounter(kind, current_m_s=current_m_s)
+        for kind in ("lone", "gap", "field", "dense")
+        for current_m_s in (0.0, 0.5)
+    ),
+    *(Encounter(kind, speed_m_s) for kind in ("crossing", "head_on") for speed_m_s in (0.2, 0.5, 1.0)),
+    Encounter("shore"),
+    Encounter("shore", current_m_s=0.5),
+)
+_HEAD: Final = (
+    "| in the way | runs | touched | of these inevitable | completed | time, times that without | "
+    '"moves" told | "no way round" told |\n|---|---|---|---|---|---|---|---|\n'
+)
+
+
+def markdown(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
+    """A row for each encounter."""
+    groups: dict[Encounter, list[TrialResult]] = {}
+    for trial, result in zip(trials, results, strict=True):
+        groups.setdefault(Encounter(**trial.factors), []).append(result)
+    return _HEAD + "".join(f"{_row(encounter, group)}\n" for encounter, group in groups.items())
+
+
+def _row(encounter: Encounter, results: Sequence[TrialResult]) -> str:
+    touched = [result for result in results if result.figures["touches"]]
+    completed = [result for result in results if result.ended == "completed"]
+    cells = (
+        encounter.name,
+        len(results),
+        len(touched),
+        sum(not result.figures["could_help"] for result in touched) if encounter.speed_m_s else "",
+        len(completed),
+        f"{fmean(one.value('time_s') / one.value('alone_s') for one in completed):.2f}" if completed else "",
+        round(sum(result.value("moves_told") for result in results)),
+        round(sum(result.value("no_way_told") for result in results)),
+    )
+    return f"| {' | '.join(str(cell) for cell in cells)} |"

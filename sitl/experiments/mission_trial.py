@@ -1,0 +1,63 @@
+"""The task of campaigns and tuning: one mission, simulated from boot to its end."""
+
+from pathlib import Path
+
+from companion.core.geo import Point
+from companion.mavlink.items import MissionItem
+from sitl.experiments.campaign.figures import figures_of
+from sitl.experiments.trial import Trial, TrialResult
+from sitl.run.sail import Sailing
+from sitl.scenarios.layers import Layer
+from sitl.scenarios.missions import fence_along, lay_out, plan_mission, read_mission, wire_items
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.station_keeping import STATION, STAY_S
+
+MOST_TRACK_POINTS = 400
+_MARGIN_S = 120.0  # to reach a station
+
+
+def run_mission(trial: Trial) -> TrialResult:
+    """The figures of the mission, and its track with a point about every second.
+
+    Raises:
+        SailError: the boat refused the mission or did not start.
+        ConfigError, MissionToolsError: a setting or file cannot be used, or no route can be planned.
+    """
+    scenario = _scenario_of(trial)
+    sailing = Sailing(
+        scenario, _items_of(trial, scenario), fence=fence_along(scenario) if trial.fence else ()
+    )
+    result = sailing.run(_timeout_s(trial), linger_s=trial.linger_s)
+    return TrialResult(
+        number=trial.number,
+        ended="completed" if result.completed else "not completed",
+        why="" if result.completed else sailing.ending(),
+        figures=figures_of(sailing, result),
+        touched=tuple(sailing.timeline.touched),
+        track=_thinned(sailing.recorder.track()),
+    )
+
+
+def _scenario_of(trial: Trial) -> Scenario:
+    """The trial's scenario.
+
+    Raises:
+        ConfigError, MissionToolsError: it cannot be used; names file and key.
+    """
+    over = Layer(trial.source or "campaign", {**trial.settings, "seed": trial.seed})
+    return load_scenario(trial.scenario, case=trial.case or None, over=(over,))
+
+
+def _items_of(trial: Trial, scenario: Scenario) -> list[MissionItem]:
+    if trial.mission:
+        return wire_items(read_mission(Path(trial.mission)))
+    return wire_items(lay_out(trial.course, scenario) if trial.course else plan_mission(scenario)[0])
+
+
+def _timeout_s(trial: Trial) -> float | None:
+    return STAY_S + _MARGIN_S if trial.timeout_s is None and trial.course == STATION else trial.timeout_s
+
+
+def _thinned(track: list[Point]) -> tuple[tuple[float, float], ...]:
+    every = max(50, len(track) // MOST_TRACK_POINTS)
+    return tuple((round(at.east_m, 2), round(at.north_m, 2)) for at in track[::every])
