@@ -1,0 +1,111 @@
+"""Every state of a recovery, and what every trigger makes of it."""
+
+import pytest
+from boat_rig import nav_at
+
+from companion.config.boat_config import BoatConfig
+from companion.core.intent import Drive, Intent, Stop
+from companion.failsafe.recovery.recovery import RecoveryManeuvers
+from companion.failsafe.recovery.transition_table import TRANSITIONS, UNGROUNDING, State, Trigger
+from companion.geofence.fence import Fence
+
+MATRIX = """
+              CLEAR     CHECK     UNGROUND  RETREAT  ABORT  DONE  RESTED   HELD     FREED       CARRIED_BACK
+IDLE          CLEARING  CHECKING  RESTING   .        .      .     .        .        .             .
+CLEARING      CLEARING  CHECKING  RESTING   IDLE     IDLE   IDLE  .        .        .             .
+CHECKING      CLEARING  CHECKING  RESTING   IDLE     IDLE   IDLE  .        .        .             .
+RESTING       .         .         RESTING   .        IDLE   IDLE  PUSHING  .        STANDING_OFF  .
+PUSHING       .         .         RESTING   .        IDLE   IDLE  .        RESTING  STANDING_OFF  .
+STANDING_OFF  .         .         RESTING   .        IDLE   IDLE  .        .        .             RESTING
+"""
+
+_HEAD, *_LINES = [line.split() for line in MATRIX.strip().splitlines()]
+EXPECTED = {
+    (State[line[0]], Trigger[name]): None if cell == "." else State[cell]
+    for line in _LINES
+    for name, cell in zip(_HEAD, line[1:], strict=True)
+}
+CONFIG = BoatConfig()
+
+
+def recovery_in(state: State) -> RecoveryManeuvers:
+    recovery = RecoveryManeuvers()
+    way = {
+        State.IDLE: (),
+        State.CLEARING: (Trigger.CLEAR,),
+        State.CHECKING: (Trigger.CHECK,),
+        State.RESTING: (Trigger.UNGROUND,),
+        State.PUSHING: (Trigger.UNGROUND, Trigger.RESTED),
+        State.STANDING_OFF: (Trigger.UNGROUND, Trigger.FREED),
+    }
+    for trigger in way[state]:
+        assert recovery.handle(trigger, 0.0)
+    assert recovery.state is state
+    return recovery
+
+
+def test_the_matrix_lists_every_state_and_every_trigger() -> None:
+    assert set(EXPECTED) == {(state, trigger) for state in State for trigger in Trigger}
+    assert set(TRANSITIONS) == set(State)
+
+
+@pytest.mark.parametrize(("state", "trigger"), EXPECTED, ids=lambda one: one.name)
+def test_each_trigger_leads_from_each_state_where_the_matrix_says(state: State, trigger: Trigger) -> None:
+    recovery, expected = recovery_in(state), EXPECTED[state, trigger]
+    assert recovery.handle(trigger, 1.0) is (expected is not None)
+    assert recovery.state is (expected or state)
+    assert recovery.is_active is (recovery.state is not State.IDLE)
+    assert recovery.is_ungrounding is (recovery.state in UNGROUNDING)
+    assert recovery.is_checking is (recovery.state is State.CHECKING)
+
+
+def intents(recovery: RecoveryManeuvers, seconds: float) -> list[Intent]:
+    """What it drives at each tenth of a second, until it ends."""
+    driven: list[Intent] = []
+    for tick in range(round(seconds * 10)):
+        if not recovery.is_active:
+            break
+        driven.append(recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, tick * 0.1).intent)
+    return driven
+
+
+def test_clearing_stops_pulses_astern_three_times_and_drifts() -> None:
+    driven = intents(recovery_in(State.CLEARING), 60.0)
+    astern = [isinstance(intent, Drive) for intent in driven]
+    begins = [at for at in range(1, len(astern)) if astern[at] and not astern[at - 1]]
+    assert begins == [15, 31, 47]
+    assert sum(astern) == 30
+    assert all(intent == Drive(-1.0, 0.0) for intent in driven if isinstance(intent, Drive))
+    assert len(driven) == 84
+    assert driven[-1] == Stop()
+
+
+def test_clearing_begun_again_begins_anew() -> None:
+    recovery = recovery_in(State.CLEARING)
+    recovery.handle(Trigger.CLEAR, 5.0)
+    assert recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, 6.0).intent == Stop()
+    assert recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, 6.6).intent == Drive(-1.0, 0.0)
+
+
+@pytest.mark.parametrize("is_left", [True, False])
+def test_a_failed_motor_is_checked_once_the_propellers_are_clear(is_left: bool) -> None:
+    recovery = recovery_in(State.CLEARING)
+    recovery.motor_check.assume_failed(is_left, 0.0)
+    recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, 8.4)
+    assert recovery.state is State.CHECKING
+
+
+def test_a_check_ends_with_its_result_and_disarming_forgets_it() -> None:
+    recovery = recovery_in(State.CHECKING)
+    recovery.motor_check.assume_failed(True, 0.0)
+    step = recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, 6.1)
+    assert (recovery.state, step.cleared) == (State.IDLE, False)
+    assert step.text == recovery.motor_check.found()
+    recovery.reset()
+    assert not recovery.motor_check.motors.has_failed
+
+
+def test_without_an_estimate_a_check_breaks_off_and_says_nothing() -> None:
+    recovery = recovery_in(State.CHECKING)
+    step = recovery.update(None, Fence(), CONFIG, 0.0, 0.0, 1.0)
+    assert (recovery.state, step) == (State.IDLE, (Stop(), "", None))
