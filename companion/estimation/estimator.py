@@ -1,15 +1,15 @@
-"""The boat's estimate: position, velocity, heading and the set of the water from whatever is heard.
+"""Estimates position, velocity, heading and water current from all sensors.
 
-Every tick the boat is carried on by thrust, heading and set (`model.py`); a fix, once it arrives, corrects
-where the boat was when the fix was taken (`fixing.py`), and what that teaches moves the boat of now. So an
-outage of the receiver changes nothing but the doubt: this is dead reckoning all the time, with corrections
-(T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, chapters 13 and 14).
+Every tick, the model (`model.py`) propagates the state by thrust, heading and current. A GNSS fix
+(`gnss_update.py`) corrects the state at the time of its measurement, and the correction is carried forward to
+now. A GNSS outage therefore only increases the uncertainty: the estimate is continuous dead reckoning with
+corrections (T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, chapters
+13 and 14).
 
-Vectors of the water plane are complex numbers, north + i east: turning one clockwise by ψ is multiplying it
-by exp(iψ).
+Horizontal vectors are complex numbers, north + i east; multiplication by exp(iψ) rotates by ψ clockwise.
 
-What cannot be known: a receiver whose positions and velocities are led astray together, no faster than water
-could carry the boat, shows a current. Positions that creep away from their own velocities are noticed.
+Limit: a receiver whose positions and velocities drift together, no faster than a plausible current, shows as
+a current. Positions that drift away from their own velocities are detected.
 """
 
 import math
@@ -25,20 +25,20 @@ from companion.estimation.model import Model
 from companion.sensors.readings import GnssFix, HeadingReading
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
-SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that do not say how accurate they are
+SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that state no accuracy
 MIN_SIGMA_M: Final = 0.001
-# A stated accuracy is that of a class for hours: u-blox receivers under open sky state 1 to 1.5 m and wander
-# by 0.2 to 0.4 m within minutes, and only that matters to a filter. RTK receivers and cameras, which state a
+# Receivers state their accuracy over hours: u-blox receivers under open sky state 1 to 1.5 m and drift by
+# 0.2 to 0.4 m within minutes, which is what the filter needs. RTK receivers and cameras, which state a
 # decimetre or less, state their scatter.
 WITHIN_MINUTES: Final = 0.4
 STATES_SCATTER_M: Final = 0.1
-MAX_SIGMA_M: Final = 1000.0  # what lies beyond is a fault of the part; comparisons let no NaN pass
+MAX_SIGMA_M: Final = 1000.0  # larger values are treated as faults; the comparison also rejects NaN
 MAX_SPEED_M_S: Final = 100.0
-MAX_FIX_AGE_S: Final = 10.0  # as it comes: where the boat was then says nothing of where it is
-MAX_OFFSET_M: Final = 100_000.0  # from the frame's origin: its projection holds no farther
-FAR_S: Final = 3.0  # so long all fixes must lie beyond that before the boat is there: one may be wrong
-_FAR_GAP_S: Final = 10.0  # a pause after which that begins anew
-_HEALTH_S: Final = 0.0999  # how often the estimate is examined
+MAX_FIX_AGE_S: Final = 10.0  # on arrival; an older fix is not used
+MAX_OFFSET_M: Final = 100_000.0  # from the frame's origin: the limit of its projection
+FAR_S: Final = 3.0  # all fixes must lie beyond the limit for this long: a single one may be wrong
+_FAR_GAP_S: Final = 10.0  # a longer gap restarts that time
+_HEALTH_S: Final = 0.0999  # period of the health check
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 
@@ -46,8 +46,8 @@ _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 class Estimator:
     """`frame` is None before the first good fix.
 
-    Fixes too far from its origin are not used. far_m: how far the latest of them was, once they have been
-    there for FAR_S; 0 otherwise. `lay_anew` then moves the origin.
+    Fixes too far from its origin are not used. far_m: distance of the latest such fix, once they have lasted
+    for FAR_S; 0 otherwise. `reset_origin` then moves the origin.
     """
 
     __slots__ = (
@@ -65,14 +65,15 @@ class Estimator:
     )
 
     def __init__(self, speed: Speed | None = None, setting: Estimation | None = None) -> None:
-        """speed: what the motors achieve; setting: how much is believed."""
+        """speed: the boat's speed figures; setting: the estimator's settings."""
         self._setting = setting = setting or Estimation()
         self._health_due_s = 0.0
         self._sigma_m = self.far_m = 0.0
         self._far_since_s = self._far_heard_s = -math.inf
         self._faults = 0
         self.frame: LocalFrame | None = None
-        self.preset_frame: LocalFrame | None = None  # chosen beforehand; None: at the first good fix
+        # set before the first fix; None: the first good fix defines the frame
+        self.preset_frame: LocalFrame | None = None
         self.model = Model(speed or Speed(), setting)
         self.gnss = GnssUpdate(self.model, setting)
 
@@ -83,10 +84,10 @@ class Estimator:
         now_s: float,
         command: MotorCommand | None = None,
     ) -> NavState | None:
-        """Advance to now_s. None before anything was accepted.
+        """Advance to now_s. Returns None before the first accepted measurement.
 
-        command: what the motors have been doing since the last call; None: nobody knows, so nothing.
-        With only one of position and heading known, the other one is 0 with an infinite age.
+        command: the motor command since the last call; None if unknown, taken as zero. If only one of
+        position and heading is known, the other is 0 with an infinite age.
         """
         model, gnss = self.model, self.gnss
         yaw = model.advance(heading, now_s, command)
@@ -104,9 +105,9 @@ class Estimator:
             self._check_health(now_s)
         setting, faults = self._setting, self._faults
         if setting.gnss_timeout_s < position_age < math.inf and not faults & _POSITION_LOST:
-            position_age = setting.gnss_timeout_s  # dead reckoning stands in
+            position_age = setting.gnss_timeout_s  # dead reckoning
         if setting.compass_timeout_s < heading_age < math.inf and not faults & _HEADING_LOST:
-            heading_age = setting.compass_timeout_s  # for a moment steering tells where the bow goes
+            heading_age = setting.compass_timeout_s  # the yaw model bridges short gaps
         in_hull = velocity * complex(math.cos(yaw), -math.sin(yaw))
         current_m_s = model.current.current_m_s
         return NavState(
@@ -128,7 +129,7 @@ class Estimator:
         )
 
     def _check_health(self, now_s: float) -> None:
-        """How certain the position is, and what is wrong."""
+        """Update the position uncertainty and the faults."""
         self._faults = self.model.faults()
         if self.frame is not None:
             self.gnss.advance(now_s)
@@ -170,7 +171,9 @@ class Estimator:
         self.far_m = far_m if time_s - self._far_since_s >= FAR_S else 0.0
 
     def reset_origin(self) -> None:
-        """Lay the frame at the next good fix, and begin the position there. Heading and current stay."""
+        """Drop the frame: the next good fix defines it and restarts the position. Heading and current are
+        kept.
+        """
         resets = self.gnss.resets + 1
         self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
         self.gnss = GnssUpdate(self.model, self._setting)

@@ -1,4 +1,4 @@
-"""A receiver's own story: does it say the same for ever, do its velocities lead to its positions?"""
+"""Integrity of a GNSS receiver: detects frozen fixes, and positions that contradict their velocities."""
 
 import math
 from collections import deque
@@ -6,30 +6,24 @@ from typing import Final
 
 from companion.estimation.stuck_value import StuckValueDetector
 
-FROZEN_S: Final = 1.0  # so long a run of equal fixes is one while the boat moves
-_SPAN_S: Final = 1.2  # over which positions and velocities are compared
-_MOST: Final = 30  # fixes remembered
+FROZEN_S: Final = 1.0  # identical fixes for this long while the boat moves
+_SPAN_S: Final = 1.2  # window in which positions and velocities are compared
+_MOST: Final = 30  # fixes kept
 _OFF_SIGMAS: Final = 4.0
-_CREEP_S: Final = 30  # the same once more over this, for what creeps,
+_CREEP_S: Final = 30  # longer window, for slow drift
 _CREEP_SIGMAS: Final = 6.0
-_CREEP_M_S: Final = 0.03  # beyond what a receiver's velocity is off by
-_SHARE: Final = 0.75  # of a deviation: by so much the error changes within half a minute, or by the scatter
+_CREEP_M_S: Final = 0.03  # more than the error of a receiver's velocity
+_SHARE: Final = 0.75  # of a standard deviation: how far the error changes within half a minute
 _SCATTERS: Final = 3.0
-_SCATTER_S: Final = 10.0  # in which the scatter is learned
-_ODD_STEP: Final = 9.0  # of its variance: a leap teaches nothing
+_SCATTER_S: Final = 10.0  # time constant of the learned scatter
+_ODD_STEP: Final = 9.0  # of its variance: larger steps are excluded from the scatter
 
 
 class GnssIntegrityMonitor:
-    """Looks at each fix before anything is made of it."""
+    """Checks each fix before it is used."""
 
     __slots__ = (
-        "_at",
-        "_displacement_m",
-        "_history",
-        "_long_history",
-        "_repetition",
-        "_sigma_m",
-        "_variance_m2",
+        "_at", "_displacement_m", "_history", "_long_history", "_repetition", "_sigma_m", "_variance_m2",
         "_velocity",
     )  # fmt: skip
 
@@ -43,9 +37,9 @@ class GnssIntegrityMonitor:
         self._long_history: deque[tuple[float, complex]] = deque(maxlen=_CREEP_S + 1)
 
     def update(self, time_s: float, at: complex, velocity: complex | None, sigma_m: float) -> None:
-        """A fix later than the last one: position in m and velocity in m/s, north + i east.
+        """Add a fix later than the last: position in m and velocity in m/s, north + i east.
 
-        sigma_m: of a position's error within minutes, per axis.
+        sigma_m: of the position error within minutes, per axis.
         """
         is_same = bool(self._history) and at == self._at and velocity == self._velocity
         if self._history:
@@ -71,7 +65,7 @@ class GnssIntegrityMonitor:
             self._repetition.change(time_s)
 
     def _learn(self, time_s: float, told: complex, sigma_m: float) -> None:
-        """How much positions scatter about the way that their velocities lead."""
+        """Learn the scatter of positions about the path that their velocities integrate to."""
         self._sigma_m = sigma_m
         if self._variance_m2 == 0.0:
             self._variance_m2 = (sigma_m / _SCATTERS) ** 2
@@ -83,13 +77,13 @@ class GnssIntegrityMonitor:
 
     @property
     def scatter_m(self) -> float:
-        """One standard deviation, per axis, of a position's error within half a minute."""
+        """Standard deviation, per axis, of the position error within half a minute."""
         return max(_SHARE * self._sigma_m, _SCATTERS * math.sqrt(self._variance_m2))
 
     def is_frozen(self, speed_m_s: float, least_m_s: float) -> bool:
-        """Whether the same fix comes again and again although the boat must have moved.
+        """Whether the fix repeats although the boat moves.
 
-        speed_m_s: over ground, as the boat itself makes it. least_m_s: slower than this is at rest.
+        speed_m_s: estimated speed over ground. least_m_s: below this the boat counts as at rest.
         """
         repetition = self._repetition
         if repetition.run_s < FROZEN_S:
@@ -100,12 +94,12 @@ class GnssIntegrityMonitor:
         return repetition.is_faulty
 
     def is_consistent(self) -> bool:
-        """Whether the positions of the last second went where the velocities led."""
+        """Whether the positions of the last second agree with the velocities."""
         first, last = self._history[0][1], self._history[-1][1]
         return len(self._history) > 1 and abs(last - first) < _OFF_SIGMAS * self.scatter_m
 
     def creep_m(self) -> float:
-        """How far the positions have crept away from their velocities in half a minute, 0 if not at all."""
+        """Drift of the positions from their velocities over half a minute; 0 if within the noise."""
         if len(self._long_history) < 2:
             return 0.0
         (began_s, first), (time_s, last) = self._long_history[0], self._history[-1]
@@ -114,5 +108,5 @@ class GnssIntegrityMonitor:
         return crept_m if crept_m > most_m else 0.0
 
     def reset_creep(self) -> None:
-        """Begin that half minute anew."""
+        """Restart the drift window."""
         self._long_history.clear()

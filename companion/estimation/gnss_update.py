@@ -1,8 +1,8 @@
-"""Fixing the position: which fixes are believed, what they correct, and what stands in when there are none.
+"""GNSS measurement update: gates fixes, corrects the position, and reports when the position is lost.
 
-While a receiver's velocities are believed, its positions can be done without for a minute or more; but a
-receiver that insists is believed in the end, the later, the farther off it is. With neither, the model alone
-carries the boat, and the doubt grows as the model's own.
+While the receiver's velocities are accepted, its positions can be missing or rejected for a minute or more.
+Positions that persistently disagree are accepted in the end; the farther off they are, the longer that takes.
+With neither, the model alone propagates the position and the uncertainty grows at the model's rate.
 """
 
 import math
@@ -18,18 +18,17 @@ from companion.estimation.position import UNMODELLED_S, PositionFilter
 
 VELOCITY_SIGMA_M_S: Final = 0.05  # Doppler velocity of a common receiver, per axis
 _AT_REST: Final = 0.1  # share of cruise speed
-_GAP_S: Final = 0.5  # without a fix for longer, the boat strays:
-_BY_VELOCITY: Final = 0.025  # by so much of cruise speed as long as velocities are believed
-_HUNG_S: Final = 0.5  # a loop that was not run for longer knows little of what the boat did meanwhile:
-_HUNG: Final = 0.5  # it is off by such a share of cruise speed
-_REJECTED: Final = 0.5  # share of the last second's fixes that is too much
-_SUSPECT: Final = 0.3  # and one that asks for more care
-_STEP_S: Final = (
-    1.5  # a step of the receiver's that the boat could sail in this may be one back to the truth,
-)
+_GAP_S: Final = 0.5  # after a longer gap between fixes the position uncertainty grows:
+_BY_VELOCITY: Final = 0.025  # by this share of cruise speed while velocities are accepted
+_HUNG_S: Final = 0.5  # after a longer stall of the loop the motion meanwhile is unknown,
+_HUNG: Final = 0.5  # within this share of cruise speed
+_REJECTED: Final = 0.5  # share of fixes rejected in the last second that reports GNSS_JUMPING
+_SUSPECT: Final = 0.3  # share that tightens the acceptance
+# A jump no longer than this at cruise speed may be a return to the true position,
+_STEP_S: Final = 1.5
 _STEP_WAIT_S: Final = 10.0  # if it lasts
-_IDLE_RESET_S: Final = 10.0  # a boat without thrust takes even a leap for the truth after this
-_SWINGING_M_S: Final = 0.2  # velocities that change less than this do not tell how late they are
+_IDLE_RESET_S: Final = 10.0  # without thrust, even a jump is accepted after this
+_SWINGING_M_S: Final = 0.2  # velocity changes below this carry no information on latency
 _LOST: Final = int(EstimateFault.GNSS_LOST)
 _FROZEN: Final = int(EstimateFault.GNSS_FROZEN)
 _JUMPING: Final = int(EstimateFault.GNSS_JUMPING)
@@ -38,27 +37,12 @@ _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 
 
 class GnssUpdate:
-    """accepted_s: the time of the latest position believed; resets: how often it was begun anew."""
+    """accepted_s: time of the latest accepted position; resets: how often the position was restarted."""
 
     __slots__ = (
-        "_displacement_m",
-        "_drift_m",
-        "_fix_s",
-        "_integrity",
-        "_is_frozen",
-        "_model",
-        "_outlier_since_s",
-        "_passed_s",
-        "_rejected_share",
-        "_reset_counter",
-        "_setting",
-        "_stall_drift_m",
-        "_stalled_s",
-        "_velocity_s",
-        "accepted_s",
-        "latency",
-        "position",
-        "resets",
+        "_displacement_m", "_drift_m", "_fix_s", "_integrity", "_is_frozen", "_model", "_outlier_since_s",
+        "_passed_s", "_rejected_share", "_reset_counter", "_setting", "_stall_drift_m", "_stalled_s",
+        "_velocity_s", "accepted_s", "latency", "position", "resets",
     )  # fmt: skip
 
     def __init__(self, model: Model, setting: Estimation) -> None:
@@ -69,7 +53,7 @@ class GnssUpdate:
         self._fix_s = self._velocity_s = self._outlier_since_s = -math.inf
         self._displacement_m = 0j  # through the water, at the time of the latest fix
         self._drift_m = self._rejected_share = self._stall_drift_m = 0.0
-        self._stalled_s = math.inf  # since when the loop was not run, and how far that may have led astray
+        self._stalled_s = math.inf  # start of a loop stall, with the position uncertainty that it caused
         self._passed_s = 0.0
         self._is_frozen = False
         self._reset_counter = 0
@@ -79,12 +63,12 @@ class GnssUpdate:
 
     @property
     def fix_s(self) -> float:
-        """The time of the latest fix, believed or not."""
+        """Time of the latest fix, accepted or not."""
         return self._fix_s
 
     @property
     def sigma_m(self) -> float:
-        """One standard deviation of the position, per axis."""
+        """Standard deviation of the position, per axis."""
         return math.sqrt(self.position.variance_m2) + self._drift_m + self._stall_drift_m
 
     def here(self, now_s: float) -> tuple[complex, complex]:
@@ -102,7 +86,7 @@ class GnssUpdate:
         )
 
     def advance(self, now_s: float) -> None:
-        """The boat strays while no position is believed. To be called some times a second."""
+        """Grow the uncertainty while no position is accepted. Call several times a second."""
         dt = now_s - self._passed_s
         self._passed_s = now_s
         if self.latency.is_due(now_s):
@@ -121,10 +105,10 @@ class GnssUpdate:
     def update(
         self, time_s: float, at: complex, velocity: complex | None, sigma_m: float, reset_counter: int
     ) -> None:
-        """What a fix says about the boat where it was then.
+        """Process a fix, at the time of its measurement.
 
-        at: m, velocity: m/s, None where the receiver does not say. sigma_m: per axis. reset_counter: another
-        one than before means that the source has begun anew, and is believed wherever that is.
+        at: m, velocity: m/s, None if not reported. sigma_m: per axis. A changed reset_counter means that the
+        source has restarted; its position is then accepted unconditionally.
         """
         position, model, watch = self.position, self._model, self._integrity
         pause_s, self._fix_s = time_s - self._fix_s, time_s
@@ -134,7 +118,7 @@ class GnssUpdate:
         is_otherwise_late = velocity is not None and self.latency.compare(time_s, velocity)
         told_s, time_s = time_s, time_s - self.latency.lag_s
         way_m, through = model.history.at(time_s)
-        # A pose from a camera over a pool is a hundred times finer than a satellite's; so is its velocity.
+        # A camera pose is a hundred times more accurate than GNSS; so is its velocity.
         variance = min(VELOCITY_SIGMA_M_S, sigma_m) ** 2
         is_new = reset_counter != self._reset_counter or is_otherwise_late
         if self.accepted_s == -math.inf or is_new:
@@ -143,7 +127,7 @@ class GnssUpdate:
             self._start(time_s, at, velocity, sigma_m, variance, way_m, through)
             self.accepted_s = self._velocity_s = told_s
             return
-        if time_s > self._stalled_s:  # an older one tells nothing of where the boat has been carried since
+        if time_s > self._stalled_s:  # an older fix has no information on the drift since
             self._drift_m += self._stall_drift_m
             self._stall_drift_m, self._stalled_s = 0.0, math.inf
         modelled = model.current.velocity_m_s(through)
@@ -158,7 +142,7 @@ class GnssUpdate:
         position.predict(time_s, carried, sigma_m, pushed)
         noise = position.noise_m2_s3 + pushed
         is_consistent = watch.is_consistent()
-        # Late positions do not fit, and their velocities are late, too.
+        # Positions that do not fit because they are late have late velocities, too.
         is_doubtful = self.latency.is_uncertain(told_s) and not position.fits(
             at, sigma_m, self._drift_m * self._drift_m
         )
@@ -187,7 +171,7 @@ class GnssUpdate:
             self._start(time_s, at, velocity, sigma_m, variance, way_m, through)
 
     def _accepts(self, time_s: float, at: complex, sigma_m: float, is_consistent: bool, dt: float) -> bool:
-        """Whether a position is believed."""
+        """Whether a position is accepted."""
         position, watch = self.position, self._integrity
         fits = position.fits(at, sigma_m, self._drift_m * self._drift_m)
         if not is_consistent:
@@ -202,14 +186,14 @@ class GnssUpdate:
             self._outlier_since_s = time_s
         step_m = abs(at - position.position_m)
         if crept_m > 0.0:
-            if fits:  # so far it may have led the boat astray
+            if fits:  # the estimate may already have followed it
                 self._drift_m = max(self._drift_m, crept_m)
         elif step_m < _STEP_S * self._model.cruise_m_s and time_s - self._outlier_since_s > _STEP_WAIT_S:
             self._drift_m = max(self._drift_m, step_m)
         return False
 
     def _may_restart(self, time_s: float, is_consistent: bool) -> bool:
-        """Whether fixes that do not fit are better than what the boat has left."""
+        """Whether fixes that do not fit are better than the present estimate."""
         is_idle = time_s - max(self._model.idle_since_s, self.accepted_s) > _IDLE_RESET_S
         return self.has_expired(time_s) or (is_idle and is_consistent)
 
@@ -237,7 +221,7 @@ class GnssUpdate:
         self._stalled_s = math.inf
 
     def has_expired(self, now_s: float) -> bool:
-        """Whether dead reckoning has gone on for too long; without a heading there is none."""
+        """Whether dead reckoning has lasted too long; without a heading there is none."""
         setting = self._setting
         age_s = now_s - max(self.accepted_s, self._velocity_s)
         if age_s <= setting.gnss_timeout_s:

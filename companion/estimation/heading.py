@@ -1,17 +1,15 @@
-"""Heading and yaw rate from a compass, with or without a gyro, and without the compass too.
+"""Heading and yaw rate from a compass and a gyro, or from either alone.
 
-With a gyro this is the complementary filter with bias: the gyro carries the heading, the compass draws it in
-with the time constant DRAW_S and teaches the gyro's bias, so compass noise stays out and gyro drift too (R.
-Mahony, T. Hamel, J.-M. Pflimlin, *Nonlinear Complementary Filters on the Special Orthogonal Group*, IEEE
-Trans. Automatic Control 53(5), 2008, the filter with bias, in the plane). Several readings are taken
-together. A compass that disagrees with the gyro, or says the same whatever the gyro says, is not believed;
-nor is what leaps about as no hull can turn.
+With a gyro: a complementary filter with bias estimation. The gyro propagates the heading; the compass
+corrects it with time constant DRAW_S and estimates the gyro bias (R. Mahony, T. Hamel, J.-M. Pflimlin,
+*Nonlinear Complementary Filters on the Special Orthogonal Group*, IEEE Trans. Automatic Control 53(5), 2008,
+the filter with bias, in the plane). Readings are averaged over short blocks. A compass is rejected if it
+disagrees with the gyro, repeats its value while the gyro turns, or jumps faster than a hull can turn.
 
-Without a gyro it is a fading-memory (critically damped) g-h filter, gains g = 1 − θ² and h = (1 − θ)² with
-θ = exp(−dt/τ) (E. Brookner, *Tracking and Kalman Filtering Made Easy*, 1998, chapter 1).
+Without a gyro: a fading-memory (critically damped) g-h filter, gains g = 1 − θ² and h = (1 − θ)² with θ =
+exp(−dt/τ) (E. Brookner, *Tracking and Kalman Filtering Made Easy*, 1998, chapter 1).
 
-Without a compass the gyro goes on alone, and whoever knows better, as from the course made good, may `draw`
-the heading there.
+Without a compass: the gyro alone; other sources, such as the course over ground, call `correct`.
 """
 
 import math
@@ -24,65 +22,44 @@ DRAW_S: Final = 2.0
 BIAS_S: Final = 15.0
 MAX_BIAS_RAD_S: Final = 0.2
 COMPASS_TIME_S: Final = 0.15
-RESTART_S: Final = 2.0  # after such a gap the filter begins anew at the reading
+RESTART_S: Final = 2.0  # after a longer gap the filter restarts at the reading
 _TOGETHER_S: Final = 0.1
 _STUCK_S: Final = 1.0
-_LEAP_RAD, _LEAP_RAD_S = 0.2, 3.0  # from one compass reading to the next, at once and with time: not a hull
+# limit of the change between two compass readings: constant part, and per second
+_LEAP_RAD, _LEAP_RAD_S = 0.2, 3.0
 _JERK_RAD_S, _JERK_RAD_S2 = 0.15, 3.0  # the same for the gyro
-_ODD: Final = 0.5  # share of the last second in which the compass was off, that is too much
-_EVEN: Final = 0.1  # and all is well again
-_STUCK_RAD: Final = 0.1  # turned by the gyro while the compass said the same,
-_STUCK_RAD_S: Final = 0.03  # and this a second: the gyro's bias may not be known yet
+_ODD: Final = 0.5  # share of outliers in the last second that rejects the compass
+_EVEN: Final = 0.1  # share below which it is accepted again
+_STUCK_RAD: Final = 0.1  # turned by the gyro while the compass repeats its value,
+_STUCK_RAD_S: Final = 0.03  # plus this per second for an unknown gyro bias
 _SIGMA_RAD: Final = 0.02  # with a compass
-_AGREES_RAD: Final = 0.2  # a compass that was found out is believed again once it agrees like this,
-_STEADY_RAD: Final = 0.1  # or, in a boat that is not under way, at least goes with the gyro like this,
-_AGREES_S: Final = 20.0  # for so long
-_GYRO_WALK_RAD_S: Final = 0.002  # how fast a gyro alone goes astray
-_BLIND_WALK_RAD_S: Final = 0.2  # and steering alone
-_GIVE_IN_RAD_S: Final = 0.005  # how fast the gate opens to a compass that keeps on disagreeing,
-_GIVE_IN_IDLE_RAD_S: Final = 0.1  # and in a boat that is not under way: nothing is at stake
+_AGREES_RAD: Final = 0.2  # a rejected compass is accepted again once it agrees this well,
+_STEADY_RAD: Final = 0.1  # or, while the boat is idle, follows the gyro this well,
+_AGREES_S: Final = 20.0  # for this long
+_GYRO_WALK_RAD_S: Final = 0.002  # growth of the heading uncertainty on the gyro alone,
+_BLIND_WALK_RAD_S: Final = 0.2  # and on the yaw model alone
+_GIVE_IN_RAD_S: Final = 0.005  # how fast the gate opens for a compass that keeps disagreeing,
+_GIVE_IN_IDLE_RAD_S: Final = 0.1  # and while the boat is idle
 
 
 class HeadingFilter:
     """Heading in rad (−π..π) and rate in rad/s, both clockwise, at the time of the latest reading.
 
-    time_s: of that reading. compass_s: of the latest one whose compass was believed. sigma_rad: one standard
-    deviation. is_off: the compass does not go with the gyro. resets: how often it was believed in the end.
-    is_idle: the boat is not under way; the owner says so. drawn_rad: how far the compass has drawn the
-    heading in all. starts: how often the heading was begun anew.
+    time_s: of that reading. compass_s: of the latest accepted compass reading. sigma_rad: standard deviation.
+    is_off: the compass disagrees with the gyro. resets: how often such a compass was accepted in the end.
+    is_idle: the boat is not under way; set by the owner. corrected_rad: sum of all compass corrections.
+    starts: how often the heading was restarted.
     """
 
     __slots__ = (
-        "_agreed_rad",
-        "_agrees_s",
-        "_block_s",
-        "_blocks",
-        "_compass",
-        "_count",
-        "_gyro",
-        "_is_compass_rejected",
-        "_off_since_s",
-        "_outlier_share",
-        "_rate_rad_s",
-        "_sum_rad",
-        "_turned_rad",
-        "bias_rad_s",
-        "compass_s",
-        "corrected_rad",
-        "gate_rad",
-        "has_gyro",
-        "heading_rad",
-        "is_idle",
-        "is_off",
-        "resets",
-        "sigma_rad",
-        "starts",
-        "time_s",
-        "yaw_rate_rad_s",
+        "_agreed_rad", "_agrees_s", "_block_s", "_blocks", "_compass", "_count", "_gyro",
+        "_is_compass_rejected", "_off_since_s", "_outlier_share", "_rate_rad_s", "_sum_rad", "_turned_rad",
+        "bias_rad_s", "compass_s", "corrected_rad", "gate_rad", "has_gyro", "heading_rad", "is_idle",
+        "is_off", "resets", "sigma_rad", "starts", "time_s", "yaw_rate_rad_s",
     )  # fmt: skip
 
     def __init__(self, gate_rad: float) -> None:
-        """gate_rad: how far a compass may be off the gyro."""
+        """gate_rad: largest accepted difference of compass and gyro."""
         self.gate_rad = gate_rad
         self.time_s = self.compass_s = -math.inf
         self.heading_rad = self.yaw_rate_rad_s = self.bias_rad_s = 0.0
@@ -92,12 +69,12 @@ class HeadingFilter:
         self.is_idle = True
         self.resets = self.starts = 0
         self.corrected_rad = 0.0
-        self._is_compass_rejected = False  # somebody knows that the compass lies
+        self._is_compass_rejected = False  # by the consistency monitor
         self._agreed_rad = self._agrees_s = 0.0
         self._compass = SensorTimeoutMonitor(_LEAP_RAD, _LEAP_RAD_S, _STUCK_S)
         self._gyro = SensorTimeoutMonitor(_JERK_RAD_S, _JERK_RAD_S2, 0.5 * _STUCK_S)
         self._outlier_share = 0.0
-        self._turned_rad = 0.0  # by the gyro, since the compass has last said something new
+        self._turned_rad = 0.0  # by the gyro, since the last new compass value
         self._rate_rad_s = 0.0
         self._sum_rad = 0.0
         self._count = self._blocks = 0
@@ -107,10 +84,10 @@ class HeadingFilter:
     def update(
         self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None, extra_turn_rad: float = 0.0
     ) -> None:
-        """Take a reading, later than the one before.
+        """Process a reading later than the last.
 
-        heading_rad: NaN where only the gyro speaks. yaw_rate_rad_s: None without a gyro. bent_rad: how much
-        further the hull has turned in a long pause than its rates before and after say.
+        heading_rad: NaN for a gyro reading only. yaw_rate_rad_s: None without a gyro. extra_turn_rad: turn
+        during a long gap beyond the mean of the rates before and after it.
         """
         dt = time_s - self.time_s
         self.time_s = time_s
@@ -126,7 +103,7 @@ class HeadingFilter:
             self._update_with_gyro(time_s, dt, heading_rad, yaw_rate_rad_s, extra_turn_rad)
 
     def start(self, time_s: float, heading_rad: float, yaw_rate_rad_s: float | None) -> None:
-        """Start at a reading, or start anew."""
+        """Start or restart at a reading."""
         self.time_s = time_s
         self.heading_rad = wrap_pi(heading_rad)
         self.starts += 1
@@ -186,7 +163,7 @@ class HeadingFilter:
             self._update_block(time_s)
 
     def _update_block(self, time_s: float) -> None:
-        """Draw the heading to what the compass has said since the last block, on average."""
+        """Correct the heading by the mean compass residual since the last block."""
         residual, span = self._sum_rad / self._count, min(time_s - self._block_s, RESTART_S)
         self._sum_rad, self._count = 0.0, 0
         self._block_s = time_s
@@ -204,7 +181,7 @@ class HeadingFilter:
             residual = 0.0
         self._blocks += 1
         share = 1.0 - math.exp(-span / DRAW_S)
-        if self._blocks * share < 1.0:  # at first all blocks count alike
+        if self._blocks * share < 1.0:  # equal weights at the start
             self._correct(residual / (self._blocks + 1))
         else:
             self._correct(share * residual)
@@ -213,7 +190,7 @@ class HeadingFilter:
         self._accept_compass(time_s)
 
     def _jump(self, residual_rad: float) -> None:
-        """The compass is right after all: the heading leaps to it."""
+        """Accept the compass after all: set the heading to it."""
         self.resets += 1
         self.starts += 1
         self.heading_rad = wrap_pi(self.heading_rad + residual_rad)
@@ -223,7 +200,7 @@ class HeadingFilter:
         self.corrected_rad += by_rad
 
     def reject_offset(self, gap_rad: float, bias_rad_s: float) -> None:
-        """The compass has led the heading astray: it is that much off, and the gyro has this bias."""
+        """Reject the compass: correct the heading by gap_rad and set the gyro bias."""
         self._is_compass_rejected = self.is_off = True
         self.heading_rad = wrap_pi(self.heading_rad + gap_rad)
         self.bias_rad_s = bias_rad_s
@@ -231,7 +208,7 @@ class HeadingFilter:
         self._agreed_rad = self._agrees_s = 0.0
 
     def _is_trusted_again(self, residual_rad: float, span_s: float) -> bool:
-        """Whether a compass that was found out has been right again for long enough."""
+        """Whether a rejected compass has agreed for long enough."""
         if abs(wrap_pi(residual_rad - self._agreed_rad)) > _STEADY_RAD:
             self._agreed_rad, self._agrees_s = residual_rad, 0.0
         if self.is_idle or abs(residual_rad) < _AGREES_RAD:
@@ -244,22 +221,19 @@ class HeadingFilter:
         return not self._is_compass_rejected
 
     def _open_gate_rad(self, time_s: float) -> float:
-        """The longer the compass disagrees, the more may be the gyro's fault."""
+        """The gate; it opens while the compass disagrees, as the gyro becomes less reliable."""
         waited_s = time_s - self._off_since_s
         if waited_s <= 0.0:
             return self.gate_rad
         return self.gate_rad + waited_s * (_GIVE_IN_IDLE_RAD_S if self.is_idle else _GIVE_IN_RAD_S)
 
     def correct(self, residual_rad: float, time_constant_s: float, dt_s: float, sigma_rad: float) -> None:
-        """The heading is that much off, says somebody who is right within sigma_rad.
-
-        It makes up for what the gyro drifts, or for what steering does otherwise than it is thought to.
-        """
+        """Correct the heading by an independent residual with standard deviation sigma_rad."""
         share = 1.0 - math.exp(-dt_s / time_constant_s)
         self.heading_rad = wrap_pi(self.heading_rad + share * residual_rad)
         self.sigma_rad = max(self.sigma_rad * (1.0 - share), sigma_rad)
 
     def add_process_noise(self, dt_s: float) -> None:
-        """No reading has come for dt_s: only steering tells how the boat has turned."""
+        """Grow the uncertainty over dt_s without a reading."""
         self.has_gyro = False
         self.sigma_rad += _BLIND_WALK_RAD_S * dt_s

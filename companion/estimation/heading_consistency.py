@@ -1,11 +1,11 @@
-"""A second opinion on the heading, for the day when compass and gyro part: which of the two has gone wrong?
+"""Decides which of compass and gyro is faulty when they diverge.
 
-The heading filter lets the compass draw the heading in and teach the gyro its bias, so that a compass that
-turns away slowly takes all along with it. The witness goes by the gyro alone, with the bias of a minute, and
-follows the compass only slowly. Once the two are too far apart they are heard against a third: the velocity
-over ground, with the set of the water and the worth of thrust as they were before the quarrel. The heading
-that explains it is right (the idea of a bank of filters, each with a hypothesis of its own: Y. Bar-Shalom,
-X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001, section 11.6).
+The heading filter lets the compass correct the heading and the gyro bias, so a slowly drifting compass
+corrupts both. This monitor propagates a second heading by the gyro alone, with the bias averaged over a
+minute, and follows the compass only slowly. When the two headings differ too much, each predicts a velocity
+over ground with the current and thrust gain from before the disagreement. The heading that explains the
+measured velocity is right (the idea of a bank of filters, each with its own hypothesis: Y. Bar-Shalom, X. R.
+Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001, section 11.6).
 """
 
 import cmath
@@ -13,48 +13,37 @@ import math
 from enum import Enum
 from typing import Final
 
-_HEADING_S: Final = 20.0  # how slowly the witness follows the compass,
-_BIAS_S: Final = 60.0  # and the bias that the compass teaches; both less in the first minute
+_HEADING_S: Final = 20.0  # time constant towards the compass,
+_BIAS_S: Final = 60.0  # and towards the filter's bias; both shorter in the first minute
 _LEAST_S: Final = 2.0
 _YOUNG: Final = 0.7  # of its age
 _DISAGREEMENT_RAD: Final = 0.12
-_KEEP_S: Final = 4.0  # set and gain are remembered from one to two of these ago
-_TELLING_M_S: Final = 0.25  # apart, in what the two headings say of the velocity
+_KEEP_S: Final = 4.0  # current and gain are kept from one to two of these periods ago
+_TELLING_M_S: Final = 0.25  # least difference of the two predicted velocities that is informative
 _HEAR_S: Final = 3.0
 _ENOUGH_S: Final = 1.5
-_CLEAR: Final = 0.35  # share of the other's square error that the better one may have
-_WRONG_M_S: Final = 0.15  # and how far off the other one must be
-_GIVE_UP_S: Final = 120.0  # without way nobody can tell
+_CLEAR: Final = 0.35  # largest ratio of the better to the worse mean square error,
+_WRONG_M_S: Final = 0.15  # and least error of the worse one
+_GIVE_UP_S: Final = 120.0  # without a decision after this, the gyro is taken to be faulty
 
 
 class HeadingVerdict(Enum):
-    """What the witness has to say."""
+    """The faulty sensor."""
 
     NOTHING = 0
-    COMPASS = 1  # it is the compass that has gone wrong,
-    GYRO = 2  # or the gyro
+    COMPASS = 1
+    GYRO = 2
 
 
 class HeadingConsistencyMonitor:
-    """gap_rad: by how much its heading lies clockwise of the filter's. bias_rad_s: the gyro's, as it has it.
+    """gap_rad: its heading less the filter's, clockwise. bias_rad_s: its gyro bias.
 
-    current_m_s and gain: of the water and of thrust, as they were before a quarrel began.
+    current_m_s and gain: current and thrust gain from before the disagreement.
     """
 
     __slots__ = (
-        "_age_s",
-        "_compass_off",
-        "_corrected_rad",
-        "_disagreement_s",
-        "_evidence_s",
-        "_gyro_off",
-        "_newer",
-        "_recorded_s",
-        "bias_rad_s",
-        "current_m_s",
-        "gain",
-        "gap_rad",
-        "is_disagreeing",
+        "_age_s", "_compass_off", "_corrected_rad", "_disagreement_s", "_evidence_s", "_gyro_off", "_newer",
+        "_recorded_s", "bias_rad_s", "current_m_s", "gain", "gap_rad", "is_disagreeing",
     )  # fmt: skip
 
     def __init__(self) -> None:
@@ -64,14 +53,14 @@ class HeadingConsistencyMonitor:
         self.reset(0.0, 0.0)
 
     def reset(self, corrected_rad: float, bias_rad_s: float) -> None:
-        """Go along with the filter as it is now. drawn_rad: see `update`."""
+        """Follow the filter's present heading. corrected_rad: see `update`."""
         self._corrected_rad, self.bias_rad_s = corrected_rad, bias_rad_s
         self.gap_rad = self._age_s = 0.0
         self.is_disagreeing = False
         self._disagreement_s = self._evidence_s = self._compass_off = self._gyro_off = 0.0
 
     def record(self, current_m_s: complex, gain: complex, dt_s: float) -> None:
-        """Remember set and gain while all is well."""
+        """Record current and gain while the headings agree."""
         self._recorded_s += dt_s
         if self._recorded_s >= _KEEP_S and not self.is_disagreeing:
             first = self._recorded_s == math.inf
@@ -80,10 +69,9 @@ class HeadingConsistencyMonitor:
             self._newer = (current_m_s, gain)
 
     def update(self, corrected_rad: float, bias_rad_s: float, dt_s: float) -> None:
-        """Go on by dt_s.
+        """Advance by dt_s.
 
-        drawn_rad: how far the compass has drawn the filter's heading in all. bias_rad_s: the gyro's, as the
-        filter has it.
+        corrected_rad: sum of the filter's compass corrections. bias_rad_s: the filter's gyro bias.
         """
         gap = self.gap_rad - (corrected_rad - self._corrected_rad) + (bias_rad_s - self.bias_rad_s) * dt_s
         self._corrected_rad = corrected_rad
@@ -96,7 +84,7 @@ class HeadingConsistencyMonitor:
         self.gap_rad = gap
 
     def judge(self, over_ground: complex, through_water: complex, dt_s: float) -> HeadingVerdict:
-        """Hear a velocity over ground, in a quarrel; through_water: as the filter's heading has it."""
+        """Compare a measured velocity with both headings; through_water: by the filter's heading."""
         self._disagreement_s += dt_s
         bow = self.gain * through_water
         turned = bow * cmath.rect(1.0, self.gap_rad)

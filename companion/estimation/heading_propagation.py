@@ -1,4 +1,4 @@
-"""The heading of now: readings, however late or seldom, carried on by what steering makes of the hull."""
+"""The present heading: late or infrequent readings, propagated by the yaw model."""
 
 import math
 from typing import Final
@@ -9,47 +9,48 @@ from companion.estimation.latency import PAUSE_S, LatencyEstimator
 from companion.estimation.yaw_model import YawRateModel
 from companion.sensors.readings import HeadingReading
 
-MAX_HEADING_RAD: Final = 100.0  # what lies beyond these two is a fault of the part
+MAX_HEADING_RAD: Final = 100.0  # larger values of these two are treated as faults
 MAX_RATE_RAD_S: Final = 50.0
-_FRESH_S: Final = 0.1  # a heading this old is carried on at its own rate, an older one by the yaw model,
-_FADE_S: Final = 1.0  # and what that does not know of its rate fades
+_FRESH_S: Final = 0.1  # up to this age the heading is propagated at its own rate, then by the yaw model,
+_FADE_S: Final = 1.0  # and the residual rate decays
 _SILENT_S: Final = 0.5
-_SELDOM_S: Final = 0.3  # from one reading to the next
-_PAUSES: Final = 0.2  # share of the latest one in what is usual
+_SELDOM_S: Final = 0.3  # period of readings that counts as slow
+_PAUSES: Final = 0.2  # weight of the latest period in the mean
 _MOST_PAUSE_S: Final = 1.5
-_TURNING_RAD_S: Final = 0.1  # less turning to and fro does not tell how late the compass is
-_COURSE_S: Final = 5.0  # how fast the course made good draws the heading, with a gyro
-_COURSE_ALONE_S: Final = 0.7  # and without one,
-_ALONE_RAD: Final = 0.1  # more doubt,
-_LEAN_S: Final = 4.0  # where it also says what turns the boat besides steering
+_TURNING_RAD_S: Final = 0.1  # changes of yaw rate below this carry no information on latency
+_COURSE_S: Final = 5.0  # time constant of the correction by course over ground, with a gyro
+_COURSE_ALONE_S: Final = 0.7  # and without,
+_ALONE_RAD: Final = 0.1  # with more uncertainty,
+_LEAN_S: Final = 4.0  # where it also corrects the yaw bias
 
 
 class HeadingPropagation:
-    """heading_rad and yaw_rate_rad_s are those of now; `filter` has them as of the latest reading."""
+    """heading_rad and yaw_rate_rad_s are present values; `filter` holds those of the latest reading."""
 
     __slots__ = (
-        "_heard_s", "_pause_s", "_reading_turned_rad", "_reading_turning",
-        "filter", "heading_rad", "latency", "model", "yaw_rate_rad_s",
+        "_heard_s", "_pause_s", "_reading_turned_rad", "_reading_turning", "filter", "heading_rad", "latency",
+        "model", "yaw_rate_rad_s",
     )  # fmt: skip
 
     def __init__(self, gate_rad: float) -> None:
-        """gate_rad: how far a compass may be off the gyro."""
+        """gate_rad: largest accepted difference of compass and gyro."""
         self.filter = HeadingFilter(gate_rad)
         self.model = YawRateModel()
-        self.latency = LatencyEstimator(_TURNING_RAD_S)  # of the compass, with its gyro
+        self.latency = LatencyEstimator(_TURNING_RAD_S)  # of compass and gyro
         self.heading_rad = self.yaw_rate_rad_s = 0.0
-        self._heard_s = -math.inf  # when the latest reading came, whatever time it is about
-        self._pause_s = 0.0  # usual between two readings
-        # The yaw model's, at the time that the latest reading is about
+        self._heard_s = -math.inf  # arrival of the latest reading
+        self._pause_s = 0.0  # mean period of readings
+
+        # Of the yaw model, at the measurement time of the latest reading
         self._reading_turned_rad = self._reading_turning = 0.0
 
     @property
     def is_late(self) -> bool:
-        """Whether readings come late, or seldom."""
+        """Whether readings are late or infrequent."""
         return self.latency.lag_s > 0.0 or self._pause_s > _SELDOM_S
 
     def advance(self, reading: HeadingReading | None, now_s: float, dt_s: float) -> None:
-        """Go on by dt_s to now_s, with the latest reading there is."""
+        """Advance by dt_s to now_s, with the latest reading."""
         heading = self.filter
         if reading is not None and self._heard_s < reading.time_s <= now_s:
             self._ingest(reading)
@@ -61,7 +62,7 @@ class HeadingPropagation:
             self.heading_rad = wrap_pi(heading.heading_rad + heading.yaw_rate_rad_s * ahead_s)
             return
         model, fading = self.model, math.exp(-ahead_s / _FADE_S)
-        odd = heading.yaw_rate_rad_s - model.rate_of(self._reading_turning)  # what was not known of the rate
+        odd = heading.yaw_rate_rad_s - model.rate_of(self._reading_turning)  # residual rate
         self.yaw_rate_rad_s = model.rate_rad_s + odd * fading
         turned = model.turned_rad + model.rate_rad_s * (now_s - model.time_s) - self._reading_turned_rad
         self.heading_rad = wrap_pi(heading.heading_rad + turned + odd * _FADE_S * (1.0 - fading))
@@ -69,18 +70,18 @@ class HeadingPropagation:
             heading.add_process_noise(dt_s)
 
     def steer(self, now_s: float, left: float, right: float) -> None:
-        """The motors have had these commands until now."""
+        """Advance the yaw model with the motor commands up to now."""
         self.model.advance(now_s, left, right)
         if self.latency.is_due(now_s):
             self.latency.add_expected(now_s, complex(self.model.rate_of(self.model.turning), 0.0))
 
     def learn(self, now_s: float, dt_s: float) -> None:
-        """How fast steering turns the boat, for the day when no gyro says so."""
+        """Update the yaw model from the gyro."""
         if not self.latency.is_uncertain(now_s):
             self.model.learn(self.filter.yaw_rate_rad_s, self._reading_turning, dt_s)
 
     def correct_by_course(self, turn_rad: float, dt_s: float, doubt_rad: float) -> None:
-        """The course made good says that the heading is so much off, with such doubt."""
+        """Correct the heading by turn_rad, from the course over ground; doubt_rad: standard deviation."""
         if self.filter.has_gyro:
             self.filter.correct(turn_rad, _COURSE_S, dt_s, doubt_rad)
         else:
@@ -88,7 +89,7 @@ class HeadingPropagation:
             self.model.adjust_bias(turn_rad * dt_s / (_COURSE_ALONE_S * _LEAN_S))
 
     def _ingest(self, reading: HeadingReading) -> None:
-        """Take a reading of compass and gyro, about the time that its stamp less its lag says."""
+        """Process a reading of compass and gyro at its stamp less its latency."""
         heading, model, late = self.filter, self.model, self.latency
         rate, told_s = reading.yaw_rate_rad_s, reading.time_s
         is_heading = abs(reading.heading_rad) <= MAX_HEADING_RAD
@@ -107,7 +108,7 @@ class HeadingPropagation:
         time_s = told_s - lag_s
         dt = time_s - heading.time_s
         if not dt > 0.0:
-            return  # stamps were believed before that have turned out too fresh
+            return  # the latency was underestimated before
         turned, turning, extra_turn = model.turned_rad, model.turning, 0.0
         if lag_s > 0.0:
             turned, turning = model.at(time_s)

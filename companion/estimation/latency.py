@@ -1,33 +1,32 @@
-"""How late a sensor's readings are that are stamped as if they were fresh.
+"""Estimates the latency of a sensor whose readings are stamped on arrival.
 
-Readings that come in their order cannot become later without a pause: nobody looks for more lag than there
-was silence. After one, what thrust and steering lead one to expect is compared with what is heard. A reading
-that is late goes with what was expected a while ago: of all lags the right one is that which leaves the least
-variance between the two, the time-delay estimate of least squares (G. C. Carter, *Coherence and Time Delay
-Estimation*, Proc. IEEE 75(2), 1987). Constant differences do not count, and scale not much; on a straight
-course at a steady speed all lags are alike, and nothing is said.
+Latency can only grow during a gap in the readings, so the search covers no more than the gaps. After a gap,
+readings are correlated with their prediction from thrust and steering: the latency is the lag with the least
+residual variance, the least-squares time-delay estimate (G. C. Carter, *Coherence and Time Delay Estimation*,
+Proc. IEEE 75(2), 1987). Constant offsets cancel and scale has little effect. On a straight course at constant
+speed all lags fit equally well, and no estimate is made.
 """
 
 from typing import Final
 
 STEP_S: Final = 0.2
 LAGS: Final = 16  # 0 to 3 s
-_LENGTH: Final = 24  # of what is kept: readings on their way are older than the tick
-PAUSE_S: Final = 0.4  # more than any sensor's usual
-_UNUSUAL: Final = 1.8  # times what is usual
-_PAUSES: Final = 0.3  # share of the latest one in that
-_WATCH_S: Final = 120.0  # after a pause
-_NEWS_S: Final = 20.0  # in which most lags are found
+_LENGTH: Final = 24  # of the history: readings may be older than the tick
+PAUSE_S: Final = 0.4  # more than the usual period of any sensor
+_UNUSUAL: Final = 1.8  # times the usual gap
+_PAUSES: Final = 0.3  # weight of the latest gap in the mean
+_WATCH_S: Final = 120.0  # after a gap
+_NEWS_S: Final = 20.0  # within which most latencies are found
 _MEMORY_S: Final = 8.0
-_SCALE: Final = 2.0  # how far what is expected may be off by a factor, either way
-_BETTER: Final = 0.35  # of the variance that the present lag leaves: what another one may leave at most,
-_FOR_S: Final = 0.9  # for so long
-_LEAST_STEPS: Final = 2  # less is the model's own fault
+_SCALE: Final = 2.0  # largest scale error of the prediction, either way
+_BETTER: Final = 0.35  # a better lag must leave at most this share of the present one's variance,
+_FOR_S: Final = 0.9  # for this long
+_LEAST_STEPS: Final = 2  # a smaller latency is within the model error
 _SLACK_S: Final = 1e-3
 
 
 class LatencyEstimator:
-    """lag_s: what has to be taken off the stamps. until_s: as long as there is something to `compare`."""
+    """lag_s: subtract from the stamps. until_s: end of the period in which `compare` is needed."""
 
     __slots__ = (
         "_alike", "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_mean",
@@ -36,7 +35,7 @@ class LatencyEstimator:
     )  # fmt: skip
 
     def __init__(self, least: float) -> None:
-        """least: a difference with no more than this deviation is the model's own fault."""
+        """least: residuals with a smaller deviation are within the model error."""
         self.lag_s = 0.0
         self._least = least * least
         self._lag = self._best = self._next = self._count = 0
@@ -44,27 +43,27 @@ class LatencyEstimator:
         self._expected_s = self._compared_s = 0.0
         self.until_s = -1.0
         self._heard_mean, self._heard_square = 0j, 0.0
-        self._means = [0j] * LAGS  # of what was expected so long before,
-        self._squares = [0.0] * LAGS  # its variance,
-        self._alike = [0.0] * LAGS  # and its covariance with what is heard
+        self._means = [0j] * LAGS  # of the predictions at each lag,
+        self._squares = [0.0] * LAGS  # their variance,
+        self._alike = [0.0] * LAGS  # and their covariance with the readings
         self._odd_s = self._paused_s = self._usual_s = 0.0
 
     def is_uncertain(self, time_s: float) -> bool:
-        """Whether readings may be late without its being known yet."""
+        """Whether readings may be late without a known latency."""
         return self._odd_s > 0.0 or (self._lag == 0 and time_s < self.until_s + (_NEWS_S - _WATCH_S))
 
     def is_due(self, time_s: float) -> bool:
-        """Whether `expect` is to be told something."""
+        """Whether `add_expected` is due."""
         return time_s - self._expected_s >= STEP_S - _SLACK_S
 
     def add_expected(self, time_s: float, value: complex) -> None:
-        """A reading of now would say this, but for a constant."""
+        """Add the prediction of a reading at time_s, up to a constant."""
         self._expected_s = time_s
         self._expected[self._next] = value
         self._next = self._next + 1 if self._next + 1 < _LENGTH else 0
 
     def note_gap(self, time_s: float, pause_s: float) -> None:
-        """A reading has come after such a pause, of PAUSE_S or more. Some sensors do no better as a rule."""
+        """A reading arrived after a gap of PAUSE_S or more. Gaps usual for the sensor are ignored."""
         is_usual = pause_s < _UNUSUAL * self._usual_s
         self._usual_s += _PAUSES * (min(pause_s, LAGS * STEP_S) - self._usual_s)
         if is_usual:
@@ -75,7 +74,7 @@ class LatencyEstimator:
         self.until_s = time_s + _WATCH_S
 
     def compare(self, time_s: float, value: complex) -> bool:
-        """Take a reading with its stamp; whether another lag is right from now on."""
+        """Process a reading with its stamp. Returns whether the latency has changed."""
         if time_s > self.until_s and self._lag == 0:
             return False
         dt = time_s - self._compared_s
@@ -94,7 +93,7 @@ class LatencyEstimator:
         return True
 
     def _correlate(self, time_s: float, share: float, value: complex) -> tuple[int, float, float]:
-        """The best lag; the variance that the present one leaves, and the best one."""
+        """The best lag, the residual variance of the present lag, and that of the best."""
         self._count += 1
         share = max(share, 1.0 / self._count)
         behind = round((self._expected_s - time_s) / STEP_S)
@@ -108,7 +107,7 @@ class LatencyEstimator:
         most_s = self._paused_s + STEP_S
         best, least, now = 0, 1e9, 0.0
         for lag in range(LAGS):
-            then = expected[back - lag]  # negative indices count from the ring's end
+            then = expected[back - lag]  # negative indices wrap around the ring
             mean = means[lag] + share * (then - means[lag])
             then -= mean
             means[lag] = mean

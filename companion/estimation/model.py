@@ -1,4 +1,4 @@
-"""How the boat moves by itself: heading, way through the water, and the set; what fixes teach about them."""
+"""Motion model of the boat: heading, speed through the water and current, and how GNSS fixes correct them."""
 
 import cmath
 import math
@@ -15,23 +15,24 @@ from companion.estimation.state_history import StateHistory
 from companion.estimation.water_speed import WaterSpeed
 from companion.sensors.readings import HeadingReading
 
-# A boat that steers for a point comes nearer while its heading is off by less than a right angle. That is 2.2
-# standard deviations of this: a heading known no better is lost.
+# A boat approaches its target while the heading error is below 90°, which is 2.2 of these standard
+# deviations. With a larger one the heading is lost.
 LOST_RAD: Final = 0.7
-BLIND_RAD: Final = 0.45  # dead reckoning by a heading known no better is off by half of the way
-FOUND_RAD: Final = 0.4  # and known again at this: by its course at a walking pace, not while it creeps
-_UNDER_WAY: Final = 0.4  # share of cruise speed that tells a course,
-_CREEPING: Final = 0.15  # and that which has to do where nothing else tells where the bow points
-_SLIP: Final = 0.2  # of speed × yaw rate: what the model gets wrong in a turn,
-_SURGE: Final = 0.3  # and of its own acceleration
-_NUDGE_S: Final = 4.0  # how fast what is not modelled is taken for way through the water
+BLIND_RAD: Final = 0.45  # heading uncertainty that makes dead reckoning useless: error of half the distance
+FOUND_RAD: Final = 0.4  # uncertainty at which a lost heading counts as found
+_UNDER_WAY: Final = 0.4  # share of cruise speed above which the course is informative,
+_CREEPING: Final = 0.15  # and the least that is used if there is no other heading source
+_SLIP: Final = 0.2  # of speed × yaw rate: model error in a turn,
+_SURGE: Final = 0.3  # and of the acceleration
+# time constant with which unmodelled velocity is assigned to the speed through the water
+_NUDGE_S: Final = 4.0
 _STRIDE_S: Final = 0.039  # the hull is slow: every second tick is enough
 _IDLE_S: Final = 2.0  # without thrust
 _COURSE_SIGMA_RAD: Final = 0.03
 _COURSE_SIGMA_M_S: Final = 0.04
 _OFF_RAD: Final = 0.6  # between course and compass
 _OFF_S: Final = 4.0
-_STEADY_RAD_S: Final = 0.1  # in a turn a receiver that lags shows another course
+_STEADY_RAD_S: Final = 0.1  # in a turn, a receiver with latency reports another course
 _GOOD_AGAIN_RAD: Final = 0.35
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _LOST: Final = int(EstimateFault.COMPASS_LOST)
@@ -41,29 +42,16 @@ _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 
 
 class Model:
-    """Heading, water speed, wake and current. now_s is the tick, idle_since_s when thrust was last asked for.
+    """now_s is the tick, idle_since_s the last time with thrust.
 
-    The boat's size is taken from the configuration of its start: a cruise speed that is changed under way
-    does not change what its motors do.
+    Speed figures are those of the configuration at the start: changing cruise speed does not change the
+    motors.
     """
 
     __slots__ = (
-        "_compass_timeout_s",
-        "_consistency",
-        "_cruise_throttle",
-        "_is_lost",
-        "_is_turned_off",
-        "_off_rad",
-        "_starts",
-        "_surge_time_s",
-        "cruise_m_s",
-        "current",
-        "heading",
-        "history",
-        "idle_since_s",
-        "now_s",
-        "propagation",
-        "water",
+        "_compass_timeout_s", "_consistency", "_cruise_throttle", "_is_lost", "_is_turned_off", "_off_rad",
+        "_starts", "_surge_time_s", "cruise_m_s", "current", "heading", "history", "idle_since_s", "now_s",
+        "propagation", "water",
     )  # fmt: skip
 
     def __init__(self, speed: Speed, setting: Estimation) -> None:
@@ -78,26 +66,26 @@ class Model:
         self.now_s = 0.0
         self.idle_since_s = 0.0
         self._consistency = HeadingConsistencyMonitor()
-        self._starts = 0  # of the heading, as the witness has it
+        self._starts = 0  # of the heading, as known to the monitor
         self._off_rad = 0.0
         self._is_turned_off = False
         self._is_lost = False  # the heading
 
     @property
     def has_heading(self) -> bool:
-        """Whether the heading has ever been known."""
+        """Whether there has ever been a heading."""
         return self.heading.time_s > -math.inf
 
     @property
     def is_compass_good(self) -> bool:
-        """Whether the heading rests on the compass."""
+        """Whether the heading relies on the compass."""
         heading = self.heading
         return not heading.is_off and self.now_s - heading.compass_s <= self._compass_timeout_with_lag_s
 
     def advance(self, reading: HeadingReading | None, now_s: float, command: MotorCommand | None) -> float:
-        """Go on to now_s; the heading of then, without the compass's offset.
+        """Advance to now_s; returns the heading without the compass offset.
 
-        command: what the motors have been doing meanwhile; None: nobody knows, so nothing.
+        command: the motor command since the last call; None if unknown, taken as zero.
         """
         propagation, dt = self.propagation, now_s - self.now_s
         self.now_s = now_s
@@ -111,11 +99,11 @@ class Model:
 
     @property
     def _compass_timeout_with_lag_s(self) -> float:
-        """For how long nothing need be heard of the compass."""
+        """Longest accepted silence of the compass."""
         return self._compass_timeout_s + self.propagation.latency.lag_s
 
     def _move(self, yaw: float, now_s: float, dt: float, command: MotorCommand | None) -> None:
-        """Go on through the water."""
+        """Advance the speed through the water."""
         heading, velocity = self.heading, 0j
         if command is not None:
             water = self.water
@@ -132,7 +120,7 @@ class Model:
         self.history.advance(now_s, velocity)
 
     def process_noise_m2_s3(self, through: complex) -> float:
-        """How noisy the model is just now, because the boat turns or gathers way."""
+        """Additional process noise while turning or accelerating."""
         slip = _SLIP * self.propagation.yaw_rate_rad_s * abs(through)
         surge = _SURGE * self.water.surge_m_s2
         return slip * slip + surge * surge
@@ -140,10 +128,11 @@ class Model:
     def learn(
         self, velocity: complex, through: complex, variance: float, noise_m2_s3: float, dt: float
     ) -> complex:
-        """Set, gain and compass from a velocity over ground and the one through the water at the same time.
+        """Update current, gain and compass offset from simultaneous velocities over ground and through the
+        water.
 
-        variance: of the measured velocity, per axis. noise_m2_s3: of the model. Returns by how much more of
-        the velocity is modelled now.
+        variance: of the measured velocity, per axis. noise_m2_s3: of the model. Returns the increase of the
+        modelled velocity.
         """
         if not self.has_heading:
             return 0j
@@ -154,13 +143,13 @@ class Model:
         self.propagation.learn(self.now_s, dt)
         if self.heading.has_gyro and self._is_compass_faulty(velocity, through, dt):
             return self._reject_compass(through)
-        # What is not modelled lasts for UNMODELLED_S, so each fix tells less than its own variance says.
+        # The model error is correlated over UNMODELLED_S: each fix has less information than its variance says.
         return self.current.update(
             velocity, through, variance + noise_m2_s3 * UNMODELLED_S * UNMODELLED_S / dt, dt
         )
 
     def _is_compass_faulty(self, velocity: complex, through: complex, dt: float) -> bool:
-        """Whether the witness knows that the compass has led the heading astray."""
+        """Whether the consistency monitor finds the compass faulty."""
         heading, monitor = self.heading, self._consistency
         if heading.starts != self._starts:
             self._starts = heading.starts
@@ -175,7 +164,7 @@ class Model:
         return verdict is HeadingVerdict.COMPASS
 
     def _reject_compass(self, through: complex) -> complex:
-        """The compass is not believed any more, nor what it has taught; what `learn` returns."""
+        """Reject the compass and undo what was learned from it; returns as `learn` does."""
         current, monitor = self.current, self._consistency
         before = current.velocity_m_s(through)
         self.heading.reject_offset(monitor.gap_rad, monitor.bias_rad_s)
@@ -185,9 +174,9 @@ class Model:
         return after - before
 
     def absorb_unmodelled(self, unmodelled_m_s: complex, dt: float) -> complex:
-        """Way that the boat still has, or has not yet, shows in what is not modelled: take it for that.
+        """Move the unmodelled velocity along the bow into the speed through the water.
 
-        Returns by how much more of the velocity is modelled now.
+        Returns the increase of the modelled velocity.
         """
         if not self.has_heading:
             return 0j
@@ -199,14 +188,14 @@ class Model:
         return step * bow
 
     def doubt_m_s(self) -> float:
-        """One standard deviation, per axis, of the velocity over ground that the model gives now."""
+        """Standard deviation, per axis, of the modelled velocity over ground."""
         through = self.history.velocity_m_s
         doubt = 0.01 if self.is_compass_good else self.heading.sigma_rad
         variance = self.current.variance(through) + (doubt * abs(through)) ** 2
         return math.sqrt(max(variance, 0.0))
 
     def is_blind(self) -> bool:
-        """Whether the heading is too uncertain to reckon a position by."""
+        """Whether the heading is too uncertain for dead reckoning."""
         return not self.has_heading or self._is_lost or self.heading.sigma_rad > BLIND_RAD
 
     def faults(self) -> int:
@@ -224,7 +213,7 @@ class Model:
         return faults | _HEADING_LOST if self._is_lost else faults
 
     def _course_turn_rad(self, velocity: complex, through: complex) -> float:
-        """How far the boat's course through the water is off its bow, NaN while there is no course."""
+        """Angle from the bow to the course through the water; NaN if there is no course."""
         is_alone = not self.heading.has_gyro and not self.is_compass_good
         current, least = self.current, (_CREEPING if is_alone else _UNDER_WAY) * self.cruise_m_s
         course, bow = velocity - current.current_m_s, current.gain * through
@@ -233,7 +222,7 @@ class Model:
         return cmath.phase(course / bow)
 
     def _correct_by_course(self, velocity: complex, through: complex, dt: float) -> None:
-        """Where the bow points, from where the boat goes."""
+        """Correct the heading by the course over ground."""
         current_m_s = self.current.current_m_s
         turn = self._course_turn_rad(velocity, through)
         if not math.isnan(turn):
@@ -242,7 +231,7 @@ class Model:
             self.propagation.correct_by_course(turn, dt, doubt)
 
     def _compare_course(self, velocity: complex, through: complex, dt: float) -> None:
-        """Whether the compass goes with the course; if not by far, it is the compass that is wrong."""
+        """Compare the compass with the course; a large difference is a compass fault."""
         if abs(self.propagation.yaw_rate_rad_s) > _STEADY_RAD_S:
             return
         turn = self._course_turn_rad(velocity, through)

@@ -1,52 +1,39 @@
-"""Position, and what the model of the boat's velocity leaves over: a Kalman filter of three states per axis.
+"""Position and residual velocity: a Kalman filter of three states per axis.
 
-Between two fixes the boat is carried as thrust, compass and set say (`current.py`). What they get wrong, e,
-is a first-order Gauss-Markov process of seconds; and a receiver's error is white noise plus a wander w, one
-of a minute. A position measures p + w, a Doppler velocity measures e:
+Between fixes the position is propagated by thrust, compass and current (`current.py`). The model error e is a
+first-order Gauss-Markov process with a time constant of seconds. The receiver error is white noise plus a
+drift w with a time constant of a minute. A position measures p + w, a Doppler velocity measures e:
 
     ṗ = carried + e        ė = −e/T_e + noise        ẇ = −w/T_w + noise
 
 (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001:
 section 8.2, coloured process noise; section 8.3, autocorrelated measurement noise by augmenting the state.)
-North and east have the same noise, hence one covariance serves both; p, e and w are north + i east. How
-wrong the model is, is learned from how surprising the velocities are (section 11.4, adjusting the process
-noise to the normalised innovations). The state stands at the time of the latest fix.
+North and east have the same noise and share one covariance; p, e and w are north + i east. The process noise
+is adapted to the velocity innovations (section 11.4). The state is at the time of the latest fix.
 """
 
 import math
 from typing import Final
 
 UNMODELLED_S: Final = 3.0  # T_e
-_GATE: Final = 25.0  # squared distance over variance, 5 σ: what lies beyond does not belong here
-_STRAY_GATE: Final = 9.0  # for how far it may have strayed: 3 σ
+_GATE: Final = 25.0  # squared innovation over variance: 5 σ
+_STRAY_GATE: Final = 9.0  # for the accumulated drift: 3 σ
 _ADAPT: Final = 0.05  # of the process noise's logarithm, per fix
-_LEAST, _FIRST, _MOST = 0.01, 0.05, 0.5  # the deviation of e, in shares of cruise speed
+_LEAST, _FIRST, _MOST = 0.01, 0.05, 0.5  # limits and initial value of the deviation of e, of cruise speed
 
 
 class PositionFilter:
     """position_m, unmodelled_m_s (e) and wander_m (w) at time_s."""
 
     __slots__ = (
-        "_ee",
-        "_ew",
-        "_least_q",
-        "_most_q",
-        "_pe",
-        "_pp",
-        "_pw",
-        "_q",
-        "_wander_s", "_wander_share",
-        "_ww",
-        "position_m",
-        "time_s",
-        "unmodelled_m_s",
-        "wander_m",
+        "_ee", "_ew", "_least_q", "_most_q", "_pe", "_pp", "_pw", "_q", "_wander_s", "_wander_share", "_ww",
+        "position_m", "time_s", "unmodelled_m_s", "wander_m",
     )  # fmt: skip
 
     def __init__(self, cruise_m_s: float, wander_s: float, wander_share: float) -> None:
-        """cruise_m_s gives the scale of what may be unmodelled; wander_s is T_w.
+        """cruise_m_s scales the process noise; wander_s is T_w.
 
-        wander_share: of a receiver's deviation is wander, the rest is white.
+        wander_share: the share of the receiver's deviation that drifts; the rest is white.
         """
         self._wander_s, self._wander_share = wander_s, wander_share
         scale = 2.0 * cruise_m_s * cruise_m_s / UNMODELLED_S
@@ -57,11 +44,11 @@ class PositionFilter:
 
     @property
     def noise_m2_s3(self) -> float:
-        """How hard the boat is pushed by what is not modelled."""
+        """Process noise of the model error."""
         return self._q
 
     def start(self, time_s: float, at: complex, sigma_m: float, sigma_m_s: float) -> None:
-        """Begin here. sigma_m: the fix's deviation per axis; sigma_m_s: of what the model leaves over."""
+        """Start here. sigma_m: deviation of the fix per axis; sigma_m_s: of the model error."""
         self.time_s = time_s
         self.position_m, self.unmodelled_m_s, self.wander_m = at, 0j, 0j
         wander = (self._wander_share * sigma_m) ** 2
@@ -69,9 +56,9 @@ class PositionFilter:
         self._ee, self._pe, self._ew = sigma_m_s * sigma_m_s, 0.0, 0.0
 
     def predict(self, time_s: float, carried_m: complex, sigma_m: float, process_noise_m2_s3: float) -> None:
-        """Go on to time_s, over carried_m as the model has it.
+        """Advance to time_s over the modelled displacement carried_m.
 
-        sigma_m: of the receiver. pushed_m2_s3: noise in addition to what has been learned, as in a turn.
+        sigma_m: of the receiver. process_noise_m2_s3: in addition to the learned noise, as in a turn.
         """
         dt = time_s - self.time_s
         self.time_s = time_s
@@ -91,13 +78,13 @@ class PositionFilter:
         self._ww = k * k * self._ww + (self._wander_share * sigma_m) ** 2 * (1.0 - k * k)
 
     def inflate(self, variance_m2: float) -> None:
-        """The model may have carried the boat astray."""
+        """Add to the position variance."""
         self._pp += variance_m2
 
     def update_velocity(self, innovation_m_s: complex, variance: float, is_trusted: bool) -> bool:
-        """A measured velocity less what the model says, e included. False when it cannot be believed.
+        """Update with a velocity innovation. Returns False if it was rejected.
 
-        is_trusted: the receiver is known to be right, so if this is a surprise, the model is wrong.
+        is_trusted: the receiver is known to be right; a large innovation is then a model error.
         """
         total = self._ee + variance
         odd = _norm_squared(innovation_m_s) / total
@@ -119,12 +106,12 @@ class PositionFilter:
         return True
 
     def fits(self, at: complex, sigma_m: float, drift_m2: float) -> bool:
-        """Whether a position can be one of this boat's. strayed_m2: see `stray`."""
+        """Whether a position is within the gate. drift_m2: see `inflate`."""
         innovation = at - self.position_m - self.wander_m
         return _norm_squared(innovation) <= 2.0 * _GATE * self._variance(sigma_m) + _STRAY_GATE * drift_m2
 
     def update_position(self, at: complex, sigma_m: float) -> None:
-        """A measured position."""
+        """Update with a position."""
         total = self._variance(sigma_m)
         innovation = at - self.position_m - self.wander_m
         cp, ce, cw = self._pp + self._pw, self._pe + self._ew, self._pw + self._ww
@@ -138,18 +125,18 @@ class PositionFilter:
         self._ww -= kw * cw
 
     def adapt(self, odd: float) -> None:
-        """odd: a velocity's squared surprise over its variance, 1 on average when the noise is right."""
+        """Adapt the process noise. odd: normalised squared innovation, 1 on average."""
         wanted = self._q * (1.0 + _ADAPT * (min(odd, 4.0) - 1.0))
         self._q = min(max(wanted, self._least_q), self._most_q)
 
     @property
     def variance_m2(self) -> float:
-        """Of the position, per axis."""
+        """Variance of the position, per axis."""
         return self._pp
 
     @property
     def unmodelled_variance(self) -> float:
-        """Of unmodelled_m_s, per axis."""
+        """Variance of unmodelled_m_s, per axis."""
         return self._ee
 
     def _variance(self, sigma_m: float) -> float:

@@ -1,7 +1,4 @@
-"""Whether a stream of numbers can be a turning hull's: neither dead nor wild.
-
-A dead sensor says the same again and again; a broken one leaps about as no hull can turn.
-"""
+"""Detects a dead sensor (constant value) and an erratic one (jumps faster than a hull can turn)."""
 
 from typing import Final
 
@@ -9,13 +6,13 @@ from companion.core.units import wrap_pi
 from companion.estimation.stuck_value import StuckValueDetector
 
 _LATELY_S: Final = 0.3
-_WILD: Final = 0.5  # share of leaps lately that is too much
-_CALM: Final = 0.1  # and all is well again
-_NONE: Final = 1e9  # no reading is this
+_WILD: Final = 0.5  # share of recent jumps that makes it erratic,
+_CALM: Final = 0.1  # and good again
+_NONE: Final = 1e9  # no reading has this value
 
 
 class SensorTimeoutMonitor:
-    """is_good says that nothing is wrong."""
+    """is_good: no fault is detected."""
 
     __slots__ = (
         "_is_erratic", "_jump", "_jump_per_s", "_jump_share", "_least_s", "_repetition", "_time_s", "_value",
@@ -23,7 +20,9 @@ class SensorTimeoutMonitor:
     )  # fmt: skip
 
     def __init__(self, jump: float, jump_per_s: float, least_s: float) -> None:
-        """A change by more than leap + leap_per_s × time is none. least_s: so long the same is dead."""
+        """A change beyond jump + jump_per_s × dt is a jump. least_s: shortest constant run that is a
+        fault.
+        """
         self.is_good = True
         self._is_erratic = False
         self._repetition = StuckValueDetector()
@@ -36,11 +35,11 @@ class SensorTimeoutMonitor:
 
     @property
     def run_s(self) -> float:
-        """For how long it has said the same."""
+        """Duration of the present constant run."""
         return self._repetition.run_s
 
     def update(self, value: float, time_s: float) -> bool:
-        """Take an angle in rad, or a rate in rad/s; whether it is exactly the last one."""
+        """Process an angle in rad or a rate in rad/s; returns whether it equals the last value."""
         dt = time_s - self._time_s
         self._time_s = time_s
         change = value - self._value
@@ -59,7 +58,7 @@ class SensorTimeoutMonitor:
         return False
 
     def mark_faulty(self) -> None:
-        """It is dead until it says something else."""
+        """Mark the sensor as dead until its value changes."""
         self._repetition.is_faulty = True
         self.is_good = False
 

@@ -1,4 +1,4 @@
-"""The way made through the water lately: a fix is old when it arrives, and is about the boat of then."""
+"""Recent motion through the water, to apply a fix at the time of its measurement."""
 
 from typing import Final
 
@@ -8,7 +8,7 @@ LENGTH: Final = 128  # ticks, two and a half seconds
 class StateHistory:
     """A ring of the last LENGTH ticks.
 
-    way_m is the way through the water since boot, velocity_m_s the velocity through it, both north + i east.
+    displacement_m: through the water since boot; velocity_m_s: through the water; both north + i east.
     """
 
     __slots__ = (
@@ -31,7 +31,7 @@ class StateHistory:
         self.velocity_m_s = 0j
 
     def advance(self, time_s: float, velocity_m_s: complex) -> None:
-        """Go on to time_s, later than the last, at this velocity."""
+        """Add a tick, later than the last."""
         self.displacement_m += velocity_m_s * (time_s - self.time_s)
         self.time_s = time_s
         self.velocity_m_s = velocity_m_s
@@ -44,7 +44,7 @@ class StateHistory:
         self._next = slot + 1 if slot + 1 < LENGTH else 0
 
     def at(self, time_s: float) -> tuple[complex, complex]:
-        """Way and velocity at an earlier time; what is older than the ring is taken as its oldest."""
+        """Displacement and velocity at an earlier time; before the start of the ring, its oldest entry."""
         times_s, slot = self._times_s, self._next
         for _ in range(LENGTH):
             before = slot - 1 if slot else LENGTH - 1

@@ -1,18 +1,18 @@
-"""A sensor that says the same again and again: its habit, or has it stopped?
+"""Detects a sensor that repeats one value for longer than it ever has.
 
-Noise makes most sensors say something new each time; a coarse one repeats itself while nothing moves. What is
-usual is learned: runs of equal readings that ended by themselves.
+Noise changes most readings; a sensor with coarse resolution repeats its value while nothing moves. The
+longest run that ended by itself is learned.
 """
 
 import math
 from typing import Final
 
 _PATIENCE: Final = 4.0  # times the longest run so far
-_ENOUGH: Final = 20  # changes, before the habit counts as known
+_ENOUGH: Final = 20  # changes before the longest run is known
 
 
 class StuckValueDetector:
-    """run_s is for how long the reading has been the same; is_condemned: that run is no habit but a fault."""
+    """run_s: duration of the present run of equal values; is_faulty: the run counts as a fault."""
 
     __slots__ = ("_changes", "_longest_s", "_since_s", "is_faulty", "run_s")
 
@@ -24,11 +24,11 @@ class StuckValueDetector:
         self._changes = 0
 
     def repeat(self, time_s: float) -> None:
-        """The reading is exactly what the last one was."""
+        """The value equals the last one."""
         self.run_s = max(time_s - self._since_s, 0.0)
 
     def change(self, time_s: float) -> None:
-        """It is another one."""
+        """The value has changed."""
         self._since_s = time_s
         if self.run_s == 0.0 and not self.is_faulty:
             self._changes += 1
@@ -41,7 +41,7 @@ class StuckValueDetector:
         self.run_s = 0.0
 
     def is_unusual(self, least_s: float) -> bool:
-        """Whether it has gone on for longer than this part has ever done, and for least_s."""
+        """Whether the run is longer than least_s and than usual for this sensor."""
         if self.run_s < least_s or self._changes < _ENOUGH:
             return False
         return self.run_s > _PATIENCE * self._longest_s

@@ -1,15 +1,14 @@
-"""How fast the hull moves through the water, from what the motors were told.
+"""Speed of the hull through the water, from the motor commands.
 
-Drag and thrust balance at the speed that the speed loop's feed-forward is for: `cruise_throttle` holds
-`cruise_m_s`. With x the speed and s a motor's command in those units, and X(x) = l x + (1 − l) x|x| for drag
-and thrust alike (linear and quadratic damping, T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and
-Motion Control*, 2nd ed. 2021, section 6.4),
+Drag and thrust balance at cruise speed: `cruise_throttle` holds `cruise_m_s`. With x the speed and s a motor
+command in those units, and X(x) = l x + (1 − l) x|x| for both drag and thrust (linear and quadratic damping,
+T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, section 6.4),
 
     ẋ = (½ X(s_left) + ½ X(s_right) − X(x)) / (X'(1) T) + 1.5 v r        T: time constant at cruise speed
     v̇ = −½ u r − v / T_v
 
-The last terms are the Coriolis forces of the hull and the water that moves along with it (section 6.5), with
-half the hull's mass of water sideways: in a turn the hull slides outward and loses way.
+The last terms are the Coriolis forces of the hull and its added mass (section 6.5), with a lateral added mass
+of half the hull's mass: in a turn the hull slips outward and slows down.
 """
 
 from typing import Final
@@ -20,13 +19,13 @@ _STEEPNESS: Final = 2.0 - _LINEAR  # X'(1)
 _SLIDE: Final = 0.5
 _SLOWED: Final = 1.5
 _SWAY_SHARE: Final = 0.2  # T_v / T
-_ASTERN: Final = 0.65  # of the thrust ahead: propellers bite less astern
+_ASTERN: Final = 0.65  # of the thrust ahead: propellers are less efficient astern
 _MAX_SHARE: Final = 4.0  # of cruise speed
 _MAX_STEP_S: Final = 0.1
 
 
 class WaterSpeed:
-    """Surge (ahead) and sway (to starboard) through the water, m/s, and how fast the surge changes."""
+    """Surge (ahead) and sway (to starboard) through the water in m/s, and the surge acceleration."""
 
     __slots__ = ("surge_m_s", "surge_m_s2", "sway_m_s")
 
@@ -44,7 +43,7 @@ class WaterSpeed:
         surge_time_s: float,
         dt_s: float,
     ) -> None:
-        """Go on by dt_s with these commands, −1..1 per side. A throttle of 0 for cruise means no model."""
+        """Advance by dt_s with the commands left and right, −1..1. cruise_throttle = 0 disables the model."""
         if not cruise_throttle > 0.0:
             self.surge_m_s = self.surge_m_s2 = self.sway_m_s = 0.0
             return

@@ -1,32 +1,32 @@
-"""How fast steering turns the hull: what stands in for a gyro that is late, slow or silent.
+"""Yaw response to steering: replaces a gyro that is late, slow or missing.
 
-Nomoto's first order (T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021,
-chapter 7) behind the motors' own lag, with thrust that grows with the square of the command:
+Nomoto's first-order model (T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed.
+2021, chapter 7) behind a motor lag, with thrust proportional to the square of the command:
 
     T ṙ + r = K ½ (s_left |s_left| − s_right |s_right|) + r0
 
-K and r0, what wind and uneven motors turn by themselves, are learned from the gyro while there is one, by a
-Kalman filter of two random walks (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to
-Tracking and Navigation*, 2001, section 5.2).
+K and the bias r0 (wind, unequal motors) are estimated from the gyro by a Kalman filter of two random walks
+(Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001,
+section 5.2).
 """
 
 from typing import Final
 
-LENGTH: Final = 128  # strides of the ring, five seconds
+LENGTH: Final = 128  # entries of the ring, five seconds
 _MOTOR_S: Final = 0.15
 _HULL_S: Final = 0.8
-_GAIN_RAD_S: Final = 0.6  # before anything is known
-_GAIN_WALK: Final = 0.02  # rad/s per √s, of full steering,
-_TRIM_WALK: Final = 0.03  # and of what turns it besides: a boat goes from one wind and speed to another
-_MISFIT: Final = 0.01  # (rad/s)² s: the model is off by 0.1 rad/s for about a second
+_GAIN_RAD_S: Final = 0.6  # initial K
+_GAIN_WALK: Final = 0.02  # of K: rad/s per √s,
+_TRIM_WALK: Final = 0.03  # and of r0: wind and speed change
+_MISFIT: Final = 0.01  # (rad/s)² s: a model error of 0.1 rad/s for about a second
 _MAX_GAIN_RAD_S: Final = 3.0
 _MAX_TRIM_RAD_S: Final = 0.3
 
 
 class YawRateModel:
-    """rate_rad_s is the turn rate of time_s, turned_rad the way turned since boot, both clockwise.
+    """rate_rad_s is the yaw rate at time_s, turned_rad the angle turned since boot, both clockwise.
 
-    turning: the rate that a K of 1 would give, without r0.
+    turning: the rate for K = 1 without r0.
     """
 
     __slots__ = (
@@ -37,7 +37,7 @@ class YawRateModel:
     def __init__(self) -> None:
         self.time_s = self.rate_rad_s = self.turned_rad = 0.0
         self._gain_rad_s, self._trim_rad_s = _GAIN_RAD_S, 0.0
-        self._left = self._right = 0.0  # as the shafts turn
+        self._left = self._right = 0.0  # at the shafts
         self.turning = 0.0
         self._p00, self._p01, self._p11 = _GAIN_RAD_S**2, 0.0, 0.04
         self._times_s = [-1.0] * LENGTH
@@ -46,10 +46,10 @@ class YawRateModel:
         self._next = 0
 
     def advance(self, time_s: float, left: float, right: float) -> None:
-        """Go on to time_s with these commands, −1..1 per side."""
+        """Advance to time_s with these commands, −1..1 per side."""
         dt = time_s - self.time_s
         self.time_s = time_s
-        dt = min(dt, _MOTOR_S)  # a loop that hung knows nothing of what the boat did meanwhile
+        dt = min(dt, _MOTOR_S)  # the motion during a stall of the loop is unknown
         share = dt / _MOTOR_S
         left = self._left = self._left + share * (left - self._left)
         right = self._right = self._right + share * (right - self._right)
@@ -62,11 +62,11 @@ class YawRateModel:
         self._next = slot + 1 if slot + 1 < LENGTH else 0
 
     def rate_of(self, turning: float) -> float:
-        """Rate in rad/s."""
+        """Rate in rad/s for a value of `turning`."""
         return self._gain_rad_s * turning + self._trim_rad_s
 
     def learn(self, rate_rad_s: float, turning: float, dt_s: float) -> None:
-        """The boat turned at this rate when `turning` was that much; dt_s after it was last told."""
+        """Update K and r0 from a measured rate at `turning`, dt_s after the last update."""
         self._p00 += _GAIN_WALK * _GAIN_WALK * dt_s
         self._p11 += _TRIM_WALK * _TRIM_WALK * dt_s
         k0 = self._p00 * turning + self._p01
@@ -80,12 +80,12 @@ class YawRateModel:
         self._p11 -= k1 * k1 * share
 
     def adjust_bias(self, rate_rad_s: float) -> None:
-        """It turns by itself that much faster than was thought."""
+        """Add to r0."""
         trim = self._trim_rad_s + rate_rad_s
         self._trim_rad_s = min(max(trim, -_MAX_TRIM_RAD_S), _MAX_TRIM_RAD_S)
 
     def at(self, time_s: float) -> tuple[float, float]:
-        """Way turned, and turning, at an earlier time; what is older than the ring is taken as its oldest."""
+        """turned_rad and turning at an earlier time; before the start of the ring, its oldest entry."""
         slot = self._next
         for _ in range(LENGTH):
             before = slot - 1 if slot else LENGTH - 1

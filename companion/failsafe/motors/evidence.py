@@ -70,25 +70,9 @@ class MotorEvidence:
     """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
 
     __slots__ = (
-        "_advance_s_m",
-        "_battery_s",
-        "_changes_ahead",
-        "_changes_turn",
-        "_cruise_m_s",
-        "_current",
-        "_current_a",
-        "_duties",
-        "_fix_s",
-        "_set_east_m_s",
-        "_set_north_m_s",
-        "_shafts",
-        "_since_battery_s",
-        "_since_fix_s",
-        "_speed",
-        "_spins",
-        "_turn",
-        "against",
-        "has_current",
+        "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_cruise_m_s", "_current",
+        "_current_a", "_duties", "_fix_s", "_set_east_m_s", "_set_north_m_s", "_shafts", "_since_battery_s",
+        "_since_fix_s", "_speed", "_spins", "_turn", "against", "has_current",
     )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:

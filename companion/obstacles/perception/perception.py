@@ -32,15 +32,7 @@ class ObstaclePerception:
     """
 
     __slots__ = (
-        "_noise",
-        "_setting",
-        "_silence",
-        "_tidy_s",
-        "dropped",
-        "heard_s",
-        "occupancy",
-        "reach_m",
-        "sector",
+        "_noise", "_setting", "_silence", "_tidy_s", "dropped", "heard_s", "occupancy", "reach_m", "sector",
         "tracks",
     )  # fmt: skip
 
