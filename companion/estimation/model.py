@@ -143,7 +143,7 @@ class Model:
         self.propagation.learn(self.now_s, dt)
         if self.heading.has_gyro and self._is_compass_faulty(velocity, through, dt):
             return self._reject_compass(through)
-        # The model error is correlated over UNMODELLED_S: each fix has less information than its variance says.
+        # The model error is correlated over UNMODELLED_S: a fix has less information than its variance says.
         return self.current.update(
             velocity, through, variance + noise_m2_s3 * UNMODELLED_S * UNMODELLED_S / dt, dt
         )

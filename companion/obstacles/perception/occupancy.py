@@ -1,31 +1,30 @@
-"""What lies in the water around the boat: a local map of evidence that fades.
+"""Local occupancy grid with evidence that decays.
 
 A sparse occupancy grid (A. Elfes, *Using Occupancy Grids for Mobile Robot Perception and Navigation*, IEEE
-Computer 22(6), 1989), with small whole numbers in place of log odds. An echo says that something stands
-somewhere on the arc across its beam at that range, and adds one look to each cell of the arc; a beam that
-reaches beyond a cell takes looks away from it. One look makes a suspect, a second one, of the same cell or
-of its neighbour, makes it solid: an echo of spray comes only once. Evidence leaks away with time, so that
-what is out of sight is believed the longer the more often it was seen. Free water is not stored, hence open
-water costs nothing.
+Computer 22(6), 1989), with small whole numbers in place of log odds. An echo adds 1 to the evidence of each
+cell on the arc across the beam at its range; a beam that reaches beyond a cell subtracts from it. One
+observation makes a cell suspect; a second one, of the cell or a neighbour, makes it solid, so a single echo
+of spray does not. Evidence decays with time: cells that were seen more often are kept for longer. Free water
+is not stored.
 """
 
 import math
 
 from companion.core.geo import Point
 
-SOLID = 1.5  # looks, after what has leaked away
+SOLID = 1.5  # evidence, after decay
 SUSPECT = 0.5
 _MAX_EVIDENCE = 4.0
-_DOUBTS = -1.0  # what a cell that was seen through goes on with before it is forgotten
-_THROUGH = 1.0  # looks that an echo from beyond takes away
-_SILENCE = 0.5  # and a beam without an echo: a smooth wall met at an angle sends none back
-_CORE = 0.7  # of the beam: at its edges it is weak
-_SECOND_LOOK_S = 3.0  # what stands there is seen again in the next sweep or two
+_DOUBTS = -1.0  # lowest evidence of a cell that was seen through
+_THROUGH = 1.0  # evidence that an echo from beyond removes,
+_SILENCE = 0.5  # and a beam without an echo: a smooth wall at an angle returns none
+_CORE = 0.7  # of the beam width: its edges are weak
+_SECOND_LOOK_S = 3.0  # a real obstacle is seen again in the next sweep or two
 MAX_CELLS = 600
 
 
 class Cell:
-    """A square of water. looks: evidence as of seen_s."""
+    """A square of water. evidence: as of seen_s."""
 
     __slots__ = ("east_m", "evidence", "north_m", "seen_s")
 
@@ -37,9 +36,9 @@ class Cell:
 
 
 class Beam:
-    """One look: where from, which way (from north), how wide, and how far it reached.
+    """One ping: position, bearing from north, beam width and range.
 
-    range_m: to the nearest thing, infinite when nothing answered within reach_m.
+    range_m: to the nearest echo, infinite without one within reach_m.
     """
 
     __slots__ = ("bearing_rad", "east_m", "north_m", "range_m", "reach_m", "time_s", "width_rad")
@@ -62,42 +61,42 @@ class Beam:
 
 
 class Occupancy:
-    """The cells that something was ever seen in, at most MAX_CELLS; `version` grows when they change."""
+    """The cells with evidence, at most MAX_CELLS; `version` changes with them."""
 
     __slots__ = ("_cells", "_fade_s", "cell_m", "version")
 
     def __init__(self, cell_m: float, memory_s: float) -> None:
-        """memory_s: how long what was seen often is believed out of sight."""
+        """memory_s: how long a cell with full evidence stays solid out of sight."""
         self.cell_m = cell_m
         self.version = 0
-        self._fade_s = memory_s / (_MAX_EVIDENCE - SOLID)  # in which one look leaks away
+        self._fade_s = memory_s / (_MAX_EVIDENCE - SOLID)  # in which the evidence decays by 1
         self._cells: dict[tuple[int, int], Cell] = {}
 
     def __len__(self) -> int:
-        """How many cells are remembered."""
+        """Number of cells."""
         return len(self._cells)
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all cells."""
         self._cells.clear()
         self.version += 1
 
     def add(self, beam: Beam) -> None:
-        """Take a look."""
+        """Add a ping."""
         if self._cells:
             self._clear_beam(beam)
         if beam.range_m <= beam.reach_m:
             self._mark(beam)
 
     def evidence_at(self, point: Point, now_s: float) -> float | None:
-        """The evidence for something at a place, negative where it was seen through; None: none ever."""
+        """The evidence at a place, negative if it was seen through; None: never observed."""
         cell = self._cells.get(
             (math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m))
         )
         return None if cell is None else self._decayed(cell, now_s)
 
     def obstacles(self, now_s: float, least: float = SOLID) -> list[Point]:
-        """The centres of the cells that at least so many looks speak for."""
+        """The centres of the cells with at least this evidence."""
         if not self._cells:
             return []
         fade_s = self._fade_s
@@ -108,7 +107,7 @@ class Occupancy:
         ]
 
     def is_near(self, at: Point, reach_m: float) -> bool:
-        """Whether anything at all was seen within reach_m to either side of a place."""
+        """Whether any cell is within reach_m, north-south and east-west, of a place."""
         north_m, east_m = at
         for cell in self._cells.values():
             if abs(cell.north_m - north_m) < reach_m and abs(cell.east_m - east_m) < reach_m:
@@ -116,7 +115,7 @@ class Occupancy:
         return False
 
     def forget(self, at: Point, reach_m: float, now_s: float) -> None:
-        """Drop what has faded, and what lies farther than reach_m from a place."""
+        """Remove decayed cells, and those farther than reach_m from a place."""
         gone = [
             key
             for key, cell in self._cells.items()
@@ -134,7 +133,7 @@ class Occupancy:
         return max(cell.evidence - leaked, 0.0) if cell.evidence > 0.0 else min(cell.evidence + leaked, 0.0)
 
     def _clear_beam(self, beam: Beam) -> None:
-        """What stands well before the echo, in the core of the beam, was seen through."""
+        """Reduce the evidence of the cells in the core of the beam, well before the echo."""
         is_echo = beam.range_m <= beam.reach_m
         clear_m = (beam.range_m if is_echo else beam.reach_m) - self.cell_m
         if clear_m <= 0.0:
@@ -153,7 +152,7 @@ class Occupancy:
                     self.version += 1
 
     def _mark(self, beam: Beam) -> None:
-        """One look more for each cell on the arc."""
+        """Add 1 to the evidence of each cell on the arc."""
         cells, side = self._cells, self.cell_m
         width_rad = _CORE * beam.width_rad
         across = max(1, math.ceil(beam.range_m * width_rad / side))
@@ -163,7 +162,7 @@ class Occupancy:
             column = math.floor((beam.east_m + beam.range_m * math.sin(bearing)) / side)
             cell = cells.get((row, column))
             if cell is not None and cell.seen_s == beam.time_s and cell.evidence > 0.0:
-                continue  # the arc has been here
+                continue  # marked already
             looks = min(self._earlier_evidence(row, column, beam.time_s) + 1.0, _MAX_EVIDENCE)
             if cell is None:
                 if len(cells) >= MAX_CELLS:
@@ -175,7 +174,7 @@ class Occupancy:
         self.version += 1
 
     def _earlier_evidence(self, row: int, column: int, now_s: float) -> float:
-        """The evidence of earlier looks for a cell or, since ranges and positions are noisy, a neighbour."""
+        """Evidence of earlier pings for a cell or, as ranges and positions are noisy, a neighbour."""
         best = 0.0
         for near_row in (row - 1, row, row + 1):
             for near_column in (column - 1, column, column + 1):

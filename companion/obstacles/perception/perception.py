@@ -1,8 +1,7 @@
-"""The look-out: makes of pings, and of where the boat was when it sent them, what lies and what moves around
-it.
+"""Obstacle perception: turns sonar pings and the boat's pose into an occupancy grid and tracks.
 
-Pings that cannot be (not a number, no direction, from another time) are dropped and counted. A ranger of the
-boat's own that talks nonsense is not believed, and what it has said is forgotten.
+Invalid pings (not a number, no direction, wrong time) are dropped and counted. While the boat's own ranger is
+noisy, its pings are dropped, and the grid and tracks are cleared.
 """
 
 import math
@@ -18,17 +17,17 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 from companion.sensors.readings import SonarReading
 
-CELLS_A_MARGIN = 5.0  # the map is as fine as the distance that is kept asks for
-MAX_AGE_S = 1.0  # a later ping tells nothing of now, an earlier one nothing at all
-STALE_POSE_S = 2.0  # a boat that does not know where it is cannot say where an echo came from
+CELLS_A_MARGIN = 5.0  # the resolution follows the distance to keep
+MAX_AGE_S = 1.0  # older pings are dropped
+STALE_POSE_S = 2.0  # with an older pose an echo cannot be located
 _TIDY_S = 1.0
 _REMEMBERED_REACHES = 3.0
 _MAX_TURNS_RAD = 20.0
 
 
 class ObstaclePerception:
-    """occupancy: what lies there. tracks: what has moved of late. dropped: pings that could not be used.
-    sector: where the boat's own ranger is to look.
+    """occupancy: static obstacles. tracks: moving ones. dropped: unusable pings. sector: where to point the
+    boat's own ranger.
     """
 
     __slots__ = (
@@ -41,25 +40,25 @@ class ObstaclePerception:
         self.tracks = ObstacleTracks(setting.margin_m)
         self.dropped = 0
         self._noise = SonarNoiseMonitor()
-        self.reach_m = 0.0  # of the ping heard last: as far as the boat sees
+        self.reach_m = 0.0  # of the latest ping
         self.heard_s = -math.inf
         self.sector: Sector = ALL_ROUND
-        self._silence: SonarReading | None = None  # the ping before, if it was not looked at closer
+        self._silence: SonarReading | None = None  # the last ping, if its processing was deferred
         self._setting = setting
         self._tidy_s = 0.0
 
     @property
     def is_noisy(self) -> bool:
-        """Whether the boat's own ranger talks nonsense."""
+        """Whether the boat's own ranger is noisy."""
         return self._noise.is_noisy
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing at all is known to be there. What moves leaves its echoes on the map as well."""
+        """Whether nothing is known. Moving obstacles leave echoes in the grid, too."""
         return len(self.occupancy) == 0
 
     def is_near(self, at: Point) -> bool:
-        """Whether anything is known to be within sight of a place."""
+        """Whether anything is known within sight of a place."""
         return not self.is_empty and self.occupancy.is_near(at, self.reach_m + self._setting.margin_m)
 
     def ingest(
@@ -69,7 +68,7 @@ class ObstaclePerception:
         setting: AvoidanceSetting,
         now_s: float,
     ) -> None:
-        """Take the tick's pings, each with the width of its beam in rad; None is the boat's own ranger's."""
+        """Process the tick's pings, each with its beam width in rad; None: the boat's own ranger."""
         if setting is not self._setting:
             self._change(setting)
         is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > STALE_POSE_S
@@ -78,7 +77,9 @@ class ObstaclePerception:
                 self.dropped += 1
                 continue
             if ping.range_m is None and self.is_empty and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
-                reach_m = min(ping.max_range_m, setting.lookahead_m)  # silence over open water, as mostly
+                reach_m = min(
+                    ping.max_range_m, setting.lookahead_m
+                )  # no echo over open water: the usual case
                 if reach_m > 0.0 and not is_lost:
                     self.reach_m, self.heard_s = reach_m, ping.time_s
                     self._silence = ping if width_rad is None else None
@@ -102,19 +103,19 @@ class ObstaclePerception:
             self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
 
     def solid(self, now_s: float) -> list[Point]:
-        """What surely lies there, as cells' centres. What moves is there as well, as it was seen."""
+        """Centres of the solid cells, echoes of moving obstacles included."""
         return self.occupancy.obstacles(now_s)
 
     def suspects(self, now_s: float) -> list[Point]:
-        """The same with what was seen only once."""
+        """As `solid`, with cells seen only once."""
         return self.occupancy.obstacles(now_s, SUSPECT)
 
     def movers(self, now_s: float) -> list[Track]:
-        """What is known to move."""
+        """Tracks known to move."""
         return self.tracks.movers(now_s)
 
     def has_unclassified(self, now_s: float) -> bool:
-        """Whether it looks closer at something that may turn out to move."""
+        """Whether some track may turn out to move."""
         return any(is_unclassified(track, now_s) for track in self.tracks.all)
 
     def _add(self, beam: Beam | None) -> None:
@@ -144,7 +145,7 @@ class ObstaclePerception:
 def _beam(
     ping: SonarReading, width_rad: float, nav: NavState, setting: AvoidanceSetting, now_s: float
 ) -> Beam | None:
-    """The ping in the local frame, from where the boat was at its time; None if it cannot be."""
+    """The ping in the local frame, from the pose at its time; None if invalid."""
     age_s = now_s - ping.time_s
     reach_m = min(ping.max_range_m, setting.lookahead_m)
     is_sane = -0.1 <= age_s <= MAX_AGE_S and abs(ping.bearing_rad) <= _MAX_TURNS_RAD

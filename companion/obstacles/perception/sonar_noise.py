@@ -1,7 +1,7 @@
-"""Whether a ranger talks nonsense: one that is well hears much the same from ping to ping.
+"""Detects a noisy ranger: a good one changes little from ping to ping.
 
-Even among rocks most pings of a sweep are near the one before, or hear nothing; random ranges leap by more
-than an eighth of the reach three times out of four.
+Even among rocks most pings of a sweep are near the last one or have no echo; random ranges jump by more than
+an eighth of the reach three times out of four.
 """
 
 from typing import Final
@@ -15,21 +15,21 @@ _SELDOM: Final = 0.2
 
 
 class SonarNoiseMonitor:
-    """Compares every ping with the one before."""
+    """Compares each ping with the last."""
 
     __slots__ = ("_last_m", "_leaps")
 
     def __init__(self) -> None:
-        self._last_m = 0.0  # 0: silence
+        self._last_m = 0.0  # 0: no echo
         self._leaps = Recurrence(_SHARE, _TOO_OFTEN, _SELDOM)  # from one echo to another
 
     @property
     def is_noisy(self) -> bool:
-        """Whether the pings are not to be believed."""
+        """Whether the pings are unreliable."""
         return self._leaps.is_often
 
     def update(self, range_m: float | None, max_range_m: float) -> None:
-        """Take the next ping; None heard nothing."""
+        """Process the next ping; None: no echo."""
         last_m, self._last_m = self._last_m, range_m or 0.0
         is_leap = last_m > 0.0 < self._last_m and abs(self._last_m - last_m) > _LEAP * max_range_m
         self._leaps.update(is_leap)

@@ -1,4 +1,4 @@
-"""What the rangers have seen around the boat lately, by direction: 72 sectors of 5°."""
+"""Latest ranges around the boat by direction: 72 sectors of 5°."""
 
 import math
 
@@ -6,21 +6,21 @@ from companion.sensors.readings import SonarReading
 
 SECTORS = 72
 SECTOR_RAD = 2.0 * math.pi / SECTORS
-STALE_S = 3.0  # a swept ranger comes round again well within this
+STALE_S = 3.0  # more than the period of a sweep
 _BEAM_RAD = math.radians(15.0)
 
 UNKNOWN_CM = 0xFFFF
 
 
 class SonarScan:
-    """The latest ping of each sector; sector 0 is centred on the bow, and they go clockwise."""
+    """The latest ping of each sector; sector 0 is centred on the bow, numbers increase clockwise."""
 
     def __init__(self) -> None:
         self.latest: SonarReading | None = None
         self._pings: list[SonarReading | None] = [None] * SECTORS
 
     def add(self, ping: SonarReading, beam_rad: float = _BEAM_RAD) -> None:
-        """Take a ping; it holds for every sector whose centre lies in its beam, and for the nearest."""
+        """Add a ping to every sector whose centre lies in its beam, and to the nearest."""
         self.latest = ping
         half = 0.5 * min(beam_rad, 2.0 * math.pi)
         centre = round(ping.bearing_rad / SECTOR_RAD)
@@ -30,13 +30,13 @@ class SonarScan:
             self._pings[sector % SECTORS] = ping
 
     def is_empty(self, now_s: float) -> bool:
-        """Whether nothing at all has been heard of late."""
+        """Whether there is no recent ping."""
         return self.latest is None or now_s - self.latest.time_s > STALE_S
 
     def distances_cm(self, now_s: float) -> tuple[list[int], int]:
-        """OBSTACLE_DISTANCE's numbers, and the farthest that they reach.
+        """Distances for OBSTACLE_DISTANCE, and the maximum distance.
 
-        Farthest + 1 where nothing was met as far as that; UNKNOWN_CM where nobody looked, or not so far.
+        Maximum + 1: no obstacle within it; UNKNOWN_CM: not measured, or not that far.
         """
         oldest_s = now_s - STALE_S
         fresh = [ping if ping is not None and ping.time_s >= oldest_s else None for ping in self._pings]

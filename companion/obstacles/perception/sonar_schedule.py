@@ -1,8 +1,8 @@
-"""Where the ranger is to look: ahead when the boat goes fast, and at what may be coming.
+"""Selects the sonar sector: ahead at speed, and around obstacles that may move.
 
-A sweep of half the horizon comes by only every second and a half, in which a boat and what comes towards it
-close by metres. What has just been heard, alone in free water, is looked at again and again until it is known
-whether it moves; what moves is kept in view. What is aside of a boat under way was ahead of it before.
+A full sweep takes a second and a half, in which boat and obstacle close by metres. A new, isolated echo is
+observed repeatedly until it is classified; moving obstacles are kept in view. What is abeam of a boat under
+way was ahead of it before.
 """
 
 import math
@@ -13,18 +13,18 @@ from companion.core.units import wrap_pi
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 
-_FAST_S: Final = 8.0  # a boat that covers its sight within this goes fast
-_AHEAD_RAD: Final = 1.06  # looked at then, to either side
-_ABOUT_RAD: Final = 0.53  # to either side of what is watched, so that free water is heard beside it
-_NEW_LOOKS: Final = 8  # after so many it is known whether a thing moves,
-_NEW_S: Final = 1.6  # or after this time
-_AGAIN_S: Final = 0.4  # what is not heard again within this was a ghost, or is gone
-_WATCHED_S: Final = 1.2  # what moves is looked for so long
+_FAST_S: Final = 8.0  # a boat that covers its sight in less is fast
+_AHEAD_RAD: Final = 1.06  # sector ahead for a fast boat, to either side
+_ABOUT_RAD: Final = 0.53  # to either side of a tracked obstacle, to observe the free water beside it
+_NEW_LOOKS: Final = 8  # observations after which a track is classified,
+_NEW_S: Final = 1.6  # or time
+_AGAIN_S: Final = 0.4  # without an echo for this long, it was noise or has gone
+_WATCHED_S: Final = 1.2  # how long a mover is searched for
 _ABEAM_RAD: Final = 1.6
 
 
 class Sector(NamedTuple):
-    """From port to starboard, from the bow, clockwise."""
+    """From port to starboard, relative to the bow, clockwise."""
 
     port_rad: float
     starboard_rad: float
@@ -37,7 +37,7 @@ _AHEAD: Final = Sector(-_AHEAD_RAD, _AHEAD_RAD)
 def choose_sector(
     nav: NavState, tracks: ObstacleTracks, reach_m: float, now_s: float, *, is_open: bool
 ) -> Sector:
-    """Where to look next. is_open: nothing surely lies there; else what is aside is not lost sight of."""
+    """The next sector. is_open: there is no solid cell; otherwise the whole sweep is kept."""
     watched: Track | None = None
     nearest_m, bearing = math.inf, 0.0
     for track in tracks.all:
@@ -65,7 +65,7 @@ def choose_sector(
 
 
 def is_unclassified(track: Track, now_s: float) -> bool:
-    """Whether it may turn out to move: it is new, and stands alone as far as was seen."""
+    """Whether a track may turn out to move: it is new and isolated, as far as was observed."""
     is_new = (
         track.observations < _NEW_LOOKS
         and now_s - track.created_s < _NEW_S

@@ -1,14 +1,14 @@
-"""One thing in the water, followed from look to look, and whether it moves.
+"""Track of one obstacle, and whether it moves.
 
-Its place is known well along the beam and badly across it, and so it is filtered: constant velocity with
-white acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and Navigation*,
-2001, section 6.3.2), in north and east together, each look taken in as two scalar measurements along and
-across the beam.
+A range is accurate along the beam and poor across it. The filter has constant velocity with white
+acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001,
+section 6.3.2), jointly in north and east, and each observation is two scalar measurements, along and across
+the beam.
 
-The paper's terms: dR0 (its equation 1) is `Track.distance_m`; a thing is static or dynamic (`is_mover`), and
-a dynamic one approaches or recedes (`closing_m_s`). What is said to move must do so beyond doubt, three
-standard deviations, and must either come towards the boat, alone in free water, or have been seen through
-where it was: the place along a shore that echoes best goes along with the boat, though nothing moves.
+The paper's terms: dR0 (its equation 1) is `Track.distance_m`; an obstacle is static or dynamic (`is_mover`),
+and a dynamic one approaches or recedes (`closing_m_s`). A mover is declared at three standard deviations, and
+must either approach the boat, isolated in free water, or have been seen through where it was: the strongest
+echo of a shore moves along with the boat.
 """
 
 import math
@@ -19,17 +19,17 @@ from companion.core.geo import Point
 from companion.obstacles.perception.occupancy import Occupancy
 
 SURE_SIGMAS = 3.0
-DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is within this of nothing
-LIKELY_SIGMAS = 1.5  # enough to turn aside for a moment, too little to say so
+DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is below this
+LIKELY_SIGMAS = 1.5  # enough to steer clear, too little to report
 LEAST_LOOKS = 2
-ALONE_LOOKS, ALONE_SIGMAS = 3, 2.0  # for what has free water on either side
-_SLIDES = 2.0  # of the least pace
+ALONE_LOOKS, ALONE_SIGMAS = 3, 2.0  # for isolated obstacles
+_SLIDES = 2.0  # of the least speed
 LEAST_GONE = 2  # places
 _LATELY_S = 1.0
-_AT_A_STRETCH_S = 1.5  # the looks that tell a pace; after longer it may be another thing
+_AT_A_STRETCH_S = 1.5  # longest span of observations that gives a speed
 _STEADY_LOOKS, _STEADY_SHARE = 4, 0.4
-_YOUNG_S = 2.0  # what has lain there for longer does not set out just now
-FASTEST = 12.0  # of the least pace: what seems faster is one thing taken for another
+_YOUNG_S = 2.0  # an obstacle that has been static for longer does not start to move
+FASTEST = 12.0  # of the least speed: faster tracks are associations of different obstacles
 _TRAIL = 8
 _ANYWHERE_M2 = 100.0
 _ANY_PACE_M2_S2 = 0.5
@@ -37,7 +37,7 @@ _SEEN_THROUGH = 0.0
 
 
 class Track:
-    """One thing. Position and velocity over ground in the local frame; `number` is its own for good."""
+    """Position and velocity over ground in the local frame; `number` is unique."""
 
     __slots__ = (
         "_beam_e",
@@ -58,15 +58,15 @@ class Track:
     )
 
     def __init__(self, number: int, seen_s: float, at: Point, radius_m: float) -> None:
-        """Begin at rest, with all doubt; the first look is taken in by `correct` as every other."""
+        """Start at rest with full uncertainty; the first observation is added by `correct`."""
         self.number = number
         self.created_s = self.seen_s = self._time_s = seen_s
         self.radius_m = radius_m
         self.observations = 1
-        self.isolated_count = 0  # looks that have heard free water on either side of it
-        self.is_cut_off = False  # the last look has not passed over both its edges
+        self.isolated_count = 0  # observations with free water on either side
+        self.is_cut_off = False  # the last observation did not cover both edges
         self.is_mover = False
-        self.is_likely_mover = False  # it moves, or most likely does
+        self.is_likely_mover = False  # moves, or probably does
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
         place, pace = _ANYWHERE_M2, _ANY_PACE_M2_S2
@@ -95,7 +95,7 @@ class Track:
 
     @property
     def speed_sigma_m_s(self) -> float:
-        """One standard deviation of the speed, along the velocity."""
+        """Standard deviation of the speed, along the velocity."""
         north, east, p = self._state[2], self._state[3], self._covariance
         speed = math.hypot(north, east)
         if speed < 1e-6:
@@ -103,13 +103,13 @@ class Track:
         return self.pace_sigma_m_s(north / speed, east / speed)
 
     def pace_sigma_m_s(self, north: float, east: float) -> float:
-        """One standard deviation of its velocity along a direction."""
+        """Standard deviation of the velocity along a direction."""
         p = self._covariance
         variance = north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]
         return math.sqrt(max(variance, 0.0))
 
     def sigma_m(self, now_s: float) -> float:
-        """One standard deviation of where it is now, along the worse axis."""
+        """Standard deviation of the present position, along the worse axis."""
         p, ahead_s = self._covariance, max(now_s - self._time_s, 0.0)
         return math.sqrt(
             max(
@@ -120,7 +120,7 @@ class Track:
         )
 
     def point(self, now_s: float) -> Point:
-        """Where it is, or will be; what is not known to move is where it was seen."""
+        """Position at a time; without known motion, the last one."""
         ahead_s, state = now_s - self._time_s if self.is_likely_mover else 0.0, self._state
         return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
 
@@ -130,23 +130,23 @@ class Track:
         return math.hypot(at.north_m - boat.north_m, at.east_m - boat.east_m)
 
     def closing_m_s(self, boat: Point, north_m_s: float, east_m_s: float, now_s: float) -> float:
-        """How fast dR0 shrinks for a boat of this velocity: positive approaches, negative recedes."""
+        """Rate at which dR0 shrinks for a boat of this velocity: positive approaches, negative recedes."""
         at = self.point(now_s)
         north, east = at.north_m - boat.north_m, at.east_m - boat.east_m
         distance = max(math.hypot(north, east), 1e-6)
         return ((north_m_s - self._state[2]) * north + (east_m_s - self._state[3]) * east) / distance
 
     def was_at(self, place: Point, within_m: float) -> bool:
-        """Whether it was seen so near to a place of late, or is there."""
+        """Whether it was recently observed this near to a place."""
         for _, at in self._trail:
             if abs(at.north_m - place.north_m) < within_m and abs(at.east_m - place.east_m) < within_m:
                 return True
         return False
 
-    # What Tracks does with it
+    # Called by ObstacleTracks
 
     def predict(self, now_s: float, accel_m_s2: float) -> None:
-        """Carry the state on."""
+        """Advance the state."""
         dt = now_s - self._time_s
         if dt <= 0.0:
             return
@@ -168,14 +168,14 @@ class Track:
         self._time_s = now_s
 
     def deviation_sigmas(self, at: Point, north: float, east: float, sigma_m: float) -> float:
-        """How far off a place is along a direction, in standard deviations of what was to be expected."""
+        """Deviation of a place from the prediction along a direction, in standard deviations."""
         p = self._covariance
         variance = north * north * p[0][0] + 2.0 * north * east * p[0][1] + east * east * p[1][1]
         off = (at.north_m - self._state[0]) * north + (at.east_m - self._state[1]) * east
         return abs(off) / math.sqrt(variance + sigma_m * sigma_m)
 
     def correct(self, at: Point, north: float, east: float, sigma_m: float) -> None:
-        """Take a place in, along one direction."""
+        """Update with a place, along one direction."""
         x, p = self._state, self._covariance
         cross = [row[0] * north + row[1] * east for row in p]
         variance = cross[0] * north + cross[1] * east + sigma_m * sigma_m
@@ -189,8 +189,8 @@ class Track:
     def complete_observation(
         self, radius_m: float, beam_n: float, beam_e: float, *, is_alone: bool = True
     ) -> None:
-        """A look is complete; the beam's direction is from the boat to the thing. is_alone: the beams on
-        either side of it have heard free water.
+        """Finish an observation; the beam's direction points from the boat. is_alone: the neighbouring beams
+        saw free water.
         """
         self.observations += 1
         self.isolated_count += is_alone
@@ -202,7 +202,7 @@ class Track:
     def classify(
         self, occupancy: Occupancy, least_m_s: float, now_s: float, *, is_small: bool = True
     ) -> None:
-        """Decide whether it moves. is_small: its near side is about where its middle is."""
+        """Decide whether it moves. is_small: its near side is close to its centre."""
         speed, sigma = self.speed_m_s, self.speed_sigma_m_s
         if self.is_mover:
             self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
@@ -224,7 +224,9 @@ class Track:
         return is_sure and self._has_left(occupancy, now_s)
 
     def _moves_steadily(self, speed_m_s: float, now_s: float) -> bool:
-        """Whether each of the last looks found it farther on its way: a rock taken for another leaps once."""
+        """Whether each of the last observations lies farther along its path; a wrong association jumps
+        once.
+        """
         last = list(self._trail)[-_STEADY_LOOKS:]
         if len(last) < _STEADY_LOOKS or now_s - last[0][0] > _AT_A_STRETCH_S or speed_m_s <= 0.0:
             return False
@@ -236,13 +238,13 @@ class Track:
         return True
 
     def _is_approaching(self, least_m_s: float) -> bool:
-        """Whether it comes towards the boat over ground."""
+        """Whether it approaches the boat over ground."""
         north, east = self._beam_n, self._beam_e
         towards = -(self._state[2] * north + self._state[3] * east)
         return towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)
 
     def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
-        """Whether it was seen through in most of the places where it has been."""
+        """Whether most of its past places were seen through."""
         places = [place for time_s, place in self._trail if now_s - time_s >= _LATELY_S]
         looks = [occupancy.evidence_at(place, now_s) for place in places]
         gone = sum(1 for left in looks if left is not None and left <= 0.0)

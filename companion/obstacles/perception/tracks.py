@@ -1,9 +1,9 @@
-"""Things told apart: small groups of echoes, followed from sweep to sweep.
+"""Groups echoes into obstacles and tracks them from sweep to sweep.
 
-Echoes of neighbouring beams at about one range are one thing. A long one is shore, and is left to the map
-(`occupancy.py`); a small one is looked for among the tracks by its distance in standard deviations, along the
-beam and across it. One that stands alone, with free water heard on either side of it, is told apart from one
-that may be the end of something longer: the end of a shore that is seen slides along with the boat.
+Echoes of neighbouring beams at similar ranges form one group. A long group is shore and stays in the grid
+only (`occupancy.py`). A short one is associated with a track by its deviation along and across the beam. A
+group with free water on either side is isolated; otherwise it may be the end of a longer obstacle, and the
+visible end of a shore moves along with the boat.
 """
 
 import math
@@ -13,39 +13,37 @@ from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.track import Track
 
 MAX_TRACKS = 16
-LOST_S = 4.0  # not seen for so long: forgotten. A sweep goes to and fro in 1.4 s
+LOST_S = 4.0  # tracks not observed for this long are removed; a full sweep takes 1.4 s
 _GATE_SIGMAS = 3.0
-_CORRELATED = 1.5  # where in the beam the echo comes from is no fresh chance at each look
-_SAME_PASS_S = 0.4  # echoes of neighbouring beams come within this
-_FREE_BESIDE = 1.5  # of the scale: an echo from farther off is not of something that reaches to here
-_SAME_THING = 0.6  # of the scale: nearer in range to its neighbour is the same thing
-_LONGEST = 2.0  # of the scale: what is longer is shore
-_AGAIN_S = 0.4  # what may move is heard again within this, for it is looked at
-_RANGE_SIGMA = 0.05  # of the scale, per look: the boat's own position is no better known
-_ACCEL = 0.25  # of the scale, m/s²: what moves about on a water changes its ways slowly
-_SMALL = 0.75  # of the scale, its radius: the near side of something larger slides along as a boat goes past
-_LEAST_PACE = 0.12  # of the scale, m/s: slower is a thing that swings at its anchor
+_CORRELATED = 1.5  # the position of the echo within the beam is not independent between pings
+_SAME_PASS_S = 0.4  # longest time between echoes of neighbouring beams
+_FREE_BESIDE = 1.5  # of the scale: a neighbouring echo farther off belongs to something else
+_SAME_THING = 0.6  # of the scale: largest difference in range within a group
+_LONGEST = 2.0  # of the scale: a longer group is shore
+_AGAIN_S = 0.4  # a mover is observed again within this, as the sonar follows it
+_RANGE_SIGMA = 0.05  # of the scale, per observation: the accuracy of the boat's own position
+_ACCEL = 0.25  # of the scale, m/s²: acceleration of moving obstacles
+_SMALL = 0.75  # of the scale, radius: the near side of a larger one moves along with the boat
+_LEAST_PACE = 0.12  # of the scale, m/s: slower motion is swinging at anchor
 _MAX_GROUP = 32
 
 
 class ObstacleTracks:
-    """What is followed. scale_m: the distance that the boat keeps, which says what is small and what is
-    slow.
-    """
+    """scale_m: the distance to keep, which defines small and slow."""
 
     __slots__ = ("_before", "_group", "_has_turned_back", "_last", "_next_number", "_scale_m", "all")
 
     def __init__(self, scale_m: float) -> None:
         self.all: list[Track] = []
         self._scale_m = scale_m
-        self._group: list[Beam] = []  # echoes of the thing that the sweep is passing over
-        self._before: Beam | None = None  # the beam beside its first one
+        self._group: list[Beam] = []  # echoes of the obstacle under the sweep
+        self._before: Beam | None = None  # the beam before its first one
         self._last: Beam | None = None
-        self._has_turned_back = False  # the group before it was cut off by that
+        self._has_turned_back = False  # the turn of the sweep ended the group
         self._next_number = 1
 
     def add(self, beam: Beam, occupancy: Occupancy) -> None:
-        """Take a look, in the order of time."""
+        """Add a ping, in order of time."""
         group = self._group
         self._has_turned_back = False
         if group and not (_is_echo(beam) and self._is_of_group(beam)):
@@ -57,7 +55,7 @@ class ObstacleTracks:
         self._last = beam
 
     def known(self, now_s: float) -> list[Track]:
-        """What was seen of late, and more than once."""
+        """Recent tracks with more than one observation."""
         if not self.all:
             return []
         if any(now_s - track.seen_s > LOST_S for track in self.all):
@@ -65,11 +63,11 @@ class ObstacleTracks:
         return [track for track in self.all if track.observations > 1]
 
     def movers(self, now_s: float) -> list[Track]:
-        """What is known to move."""
+        """Tracks known to move."""
         return [track for track in self.known(now_s) if track.is_mover] if self.all else []
 
     def likely(self, now_s: float) -> list[Track]:
-        """What moves, or most likely does: what only seems to and is not heard again was a ghost."""
+        """Movers, and recent probable movers."""
         return [
             track
             for track in self.known(now_s)
@@ -77,9 +75,7 @@ class ObstacleTracks:
         ]
 
     def _is_of_group(self, beam: Beam) -> bool:
-        """Whether an echo is of the thing that the sweep passes over: the next beam the same way, ranges
-        alike.
-        """
+        """Whether an echo continues the group: the next beam in the same direction, at a similar range."""
         group = self._group
         last = group[-1]
         if len(group) >= _MAX_GROUP or not _is_beside(last, beam):
@@ -89,7 +85,7 @@ class ObstacleTracks:
         return abs(beam.range_m - last.range_m) < _SAME_THING * self._scale_m
 
     def _is_free(self, edge: Beam, beside: Beam | None) -> bool:
-        """Whether the beam beside a thing's edge has heard that the water there is free."""
+        """Whether the beam beside a group's edge saw free water."""
         if beside is None or not _is_beside(edge, beside):
             return False
         if not _is_echo(beside):
@@ -100,7 +96,7 @@ class ObstacleTracks:
         return b > a and apart_m > _FREE_BESIDE * self._scale_m
 
     def _end_group(self, after: Beam, occupancy: Occupancy) -> None:
-        """The sweep has passed over a thing, or has turned back."""
+        """The sweep has passed an obstacle, or has turned back."""
         group, self._group = self._group, []
         first, last = group[0], group[-1]
         self._has_turned_back = (
@@ -115,7 +111,7 @@ class ObstacleTracks:
         if turned * range_m > _LONGEST * self._scale_m:
             return
         nearest = min(group, key=_range_m)
-        bearing = first.bearing_rad + 0.5 * _turned_rad(first, last)  # it may be wider than one beam
+        bearing = first.bearing_rad + 0.5 * _turned_rad(first, last)  # it may span several beams
         ahead_n, ahead_e = math.cos(bearing), math.sin(bearing)
         at = Point(nearest.north_m + range_m * ahead_n, nearest.east_m + range_m * ahead_e)
         across_m = max(_CORRELATED * range_m * first.width_rad / math.sqrt(12.0), along_m)
@@ -125,7 +121,7 @@ class ObstacleTracks:
         if track is None:
             track = self._begin(nearest.time_s, at, radius_m)
         track.correct(at, ahead_n, ahead_e, along_m)
-        if is_new or is_whole:  # of what is cut off, nobody knows where the middle is
+        if is_new or is_whole:  # the centre of a partly seen obstacle is unknown
             track.correct(at, -ahead_e, ahead_n, across_m)
         track.is_cut_off = not is_whole
         if is_new:
@@ -138,7 +134,7 @@ class ObstacleTracks:
     def _find(
         self, at: Point, time_s: float, ahead: tuple[float, float], along_m: float, across_m: float
     ) -> Track | None:
-        """The track that this is most likely of, carried on to now; None if there is none within the gate."""
+        """The most likely track within the gate, predicted to now, or None."""
         north, east = ahead
         found, least = None, _GATE_SIGMAS
         for track in self.all:
@@ -174,7 +170,7 @@ def _turned_rad(first: Beam, then: Beam) -> float:
 
 
 def _is_beside(first: Beam, then: Beam) -> bool:
-    """Whether two beams lie side by side, one soon after the other."""
+    """Whether two beams are adjacent in bearing and time."""
     turned = abs(_turned_rad(first, then))
     return (
         0.1 * then.width_rad < turned < 1.5 * then.width_rad

@@ -1,9 +1,8 @@
-"""Avoidance: keeps the boat clear of what its look-out has seen, by changing what it is to sail.
+"""Obstacle avoidance: replaces the intent with one that keeps clear of perceived obstacles.
 
-It stands between the vehicle, whose intent it takes, and the pilot, to whom it hands on that intent or
-another one: a course round something, or a station to wait at. Speed is held to what the boat can stop from
-before the thing. Decisions are made a few times a second, about as often as the ranger pings; a tick in open
-water costs two comparisons.
+It takes the vehicle's intent and gives the pilot that intent, a course around an obstacle, or a station to
+wait at. The speed is limited so that the boat can stop before the obstacle. Decisions are made a few times a
+second, about as often as the sonar pings; in open water a tick costs two comparisons.
 """
 
 import math
@@ -32,28 +31,28 @@ from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop
 from companion.obstacles.planning.scene import HULL, Scene
 
 PERIOD_S = 0.09  # between decisions, at least
-_FREE = 1.1  # times the margin must be free on the way for a detour to end
-_MEMORIES = 3.0  # of the sight: how far ahead a detour's end is looked for
-_LEAVES = 1.0  # sights must be free for that
+_FREE = 1.1  # times the margin that must be free for a detour to end
+_MEMORIES = 3.0  # of the sight: how far ahead that is checked,
+_LEAVES = 1.0  # and how many sights must be free
 _BACKS_S = 4.0  # longest time astern
-_PUZZLES = 1.0  # margins of room: no side is chosen before it is known whether the thing moves
-_CRASH_STOP = 0.4  # of the slowest speed with steerage way: faster than that the boat stops with all it has
-_ASIDE_M_S2 = 0.5  # a detour is turned onto within the margin by this much lateral acceleration
-_HALTS = 0.25  # margins from the distance to keep, the boat has stopped
+_PUZZLES = 1.0  # margins of room: beyond this, no side is chosen for an unclassified obstacle
+_CRASH_STOP = 0.4  # of the slowest speed with steerage way: above it the boat stops with full reverse
+_ASIDE_M_S2 = 0.5  # lateral acceleration of a turn onto a detour within the margin
+_HALTS = 0.25  # margins
 
 
 class Stage(IntEnum):
     """What avoidance is doing."""
 
     CLEAR = 0
-    ROUND = 1  # sails round something
-    BACK = 2  # goes astern from it
-    BLOCKED = 3  # keeps station: there is no way round, or it is not to look for one
-    PASSING = 4  # turns aside from something that moves, or lets it pass
+    ROUND = 1  # on a detour
+    BACK = 2  # backing off
+    BLOCKED = 3  # keeping station: there is no way around, or none is allowed
+    PASSING = 4  # avoiding a moving obstacle
 
 
 class Avoidance:
-    """stage says what it does, safe_speed how fast the boat may go; what is to be said goes to `notices`."""
+    """stage: what it does; safe_speed: the speed limits. Messages are appended to `status_texts`."""
 
     __slots__ = (
         "_back_s",
@@ -86,10 +85,10 @@ class Avoidance:
         self._has_notified = False
         self._back_s = 0.0
         self._retry_s = 0.0
-        self._station: KeepStation | None = None  # while it is blocked
+        self._station: KeepStation | None = None  # while blocked
 
     def reset(self) -> None:
-        """Forget what it was doing."""
+        """Forget the present detour."""
         self.stage = Stage.CLEAR
         self.safe_speed.forget()
         self._detour = self._last_intent = self._override = self._maneuver = None
@@ -106,7 +105,7 @@ class Avoidance:
         is_by_hand: bool,
         now_s: float,
     ) -> Intent:
-        """What to sail instead of an intent; most of the time the intent itself."""
+        """The intent to follow; usually the given one."""
         setting = config.avoidance
         if (
             perception.is_empty
@@ -137,13 +136,11 @@ class Avoidance:
             )
         return intent if self._override is None else self._override
 
-    # How
-
     def _is_sight_limited(self, by_sight: int, nav: NavState | None) -> bool:
         return by_sight > 0 and nav is not None and self.safe_speed.is_sight_limited(by_sight, nav.point)
 
     def _decide(self, scene: Scene) -> Intent | None:
-        """What to sail instead of an intent, None for nothing else."""
+        """The replacement intent for static obstacles; None: keep the intent."""
         self._breadcrumbs.add(scene.here, scene.margin_m)
         if self.stage is Stage.BLOCKED:
             return self._wait(scene)
@@ -172,7 +169,7 @@ class Avoidance:
     def _avoid_movers(
         self, scene: Scene, perception: ObstaclePerception, instead: Intent | None
     ) -> Intent | None:
-        """Of what lies still the boat keeps clear already; now what moves."""
+        """The replacement intent for moving obstacles."""
         if scene.movers:
             course, speed = scene.desired_course_and_speed(instead)
             if self._is_sight_limited(scene.config.avoidance.by_sight, scene.nav):
@@ -187,7 +184,7 @@ class Avoidance:
         if self.stage is Stage.CLEAR:
             self.stage = Stage.PASSING
             self._has_notified = False
-        if any(mover.is_mover for mover in scene.movers):  # what only may move may be a ghost
+        if any(mover.is_mover for mover in scene.movers):  # a probable mover may be noise
             self.safe_speed.note_unmapped_obstacle(scene.here)
             if not self._has_notified:
                 self._has_notified = True
@@ -201,7 +198,7 @@ class Avoidance:
         return HoldHeading(scene.nav.heading_rad, speed) if speed < 0.0 else scene.stop()
 
     def _start_detour(self, scene: Scene) -> Intent | None:
-        """The way is shut: choose a side to pass on."""
+        """The path is blocked: choose a side."""
         told = self._history.last_side
         detour = self._history.start_detour(
             scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m
@@ -214,10 +211,10 @@ class Avoidance:
         return self._steer_detour(scene, detour)
 
     def _continue_detour(self, scene: Scene, detour: Detour) -> Intent | None:
-        """Under way round something."""
+        """Follow the detour, end it, reverse it or give it up."""
         here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
         detour.advance(here, margin_m)
-        if scene.solid and detour.length_m > margin_m:  # of a ghost nothing is left by then
+        if scene.solid and detour.length_m > margin_m:  # noise has decayed by then
             self.safe_speed.note_unmapped_obstacle(here)
         free_m = scene.clear_path_m(scene.obstacles, _FREE, _MEMORIES)
         if free_m > _LEAVES * scene.sight_m and detour.has_progressed(here, free_m, margin_m):
@@ -241,7 +238,7 @@ class Avoidance:
         return self._steer_detour(scene, detour)
 
     def _steer_detour(self, scene: Scene, detour: Detour) -> Intent:
-        """The detour's course; astern where something is right ahead; stopped before a sharp turn."""
+        """The course of the detour; astern with an obstacle close ahead; stopped before a sharp turn."""
         nav, guidance = scene.nav, scene.config.guidance
         ahead_m = scene.nearest_m(nav.heading_rad)
         is_backing = self.stage is Stage.BACK and ahead_m < scene.margin_m and scene.now_s < self._back_s
@@ -259,7 +256,7 @@ class Avoidance:
         return HoldCourse(detour.course_rad, speed)
 
     def _wait(self, scene: Scene) -> Intent | None:
-        """No way round was found: until the way is open, or it is time for the next try."""
+        """Keep station until the path is free or the next attempt is due."""
         is_open = scene.clear_path_m(scene.obstacles, _FREE, _MEMORIES) == math.inf
         if not is_open and scene.now_s < self._retry_s:
             least_m_s = scene.config.guidance.min_speed_m_s
@@ -272,7 +269,7 @@ class Avoidance:
         return None
 
     def _block(self, scene: Scene) -> Intent | None:
-        """No way round: keep station where there was room, tell, and try again later."""
+        """There is no way around: keep station where there was room, and try again later."""
         self.stage, self._detour = Stage.BLOCKED, None
         self._retry_s = scene.now_s + scene.config.avoidance.retry_s
         self._notify(Severity.NOTICE, "Obstacle: no way round, keeping station")
@@ -282,7 +279,7 @@ class Avoidance:
         return self._wait(scene)
 
     def _stop_before(self, scene: Scene, free_m: float) -> Intent | None:
-        """Not to go round: brake, and keep station before it until the way is open."""
+        """Detours are disabled: stop, and keep station until the path is free."""
         self.safe_speed.note_unmapped_obstacle(scene.here)
         self.safe_speed.reduce_to(scene.stopping_speed_m_s(free_m))
         if free_m > _HALTS * scene.margin_m:
@@ -301,7 +298,7 @@ def _name(side: int) -> str:
 
 
 def _is_same_goal(intent: Intent, last: Intent | None) -> bool:
-    """Whether what was learned on the way still holds."""
+    """Whether the detour history still applies."""
     if isinstance(intent, FollowLeg) and isinstance(last, FollowLeg):
         return intent.end == last.end
     if isinstance(intent, KeepStation) and isinstance(last, KeepStation):

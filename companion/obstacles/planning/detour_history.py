@@ -1,8 +1,8 @@
-"""What has been tried on the way to one goal: where detours began, on which side, and what they came to.
+"""History of the detours towards one goal: where they began, on which side, and with what result.
 
-A side once taken is kept until it has brought the boat clearly nearer to the goal than any detour began, for
-a boat that changes its mind halfway sails to and fro between two ends of one thing. Only a detour that has
-led back to where it began, no nearer, speaks against its side.
+A side is kept until it has brought the boat clearly nearer to the goal than the start of any detour;
+otherwise the boat could oscillate between the two ends of an obstacle. A side is excluded only if its detour
+has returned to its start without progress.
 """
 
 import math
@@ -12,31 +12,31 @@ from companion.obstacles.planning.detour import Detour, choose_side, open_course
 from companion.obstacles.planning.free_space import FreeSpace
 
 _MOST = 16
-_SAME_SPOT = 1.5  # margins: a beginning so near another one has come round in a circle,
-_GAIN = 0.3  # unless it is by as many nearer to the goal
-_PROGRESS = 2.0  # margins nearer to the goal than any beginning before: all that was tried is behind
+_SAME_SPOT = 1.5  # margins: a start this near an earlier one is a closed loop,
+_GAIN = 0.3  # unless it is this many margins nearer to the goal
+_PROGRESS = 2.0  # margins nearer to the goal than any start: the history is cleared
 
 
 class DetourHistory:
-    """roamed_m: how far detours have led since there was progress; last_side: the side taken last, 0 none."""
+    """detour_length_m: length of the detours since the last progress; last_side: latest side, 0 none."""
 
     __slots__ = ("_nearest_m", "_starts", "detour_length_m", "last_side")
 
     def __init__(self) -> None:
-        self._starts: list[tuple[Point, int, float]] = []  # where, side, and how far from the goal
+        self._starts: list[tuple[Point, int, float]] = []  # place, side, and distance to the goal
         self._nearest_m = math.inf
         self.last_side = 0
         self.detour_length_m = 0.0
 
     def forget(self) -> None:
-        """Another goal, or another day."""
+        """Clear the history for a new goal."""
         self._starts.clear()
         self._nearest_m, self.last_side, self.detour_length_m = math.inf, 0, 0.0
 
     def start_detour(
         self, here: Point, goal: Point, water: FreeSpace, sight_m: float, margin_m: float
     ) -> Detour | None:
-        """A detour on the better side; None where there is none that is open and untried."""
+        """A detour on the better side; None if no open side is left."""
         to_goal_m = distance_m(here, goal)
         if to_goal_m < self._nearest_m - _PROGRESS * margin_m:
             self._starts.clear()
@@ -49,13 +49,13 @@ class DetourHistory:
         return Detour(here, goal, side, course)
 
     def record(self, here: Point, side: int, goal: Point) -> None:
-        """A side is taken at a place."""
+        """Record the choice of a side."""
         del self._starts[: -(_MOST - 1)]
         self._starts.append((here, side, distance_m(here, goal)))
         self.last_side = side
 
     def has_tried(self, side: int) -> bool:
-        """Whether a side was taken since there was progress."""
+        """Whether a side was tried since the last progress."""
         return any(taken == side for _, taken, _ in self._starts)
 
     def _choose(

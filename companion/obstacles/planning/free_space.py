@@ -1,8 +1,8 @@
-"""How far the water is clear around a place: by direction, and along a way.
+"""Free distance around a place, by direction and along a path.
 
 By direction it is the polar histogram of I. Ulrich and J. Borenstein, *VFH+: Reliable Obstacle Avoidance for
-Fast Mobile Robots*, ICRA 1998, with distances for densities: a thing at distance d shuts the directions
-within asin(clearance / d) of its own.
+Fast Mobile Robots*, ICRA 1998, with distances in place of densities: an obstacle at distance d blocks the
+directions within asin(clearance / d) of its own.
 """
 
 import math
@@ -15,28 +15,28 @@ from companion.core.units import TAU, wrap_pi
 
 SECTORS = 72
 SECTOR_RAD = TAU / SECTORS
-_TOO_NEAR_RAD = 1.4  # within the clearance already: only courses that lead away are open
-_COMES_NEARER = 0.8  # a way may pass what is too near already, unless it closes to less than this share
+_TOO_NEAR_RAD = 1.4  # within the clearance: only courses that lead away are open
+_COMES_NEARER = 0.8  # a path may pass an obstacle within the clearance unless it comes closer than this share
 
 
 class Bounds(Protocol):
-    """What the boat has to stay within."""
+    """A region that the boat must stay within."""
 
     @property
     def is_active(self) -> bool:
-        """Whether there is any line that counts."""
+        """Whether there is any limit."""
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
-        """How far one can go along a course, at most reach_m."""
+        """Free distance along a course, at most reach_m."""
 
 
 class FreeSpace:
-    """The directions from one place, SECTORS of them, clockwise from north."""
+    """Directions from one place, SECTORS of them, clockwise from north."""
 
     __slots__ = ("_at", "_bounds", "_inside_m", "_rooms_m")
 
     def __init__(self, at: Point, obstacles: Sequence[Point], clearance_m: float, reach_m: float) -> None:
-        """Things further off than reach_m and the clearance are left alone."""
+        """Obstacles farther than reach_m plus the clearance are ignored."""
         self._at = at
         self._bounds: Bounds | None = None
         self._inside_m = 0.0
@@ -62,18 +62,18 @@ class FreeSpace:
             rooms[sector % SECTORS] = min(rooms[sector % SECTORS], room)
 
     def set_bounds(self, bounds: Bounds, inside_m: float) -> None:
-        """Open courses end so far inside the bounds."""
+        """Open courses must end inside_m within the bounds."""
         if bounds.is_active:
             self._bounds, self._inside_m = bounds, inside_m
 
     def room_m(self, course_rad: float) -> float:
-        """How far the way is clear of things on a course."""
+        """Distance free of obstacles on a course."""
         return self._rooms_m[round(course_rad / SECTOR_RAD) % SECTORS]
 
     def first_open_rad(self, from_rad: float, side: int, need_m: float) -> float | None:
         """The first course that is open for need_m, turning from from_rad to starboard (side 1) or port (−1).
 
-        None where the bounds come before any open one: on that side there is no way past.
+        None if it leaves the bounds: there is no way around on that side.
         """
         start, rooms = round(from_rad / SECTOR_RAD), self._rooms_m
         for step in range(SECTORS):
@@ -91,9 +91,9 @@ class FreeSpace:
 
 
 def clear_m(way: Sequence[Point], obstacles: Sequence[Point], clearance_m: float, reach_m: float) -> float:
-    """How far along a way one comes before something is nearer than the clearance; infinite for never.
+    """Distance along a path to the first obstacle within the clearance; infinite for none.
 
-    way: two or more corners, the boat at the first one. Beyond reach_m along it nothing counts.
+    way: two or more corners, the boat at the first. Obstacles beyond reach_m along it are ignored.
     """
     nearest, before = math.inf, 0.0
     for start, end in pairwise(way):

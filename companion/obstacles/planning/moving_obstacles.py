@@ -1,12 +1,12 @@
-"""Letting what moves pass: the course and speed that keep clear of it, as near as can be to those asked for.
+"""Avoids moving obstacles: the course and speed closest to the requested ones that keep clear.
 
-Each candidate is sailed ahead in thought, with the time that the boat takes to turn and to change its speed,
-against movers that go on as they go: the velocity obstacle of P. Fiorini and Z. Shiller, *Motion Planning in
-Dynamic Environments Using Velocity Obstacles*, International Journal of Robotics Research 17(7), 1998, with
-the boat's own dynamics in it (J. van den Berg et al., *Reciprocal Collision Avoidance with
-Acceleration-Velocity Obstacles*, ICRA 2011). Turning to starboard is cheaper than to port, as the collision
-regulations want it of vessels that meet, and running on ahead of what crosses costs most; slowing down costs
-little: what crosses is let pass, and what goes ahead, slower, is followed until there is room beside it.
+Each candidate course and speed is simulated, with the time to turn and to change speed, against obstacles of
+constant velocity: the velocity obstacle of P. Fiorini and Z. Shiller, *Motion Planning in Dynamic
+Environments Using Velocity Obstacles*, International Journal of Robotics Research 17(7), 1998, with the
+boat's own dynamics (J. van den Berg et al., *Reciprocal Collision Avoidance with Acceleration-Velocity
+Obstacles*, ICRA 2011). A turn to starboard costs less than one to port, as in the collision regulations;
+passing ahead of crossing traffic costs most; slowing down costs little, so crossing traffic passes first and
+slower traffic ahead is followed until there is room to overtake.
 """
 
 import math
@@ -18,27 +18,27 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.scene import Scene
 
 HORIZON_S: Final = 8.0
-_STEP_S: Final = 0.25  # about what decisions and motors take, too
+_STEP_S: Final = 0.25  # about the delay of decisions and motors, too
 _TURNS_RAD: Final = (0.0, 0.35, 0.7, 1.05, 1.4, 2.1, -0.35, -0.7, -1.05, -1.4, -2.1)
 _PORT_COST: Final = 0.3
 _SLOW_COST: Final = 0.6
-_ASTERN_COST: Final = 3.0  # what comes on catches up
+_ASTERN_COST: Final = 3.0  # an approaching obstacle catches up
 _HURRY_COST: Final = 0.8
-_NEAR_COST: Final = 6.0  # for passing at no distance at all: more than any turn
-_HIT_COST: Final = 10.0  # besides, where the hulls come together
-_HABIT: Final = 2.0  # a change of mind must be worth so much
+_NEAR_COST: Final = 6.0  # of passing at no distance: more than any turn
+_HIT_COST: Final = 10.0  # in addition, for a collision of the hulls
+_HABIT: Final = 2.0  # bonus of the present maneuver
 _SURE_SIGMAS: Final = 1.0
-_HALF_HULL: Final = 0.45  # of the margin: from the boat's middle to bow and stern
-_TOUCHES: Final = 0.3  # of the margin: nearer than this to its edge a mover touches
-_AHEAD_COST: Final = 2.5  # for running on ahead of what crosses: astern of it is room
+_HALF_HULL: Final = 0.45  # of the margin: half the hull length
+_TOUCHES: Final = 0.3  # of the margin: hull clearance that counts as a collision
+_AHEAD_COST: Final = 2.5  # of passing ahead of crossing traffic
 _CROSSES: Final = 0.6  # of its speed
 _ABAFT_RAD: Final = 2.0
-_TURN_LAG_S: Final = 0.6  # until the hull turns as it is told
+_TURN_LAG_S: Final = 0.6  # delay of the turn
 _TURN_GAIN: Final = 1.5  # rad/s for each rad that it points elsewhere
 _HURRIES: Final = 3.0  # times the slowest speed with steerage way
 _GAINS: Final = 1.5  # of guidance's accel_m_s2
-_LOSES: Final = 0.7  # propellers bite less astern
-_STOPS: Final = 1.4  # with all that they have
+_LOSES: Final = 0.7  # propellers are less efficient astern
+_STOPS: Final = 1.4  # with full reverse
 _ALIKE_M_S: Final = 0.1
 
 
@@ -46,8 +46,8 @@ Pose = tuple[float, float, float, float]
 
 
 class EvasiveManeuver(NamedTuple):
-    """A turn off the course asked for, positive to starboard, and a speed; a negative one is astern, with
-    the bow as it is.
+    """A turn from the requested course, positive to starboard, and a speed; negative is astern on the present
+    heading.
     """
 
     turn_rad: float
@@ -57,7 +57,7 @@ class EvasiveManeuver(NamedTuple):
 def choose_maneuver(
     scene: Scene, course_rad: float, speed_m_s: float, last: EvasiveManeuver | None
 ) -> EvasiveManeuver | None:
-    """How to let pass what moves; None where nothing that moves comes near."""
+    """The best maneuver; None if no moving obstacle comes near."""
     is_alongside = _is_alongside(scene)
     if not is_alongside and _encroachment(scene, course_rad, speed_m_s)[0] <= 0.0:
         return None
@@ -83,7 +83,7 @@ def choose_maneuver(
 
 
 def _speeds(scene: Scene, speed_m_s: float, turn: float) -> list[tuple[float, float]]:
-    """The speeds to try on a course, with what each costs."""
+    """Candidate speeds on a course, with their costs."""
     least_m_s = scene.config.guidance.min_speed_m_s
     speeds = [(speed_m_s, 0.0)]
     if 0.5 * speed_m_s >= least_m_s:
@@ -99,12 +99,12 @@ def _speeds(scene: Scene, speed_m_s: float, turn: float) -> list[tuple[float, fl
 
 
 def clearance_m(mover: Track, scene: Scene) -> float:
-    """The distance to keep from the middle of a mover, its own size and doubt included."""
+    """Distance to keep from the centre of an obstacle, with its size and uncertainty."""
     return scene.margin_m + mover.radius_m + _SURE_SIGMAS * min(mover.sigma_m(scene.now_s), scene.margin_m)
 
 
 def _crossing(scene: Scene, course_rad: float) -> int:
-    """The side that the nearest mover crosses the course to: 1 to starboard, −1 to port, 0 if it does not."""
+    """Direction in which the nearest mover crosses the course: 1 to starboard, −1 to port, 0 neither."""
     if not scene.movers:
         return 0
     mover = min(scene.movers, key=lambda one: one.distance_m(scene.here, scene.now_s))
@@ -115,7 +115,7 @@ def _crossing(scene: Scene, course_rad: float) -> int:
 
 
 def _is_alongside(scene: Scene) -> bool:
-    """Whether a mover is within the clearance and not yet abaft: no time to swing the stern at it."""
+    """Whether a mover is within the clearance and not yet abaft: a turn would swing the stern at it."""
     for mover in scene.movers:
         at = mover.point(scene.now_s)
         north, east = at.north_m - scene.here.north_m, at.east_m - scene.here.east_m
@@ -126,9 +126,7 @@ def _is_alongside(scene: Scene) -> bool:
 
 
 def _encroachment(scene: Scene, course_rad: float, speed_m_s: float) -> tuple[float, float]:
-    """How much too near the nearest mover comes, 0 not at all, 1 as near as can be; and the same for
-    the hulls themselves.
-    """
+    """How far the nearest mover comes within the clearance, 0 not at all to 1; and the same for the hulls."""
     way = _predicted_track(scene, course_rad, speed_m_s)
     worst, hits = 0.0, 0.0
     for mover in scene.movers:
@@ -136,7 +134,7 @@ def _encroachment(scene: Scene, course_rad: float, speed_m_s: float) -> tuple[fl
         near, hit = 0.0, 0.0
         for north_m_s, east_m_s in ((mover.north_m_s, mover.east_m_s), _collision_velocity(mover, scene)):
             before, nearest = _closest_m(mover, scene, way, north_m_s, east_m_s)
-            if nearest < min(room_m, before):  # what is near already and goes away is no danger
+            if nearest < min(room_m, before):  # one that is near and recedes is no danger
                 near += 0.5 * (1.0 - nearest / room_m)
                 hit += 0.5 * max(1.0 - nearest / hull_m, 0.0)
         worst, hits = max(worst, near), max(hits, hit)
@@ -146,7 +144,7 @@ def _encroachment(scene: Scene, course_rad: float, speed_m_s: float) -> tuple[fl
 def _closest_m(
     mover: Track, scene: Scene, way: list[Pose], north_m_s: float, east_m_s: float
 ) -> tuple[float, float]:
-    """The distance now, and the smallest one along the way of any part of the hull, against a mover of this
+    """Present distance and least distance of any part of the hull along the track, for a mover of this
     velocity.
     """
     at = mover.point(scene.now_s)
@@ -165,8 +163,8 @@ def _closest_m(
 
 
 def _collision_velocity(mover: Track, scene: Scene) -> tuple[float, float]:
-    """Its velocity, north and east, with what it crosses the line of sight by less by a standard deviation:
-    what keeps its bearing is on a collision course, and how it crosses is what a ranger knows least.
+    """The mover's velocity, north and east, with its crossing component reduced by a standard deviation:
+    constant bearing means collision, and the sonar measures that component worst.
     """
     at, nav = mover.point(scene.now_s), scene.nav
     north, east = at.north_m - scene.here.north_m, at.east_m - scene.here.east_m
@@ -178,9 +176,7 @@ def _collision_velocity(mover: Track, scene: Scene) -> tuple[float, float]:
 
 
 def _predicted_track(scene: Scene, course_rad: float, speed_m_s: float) -> list[Pose]:
-    """Where the boat will be, north and east from here, with where its bow points, at every step until the
-    horizon.
-    """
+    """Predicted positions relative to here, with the bow's direction, at each step up to the horizon."""
     nav, handling, guidance = scene.nav, scene.config.handling, scene.config.guidance
     heading, surge = nav.heading_rad, nav.surge_m_s
     fastest, turning = handling.turn_rate_rad_s, nav.yaw_rate_rad_s
@@ -193,13 +189,15 @@ def _predicted_track(scene: Scene, course_rad: float, speed_m_s: float) -> list[
     north, east = 0.0, 0.0
     way: list[Pose] = []
     for step in range(round(HORIZON_S / _STEP_S)):
-        error = wrap_pi(target - heading) if step else 0.0  # until motors answer
+        error = wrap_pi(target - heading) if step else 0.0  # motor delay
         turning += takes_up * (min(max(_TURN_GAIN * error, -fastest), fastest) - turning)
         heading += turning * _STEP_S
         wanted = steered_speed_m_s(speed_m_s, error, guidance) if speed_m_s > 0.0 else speed_m_s
         surge += min(max(wanted - surge, -loses), gains)
         ahead_n, ahead_e = math.cos(heading), math.sin(heading)
-        aside = current_e * ahead_n - current_n * ahead_e  # the set along the bow is in the speed over ground
+        aside = (
+            current_e * ahead_n - current_n * ahead_e
+        )  # the current along the bow is part of the speed over ground
         north += _STEP_S * (surge * ahead_n - aside * ahead_e)
         east += _STEP_S * (surge * ahead_e + aside * ahead_n)
         way.append((north, east, ahead_n, ahead_e))

@@ -1,7 +1,7 @@
-"""How fast the boat may go among what it sees, whatever it sails: it can stop before what it is going for.
+"""Speed limits near obstacles: the boat must be able to stop before them.
 
-By sight it also keeps to what it can stop from in the water that it has looked at: always, or for a while
-after something was in its way that was on no map, for where one thing is others are.
+In sight-limited mode it must also be able to stop within the observed water: always, or for a while after an
+unmapped obstacle.
 """
 
 import math
@@ -18,13 +18,13 @@ from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.scene import Scene
 
 ALWAYS, AFTER_MEETING = 1, 2  # AVOID_SIGHT
-_SURPRISE: Final = 0.9  # of the slowest speed with steerage way: so much too fast is an emergency
+_SURPRISE: Final = 0.9  # of the slowest speed with steerage way: excess speed that triggers a crash stop
 _STEADIES, _LEAST_STEERING = 0.5, 0.2
-WARY_M: Final = 40.0  # from where something was met
+WARY_M: Final = 40.0  # from the unmapped obstacle
 
 
 def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
-    """Both propellers astern with all they have, the bow held where it points."""
+    """Full reverse on both propellers, holding the heading."""
     steering = min(max(-_STEADIES * nav.yaw_rate_rad_s, -_LEAST_STEERING), _LEAST_STEERING)
     return Drive(-config.speed.max_throttle, steering)
 
@@ -37,37 +37,37 @@ class SafeSpeed:
     def __init__(self) -> None:
         self.ahead_m_s = self.astern_m_s = math.inf
         self._unmapped_at: Point | None = None
-        self._solid_m_s = math.inf  # from which the boat stops before what surely is there
+        self._solid_m_s = math.inf  # limit from solid obstacles alone
 
     def clear(self) -> None:
-        """Nothing is near: no limit."""
+        """Remove the limits."""
         self.ahead_m_s = self.astern_m_s = self._solid_m_s = math.inf
 
     def forget(self) -> None:
-        """Nothing was ever met."""
+        """Remove the limits and forget unmapped obstacles."""
         self.clear()
         self._unmapped_at = None
 
     def note_unmapped_obstacle(self, here: Point) -> None:
-        """Something is in the way that was on no map."""
+        """Record an obstacle that is on no map."""
         self._unmapped_at = here
 
     def is_sight_limited(self, by_sight: int, here: Point) -> bool:
-        """Whether to keep to what is seen."""
+        """Whether the speed is limited by sight."""
         if by_sight == AFTER_MEETING and self._unmapped_at is not None:
             return distance_m(here, self._unmapped_at) < WARY_M
         return by_sight == ALWAYS
 
     def reduce_to(self, limit_m_s: float) -> None:
-        """No faster ahead than that either."""
+        """Lower the limit ahead."""
         self.ahead_m_s = min(self.ahead_m_s, limit_m_s)
 
     def raise_to(self, speed_m_s: float) -> None:
-        """As fast ahead as that: what moves comes nearer while the boat is slow."""
+        """Raise the limit ahead: a slow boat stays longer near a moving obstacle."""
         self.ahead_m_s = max(self.ahead_m_s, speed_m_s)
 
     def update(self, scene: Scene, perception: ObstaclePerception) -> None:
-        """Set the limits anew."""
+        """Compute the limits."""
         heading = scene.nav.heading_rad
         is_by_sight = self.is_sight_limited(scene.config.avoidance.by_sight, scene.here)
         room_m = min(scene.room_ahead_m(), scene.room_m(heading))
@@ -81,7 +81,7 @@ class SafeSpeed:
     def limit(
         self, steered: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig
     ) -> Demand | Drive | Stop:
-        """The same, no faster than the boat may go."""
+        """Apply the limits."""
         limit = self.ahead_m_s
         if limit == math.inf and self.astern_m_s == math.inf:
             return steered

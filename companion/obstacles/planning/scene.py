@@ -1,4 +1,4 @@
-"""What avoidance decides on: the boat, what it is to sail, and what lies around, at one moment."""
+"""Input of the avoidance decisions at one moment: boat, intent and obstacles."""
 
 import math
 from collections.abc import Sequence
@@ -14,24 +14,24 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.free_space import Bounds, FreeSpace, clear_m
 from companion.obstacles.planning.way_ahead import way_ahead
 
-WIDER = 1.2  # a detour keeps this times the margin, so that its end is no new beginning
-HULL = 0.6  # of the margin: nearer than this ahead the boat stops
-_DRIFT_S = 0.8  # a boat that turns is carried along by the water for so long before it holds against it
-_STILL_SHARE = 0.4  # of the slowest speed with steerage way: a set as small as that is none
-_FAR_M = 1000.0  # where a course leads to
-_LOOK_S = 0.8  # until the sweep comes by again
-_TURNS_S = 2.0  # what a sharp turn takes
-_HEARD_S = 2.0  # a ranger that is silent for so long sees nothing
-_SPREAD = 0.6  # of the margin: so far from a mover its echoes lie on the map
-_IN_VIEW_S = 1.0  # unseen for longer, a mover's echoes are all that is known of it
+WIDER = 1.2  # a detour keeps this times the margin, so that its end does not start another
+HULL = 0.6  # of the margin: the boat stops for obstacles this near ahead
+_DRIFT_S = 0.8  # how long the current carries a turning boat
+_STILL_SHARE = 0.4  # of the slowest speed with steerage way: weaker currents are ignored
+_FAR_M = 1000.0  # end of a course
+_LOOK_S = 0.8  # period of the sweep
+_TURNS_S = 2.0  # duration of a sharp turn
+_HEARD_S = 2.0  # without pings for this long the boat sees nothing
+_SPREAD = 0.6  # of the margin: spread of a mover's echoes in the grid
+_IN_VIEW_S = 1.0  # a mover not observed for longer is known by its echoes only
 _CONE = 0.7  # cosine of 45°
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
 
 
 class Scene:
-    """solid is what surely lies there, things what may as well; movers what moves, or most likely does;
-    is_puzzling: it will be known in a moment whether something moves. margin_m is the distance to keep, more
-    in water that sets; sight_m how far the boat sees.
+    """solid: certain obstacles; obstacles: suspected ones as well; movers: moving or probably moving;
+    has_unclassified: a track may turn out to move. margin_m: distance to keep, more in a current; sight_m:
+    range of the sonar.
     """
 
     __slots__ = (
@@ -77,7 +77,7 @@ class Scene:
         self._water: FreeSpace | None = None
 
     def _still(self, obstacles: list[Point]) -> list[Point]:
-        """What lies still: without the echoes that movers have left on the map."""
+        """The static obstacles: without the echoes of movers."""
         movers = [mover for mover in self.movers if mover.is_mover and self.now_s - mover.seen_s < _IN_VIEW_S]
         if not movers:
             return obstacles
@@ -97,13 +97,15 @@ class Scene:
         return self._water
 
     def clear_path_m(self, obstacles: Sequence[Point], share: float = 1.0, reaches: float = 1.0) -> float:
-        """How far the way ahead is clear of things by a share of the margin, looking so many sights ahead."""
+        """Distance free of obstacles by a share of the margin along the path, up to `reaches` sights
+        ahead.
+        """
         reach_m = reaches * self.sight_m
         way = way_ahead(self.intent, self.nav, self.config, reach_m)
         return clear_m(way, obstacles, share * self.margin_m, reach_m)
 
     def heading_for_rad(self, course_rad: float, speed_m_s: float) -> float:
-        """Where the bow must point for a course and speed over ground, with the set of the water."""
+        """The heading for a course and speed over ground in this current."""
         nav = self.nav
         return math.atan2(
             speed_m_s * math.sin(course_rad) - nav.current_east_m_s,
@@ -111,24 +113,24 @@ class Scene:
         )
 
     def stopping_speed_m_s(self, room_m: float) -> float:
-        """The speed that the boat can lose in some room."""
+        """The speed from which the boat can stop in a distance."""
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, self.config.guidance)
 
     def must_stop_to_turn(self, heading_rad: float) -> bool:
-        """Whether to take the way off first: turning on the spot leaves no thrust to brake with."""
+        """Whether to stop first: turning on the spot leaves no thrust for braking."""
         nav, guidance = self.nav, self.config.guidance
         turn = abs(wrap_pi(heading_rad - nav.heading_rad))
         return turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s
 
     def stop(self) -> HoldHeading:
-        """Take the way off. Where the water sets, only a bow that points into the set can hold against it."""
+        """Stop. In a current, the bow must point into it to hold against it."""
         nav, current_m_s = self.nav, math.hypot(self.nav.current_north_m_s, self.nav.current_east_m_s)
         if current_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s:
             return HoldHeading(nav.heading_rad, 0.0)
         return HoldHeading(math.atan2(-nav.current_east_m_s, -nav.current_north_m_s), 0.0)
 
     def escape_course_rad(self) -> float | None:
-        """The course straight away from what is too near; None while nothing is."""
+        """The course directly away from an obstacle that is too near; None if there is none."""
         nearest = min(self.obstacles, key=self._distance_m, default=None)
         if nearest is None or self._distance_m(nearest) > HULL * self.margin_m:
             return None
@@ -138,14 +140,14 @@ class Scene:
         return distance_m(self.here, obstacle)
 
     def room_ahead_m(self) -> float:
-        """How far the boat could go on as it goes now before its hull comes too near; infinite at rest."""
+        """Distance that the hull can continue on its present course; infinite at rest."""
         nav = self.nav
         if self.speed_m_s < 0.25 * self.config.guidance.min_speed_m_s:
             return math.inf
         return self.room_m(math.atan2(nav.east_m_s, nav.north_m_s))
 
     def room_m(self, course_rad: float) -> float:
-        """How far the hull has room along a course; infinite for as far as the boat sees."""
+        """Room for the hull along a course; infinite beyond the sight."""
         reach_m = self.sight_m
         end = Point(
             self.here.north_m + reach_m * math.cos(course_rad),
@@ -154,7 +156,7 @@ class Scene:
         return clear_m([self.here, end], self.solid, HULL * self.margin_m, reach_m)
 
     def nearest_m(self, bearing_rad: float) -> float:
-        """Distance to the nearest thing within 45° of a bearing; infinite for none."""
+        """Distance to the nearest obstacle within 45° of a bearing; infinite for none."""
         nearest, ahead_n, ahead_e = math.inf, math.cos(bearing_rad), math.sin(bearing_rad)
         for obstacle in self.obstacles:
             north, east = obstacle.north_m - self.here.north_m, obstacle.east_m - self.here.east_m
@@ -164,14 +166,14 @@ class Scene:
         return nearest
 
     def goal(self) -> Point:
-        """Where the boat wants to get to."""
+        """The destination of the intent."""
         if isinstance(self.intent, FollowLeg):
             return self.intent.end
         reach_m = _FAR_M if isinstance(self.intent, HoldCourse | HoldHeading) else self.sight_m
         return way_ahead(self.intent, self.nav, self.config, reach_m)[-1]
 
     def desired_course_and_speed(self, instead: Intent | None) -> tuple[float, float]:
-        """Course and speed over ground that the boat would hold now. instead: of the intent, if not None."""
+        """Course and speed over ground of the intent, or of instead."""
         intent = self.intent if instead is None else instead
         if isinstance(intent, HoldCourse):
             return intent.course_rad, intent.speed_m_s
@@ -185,16 +187,16 @@ class Scene:
         return bearing_rad(way[0], way[1]), self.requested_speed_m_s()
 
     def requested_speed_m_s(self) -> float:
-        """The speed asked for."""
+        """The speed of the intent."""
         if isinstance(self.intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading):
             return abs(self.intent.speed_m_s)
         return self.config.speed.cruise_m_s
 
     def sight_limited_speed_m_s(self, perception: ObstaclePerception) -> float:
-        """The speed from which the boat stops in the water that it sees.
+        """The speed from which the boat stops within the observed water.
 
-        v² = 2 a (d − v t), with the time t until the sweep comes by and the throttle answers; d is less by
-        what a following water carries the boat on while it turns.
+        v² = 2 a (d − v t), with the time t of a sweep and of the throttle response; d is reduced by the drift
+        in a following current while the boat turns.
         """
         config, nav = self.config, self.nav
         accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s

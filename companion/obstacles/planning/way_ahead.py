@@ -1,4 +1,4 @@
-"""The way that an intent leads along, as corners: what is to be looked at before it is sailed."""
+"""The path of an intent as a list of corners."""
 
 import math
 
@@ -19,7 +19,7 @@ _STEP_RAD = 0.35  # between corners on a circle
 
 
 def way_ahead(intent: Intent, nav: NavState, config: BoatConfig, reach_m: float) -> list[Point]:
-    """From where the boat is; a single corner for an intent that leads nowhere."""
+    """Starts at the boat; a single corner for an intent without a destination."""
     here = nav.point
     if isinstance(intent, FollowLeg):
         return _leg(intent, here, config.guidance.lookahead_m)
@@ -38,7 +38,7 @@ def way_ahead(intent: Intent, nav: NavState, config: BoatConfig, reach_m: float)
 
 
 def _leg(leg: FollowLeg, here: Point, lookahead_m: float) -> list[Point]:
-    """Back to the line, along it, and on."""
+    """Back to the line, along it, and on to the next leg."""
     way = [here]
     line = leg.line
     if line.length_m > 0.0:
