@@ -1,4 +1,4 @@
-"""Slowing down before the fence, so that the boat stops inside it by itself, whoever steers."""
+"""Fence brake: limits the speed so that the boat stops inside the fence, in every mode."""
 
 import math
 
@@ -13,33 +13,33 @@ from companion.geofence.fence import Fence
 from companion.guidance.speed_profile import REACTION_S, braking_speed_m_s
 
 _AVOID_FENCE = 1  # of avoidance.enable
-_GAIN_M_S = 0.5  # speed that the boat may have won before the next look
+_GAIN_M_S = 0.5  # possible speed increase before the next update
 _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
-_CURRENT_S = 2.0  # the water carries the boat on for so long before they hold against it
-_UNDER_WAY_M_S = 0.1  # slower, the course made good is mostly noise
-_BACK_PER_S = 0.4  # speed astern for each metre too near
-_STOPPED_S = 0.5  # so long held below steerage way, and the boat is taken to have been stopped
+_CURRENT_S = 2.0  # time for which the current carries the boat on
+_UNDER_WAY_M_S = 0.1  # below it, the course over ground is mostly noise
+_BACK_PER_S = 0.4  # speed astern per metre too near
+_STOPPED_S = 0.5  # time below steerage way after which the boat counts as stopped
 
 
 class FenceBrake:
-    """Lets no more speed toward a line through than the boat can lose before it.
+    """Limits the speed towards a line to what the boat can lose before it.
 
-    Looked at are the course that the boat makes good and the one that is asked for, with the set of the water
-    in it. A line that lies abeam or astern, however near, slows nobody. What sails by itself and has been
-    stopped keeps station there until it is asked for something else, for without steerage way the water would
-    carry it over, and says so in `notices`. Without a fresh position everything goes through.
+    Both the course over ground and the demanded course are checked, with the current. Lines abeam or astern
+    have no effect. An autonomous boat that was stopped keeps station until the intent changes, as it would
+    otherwise drift over the line, and reports it in `status_texts`. Without a recent position nothing is
+    limited.
     """
 
     __slots__ = ("_station", "_status_texts", "_stopped", "_stopped_s")
 
     def __init__(self, status_texts: list[StatusText]) -> None:
         self._status_texts = status_texts
-        self._stopped: Intent | None = None  # what was asked for as the boat came to a stop
+        self._stopped: Intent | None = None  # the intent when the boat stopped
         self._stopped_s = 0.0
         self._station: KeepStation | None = None
 
     def hold(self, intent: Intent) -> Intent:
-        """What to sail instead of this: a station, where this has led to the line."""
+        """The intent, or the station where it led to the line."""
         if self._stopped is not None and intent != self._stopped:
             self._stopped, self._stopped_s, self._station = None, 0.0, None
         return intent if self._station is None else self._station
@@ -53,7 +53,7 @@ class FenceBrake:
         config: BoatConfig,
         dt_s: float,
     ) -> Demand | Drive | Stop:
-        """The same, braked. intent is what was asked for, before `hold`."""
+        """Apply the limit. intent: as given to `hold`."""
         if not fence.is_active or nav is None or isinstance(steered, Stop):
             return steered
         if not config.avoidance.enable & _AVOID_FENCE:
@@ -73,7 +73,7 @@ class FenceBrake:
     def _watch(
         self, is_barred: bool, intent: Intent, nav: NavState, fence: Fence, config: BoatConfig, dt_s: float
     ) -> None:
-        """Whether the boat has been stopped for long enough to keep station."""
+        """Keep station once the boat has been stopped for long enough."""
         if not is_barred or fence.is_outside(nav.point):
             self._stopped, self._stopped_s = None, 0.0
             return
@@ -88,7 +88,7 @@ class FenceBrake:
 def _leads_over(
     intent: FollowLeg | HoldCourse | FollowCircle, nav: NavState, fence: Fence, reach_m: float
 ) -> bool:
-    """Whether what is asked for, sailed on, leads over a line."""
+    """Whether the intent leads over a line."""
     if isinstance(intent, FollowLeg):
         return fence.crosses(nav.point, intent.end)
     if isinstance(intent, HoldCourse):
@@ -97,7 +97,7 @@ def _leads_over(
 
 
 class _Ahead:
-    """What lies ahead this tick. is_slow: no steerage way is left."""
+    """The fence ahead at this tick. is_slow: no steerage way is left."""
 
     __slots__ = ("_config", "_fence", "_nav", "_point", "_reach_m", "is_slow")
 
@@ -110,7 +110,7 @@ class _Ahead:
         self.is_slow = False
 
     def demand(self, demand: Demand) -> Demand:
-        """A demand with less speed, or a little astern where the boat is too near already."""
+        """The demand with less speed, or slightly astern if too near."""
         wanted = demand.speed_m_s
         speed = self._along(demand.heading_rad, wanted)
         if speed == wanted:
@@ -120,7 +120,7 @@ class _Ahead:
         )
 
     def drive(self, drive: Drive) -> Drive:
-        """By hand the throttle is held back to what keeps the speed that is left."""
+        """Manual throttle, limited to what holds the allowed speed."""
         nav, setting = self._nav, self._config.speed
         top = setting.cruise_m_s / max(setting.cruise_throttle, 0.05)
         wanted = drive.throttle * top if drive.throttle else nav.surge_m_s
@@ -133,7 +133,7 @@ class _Ahead:
         return Drive(clamp(throttle, -1.0, 1.0), drive.steering)
 
     def _along(self, heading_rad: float, wanted_m_s: float) -> float:
-        """What is left of a speed along a heading, negative astern."""
+        """The allowed part of a speed along a heading, negative astern."""
         nav = self._nav
         c, s = math.cos(heading_rad), math.sin(heading_rad)
         aside_m_s = nav.current_east_m_s * c - nav.current_north_m_s * s
@@ -151,7 +151,7 @@ class _Ahead:
         return side * allowed
 
     def _towards(self, north_m_s: float, east_m_s: float) -> float:
-        """The speed allowed the way of a velocity: infinite with no line ahead, negative too near to one."""
+        """The speed limit in a direction: infinite with no line ahead, negative if too near."""
         room_m = self._fence.room_m(self._point, math.atan2(east_m_s, north_m_s), self._reach_m)
         if room_m >= self._reach_m:
             return math.inf
@@ -166,6 +166,6 @@ class _Ahead:
 
 
 def _reach_m(speed_m_s: float, config: BoatConfig) -> float:
-    """The room in which the brake begins to bind at this speed, margin and set included."""
+    """Distance at which the brake begins to act at this speed, with margin and current."""
     braking_m = speed_m_s * REACTION_S + speed_m_s * speed_m_s / (2.0 * config.guidance.accel_m_s2)
     return config.fence.margin_m + speed_m_s * _CURRENT_S + braking_m / _GENTLE_SHARE

@@ -1,4 +1,4 @@
-"""The allowed water in square cells: which of them the boat may pass through, found a little at a time."""
+"""Grid of the allowed water: the cells that the boat may pass through, computed in small steps."""
 
 import math
 from collections.abc import Sequence
@@ -6,19 +6,19 @@ from collections.abc import Sequence
 from companion.core.geo import Point
 from companion.geofence.fence import Fence
 
-_MOST_FREE = 16_000  # cells of water, about: memory, and time to march over them
-_MOST_CELLS = 400_000  # with the land between
+_MOST_FREE = 16_000  # cells of water, about: bounds memory and computing time
+_MOST_CELLS = 400_000  # including land
 _LEAST_CELL_M = 0.05
 _CELLS_PER_CLEARANCE = 3.0  # finer cells would add nothing
-_PADDING_M = 30.0  # round exclusion areas that lie in open water
-_LEAP_CELLS = 8  # the lines further off need not be looked for
+_PADDING_M = 30.0  # around exclusion areas in open water
+_LEAP_CELLS = 8  # range of the distance query
 
 
 class Costmap:
-    """Cells whose centres keep `clearance_m` from every line. One row of blocked cells runs all round.
+    """Cells whose centres keep `clearance_m` from every line, with a border of blocked cells.
 
-    The clearance is never less than three quarters of a cell, so no line comes between the centres of two
-    free neighbours, diagonal ones included: from the middle between them it is √½ cells to either.
+    The clearance is at least three quarters of a cell, so no line passes between the centres of two free
+    neighbours, diagonal ones included: their midpoint is √½ cells from either.
     """
 
     __slots__ = (
@@ -35,7 +35,7 @@ class Costmap:
     )
 
     def __init__(self, fence: Fence, within: Sequence[Point], clearance_m: float) -> None:
-        """within: what open water has to hold, where no inclusion area says how far it goes."""
+        """within: points that the grid must contain if no inclusion area limits it."""
         self._fence = fence
         south, west, north, east, area_m2 = _extent(fence, within)
         cell_m = max(
@@ -50,17 +50,17 @@ class Costmap:
         self.rows = math.ceil((north - south) / cell_m) + 2
         self.columns = math.ceil((east - west) / cell_m) + 2
         self.free = bytearray(self.rows * self.columns)
-        self._row = self._column = 1  # to be looked at next
+        self._row = self._column = 1  # next cell to compute
 
     @property
     def is_complete(self) -> bool:
-        """Whether every cell has been looked at."""
+        """Whether every cell is computed."""
         return self._row > self.rows - 2
 
     def advance(self, looks: int) -> None:
-        """Go on for so many looks at the fence.
+        """Continue for a number of fence queries.
 
-        The margin found at a cell is a bound for those beside it, so that a look settles as many at once.
+        The margin of a cell bounds those of its neighbours, so a query settles that many cells.
         """
         free, columns, cell_m = self.free, self.columns, self.cell_m
         leap_m = self.clearance_m + _LEAP_CELLS * cell_m
@@ -81,19 +81,19 @@ class Costmap:
         self._row, self._column = row, column
 
     def centre(self, cell: int) -> Point:
-        """Of a cell."""
+        """Centre of a cell."""
         row, column = divmod(cell, self.columns)
         return Point(self.south_m + (row + 0.5) * self.cell_m, self.west_m + (column + 0.5) * self.cell_m)
 
     def cell(self, point: Point) -> int:
-        """The cell of a point; the nearest one inside the border, for a point that is not on the grid."""
+        """The cell of a point, or the nearest one inside the border."""
         row = math.floor((point.north_m - self.south_m) / self.cell_m)
         column = math.floor((point.east_m - self.west_m) / self.cell_m)
         row = min(max(row, 1), self.rows - 2)
         return row * self.columns + min(max(column, 1), self.columns - 2)
 
     def around(self, point: Point, cells: int) -> list[int]:
-        """The free cells no more than so many rows and columns away."""
+        """The free cells within this many rows and columns."""
         row, column = divmod(self.cell(point), self.columns)
         west, east = max(column - cells, 1), min(column + cells, self.columns - 2)
         found: list[int] = []
@@ -104,7 +104,7 @@ class Costmap:
 
 
 def _extent(fence: Fence, within: Sequence[Point]) -> tuple[float, float, float, float, float]:
-    """South, west, north, east, and about how much water there is between."""
+    """South, west, north, east, and the approximate area of water."""
     held = [area for area in fence.areas if area.is_inclusion]
     if held:
         south, west = max(area.south_m for area in held), max(area.west_m for area in held)

@@ -1,9 +1,8 @@
-"""How far it is home by the water, from everywhere inside the fence.
+"""Distance to home by water, from everywhere inside the fence.
 
-The distance to the nearest of some goals solves the eikonal equation |∇d| = 1 in the allowed water. The fast
-marching method (J. A. Sethian, "A fast marching level set method", PNAS 93, 1996) lets a front run out from
-the goals over the cells of a grid and meets each once. Here it does so a little at a time, and each step
-costs the same, so no tick has to wait for it.
+The distance to the nearest goal solves the eikonal equation |∇d| = 1 in the allowed water. The fast marching
+method (J. A. Sethian, "A fast marching level set method", PNAS 93, 1996) propagates a front from the goals
+over the grid and visits each cell once. It runs in steps of constant cost, so no tick waits for it.
 """
 
 import heapq
@@ -16,17 +15,17 @@ from companion.geofence.fence import Fence
 
 _LOOKS_A_STEP = 12
 _CELLS_A_STEP = 150
-_EXACT_CELLS = 10  # near a goal the distance is measured, where marching would be coarse
-_REACH_CELLS = 12  # from a point that has no free cell of its own, how far to look for one
+_EXACT_CELLS = 10  # near a goal the distance is exact
+_REACH_CELLS = 12  # search radius for a free cell
 
 
 class DistanceField:
-    """Distances over a grid, for goals inside the fence. Ask once it `is_complete`."""
+    """Distances over a grid, for goals inside the fence. Query it once it `is_complete`."""
 
     __slots__ = ("_fence", "_front", "_is_begun", "arrival_m", "goals", "grid")
 
     def __init__(self, fence: Fence, goals: Sequence[Point], grid: Costmap) -> None:
-        """grid: of the same fence; one that is complete can serve field after field."""
+        """grid: of the same fence; a complete one can be reused."""
         self._fence = fence
         self.goals = tuple(goals)
         self.grid = grid
@@ -36,11 +35,11 @@ class DistanceField:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the front has been everywhere."""
+        """Whether the front has finished."""
         return self._is_begun and not self._front
 
     def advance(self) -> None:
-        """One step of the work."""
+        """Do one step of the computation."""
         if not self.grid.is_complete:
             self.grid.advance(_LOOKS_A_STEP)
         elif not self._is_begun:
@@ -51,12 +50,12 @@ class DistanceField:
             self._march(_CELLS_A_STEP)
 
     def distance_m(self, point: Point) -> float:
-        """The way home from there, infinite where none is known."""
+        """Distance to a goal by water; infinite if there is no path."""
         cell = self._entry(point)
         return math.inf if cell is None else self.arrival_m[cell] + distance_m(point, self.grid.centre(cell))
 
     def way(self, point: Point) -> list[Point]:
-        """From the cell where the boat enters the grid to a goal, cell by cell; empty where there is none."""
+        """Path from the entry cell to a goal, cell by cell; empty if there is none."""
         cell = self._entry(point)
         if cell is None:
             return []
@@ -73,7 +72,7 @@ class DistanceField:
         return [*points, min(self.goals, key=lambda goal: distance_m(goal, last))]
 
     def _entry(self, point: Point) -> int | None:
-        """The cell by which the way home begins: its own, else the best that can be reached straight."""
+        """The first cell of the path: the own one, else the best in a straight line."""
         grid, arrival_m = self.grid, self.arrival_m
         own = grid.cell(point)
         if arrival_m[own] < math.inf and distance_m(point, grid.centre(own)) <= grid.cell_m:
@@ -87,7 +86,7 @@ class DistanceField:
         return None
 
     def _begin_at(self, goal: Point) -> None:
-        """The distances near a goal, straight to it; further off where it has no free cell near."""
+        """Straight-line distances near a goal; farther off if it has no free cell near."""
         grid, margin_m = self.grid, self._fence.margin_m(goal)
         for cells in (_EXACT_CELLS, _REACH_CELLS):
             for cell in grid.around(goal, cells):
@@ -108,7 +107,7 @@ class DistanceField:
                 return
             reached_m, cell = heapq.heappop(front)
             if reached_m > arrival_m[cell]:
-                continue  # it was reached on a shorter way meanwhile
+                continue  # reached by a shorter path meanwhile
             for beside in (cell - 1, cell + 1, cell - columns, cell + columns):
                 if not free[beside] or arrival_m[beside] <= reached_m:
                     continue

@@ -1,9 +1,8 @@
-"""The fence: where the boat may be, and how far it is to the line.
+"""The fence: where the boat may be, and the distance to its lines.
 
-The allowed water is inside every inclusion area and outside every exclusion area, as in ArduPilot; where the
-setting asks for it, also inside a circle round home. The areas come as places on the globe and are laid into
-the local frame once. Far from every line a question costs one distance: the margin found last, less the way
-made since, is a bound.
+Allowed water is inside every inclusion area and outside every exclusion area, as in ArduPilot, and optionally
+inside a circle around home. The areas are projected into the local frame once. Far from every line a query
+costs one distance: the last margin less the distance moved since is a bound.
 """
 
 import math
@@ -17,13 +16,13 @@ from companion.geofence.fence_lines import Area, Disc, Ring
 _PROJECTIONS = 20
 _SLACK_M = 1e-3
 _ON_LINE_M = 1e-6
-_ANCHORED_M = 1.0  # so far from the place where the margin was found last it is not looked for again
-_STEP_M = 0.5  # ahead, to see whether a course leads back
+_ANCHORED_M = 1.0  # within this distance the last margin is not computed again
+_STEP_M = 0.5  # ahead, to test whether a course leads back
 
 
 @dataclass(frozen=True, slots=True)
 class FencePolygon:
-    """A polygon as it was uploaded, three or more vertices."""
+    """An uploaded polygon with three or more vertices."""
 
     vertices: tuple[LatLon, ...]
     is_inclusion: bool
@@ -31,7 +30,7 @@ class FencePolygon:
 
 @dataclass(frozen=True, slots=True)
 class FenceCircle:
-    """A circle as it was uploaded."""
+    """An uploaded circle."""
 
     centre: LatLon
     radius_m: float
@@ -42,9 +41,9 @@ FenceArea = FencePolygon | FenceCircle
 
 
 class Fence:
-    """is_active: whether there is any line that counts; without one, every question is answered at once.
+    """is_active: whether there is any line.
 
-    version grows whenever the lines change.
+    version changes with the lines.
     """
 
     __slots__ = (
@@ -75,15 +74,15 @@ class Fence:
 
     @property
     def uploaded(self) -> tuple[FenceArea, ...]:
-        """As the stations have it."""
+        """The uploaded areas."""
         return self._uploaded
 
     def set_areas(self, areas: Sequence[FenceArea]) -> None:
-        """Replace the uploaded areas; they count from the next `lay` on."""
+        """Replace the uploaded areas; effective at the next `update`."""
         self._uploaded = tuple(areas)
 
     def update(self, frame: LocalFrame | None, home: LatLon | None, setting: FenceSetting) -> None:
-        """Bring the lines up to date. Costs nothing unless something has changed."""
+        """Project the lines into the local frame if anything has changed."""
         if (
             self._placed is self._uploaded
             and self._frame is frame
@@ -106,7 +105,7 @@ class Fence:
     def margin_m(self, point: Point) -> float:
         """Signed distance to the nearest line, positive in the allowed water; infinite without a fence.
 
-        Outside, it is how far the boat is beyond the line that it is furthest beyond.
+        Outside, the distance beyond the line that was exceeded most.
         """
         margin_m = self._margin_m(point.north_m, point.east_m)
         self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
@@ -118,11 +117,12 @@ class Fence:
         return all(area.contains(north_m, east_m) is area.is_inclusion for area in self.areas)
 
     def inside(self, point: Point, margin_m: float) -> Point:
-        """The nearest place with so much margin, or with as much as is found; the point itself if it has it.
+        """The nearest place with this margin, or with the largest margin found; the point itself if it has
+        it.
 
-        From the line that leaves the least, straight into the water, then from the next (the method of
-        successive projection, L. M. Bregman, Soviet Mathematics 6, 1965). What turns up is the nearest place
-        where one line is in the way, and close to it in a corner.
+        Project away from the tightest line, then from the next (the method of successive projection, L. M.
+        Bregman, Soviet Mathematics 6, 1965). The result is the nearest place for a single line, and close to
+        it in a corner.
         """
         best, most = point, self._margin_m(point.north_m, point.east_m)
         at = point
@@ -135,7 +135,7 @@ class Fence:
         return best
 
     def _tightest(self, point: Point) -> Area:
-        """The area that leaves the least margin."""
+        """The area with the least margin."""
         tightest, least = self.areas[0], math.inf
         for area in self.areas:
             distance_m = area.distance_m(point.north_m, point.east_m)
@@ -145,7 +145,7 @@ class Fence:
         return tightest
 
     def margin_within_m(self, north_m: float, east_m: float, limit_m: float) -> float:
-        """As `margin_m`, but lines further off than limit_m are left out: no result is beyond ± that."""
+        """As `margin_m`, limited to ±limit_m."""
         return self._margin_m(north_m, east_m, limit_m)
 
     def _margin_m(self, north_m: float, east_m: float, limit_m: float = math.inf) -> float:
@@ -160,7 +160,7 @@ class Fence:
         return nearest if beyond < 0.0 else -beyond
 
     def is_outside(self, point: Point) -> bool:
-        """Whether the boat is beyond a line."""
+        """Whether the boat is outside."""
         if not self.is_active:
             return False
         way_m = math.hypot(point.north_m - self._anchor_n, point.east_m - self._anchor_e)
@@ -169,11 +169,11 @@ class Fence:
         return not self.allows(point)
 
     def is_near(self, point: Point, reach_m: float) -> bool:
-        """Whether some line may be nearer than reach_m. Never False wrongly, seldom True wrongly."""
+        """Whether a line may be within reach_m. Never a false negative, seldom a false positive."""
         if not self.is_active:
             return False
         way_m = math.hypot(point.north_m - self._anchor_n, point.east_m - self._anchor_e)
-        if self._anchor_m - way_m >= reach_m:  # never so while the anchor is not a number
+        if self._anchor_m - way_m >= reach_m:  # never true while the anchor is NaN
             return False
         if way_m < _ANCHORED_M:
             return True
@@ -182,9 +182,9 @@ class Fence:
         return margin_m < reach_m
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
-        """How far one can go along a course before the line, at most reach_m.
+        """Distance along a course to the line, at most reach_m.
 
-        Outside, there is reach_m of room on a course that leads nearer to the allowed water, else none.
+        Outside: reach_m on a course that leads towards the allowed water, else 0.
         """
         if not self.is_near(point, reach_m):
             return reach_m
@@ -199,11 +199,11 @@ class Fence:
         return room_m
 
     def is_clear(self, start: Point, end: Point, margin_m: float) -> bool:
-        """Whether the straight way between two points keeps so far from every line, from which side ever."""
+        """Whether a straight segment keeps this margin from every line, from either side."""
         return not any(area.is_near_way(start, end, margin_m) for area in self.areas)
 
     def crosses(self, start: Point, end: Point) -> bool:
-        """Whether the straight way between two points of the allowed water leaves it."""
+        """Whether a straight segment between two points of the allowed water leaves it."""
         north, east = end.north_m - start.north_m, end.east_m - start.east_m
         length_m = math.hypot(north, east)
         if length_m == 0.0:
@@ -213,11 +213,11 @@ class Fence:
 
 
 def _moved_inside(area: Area, at: Point, margin_m: float) -> Point:
-    """From the nearest point of its line straight into the allowed water."""
+    """Move straight from the nearest point of the line into the allowed water."""
     line = area.nearest(at.north_m, at.east_m)
     north, east = at.north_m - line.north_m, at.east_m - line.east_m
     away_m = math.hypot(north, east)
-    if away_m < _ON_LINE_M:  # which way is inside cannot be seen from here
+    if away_m < _ON_LINE_M:  # the direction to the inside is undefined
         bearings = [math.pi * eighth / 4.0 for eighth in range(8)]
         around = [
             Point(at.north_m + math.cos(b) * _SLACK_M, at.east_m + math.sin(b) * _SLACK_M) for b in bearings
@@ -229,7 +229,7 @@ def _moved_inside(area: Area, at: Point, margin_m: float) -> Point:
 
 
 def _may_be_within(area: Area, north_m: float, east_m: float, reach_m: float) -> bool:
-    """Whether an area's box is so near that its line may be."""
+    """Whether the bounding box of an area is within reach."""
     return (
         area.south_m - reach_m < north_m < area.north_m + reach_m
         and area.west_m - reach_m < east_m < area.east_m + reach_m

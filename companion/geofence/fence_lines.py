@@ -1,8 +1,8 @@
-"""The lines that a fence is made of: rings (polygons) and discs in the local frame.
+"""Lines of the fence: rings (polygons) and discs in the local frame.
 
-Both answer three questions: is a point inside, how near is the line, and how far along a course does it come.
-A ring sorts its sides into bands of northing, so that each question looks only at the sides near it. Inside
-is what the even-odd rule takes for it (J. D. Foley et al., *Computer Graphics*, 2nd ed. 1990, section 3.6).
+Both answer three queries: is a point inside, how near is the line, and at what distance does a course cross
+it. A ring sorts its sides into bands of northing, so a query only visits the near ones. Inside follows the
+even-odd rule (J. D. Foley et al., *Computer Graphics*, 2nd ed. 1990, section 3.6).
 """
 
 import math
@@ -18,7 +18,7 @@ Side = tuple[float, float, float, float, float, float, float]
 
 
 class Ring:
-    """A closed polygon: its last vertex is joined to its first. A point on the line may count as either side.
+    """A closed polygon. A point on the line may count as either side.
 
     Raises:
         ValueError: fewer than three vertices.
@@ -50,7 +50,7 @@ class Ring:
 
     @property
     def area_m2(self) -> float:
-        """Within it, by the shoelace formula; of a line that crosses itself, less than that."""
+        """Area by the shoelace formula; smaller if the polygon intersects itself."""
         twice, before = 0.0, self.vertices[-1]
         for vertex in self.vertices:
             twice += before.north_m * vertex.east_m - vertex.north_m * before.east_m
@@ -58,7 +58,7 @@ class Ring:
         return abs(0.5 * twice)
 
     def contains(self, north_m: float, east_m: float) -> bool:
-        """Whether a line from there to far outside crosses it an odd number of times."""
+        """Whether a ray from the point crosses the line an odd number of times."""
         if not (self.south_m <= north_m <= self.north_m and self.west_m <= east_m <= self.east_m):
             return False
         inside = False
@@ -68,11 +68,11 @@ class Ring:
         return inside
 
     def distance_m(self, north_m: float, east_m: float, within_m: float = math.inf) -> float:
-        """To the nearest point of the line; within_m where that is nearer."""
+        """Distance to the line, at most within_m."""
         best = within_m * within_m
         bands, height, middle = self._bands, self._band_m, self._band(north_m)
         last = len(bands) - 1
-        below_m = north_m - (self.south_m + middle * height)  # to the lower edge of the band looked at last
+        below_m = north_m - (self.south_m + middle * height)  # to the lower edge of the last band visited
         above_m = height - below_m
         low, high = middle, middle + 1
         while low >= 0 or high <= last:
@@ -92,14 +92,14 @@ class Ring:
         return math.sqrt(best)
 
     def crossing_m(self, at: Point, ahead_n: float, ahead_e: float, reach_m: float) -> float:
-        """How far ahead the line is first crossed, along a unit vector; reach_m where it is not."""
+        """Distance to the first crossing along a unit vector; reach_m without one."""
         north_m, east_m = at
         low, high = sorted((self._band(north_m), self._band(north_m + reach_m * ahead_n)))
         nearest = reach_m
         for band in self._bands[low : high + 1]:
             for start_n, start_e, end_n, end_e, along_n, along_e, _ in band:
                 off_n, off_e = start_n - north_m, start_e - east_m
-                # Each end is judged by its own place, as on the next side: no way slips through between
+                # Each end is tested as in the neighbouring side, so no course passes between two sides
                 is_left = ahead_n * off_e < ahead_e * off_n
                 if is_left != (ahead_n * (end_e - east_m) < ahead_e * (end_n - north_m)):
                     turn = ahead_n * along_e - ahead_e * along_n
@@ -109,7 +109,7 @@ class Ring:
         return nearest
 
     def is_near_way(self, start: Point, end: Point, within_m: float) -> bool:
-        """Whether the line comes nearer than that to the straight way between two points."""
+        """Whether the line comes this near to a straight segment."""
         way_n, way_e = end.north_m - start.north_m, end.east_m - start.east_m
         squared = way_n * way_n + way_e * way_e
         way = (*start, *end, way_n, way_e, 1.0 / squared if squared else 0.0)
@@ -139,7 +139,7 @@ class Ring:
         return False
 
     def nearest(self, north_m: float, east_m: float) -> Point:
-        """The point of the line that is nearest."""
+        """The nearest point of the line."""
         best, found = math.inf, self.vertices[0]
         for band in self._bands:
             for start_n, start_e, _, _, along_n, along_e, inverse in band:
@@ -209,12 +209,12 @@ class Disc:
         return math.hypot(north_m - self.centre.north_m, east_m - self.centre.east_m) < self.radius_m
 
     def distance_m(self, north_m: float, east_m: float, within_m: float = math.inf) -> float:
-        """To the nearest point of the line; within_m where that is nearer."""
+        """Distance to the line, at most within_m."""
         away_m = math.hypot(north_m - self.centre.north_m, east_m - self.centre.east_m)
         return min(within_m, abs(away_m - self.radius_m))
 
     def crossing_m(self, at: Point, ahead_n: float, ahead_e: float, reach_m: float) -> float:
-        """How far ahead the line is first crossed, along a unit vector; reach_m where it is not."""
+        """Distance to the first crossing along a unit vector; reach_m without one."""
         off_n, off_e = self.centre.north_m - at.north_m, self.centre.east_m - at.east_m
         abeam_m = ahead_n * off_e - ahead_e * off_n  # where the way ahead passes the centre
         if abs(abeam_m) >= self.radius_m:
@@ -227,7 +227,7 @@ class Disc:
         return min(exit_m, reach_m) if exit_m >= 0.0 else reach_m
 
     def is_near_way(self, start: Point, end: Point, within_m: float) -> bool:
-        """Whether the line comes nearer than that to the straight way between two points."""
+        """Whether the line comes this near to a straight segment."""
         way_n, way_e = end.north_m - start.north_m, end.east_m - start.east_m
         squared = way_n * way_n + way_e * way_e
         way = (*start, *end, way_n, way_e, 1.0 / squared if squared else 0.0)
@@ -237,7 +237,7 @@ class Disc:
         return nearest_m < self.radius_m + within_m and farthest_m > self.radius_m - within_m
 
     def nearest(self, north_m: float, east_m: float) -> Point:
-        """The point of the line that is nearest; due north of the centre from the centre itself."""
+        """The nearest point of the line; due north of the centre for the centre itself."""
         bearing = math.atan2(east_m - self.centre.east_m, north_m - self.centre.north_m)
         north = self.centre.north_m + self.radius_m * math.cos(bearing)
         return Point(north, self.centre.east_m + self.radius_m * math.sin(bearing))

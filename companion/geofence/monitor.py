@@ -1,4 +1,4 @@
-"""Whether the boat is beyond the fence, and how often it has been."""
+"""Counts the breaches of the fence."""
 
 from companion.config.boat_config import MotorLimits
 from companion.core.health import lacks_position
@@ -7,9 +7,9 @@ from companion.geofence.fence import Fence
 
 
 class FenceMonitor:
-    """beyond_m: how far outside, 0 inside. breaches: how often since boot, the last one at breached_s.
+    """beyond_m: distance outside, 0 inside. breaches: number since boot, the last at breached_s.
 
-    A boat that no longer knows where it is stays where it was last seen.
+    Without a position the last state is kept.
     """
 
     __slots__ = ("beyond_m", "breached_s", "breaches", "is_active")
@@ -22,11 +22,11 @@ class FenceMonitor:
 
     @property
     def is_outside(self) -> bool:
-        """Whether it is beyond."""
+        """Whether the boat is outside."""
         return self.beyond_m > 0.0
 
     def update(self, fence: Fence, nav: NavState | None, setting: MotorLimits, now_s: float) -> None:
-        """Look once."""
+        """Evaluate one tick."""
         self.is_active = fence.is_active
         if not fence.is_active:
             self.beyond_m = 0.0

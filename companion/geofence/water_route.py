@@ -1,4 +1,4 @@
-"""A way through the water inside the fence, sailed corner by corner."""
+"""A route through the water inside the fence, leg by leg."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,12 @@ from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
 from companion.guidance.leg import Leg
 
-_CORNER_SHARE = 0.5  # of the clearance: how near a corner must be passed
-_CLEAR_SHARE = 0.95  # of the clearance of its ends: what a straight way must keep
+_CORNER_SHARE = 0.5  # of the clearance: acceptance radius of a corner
+_CLEAR_SHARE = 0.95  # of the clearance at its ends: required along a straight leg
 
 
 class WaterRoute:
-    """leg: the one to sail now, to the farthest corner that can be seen from where it starts."""
+    """leg: the present one, to the farthest corner in a straight line from its start."""
 
     __slots__ = ("_at", "_clearance_m", "_corners", "_fence", "leg")
 
@@ -26,7 +26,7 @@ class WaterRoute:
         clearance_m: float,
         config: BoatConfig,
     ) -> None:
-        """corners: one or more, such as the cells of a field; the last one is the end."""
+        """corners: one or more, such as the cells of a field; the last is the end."""
         self._fence = fence
         self._corners = corners
         self._clearance_m = clearance_m
@@ -35,16 +35,16 @@ class WaterRoute:
 
     @property
     def end(self) -> Point:
-        """Where it leads to."""
+        """The destination."""
         return self._corners[-1]
 
     @property
     def is_last(self) -> bool:
-        """Whether the present leg leads to the end."""
+        """Whether the present leg is the last."""
         return self._at == len(self._corners) - 1
 
     def advance(self, nav: NavState, config: BoatConfig) -> bool:
-        """Take up the next legs as corners are passed; whether the end is reached."""
+        """Change to the next leg at each corner; returns whether the end is reached."""
         while self.leg.has_ended(nav, config.guidance.waypoint_radius_m):
             if self.is_last:
                 return True
@@ -52,7 +52,7 @@ class WaterRoute:
         return False
 
     def _leg_from(self, start: Point, first: int, config: BoatConfig) -> Leg:
-        """The next leg: to the farthest corner, from `first` on, that can be reached straight."""
+        """The next leg: to the farthest corner, from `first` on, in a straight line."""
         self._at = at = self._farthest(start, first)
         corners = self._corners
         if self.is_last:
@@ -62,7 +62,7 @@ class WaterRoute:
         return Leg(start, corners[at], onward, radius_m)
 
     def _farthest(self, start: Point, first: int) -> int:
-        """Galloping, then halving: what lies between is taken to be reached where its end is."""
+        """Exponential, then binary search; visibility is assumed to be monotonic."""
         corners, last = self._corners, len(self._corners) - 1
         seen, step = first, 1
         while seen < last and self._is_clear(start, corners[min(seen + step, last)]):
@@ -82,7 +82,7 @@ class WaterRoute:
 
 
 def way_by_water(fence: Fence, field: DistanceField, here: Point, config: BoatConfig) -> WaterRoute | None:
-    """From here to where a complete field leads, first back inside if need be; None if it leads nowhere."""
+    """The route to the goal of a complete field, first back inside if necessary; None if there is none."""
     clearance_m = field.grid.clearance_m
     start = fence.inside(here, clearance_m)
     corners = field.way(start)
@@ -94,6 +94,6 @@ def way_by_water(fence: Fence, field: DistanceField, here: Point, config: BoatCo
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:
-    """Whether a straight way keeps as clear of the lines as its ends do, or as is asked for."""
+    """Whether a straight leg keeps the clearance of its ends, at most clearance_m."""
     least_m = min(fence.margin_m(start), fence.margin_m(end), clearance_m)
     return least_m > 0.0 and fence.is_clear(start, end, _CLEAR_SHARE * least_m)

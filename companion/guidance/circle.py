@@ -1,7 +1,7 @@
-"""Sailing round a point: line of sight (`line_of_sight.py`) with the circle's tangent for a line.
+"""Circle guidance: line of sight (`line_of_sight.py`) along the tangent of the circle.
 
-The tangent is taken where the boat will be once hull and heading loop have answered, for on a circle a course
-that is right now is too straight then.
+The tangent is taken at the place that the boat reaches after the response time of hull and heading loop; the
+present tangent would be too straight.
 """
 
 import math
@@ -17,15 +17,15 @@ _MAX_LEAD_RAD = 1.0
 
 
 def circle_speed_m_s(circle: FollowCircle, config: BoatConfig) -> float:
-    """The speed asked for, or what the turn's centripetal acceleration v²/r allows if that is less."""
+    """The requested speed, or what the centripetal acceleration v²/r allows if that is less."""
     setting = config.guidance
     allowed = math.sqrt(setting.corner_accel_m_s2 * circle.radius_m)
     return min(circle.speed_m_s, max(allowed, setting.min_speed_m_s))
 
 
 def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -> tuple[float, float, float]:
-    """Course over ground that closes on the circle, how far the boat is to the right of it, and the rate in
-    rad/s at which that course turns.
+    """Course over ground that closes on the circle, distance to the right of it, and the rate of that course
+    in rad/s.
     """
     here, side = nav.point, 1.0 if circle.clockwise else -1.0
     outward = bearing_rad(circle.centre, here) if here != circle.centre else nav.heading_rad
@@ -36,6 +36,6 @@ def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -
     tangent = outward + side * 0.5 * math.pi
     cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
     ahead_m = lookahead_m(ground_m_s, config.speed.cruise_m_s, config.guidance)
-    near = clamp(1.0 - abs(cross_m) / radius_m, 0.0, 1.0)  # far off there is no circle to lead on
+    near = clamp(1.0 - abs(cross_m) / radius_m, 0.0, 1.0)  # far off there is no curvature to follow
     course = desired_course_rad(tangent + near * lead, cross_m, cross_m_s, ahead_m, handling.yaw_time_s)
     return wrap_pi(course), cross_m, near * side * ground_m_s / radius_m

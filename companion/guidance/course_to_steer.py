@@ -1,13 +1,12 @@
 """The course to steer: the velocity triangle of boat, water and ground.
 
-Velocity over ground = velocity through the water + set (current and leeway together). So to make good a
-course at a speed, the bow points along their difference with the set; this is the crab angle of T. I.
-Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, (12.106), from a set that
-is estimated.
+Velocity over ground = velocity through the water + current (leeway included). The heading for a course and
+speed follows from their difference with the current; this is the crab angle of T. I. Fossen, *Handbook of
+Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, (12.106), from an estimated current.
 
-Why the set and not an integral of the cross-track error (12.108): the set shows in satellite velocity and
-compass within seconds and stays true through a corner, while an integral must learn it anew on every leg and
-overshoots while it does. The compass's own offset looks like a set that turns with the boat, so it leaves no
+Why the current and not an integral of the cross-track error (12.108): GNSS velocity and compass show the
+current within seconds, and the estimate holds through a corner; an integral must be learned again on each leg
+and overshoots meanwhile. The compass offset looks like a current that turns with the boat, so it causes no
 steady cross-track error either.
 """
 
@@ -15,7 +14,7 @@ import math
 
 from companion.core.units import clamp
 
-MAX_CRAB_SINE = math.sin(1.0)  # beyond that crab angle little speed is left to go ahead with
+MAX_CRAB_SINE = math.sin(1.0)  # beyond this crab angle little speed is left along the course
 
 
 def course_to_steer(
@@ -26,10 +25,10 @@ def course_to_steer(
     slow_m_s: float,
     top_m_s: float,
 ) -> tuple[float, float]:
-    """Heading, not wrapped, and speed through the water that make good a course at a speed over ground.
+    """Heading, not wrapped, and speed through the water for a course and speed over ground.
 
-    The course goes before the speed: through the water the boat makes at most top_m_s, and ahead along the
-    course at least slow_m_s, so that the bow does not turn about where the set alone is faster than asked.
+    The course has priority: the speed through the water is at most top_m_s, and along the course at least
+    slow_m_s, so the bow does not turn around where the current alone is faster than requested.
     """
     c, s = math.cos(course_rad), math.sin(course_rad)
     limit = MAX_CRAB_SINE * top_m_s
@@ -47,11 +46,12 @@ def steerable_speed_m_s(
     current_north_m_s: float,
     current_east_m_s: float,
 ) -> float:
-    """The speed over ground to point the bow for: the one asked for, as near as the boat will soon be to it.
+    """The speed over ground for which to compute the heading: the requested one, within reach of the present
+    one.
 
-    water_m_s: the speed through the water that it has. While that is too little for the speed asked for, the
-    crab angle for that speed would let the current carry the boat aside; while it is too much, the boat would
-    sail up the current. change_m_s: how much it may change before the bow has followed.
+    water_m_s: present speed through the water. With the crab angle of a higher speed the current would carry
+    the boat off the path; with that of a lower one it would steer up-current. change_m_s: how much the speed
+    may change before the bow has followed.
     """
     c, s = math.cos(course_rad), math.sin(course_rad)
     across = current_north_m_s * s - current_east_m_s * c

@@ -1,8 +1,4 @@
-"""The heading of a boat that sails slower than the current, as with one motor.
-
-The boat cannot stay, but it can choose where it drifts. Of all velocities over ground that it can have, the
-current plus its own speed on some heading, it takes the one with the longest time before the fence.
-"""
+"""Heading for a boat in a current faster than itself: the one that stays clear of the fence for longest."""
 
 import math
 from typing import Final, Protocol
@@ -12,7 +8,7 @@ from companion.core.state import Demand, NavState
 from companion.obstacles.planning.free_space import Bounds
 
 _COURSES: Final = 24
-_REACH_S: Final = 120.0  # lines beyond this time do not count yet
+_REACH_S: Final = 120.0  # lines farther off are ignored
 _AGAIN_S: Final = 2.0  # time between two choices
 _ROOM_M: Final = 8.0  # from a line: a boat that steers with one motor swings to and fro
 
@@ -46,9 +42,9 @@ class DriftHeading:
 
 
 def drift_demand(nav: NavState, bounds: Bounds, speed_m_s: float) -> Demand:
-    """The heading, at speed_m_s through the water, that leads clear of lines for longest.
+    """The heading, at speed_m_s through the water, that stays clear of lines for longest.
 
-    The first of equals counts, beginning with the bow into the current.
+    Ties go to the first candidate; the first is the bow into the current.
     """
     current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
     upstream = math.atan2(-current_e, -current_n)

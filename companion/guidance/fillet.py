@@ -2,14 +2,13 @@
 
 In a current, the ground track of a boat that turns at a constant rate is a trochoid, not a circle (L. Techy
 and C. A. Woolsey, "Minimum-time path planning for unmanned aerial vehicles in steady uniform winds", *Journal
-of Guidance, Control, and Dynamics* 32, 2009). So a fillet is planned through the water: the yaw rate is a
-trapezoid (clothoid, arc, clothoid), and the speed through the water changes linearly from what the first leg
-takes to what the second one takes. Adding the current gives the ground track, which is then placed so that it
-begins on the first leg and ends on the second. By construction, no fillet asks for more yaw rate or lateral
-acceleration than the configuration says that the hull has.
+of Guidance, Control, and Dynamics* 32, 2009). A fillet is therefore planned through the water: the yaw rate
+is a trapezoid (clothoid, arc, clothoid), and the speed through the water changes linearly from the first
+leg's to the second's. Adding the current gives the ground track, which is then placed to begin on the first
+leg and end on the second. By construction, no fillet exceeds the configured yaw rate or lateral acceleration.
 
-Of all pairs of speeds at entry and exit, the pair is taken that loses the least time, where distance from the
-waypoint has its price in seconds.
+Entry and exit speeds are chosen for the least time lost, where the distance from the waypoint has a price in
+seconds.
 """
 
 import math
@@ -18,28 +17,28 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 
 STEPS = 16  # of the numerical integration over a fillet
-TURN_SHARE = 0.92  # of the turn rate that full steering gives: the rest is left to correct with
+TURN_SHARE = 0.92  # of the turn rate at full steering: the rest is for corrections
 CUT_COST_S = 7.0  # price of passing a waypoint at its radius; in proportion to the square of the distance
-BEYOND_COST_S = 40.0  # per radius beyond the radius: only where the current leaves no other way
-HASTY_SHARE = 0.1  # of yaw_time_s: how fast the yaw rate changes where legs are too short for anything else
-HASTY_LOSS_S = 1.0  # a fillet that loses more time than this is tried hastily as well
-EASY_LOSS_S = 0.25  # a fillet at full speed that loses less is good enough: no search
-PASSED_RADII = 2.0  # from the waypoint: farther from it, a fillet does not count as passing it
-SHARP_RAD = 2.0  # for a turn as sharp, that is one radius
-SHARPEST_RAD = 2.4  # a sharper turn is made on the spot
-LEAST_TURN_RAD = 0.01  # less is no corner
-LEAST_AHEAD_SHARE = 0.75  # of min_speed_m_s through the water along the leg: with less there is no heading
-OUTSIDE_M = 0.02  # beyond a leg, on the outside of the corner: within the error of the integration
-_COARSE = (1.0, 0.85, 0.7, 0.55, 0.4, 0.25, 0.12)  # of the leg's speed: what is tried first
-_FINE = (0.08, 0.04)  # of the leg's speed: steps about the best of them
+BEYOND_COST_S = 40.0  # per radius beyond the radius
+HASTY_SHARE = 0.1  # of yaw_time_s: faster change of the yaw rate, for short legs
+HASTY_LOSS_S = 1.0  # a fillet that loses more time is tried hastily as well
+EASY_LOSS_S = 0.25  # a fillet at full speed that loses less is taken without a search
+PASSED_RADII = 2.0  # from the waypoint: farther from it, a fillet does not pass it
+SHARP_RAD = 2.0  # for sharper turns, that is one radius
+SHARPEST_RAD = 2.4  # sharper turns are made on the spot
+LEAST_TURN_RAD = 0.01  # smaller turns are no corner
+LEAST_AHEAD_SHARE = 0.75  # of min_speed_m_s through the water along the leg: the least that gives a heading
+OUTSIDE_M = 0.02  # beyond a leg, on the outside of the corner: the error of the integration
+_COARSE = (1.0, 0.85, 0.7, 0.55, 0.4, 0.25, 0.12)  # of the leg's speed: coarse grid,
+_FINE = (0.08, 0.04)  # and steps around its best
 
 
 class Bend(NamedTuple):
-    """What a fillet has to fit into.
+    """The constraints of a fillet.
 
-    The course of the first leg and the turn onto the second, positive to starboard; how far along each leg
-    the fillet may reach; the waypoint's radius; the speed over ground on the legs; the current. In onward_m
-    along the second leg the boat must be down to onward_m_s.
+    Course of the first leg; turn onto the second, positive to starboard; room along each leg; the waypoint's
+    radius; speed over ground on the legs; the current. onward_m along the second leg the speed must be down
+    to onward_m_s.
     """
 
     course_rad: float
@@ -55,7 +54,7 @@ class Bend(NamedTuple):
 
 
 class FilletNode(NamedTuple):
-    """Relative to the waypoint. turned_rad: the course over ground, from the first leg's course on."""
+    """Relative to the waypoint. turned_rad: course over ground, relative to the first leg."""
 
     north_m: float
     east_m: float
@@ -74,7 +73,7 @@ class Fillet(NamedTuple):
 
 
 def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
-    """The fillet that costs least; None where there is none, and the boat turns on the spot."""
+    """The fillet of least cost; None: there is none, and the boat turns on the spot."""
     if not LEAST_TURN_RAD < abs(bend.turn_rad) < SHARPEST_RAD:
         return None
     reach_m = (1.0 if abs(bend.turn_rad) > SHARP_RAD else PASSED_RADII) * bend.radius_m
@@ -96,7 +95,9 @@ def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
 
 
 def cost_s(fillet: Fillet, bend: Bend, config: BoatConfig) -> float:
-    """Time lost against both legs at full speed, braking and gathering way included, and the cut's price."""
+    """Time lost against both legs at full speed, including braking and acceleration, plus the price of the
+    cut.
+    """
     full, accel = bend.speed_m_s, config.guidance.accel_m_s2
     lost = fillet.time_s - (fillet.entry_m + fillet.exit_m) / full
     for node in (fillet.nodes[0], fillet.nodes[-1]):
@@ -106,7 +107,7 @@ def cost_s(fillet: Fillet, bend: Bend, config: BoatConfig) -> float:
 
 
 def _search(bend: Bend, ramp_s: float, config: BoatConfig) -> Fillet | None:
-    """Over pairs of speeds at entry and exit: a coarse grid, then steps about the best."""
+    """Search entry and exit speeds: a coarse grid, then steps around the best."""
     best: Fillet | None = None
     least_s, at = math.inf, (0.0, 0.0)
     tries = [(one, other) for one in _COARSE for other in _COARSE]
@@ -129,9 +130,9 @@ def _search(bend: Bend, ramp_s: float, config: BoatConfig) -> Fillet | None:
 def fillet_between(
     bend: Bend, entry_m_s: float, exit_m_s: float, ramp_s: float, config: BoatConfig
 ) -> Fillet | None:
-    """The fillet between two speeds over ground; None where it does not fit.
+    """The fillet between two speeds over ground; None: it does not fit.
 
-    ramp_s: how long the yaw rate takes to grow to the highest that is used.
+    ramp_s: time in which the yaw rate grows to its maximum.
     """
     current_n, current_e = bend.current_north_m_s, bend.current_east_m_s
     setting = config.guidance
@@ -139,7 +140,7 @@ def fillet_between(
     c1, s1, c2, s2 = math.cos(first), math.sin(first), math.cos(second), math.sin(second)
     ahead1 = entry_m_s - current_n * c1 - current_e * s1
     ahead2 = exit_m_s - current_n * c2 - current_e * s2
-    # A boat that keeps its bow ahead makes no less over ground than this, however slow it is asked to be.
+    # Least speed through the water that keeps a heading.
     least = LEAST_AHEAD_SHARE * setting.min_speed_m_s
     ahead1, ahead2 = max(ahead1, least), max(ahead2, least)
     exit_m_s = ahead2 + current_n * c2 + current_e * s2
@@ -156,7 +157,7 @@ def fillet_between(
     if abs(water2 - water1) > setting.accel_m_s2 * time_s:
         return None
 
-    # The ground track from the entry on, and where it has to be placed.
+    # The ground track from the entry on, and its placement.
     side = math.copysign(1.0, bow)
     step_s = time_s / STEPS
     growth = (water2 - water1) / time_s
@@ -194,7 +195,7 @@ def fillet_between(
 
 
 def _trapezoid(angle_rad: float, rate_rad_s: float, accel_rad_s2: float) -> tuple[float, float, float]:
-    """Highest rate, duration of either ramp and of the whole of the quickest turn by an angle."""
+    """Maximum rate, ramp time and total time of the fastest turn by an angle."""
     if angle_rad * accel_rad_s2 < rate_rad_s * rate_rad_s:
         rate_rad_s = math.sqrt(max(angle_rad * accel_rad_s2, 1e-12))
     ramp_s = rate_rad_s / accel_rad_s2
@@ -202,7 +203,7 @@ def _trapezoid(angle_rad: float, rate_rad_s: float, accel_rad_s2: float) -> tupl
 
 
 def _turned_rad(at_s: float, time_s: float, ramp_s: float, rate_rad_s: float) -> float:
-    """How far a trapezoidal yaw rate has turned the bow by a time."""
+    """Angle turned by a trapezoidal yaw rate up to a time."""
     if at_s < ramp_s:
         return 0.5 * rate_rad_s * at_s * at_s / ramp_s
     left_s = time_s - at_s

@@ -1,4 +1,4 @@
-"""A straight line under way, and when its end counts as reached."""
+"""A straight leg under way, and when its end counts as reached."""
 
 from companion.core.geo import Line, Point, distance_m
 from companion.core.intent import FollowLeg
@@ -6,15 +6,15 @@ from companion.core.state import NavState
 from companion.core.units import wrap_pi
 from companion.guidance.fillet import PASSED_RADII, SHARP_RAD
 
-_LEVEL_M = 1e-6  # after a leg straight back the two are equal, but for rounding
-_LEFT_RADII = 1.25  # from the end: a boat that was nearer than one, and is now farther than this, has left it
+_LEVEL_M = 1e-6  # rounding error after a leg straight back
+_LEFT_RADII = 1.25  # from the end: beyond it, a boat that was within one radius has left
 
 
 class Leg:
-    """From where it began to `end`.
+    """From its start to `end`.
 
-    next_end: where the leg after it leads, None when the boat is to stop. radius_m: how near is near enough,
-    0 the boat's own waypoint radius. onward: the corners from next_end on, where they lie close together.
+    next_end: end of the next leg, None to stop. radius_m: acceptance radius, 0 for the configured one.
+    onward: the corners after next_end, where they are close together.
     """
 
     __slots__ = ("_intent", "_line", "_next_line", "_was_near", "end", "next_end", "onward", "radius_m")
@@ -38,20 +38,19 @@ class Leg:
 
     @property
     def start(self) -> Point:
-        """Where it begins; elsewhere than at first, once the boat has been swept past the end."""
+        """The start; it moves when the boat is carried past the end."""
         return self._line.start
 
     def turn_onto(self, next_end: Point | None) -> None:
-        """The leg after it has become another one."""
+        """Replace the next leg."""
         self.next_end, self._intent = next_end, None
         self._next_line = None if next_end is None else Line(self.end, next_end)
 
     def has_ended(self, nav: NavState, own_radius_m: float) -> bool:
         """Whether the boat has been within the radius of the end, or has passed it within twice that.
 
-        A corner is sailed to its middle, where the next leg is as near as this one, unless the boat leaves
-        the radius before. A boat that was swept past further off aims at the end again, on a new line from
-        where it is.
+        A corner ends at its bisector, unless the boat leaves the radius before. A boat carried past farther
+        off starts a new line to the end.
         """
         radius_m = self.radius_m or own_radius_m
         along_m, cross_m = self._line.along_and_cross_track_m(nav.point)
@@ -79,7 +78,7 @@ class Leg:
         self._line, self._intent = Line(start, self.end), None
 
     def intent(self, speed_m_s: float) -> FollowLeg:
-        """Sail it at this speed over ground."""
+        """The intent at this speed over ground."""
         intent = self._intent
         if intent is None or intent.speed_m_s != speed_m_s:
             start = self._line.start

@@ -1,6 +1,7 @@
-"""A smooth path over ground: nodes with a course and an allowed speed, in the order they are sailed.
+"""A smooth path over ground: nodes with course and speed limit, in sailing order.
 
-Along-track distances count from the first node. Before it and beyond the last one the path goes straight on.
+Along-track distances count from the first node. Before the first and beyond the last node the path is
+straight.
 """
 
 import math
@@ -12,7 +13,7 @@ from companion.core.geo import Point
 
 
 class Node(NamedTuple):
-    """course_rad: of the path at the node, not wrapped: it goes on from one node to the next."""
+    """course_rad: of the path at the node, not wrapped: continuous from node to node."""
 
     north_m: float
     east_m: float
@@ -21,8 +22,8 @@ class Node(NamedTuple):
 
 
 class Path:
-    """At least two nodes. Between two nodes the path is straight, and course and square of speed go
-    linearly; a straight stretch needs no node but its ends.
+    """At least two nodes. Between nodes the path is straight, and course and squared speed are linear; a
+    straight stretch needs only its end nodes.
     """
 
     __slots__ = ("_along_m", "_nodes")
@@ -40,7 +41,7 @@ class Path:
 
     @property
     def nodes(self) -> Sequence[Node]:
-        """In the order they are sailed."""
+        """In sailing order."""
         return self._nodes
 
     @property
@@ -49,12 +50,12 @@ class Path:
         return self._along_m[-1]
 
     def along_m(self, node: int) -> float:
-        """Where a node is."""
+        """Along-track distance of a node."""
         return self._along_m[node]
 
     def locate(self, at: Point, from_m: float, to_m: float) -> tuple[float, float]:
-        """Along-track distance of the nearest place between two places of the path, and the distance to the
-        right of the path there.
+        """Along-track distance of the nearest place between from_m and to_m, and the distance to its
+        right.
         """
         nodes, along_m = self._nodes, self._along_m
         last = len(nodes) - 2
@@ -86,19 +87,19 @@ class Path:
         return found
 
     def course_rad(self, along_m: float) -> float:
-        """The path's direction at a place along it. Not wrapped."""
+        """Direction of the path at an along-track distance. Not wrapped."""
         n, share = self._between(along_m)
         one, other = self._nodes[n], self._nodes[n + 1]
         return one.course_rad + share * (other.course_rad - one.course_rad)
 
     def speed_m_s(self, along_m: float) -> float:
-        """Speed over ground allowed at a place along the path."""
+        """Limit of the speed over ground at an along-track distance."""
         n, share = self._between(along_m)
         one, other = self._nodes[n].speed_m_s, self._nodes[n + 1].speed_m_s
         return math.sqrt(one * one + share * (other * other - one * one))
 
     def point(self, along_m: float) -> Point:
-        """A place along the path."""
+        """The place at an along-track distance."""
         n, share = self._between(along_m)
         one, other = self._nodes[n], self._nodes[n + 1]
         return Point(
@@ -107,7 +108,7 @@ class Path:
         )
 
     def _between(self, along_m: float) -> tuple[int, float]:
-        """The node before a place, and the share of the way to the next one, 0 to 1."""
+        """The node before an along-track distance, and the share of the way to the next, 0 to 1."""
         n = max(min(bisect_right(self._along_m, along_m) - 1, len(self._along_m) - 2), 0)
         length = self._along_m[n + 1] - self._along_m[n]
         if length <= 0.0:

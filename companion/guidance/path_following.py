@@ -1,7 +1,7 @@
-"""Which way to go along the legs that are to be sailed: their smooth path, and line of sight along it.
+"""Follows the mission legs: a smooth path, and line of sight along it.
 
-The path is made when a leg is taken up, for as far ahead as the boat may have to brake, and again when the
-current has changed. A fillet that has been begun is sailed to its end.
+The path is computed when a leg begins, as far ahead as the boat may have to brake, and again when the current
+changes. A fillet under way is completed.
 """
 
 import math
@@ -15,17 +15,17 @@ from companion.guidance.fillet import Fillet
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.smoothing import Corner, SmoothPath, smooth
 
-GLIMPSE_S = 0.1  # over which the coming turn of the course is measured
-NEW_CURRENT_SHARE = 0.25  # of min_speed_m_s: the path is made anew for a current that has changed so much
-LOST_RADII = 1.5  # of a waypoint: this far off the fillet that led onto a leg, the leg is sailed without it
-REACH_BRAKINGS = 4.0  # braking distances beyond the end of a leg that the path is made for
+GLIMPSE_S = 0.1  # preview time of course and speed
+NEW_CURRENT_SHARE = 0.25  # of min_speed_m_s: change of the current that triggers a new path
+LOST_RADII = 1.5  # of a waypoint: farther off, the fillet onto a leg is abandoned
+REACH_BRAKINGS = 4.0  # length of the path beyond the leg, in braking distances
 _SAME_M = 1e-3
 
 
 class Guide(NamedTuple):
-    """The path's direction, the course and speed over ground to make now, and those GLIMPSE_S later.
+    """Direction of the path, course and speed over ground, and those GLIMPSE_S later.
 
-    stops: the path ends in a stop where the leg ends, for good or to turn on the spot.
+    stops: the path stops where the leg ends, to end there or to turn on the spot.
     """
 
     tangent_rad: float
@@ -37,9 +37,9 @@ class Guide(NamedTuple):
 
 
 class _Plan(NamedTuple):
-    """A path, the places that it leads along, and the current that it was made for.
+    """A path with its places and the current that it was computed for.
 
-    at: the leg leads from this place to the next; 1 where the fillet that leads onto it belongs to the path.
+    at: index of the leg's start; 1 if the path includes the fillet onto it.
     """
 
     smooth: SmoothPath
@@ -50,7 +50,7 @@ class _Plan(NamedTuple):
 
 
 class PathFollowing:
-    """Remembers the path of the leg that is sailed."""
+    """Keeps the path of the present leg."""
 
     __slots__ = ("_leg", "_plan")
 
@@ -59,11 +59,11 @@ class PathFollowing:
         self._plan: _Plan | None = None
 
     def forget(self) -> None:
-        """Something else is sailed."""
+        """Drop the path."""
         self._leg = self._plan = None
 
     def update(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Guide:
-        """Where to go now."""
+        """Course and speed for the present position."""
         plan, here = self._plan, nav.point
         if plan is None or self._leg is None:
             plan = _planned(leg, None, {}, nav, config)
@@ -88,9 +88,9 @@ def _guide(
     *,
     stops: bool,
 ) -> Guide:
-    """Line of sight about the course of the path where the boat will be once hull and loop have answered.
+    """Line of sight about the course where the boat will be after the response time of hull and heading loop.
 
-    The speed is what the path allows where the boat will be once less throttle has shown.
+    The speed is the path's limit at the place reached after the response time of the speed.
     """
     path, handling, setting = smoothed.path, config.handling, config.guidance
     ground = math.hypot(nav.north_m_s, nav.east_m_s)
@@ -110,7 +110,7 @@ def _guide(
 
 
 def _located(plan: _Plan, here: Point) -> tuple[float, float]:
-    """Where on the leg, and the fillets at its ends, the boat is."""
+    """Position along the leg and the fillets at its ends."""
     smoothed, at = plan.smooth, plan.at
     low = -math.inf if at == 0 else smoothed.entries_m[at]
     return smoothed.path.locate(here, low, smoothed.exits_m[at + 1])
@@ -119,7 +119,7 @@ def _located(plan: _Plan, here: Point) -> tuple[float, float]:
 def _is_outdated(
     plan: _Plan, along_m: float, cross_m: float, leg: FollowLeg, nav: NavState, config: BoatConfig
 ) -> bool:
-    """Whether the rest of the leg is to be sailed on another path."""
+    """Whether the rest of the leg needs another path."""
     radius_m = leg.radius_m or config.guidance.waypoint_radius_m
     if plan.at == 1 and along_m <= plan.smooth.exits_m[1]:
         return abs(cross_m) > LOST_RADII * radius_m
@@ -131,7 +131,7 @@ def _is_outdated(
 
 
 def _next_plan(plan: _Plan, last: FollowLeg, leg: FollowLeg, nav: NavState, config: BoatConfig) -> _Plan:
-    """For a leg that is taken up: from a fillet that has been begun, on along that one."""
+    """The plan for a new leg; a fillet under way is kept."""
     places, at = plan.places, plan.at
     along_m, _ = _located(plan, nav.point)
     if (leg.start, leg.end) == (last.start, last.end):
@@ -149,7 +149,7 @@ def _next_plan(plan: _Plan, last: FollowLeg, leg: FollowLeg, nav: NavState, conf
 def _planned(
     leg: FollowLeg, before: Point | None, kept: dict[Corner, Fillet], nav: NavState, config: BoatConfig
 ) -> _Plan:
-    """A path for a leg. before: where the leg before it began, whose fillet onto this one has been begun."""
+    """The path for a leg. before: start of the previous leg if the fillet onto this one is under way."""
     places = [leg.start if leg.line.length_m > _SAME_M else nav.point]
     reach_m = REACH_BRAKINGS * leg.speed_m_s * leg.speed_m_s / (2.0 * config.guidance.accel_m_s2)
     onward = () if leg.next_end is None else (leg.next_end, *leg.onward)
@@ -161,7 +161,7 @@ def _planned(
             places.append(place)
         if reach_m <= 0.0:
             break
-    if len(places) == 1:  # the boat is at the end: any way will do
+    if len(places) == 1:  # the boat is at the end: any direction
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         places.append(Point(places[0].north_m + c, places[0].east_m + s))
     radius_m = leg.radius_m or config.guidance.waypoint_radius_m

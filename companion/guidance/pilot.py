@@ -1,4 +1,4 @@
-"""The pilot: turns an intent into what the control loops are to hold this tick."""
+"""Turns an intent into set-points of the control loops."""
 
 import math
 
@@ -25,13 +25,13 @@ from companion.guidance.station_keeping import INTO_CURRENT_SHARE, StationKeepin
 from companion.guidance.turning import Turning
 
 _STOP = Stop()
-_LEAP = 2.0  # times the fastest turn: the heading asked for does not turn, it is another one
-_MOST_OFF_RAD = 1.2  # from the path, to either side: beyond it the boat would make no way along it
-_LEAD_RAD = 0.5  # of a turn in a current: with it the heading loop leaves thrust
+_LEAP = 2.0  # times the fastest turn: a faster change is a new heading, not a turn
+_MOST_OFF_RAD = 1.2  # from the path, to either side: beyond it the boat makes no way along it
+_LEAD_RAD = 0.5  # of a turn in a current: leaves thrust for the speed
 
 
 class Pilot:
-    """Guidance's memory: path, anchor line, turn."""
+    """State of guidance: path, station, turn."""
 
     __slots__ = ("_path", "_station", "_station_point", "_turning")
 
@@ -44,7 +44,7 @@ class Pilot:
     def update(
         self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float
     ) -> Demand | Drive | Stop:
-        """What to hold now. Stop and Drive go through; without a NavState everything else is Stop."""
+        """The set-points. Stop and Drive pass through; without a NavState everything else is Stop."""
         if not isinstance(intent, KeepStation | FollowLeg):
             self._station_point = None
         if not isinstance(intent, FollowLeg):
@@ -86,9 +86,9 @@ class Pilot:
         next_course_rad: float | None = None,
         next_speed_m_s: float = 0.0,
     ) -> Demand:
-        """Point the bow so that the boat goes that way over ground.
+        """The heading and speed that make good a course over ground.
 
-        next_course_rad, next_speed_m_s: what is wanted GLIMPSE_S later, where it changes.
+        next_course_rad, next_speed_m_s: those GLIMPSE_S later, if they change.
         """
         current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
         top, slow = config.handling.top_speed_m_s, config.guidance.min_speed_m_s
@@ -105,7 +105,7 @@ class Pilot:
     def _keep_station(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         last = self._station_point
         if last is None or distance_m(last, point) > config.guidance.station_radius_m:
-            self._station.reset()  # a point that moves little, as one that is followed does, is the same
+            self._station.reset()  # a small move, as of a followed vehicle, is the same station
         self._station_point = point
         return self._station.update(point, nav, config, dt_s)
 
@@ -118,7 +118,7 @@ class Pilot:
         if leg.next_line is None or guide.stops:
             carried = nav.current_along_m_s(line.course_rad)
             if carried > INTO_CURRENT_SHARE * config.guidance.min_speed_m_s:
-                # Lest a set from astern carry it past, it turns about before and is let down on the stop.
+                # In a following current, turn around before the stop and drift onto it.
                 room = to_go - carried * turning_s(config)
                 if room <= 0.0:
                     return self._keep_station(leg.end, nav, config, dt_s)
@@ -137,10 +137,10 @@ def _along_path(
     cross_track_m: float,
     distance_m: float,
 ) -> Demand:
-    """The bow for the speed that the boat has, the throttle for the one that it should have.
+    """The heading for the present speed, the throttle for the desired one.
 
-    A boat that turns on the spot is carried off by a current. So it is asked for at least the current's speed
-    through the water meanwhile, and for no more turn at a time than leaves it thrust for that.
+    A boat that turns on the spot drifts in a current. It therefore keeps at least the current's speed through
+    the water, and turns in steps that leave thrust for it.
     """
     current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
     handling, setting = config.handling, config.guidance
@@ -165,9 +165,9 @@ def _along_path(
 
 
 def _yaw_rate_rad_s(heading_rad: float, later_rad: float, config: BoatConfig) -> float:
-    """How fast a heading that is another one GLIMPSE_S later turns."""
+    """Rate of a heading that changes to later_rad within GLIMPSE_S."""
     yaw_rate = wrap_pi(later_rad - heading_rad) / GLIMPSE_S
     fastest = config.handling.turn_rate_rad_s
     if abs(yaw_rate) > _LEAP * fastest:
-        return 0.0  # nothing to go along with
+        return 0.0  # no feed-forward
     return clamp(yaw_rate, -fastest, fastest)

@@ -1,8 +1,7 @@
-"""From what the boat wants to what its motors do: guidance a few times a second, control at every tick.
+"""From intent to motor command: guidance a few times a second, control every tick.
 
-Where to go changes slowly, and is costly to work out; how the bow swings does not wait. So guidance
-(avoidance, pilot, fence brake) decides every GUIDANCE_S, or at once when something new has been asked; the
-loops behind it (heading, speed, gate) run every tick on its last word.
+Guidance (avoidance, pilot, fence brake) is costly and changes slowly. It runs every GUIDANCE_S, or at once
+after a new request; the loops behind it (heading, speed, gate) run every tick on its latest output.
 """
 
 from companion.config.boat_config import BoatConfig
@@ -22,32 +21,21 @@ from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Avoidance
 
 GUIDANCE_S = 0.1
-_AT_LINE_M = 1.2  # the hull's half length, and what the position is off
+_AT_LINE_M = 1.2  # half the hull length plus the position error
 _SLACK_S = 1e-6
 _STOP = Stop()
 
 
 class GuidancePipeline:
-    """demand: what the loops hold now, None while they are open. headway: whether the boat gets on."""
+    """demand: set-points of the loops, None while they are open. headway: the stall detector."""
 
     __slots__ = (
-        "_command",
-        "_drift_heading",
-        "_due_s",
-        "_fence_brake",
-        "_guided_s",
-        "_pilot",
-        "_steered",
-        "avoidance",
-        "demand",
-        "gate",
-        "headway",
-        "helm",
-        "perception",
+        "_command", "_drift_heading", "_due_s", "_fence_brake", "_guided_s", "_pilot", "_steered",
+        "avoidance", "demand", "gate", "headway", "helm", "perception",
     )  # fmt: skip
 
     def __init__(self, config: BoatConfig, status_texts: list[StatusText]) -> None:
-        """notices: where messages to the operator are appended."""
+        """status_texts: where messages to the operator are appended."""
         self.perception = ObstaclePerception(config.avoidance)
         self.avoidance = Avoidance(status_texts)
         self.helm = Helm()
@@ -63,22 +51,22 @@ class GuidancePipeline:
         self._drift_heading = DriftHeading()
 
     def reset(self) -> None:
-        """Forget what was steered for, after something has gone wrong in it."""
+        """Discard all state after a fault."""
         self._pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
         self.avoidance.reset()
         self.perception.occupancy.clear()
         self.idle()
 
     def idle(self) -> None:
-        """Nothing is steered for; guidance decides at the next tick."""
+        """Stop steering; guidance runs at the next tick."""
         self._steered, self.demand, self._due_s = _STOP, None, 0.0
 
     def request_update(self) -> None:
-        """Something has changed: guidance decides at the next tick."""
+        """Run guidance at the next tick."""
         self._due_s = 0.0
 
     def is_due(self, now_s: float) -> bool:
-        """Whether guidance decides at this tick."""
+        """Whether guidance runs at this tick."""
         return now_s >= self._due_s - _SLACK_S
 
     def guide(

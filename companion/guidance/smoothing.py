@@ -1,10 +1,10 @@
-"""A smooth path along legs: straight lines joined by fillets, with the speed allowed at each place.
+"""Smooth path along legs: straight lines joined by fillets, with the speed limit at each place.
 
-A pure function of the places, the hull, the current and the speed. The path ends at the last place, or at a
-corner too sharp for a fillet: there the boat turns on the spot, and a new path begins.
+A pure function of places, hull, current and speed. The path ends at the last place or at a corner too sharp
+for a fillet, where the boat turns on the spot and a new path begins.
 
-Fillets are chosen from the last to the first, so that each one knows which speed the way behind it allows.
-Then the speed profile (`speed_profile.py`) is laid over the whole.
+Fillets are chosen from last to first, so that each knows the speed limit of the path behind it. The speed
+profile (`speed_profile.py`) is then applied to the whole.
 """
 
 import math
@@ -19,14 +19,14 @@ from companion.guidance.fillet import LEAST_TURN_RAD, Bend, Fillet, best_fillet
 from companion.guidance.path import Node, Path
 from companion.guidance.speed_profile import with_speeds
 
-LEG_SHARE = 0.5  # of a leg may be taken by the fillet at either end
+LEG_SHARE = 0.5  # of a leg may be used by the fillet at either end
 
 Corner = tuple[Point, Point, Point]  # the places before, at and behind it
 
 
 class SmoothPath(NamedTuple):
-    """marks_m: the along-track distance where each place is passed. entries_m, exits_m: where the fillet at
-    each place begins and ends, the place itself where there is none. fillets: by their corners.
+    """marks_m: along-track distance of each place. entries_m, exits_m: begin and end of the fillet at each
+    place, the place itself without one. fillets: by their corners.
     """
 
     path: Path
@@ -44,10 +44,9 @@ def smooth(
     config: BoatConfig,
     kept: Mapping[Corner, Fillet] | None = None,
 ) -> SmoothPath:
-    """The path from the first place to the last, or to the first corner that has no fillet.
+    """The path from the first place to the last, or to the first corner without a fillet.
 
-    places: two or more, each elsewhere than the one before it. current_m_s: north and east. kept: fillets to
-    take unchanged.
+    places: two or more, no two consecutive ones equal. current_m_s: north and east. kept: fillets to reuse.
     """
     lines = [Line(one, other) for one, other in pairwise(places)]
     fillets = _fillets(places, lines, radius_m, speed_m_s, current_m_s, config, kept or {})
@@ -87,9 +86,9 @@ def _fillets(
     config: BoatConfig,
     kept: Mapping[Corner, Fillet],
 ) -> list[Fillet | None]:
-    """Of the end of each line, from the last to the first."""
+    """Fillets at the end of each line, from last to first."""
     fillets: list[Fillet | None] = [None] * len(lines)
-    entry_m, entry_m_s = 0.0, 0.0  # of the way onward: how far before the next place, how fast
+    entry_m, entry_m_s = 0.0, 0.0  # of the next fillet: distance before its place, speed
     for n in range(len(lines) - 2, -1, -1):
         line, onward = lines[n], lines[n + 1]
         turn = wrap_pi(onward.course_rad - line.course_rad)

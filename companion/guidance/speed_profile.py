@@ -1,4 +1,4 @@
-"""How fast the boat may go now, so that it can take the corner ahead and stop where it should."""
+"""Speed limits for the corner ahead and for stops."""
 
 import math
 from collections.abc import Sequence
@@ -7,17 +7,17 @@ from itertools import pairwise
 from companion.config.boat_config import BoatConfig, Guidance
 from companion.guidance.path import Node
 
-REACTION_S = 1.0  # until throttle taken back shows in the speed
-# Of accel_m_s2, which is for braking: what full throttle gives at two thirds of the top speed.
+REACTION_S = 1.0  # response time of the speed
+# Of accel_m_s2, the deceleration: acceleration of full throttle at two thirds of the top speed.
 GAINING_SHARE = 1.5
 
 
 def braking_speed_m_s(
     distance_m: float, end_speed_m_s: float, setting: Guidance, reaction_s: float = REACTION_S
 ) -> float:
-    """Highest speed from which the boat can be down to end_speed_m_s in distance_m.
+    """Highest speed from which the boat can slow to end_speed_m_s in distance_m.
 
-    It goes on at v for reaction_s, then slows by a = accel_m_s2: v² = v_end² + 2 a (d − v t), solved for v.
+    It continues at v for reaction_s, then slows by a = accel_m_s2: v² = v_end² + 2 a (d − v t), solved for v.
     """
     delayed = setting.accel_m_s2 * reaction_s
     room = 2.0 * setting.accel_m_s2 * max(distance_m, 0.0)
@@ -26,10 +26,10 @@ def braking_speed_m_s(
 
 
 def leg_speed_m_s(leg_speed_m_s: float, distance_m: float, end_speed_m_s: float, config: BoatConfig) -> float:
-    """Speed allowed on a leg where in distance_m no more than end_speed_m_s may be left.
+    """Speed limit on a leg with end_speed_m_s required in distance_m.
 
-    Never below min_speed_m_s, unless the leg's own speed is lower: a boat without steerage way steers
-    badly, and whoever gave the leg ends it.
+    Never below min_speed_m_s unless the leg's own speed is: the boat needs steerage way, and the leg's owner
+    ends it.
     """
     if end_speed_m_s >= leg_speed_m_s:
         return leg_speed_m_s
@@ -38,10 +38,10 @@ def leg_speed_m_s(leg_speed_m_s: float, distance_m: float, end_speed_m_s: float,
 
 
 def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, setting: Guidance) -> float:
-    """Speed left while the bow points elsewhere.
+    """Speed limit with a heading error.
 
-    All of it up to half of pivot_angle_rad, falling in a straight line to min_speed_m_s at pivot_angle_rad,
-    and none beyond: there the boat turns on the spot.
+    No limit up to half of pivot_angle_rad, then linear to min_speed_m_s at pivot_angle_rad, and zero beyond:
+    the boat turns on the spot.
     """
     pivot = setting.pivot_angle_rad
     error = abs(heading_error_rad)
@@ -53,12 +53,10 @@ def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, setting: Guida
 def with_speeds(
     nodes: list[Node], fillets: Sequence[tuple[int, int]], speed_m_s: float, config: BoatConfig
 ) -> list[Node]:
-    """The nodes of a path with the speed allowed at each, and new ones where speed stops growing or begins to
-    fall.
+    """The nodes with their speed limits, and additional nodes where acceleration ends or braking begins.
 
-    fillets: first and last node of each; between those the speeds are the fillet's own, unless the way behind
-    it asks for less. A backward pass limits what has to be lost before a node, a forward pass what can be
-    gathered since the one before it.
+    fillets: first and last node of each; within them the speed is the fillet's, unless the path behind needs
+    less. A backward pass limits the deceleration, a forward pass the acceleration.
     """
     slowing = 2.0 * config.guidance.accel_m_s2
     gaining = GAINING_SHARE * slowing
@@ -83,9 +81,9 @@ def with_speeds(
 def _straight(
     start: Node, end: Node, start_m_s: float, end_m_s: float, most_m_s: float, slowing: float, gaining: float
 ) -> list[Node]:
-    """Where on a straight stretch the speed stops growing and begins to fall."""
+    """Nodes where acceleration ends and braking begins on a straight stretch."""
     length_m = math.hypot(end.north_m - start.north_m, end.east_m - start.east_m)
-    # The squares of speed grow and fall linearly; the two lines meet at the highest that can be reached.
+    # Squared speed is linear in distance; the two lines intersect at the highest speed.
     peak = gaining * end_m_s**2 + slowing * start_m_s**2 + gaining * slowing * length_m
     peak /= gaining + slowing
     top = min(peak, most_m_s * most_m_s)

@@ -1,8 +1,7 @@
-"""Whether the boat gets on: the thrust is high, time passes, and the way made good is nought.
+"""Detects that the boat makes no headway at high thrust.
 
-Over ground two things look alike: a boat that the water carries back as fast as it sails, and one that is
-held. They are told apart by the set that was known while the boat still made way: where full thrust against
-that set would leave headway, the water is not to blame.
+Two causes look alike over ground: a current as fast as the boat, and an obstruction. The current known while
+the boat still made way separates them: if full thrust against it would leave headway, the boat is obstructed.
 """
 
 import math
@@ -12,32 +11,32 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m
 from companion.core.state import Demand, MotorCommand, NavState
 
-STALL_S = 10.0  # without way for this long
-HIGH_THROTTLE = 0.75  # of what is allowed: less, and the boat is not trying
-ASKED_SHARE = 0.5  # of min_speed_m_s: who asks for less wants to stay
-WAY_SHARE = 0.1  # of min_speed_m_s: made good, and less counts as nothing
+STALL_S = 10.0  # without headway for this long
+HIGH_THROTTLE = 0.75  # of the maximum: with less the boat is not trying
+ASKED_SHARE = 0.5  # of min_speed_m_s: a lower demand is no attempt to move
+WAY_SHARE = 0.1  # of min_speed_m_s: less is no headway
 ALIGNED_RAD = 0.8  # a boat that still turns is not yet trying
-CURRENT_TIME_S = 20.0  # over which the set is remembered
+CURRENT_TIME_S = 20.0  # averaging time of the current
 HELD_S = 6.0  # at the shore
-# Way made meanwhile, and less is none; a speed tells nothing while thrust moves the estimate alone
+# Least motion meanwhile; the estimated speed is unreliable, as thrust drives it
 HELD_M = 1.0
 HELD_RAD = 0.25
-STEERED = 1.0  # between the commands, of 2: a boat afloat turns by that
-UNMET_M_S = 0.6  # of the speed over ground that thrust and set should make
+STEERED = 1.0  # difference of the commands, of 2: it turns a boat afloat
+UNMET_M_S = 0.6  # expected speed over ground from thrust and current
 
 
 class StallVerdict(IntEnum):
-    """What to think of the way that is made."""
+    """Result of the detector."""
 
     MAKING_WAY = 0
-    NO_HEADWAY = 1  # the water is as fast as the boat
-    STUCK = 2  # something holds it
-    AGROUND = 3  # the shore does
+    NO_HEADWAY = 1  # the current is as fast as the boat
+    STUCK = 2  # an obstruction
+    AGROUND = 3  # against the shore
 
 
 class StallDetector:
-    """`verdict` is the present judgement; `stalled_s` how long there has been none while trying,
-    `held_s` how long the shore has held the boat.
+    """`verdict`: present result; `stalled_s`: time without headway while trying; `held_s`: time held at the
+    shore.
     """
 
     __slots__ = (
@@ -57,7 +56,7 @@ class StallDetector:
         self._current_north_m_s = self._current_east_m_s = 0.0
 
     def reset(self) -> None:
-        """Begin to judge anew; what is known of the set stays."""
+        """Restart the detection; the current is kept."""
         self.verdict, self.stalled_s = StallVerdict.MAKING_WAY, 0.0
 
     def update(
@@ -70,10 +69,10 @@ class StallDetector:
         *,
         is_at_line: bool = False,
     ) -> StallVerdict:
-        """Judge one tick: what guidance asked, what the motors were given, how the boat moves over ground.
+        """Evaluate one tick: demand, motor command and motion over ground.
 
-        Ticks on which the boat does not try (no closed loops, little speed asked for, bow off the heading)
-        neither count nor clear; way made good clears. is_at_line: the hull may touch what lies at a line.
+        Ticks without an attempt (open loops, low demand, bow off the heading) are ignored; headway resets the
+        time. is_at_line: the hull may touch the shore at a fence line.
         """
         if demand is None or nav is None:
             self.held_s = 0.0
@@ -111,14 +110,14 @@ class StallDetector:
         return self.verdict
 
     def _is_in_place(self, nav: NavState) -> bool:
-        """Whether the boat has neither gone nor turned since `held_s`."""
+        """Whether the boat has neither moved nor turned during `held_s`."""
         if self.held_s == 0.0:
             self._held_at, self._held_rad = nav.point, nav.heading_rad
         turned_rad = abs(math.remainder(nav.heading_rad - self._held_rad, math.tau))
         return turned_rad < HELD_RAD and distance_m(self._held_at, nav.point) < HELD_M
 
     def _is_driven(self, command: MotorCommand, nav: NavState, config: BoatConfig) -> bool:
-        """Whether steering, or thrust and set together, should move it."""
+        """Whether steering, or thrust plus current, should move the boat."""
         if abs(command.left - command.right) >= STEERED:
             return True
         through_m_s = 0.5 * (command.left + command.right) * config.handling.top_speed_m_s

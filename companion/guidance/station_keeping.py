@@ -1,14 +1,13 @@
-"""Keeping station near a point, against current and wind.
+"""Station keeping near a point, in current and wind.
 
-Where there is a set to speak of, the boat lies with its bow into it, as at anchor, and holds itself there.
-The velocity over ground that closes on the point, in proportion to the distance, less the set is what it
-makes through the water: most of it against the set, by thrust alone; what is abeam by turning the bow a
-little to either side. So it needs no more thrust than the set takes, and never turns about. An integral of
-the error takes out what the set is estimated wrong. From farther away it sails at the point; from up there
-it turns early enough to be let down on it bow first.
+In a current the boat points its bow into it and holds position. The desired velocity over ground,
+proportional to the distance, minus the current gives the velocity through the water: the part against the
+current by thrust, the lateral part by turning the bow slightly. It never turns around. An integral term
+corrects errors of the estimated current. From farther away the boat sails towards the point and turns early
+enough to drift onto it bow first.
 
-In still water there is nothing to lie against. The boat then keeps its heading, asks for nothing within
-half the radius, and moves ahead or astern along a line through the point that turns slowly toward it.
+Without a current the boat keeps its heading, is idle within half the radius, and otherwise moves ahead or
+astern along a line through the point that turns slowly towards it.
 """
 
 import math
@@ -20,23 +19,22 @@ from companion.core.units import clamp, wrap_pi
 from companion.guidance.course_to_steer import course_to_steer
 from companion.guidance.speed_profile import braking_speed_m_s, steered_speed_m_s
 
-STILL_SHARE = 0.5  # of the radius: inside, position errors ask for nothing in still water
-CLOSING_RATE_PER_S = 0.4  # speed asked for per metre away
-TURN_RATE_RAD_S = 0.25  # of the line, per radius that the point lies abeam
-ASTERN_RADII = 2.0  # this near, a point behind is backed to
-INTO_CURRENT_SHARE = 0.5  # of min_speed_m_s: a set of this much is one to lie against,
-LEAVING_SHARE = 0.3  # until it is less than this
+STILL_SHARE = 0.5  # of the radius: position noise is ignored within it
+CLOSING_RATE_PER_S = 0.4  # speed per metre of distance
+TURN_RATE_RAD_S = 0.25  # of the line, per radius of lateral distance
+ASTERN_RADII = 2.0  # within this, a point behind is approached astern
+INTO_CURRENT_SHARE = 0.5  # of min_speed_m_s: current above which the bow points into it,
+LEAVING_SHARE = 0.3  # and below which it no longer does
 NEAR_RADII = (
     2.0  # this near the boat lies with its bow into the set, or nearer than it is carried while turning
 )
-EASE_SHARE = 0.3  # of the set: the least that is made against it, so that the bow stays up
-LEARNING_PER_S2 = 0.03  # of the error's integral, speed per metre and second
+EASE_SHARE = 0.3  # of the current: least speed against it, to keep the bow into it
+LEARNING_PER_S2 = 0.03  # integral gain, speed per metre and second
 MAX_LEARNED_SHARE = 0.5  # of min_speed_m_s
 
 
 class StationKeeping:
-    """Remembers the direction of the line it lies on, None before the first update, and the integral in
-    m/s."""
+    """Keeps the direction of the line, None before the first update, and the integral in m/s."""
 
     __slots__ = ("_is_into_current", "_learned_east", "_learned_north", "_line_rad")
 
@@ -46,13 +44,13 @@ class StationKeeping:
         self._learned_north = self._learned_east = 0.0
 
     def reset(self) -> None:
-        """Start anew, wherever the bow points then."""
+        """Start again at the present heading."""
         self._line_rad = None
         self._is_into_current = False
         self._learned_north = self._learned_east = 0.0
 
     def update(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
-        """Heading and speed over ground (negative is astern) that keep the boat near the point."""
+        """Heading and speed over ground (negative: astern) that keep the boat near the point."""
         setting = config.guidance
         north, east = point.north_m - nav.north_m, point.east_m - nav.east_m
         distance = math.hypot(north, east)
@@ -69,7 +67,7 @@ class StationKeeping:
         return self._stay(north, east, distance, nav, setting, dt_s)
 
     def _approach(self, bearing_rad: float, distance: float, nav: NavState, config: BoatConfig) -> Demand:
-        """Sail at the point, through a set."""
+        """Sail towards the point, in a current."""
         setting, c, s = config.guidance, math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         speed = min(config.speed.cruise_m_s, braking_speed_m_s(distance, 0.0, setting))
         heading, water = course_to_steer(
@@ -95,7 +93,7 @@ class StationKeeping:
         config: BoatConfig,
         dt_s: float,
     ) -> Demand:
-        """Hold against the set: `up` is against it, `across` to starboard of that."""
+        """Hold against the current: `up` is against it, `across` to starboard of that."""
         setting = config.guidance
         up_north, up_east = -nav.current_north_m_s / current_m_s, -nav.current_east_m_s / current_m_s
         top, slow = config.handling.top_speed_m_s, setting.min_speed_m_s
@@ -113,7 +111,7 @@ class StationKeeping:
         upstream = math.atan2(up_east, up_north)
         heading = wrap_pi(upstream + math.atan2(across, up))
         self._line_rad = heading
-        # What the bow, as it points now, makes of the velocity wanted through the water.
+        # The part of the desired velocity through the water along the present heading.
         off = wrap_pi(nav.heading_rad - upstream)
         water = up * math.cos(off) + across * math.sin(off) if abs(off) < 0.5 * math.pi else 0.0
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
@@ -155,5 +153,5 @@ class StationKeeping:
 
 
 def turning_s(config: BoatConfig) -> float:
-    """How long the boat takes to turn about."""
+    """Time to turn around."""
     return math.pi / config.handling.turn_rate_rad_s + config.handling.yaw_time_s
