@@ -92,7 +92,7 @@ def read_status(path: Path) -> BoatStatus:
     try:
         return msgspec.json.decode(path.read_bytes(), type=BoatStatus)
     except FileNotFoundError:
-        raise StorageError(f"{path}: no such file; does the boat run?") from None
+        raise StorageError(f"{path}: no such file; is the boat running?") from None
     except (OSError, msgspec.MsgspecError) as error:
         raise StorageError(f"{path}: cannot be read: {error}") from None
 

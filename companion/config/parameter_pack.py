@@ -113,7 +113,7 @@ def _entries(file: bytes) -> Iterable[tuple[str, float]]:
             continue
         coding = _VALUES.get(file[at])  # an upload has no flags
         if coding is None:
-            raise PackError(f"byte {at}: {file[at]:#04x} is no type of value")
+            raise PackError(f"byte {at}: {file[at]:#04x} is not a value type")
         lengths = file[at + 1] if at + 1 < end else 0
         shared, new = lengths & 0x0F, (lengths >> 4) + 1
         name = last[:shared] + file[at + 2 : at + 2 + new]
@@ -121,7 +121,7 @@ def _entries(file: bytes) -> Iterable[tuple[str, float]]:
         if value_at + coding.size > end:
             raise PackError(f"byte {at}: an entry is cut short")
         if shared > len(last) or len(name) > NAME_BYTES or not name.isascii():
-            raise PackError(f"byte {at}: {name!r} is no name of a parameter")
+            raise PackError(f"byte {at}: {name!r} is not a parameter name")
         (value,) = coding.unpack_from(file, value_at)
         yield name.decode("ascii"), float(value)
         at, last = value_at + coding.size, name

@@ -202,7 +202,7 @@ class Parameters:
         if row.kind is not ParameterType.REAL32:
             value = float(round(value))
         if row.values and value not in [number for number, _ in row.values]:
-            return f"{name}: {value:g} is none of {', '.join(str(number) for number, _ in row.values)}"
+            return f"{name}: {value:g} is not one of {', '.join(str(number) for number, _ in row.values)}"
         if not row.path:
             self._kept[name] = value
             if name in self._hooks:

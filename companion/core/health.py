@@ -9,11 +9,11 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.HEADING_LOST, "Heading lost"),
     (EstimateFault.GNSS_LOST, "GPS lost: dead reckoning"),
     (EstimateFault.GNSS_FROZEN, "GPS frozen: dead reckoning"),
-    (EstimateFault.GNSS_JUMPING, "GPS jumping: not believed"),
-    (EstimateFault.COMPASS_LOST, "Compass lost: gyro and course"),
-    (EstimateFault.COMPASS_OFF, "Compass off: gyro and course"),
-    (EstimateFault.GNSS_LATE, "GPS late: reckoned with"),
-    (EstimateFault.COMPASS_LATE, "Compass late: steering stands in"),
+    (EstimateFault.GNSS_JUMPING, "GPS jumping: rejected"),
+    (EstimateFault.COMPASS_LOST, "Compass lost: using gyro and course"),
+    (EstimateFault.COMPASS_OFF, "Compass off: using gyro and course"),
+    (EstimateFault.GNSS_LATE, "GPS late: compensated"),
+    (EstimateFault.COMPASS_LATE, "Compass late: using yaw model"),
 )
 """Worst first; each fits one STATUSTEXT with room for a prefix."""
 

@@ -17,11 +17,11 @@ def parse_toml(text: str) -> dict[str, Any]:
         ValueError: it is not TOML (names the line), nests too deep, or has a number with too many digits.
     """
     if _LONG_KEY.search(text):
-        raise ValueError("it nests too deep")
+        raise ValueError("nesting is too deep")
     try:
         tree = tomllib.loads(text)
     except RecursionError:
-        raise ValueError("it nests too deep") from None
+        raise ValueError("nesting is too deep") from None
     except ValueError as error:
         if type(error) is ValueError:  # Python's own, of a whole number beyond 4300 digits
             raise ValueError("a number has too many digits") from None
@@ -32,4 +32,4 @@ def parse_toml(text: str) -> dict[str, Any]:
         level = [one for one in level if isinstance(one, dict | list)]
         if not level:
             return tree
-    raise ValueError("it nests too deep")
+    raise ValueError("nesting is too deep")

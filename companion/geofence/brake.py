@@ -82,7 +82,7 @@ class FenceBrake:
         if self._stopped_s >= _STOPPED_S:
             margin_m = config.fence.margin_m + config.guidance.station_radius_m
             self._station = KeepStation(fence.inside(nav.point, margin_m))
-            self._status_texts.append(StatusText(Severity.WARNING, "Fence ahead: keeping station before it"))
+            self._status_texts.append(StatusText(Severity.WARNING, "Fence ahead: keeping station"))
 
 
 def _leads_over(

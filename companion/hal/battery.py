@@ -71,6 +71,6 @@ def open_ina219(part: parts.BatteryPart, now: Callable[[], float]) -> Ina219Batt
         bus.close()
         if isinstance(error, HardwareError):
             raise
-        raise HardwareError(f"INA219: nothing answers at I²C address {part.address:#x}: {error}") from error
+        raise HardwareError(f"INA219: no answer at I²C address {part.address:#x}: {error}") from error
     battery.start()
     return battery

@@ -121,6 +121,6 @@ def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Comp
         bus.close()
         if isinstance(error, HardwareError):
             raise
-        raise HardwareError(f"BNO055: nothing answers at I²C address {part.address:#x}: {error}") from error
+        raise HardwareError(f"BNO055: no answer at I²C address {part.address:#x}: {error}") from error
     compass.start()
     return compass

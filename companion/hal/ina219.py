@@ -38,7 +38,7 @@ class Ina219:
         self._address = address
         self._configure()
         if self._read(_CONFIGURATION_AT) != CONFIGURATION:
-            raise HardwareError(f"INA219: the part at I²C address {address:#x} is another one")
+            raise HardwareError(f"INA219: the part at I²C address {address:#x} is not an INA219")
 
     def read(self) -> Ina219Sample:
         """What it has measured last; set up again first, if its supply has dipped.

@@ -158,7 +158,7 @@ class OnboardLog:
     def _begin(self) -> None:
         self._begin_anew()
         if not self._sink.begin():
-            self._fail("too much waits to be written")
+            self._fail("the write queue is full")
             return
         self.is_writing = True
         self._block, self._block_bytes = [r.HEADER], len(r.HEADER)
@@ -250,7 +250,7 @@ class OnboardLog:
             self._log_bytes += len(block)
         elif self._blocks == 0:
             # without its definitions a log cannot be read
-            self._fail(self._sink.fault or "too much waits to be written")
+            self._fail(self._sink.fault or "the write queue is full")
         else:
             self.dropped += count
 

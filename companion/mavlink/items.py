@@ -157,9 +157,9 @@ class MissionItem:
         if message.get_type() == "MISSION_ITEM":
             scaled_x, scaled_y = _scaled(x, message.frame), _scaled(y, message.frame)
             if scaled_x is None:
-                return ItemFault(MissionResult.INVALID_PARAM5_X, f"x is {x}, which is no position")
+                return ItemFault(MissionResult.INVALID_PARAM5_X, f"x is {x}, not a position")
             if scaled_y is None:
-                return ItemFault(MissionResult.INVALID_PARAM6_Y, f"y is {y}, which is no position")
+                return ItemFault(MissionResult.INVALID_PARAM6_Y, f"y is {y}, not a position")
             x, y = scaled_x, scaled_y
         return MissionItem(
             frame=message.frame,

@@ -134,7 +134,9 @@ class Sender(Transfer):
             super()._expire(now_s)
             return
         self._settle(Trigger.EXPIRED, None, now_s)
-        text = "all items were sent, but not acknowledged" if not self._unsent else "the partner fell silent"
+        text = (
+            "all items were sent, but not acknowledged" if not self._unsent else "the partner does not answer"
+        )
         self._events.append(Failed(MissionResult.OPERATION_CANCELLED, text, self._partner))
 
 

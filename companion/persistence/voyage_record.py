@@ -213,7 +213,7 @@ class Resume:
             self._tell_s = now_s + REPEAT_S
             what = f"at item {offer.item}, {offer.along_m:.0f} m along" if is_mission else "on the way home"
             then = "MISSION_START" if is_mission else self._way_home(offer).name
-            vehicle.notify(Severity.WARNING, f"Power was lost {what}: arm and {then} to go on")
+            vehicle.notify(Severity.WARNING, f"Power lost {what}: arm and {then} to resume")
         if vehicle.config.failsafe.resume == _GO_ON:
             self._continue(Mode.AUTO if is_mission else self._way_home(offer), now_s)
 
@@ -235,10 +235,10 @@ class Resume:
                     return
                 self._countdown_s = now_s
                 vehicle.is_resuming = True
-                vehicle.notify(Severity.CRITICAL, f"Going on by itself in {WARNING_S:.0f} s: keep clear")
+                vehicle.notify(Severity.CRITICAL, f"Resuming in {WARNING_S:.0f} s: keep clear")
         elif not vehicle.is_resuming:
             self._offer = None
-            vehicle.notify(Severity.NOTICE, "Not going on by itself")
+            vehicle.notify(Severity.NOTICE, "Resume cancelled")
         elif now_s - self._countdown_s >= WARNING_S and vehicle.can_enter(mode):
             vehicle.change_mode(first, "power is back")
             if vehicle.arming_faults():
@@ -247,7 +247,7 @@ class Resume:
             vehicle.request(Arm())
             self._is_coming_inside = vehicle.is_resuming = first is not mode
             if self._is_coming_inside:
-                vehicle.notify(Severity.WARNING, "Outside the fence: coming back inside first")
+                vehicle.notify(Severity.WARNING, "Outside the fence: returning inside first")
             else:
                 self._offer = None
 

@@ -82,7 +82,7 @@ class Channels:
         something."""
         self._of_port[port] = [one for one in self._of_port[port] if one.number in self.open]
         for channel in excess_links(self._of_port[port], self._now_s):
-            self._log(f"link {channel.link.name} makes way for others")
+            self._log(f"link {channel.link.name} closed to make room")
             channel.link.close()
 
     def drop_closed(self) -> list[int]:

@@ -86,7 +86,7 @@ class AccessService:
         self._answer(message, origin)
         if now_s - self._told_s.get(origin.address.system, -math.inf) >= _REPEAT_S:
             self._told_s[origin.address.system] = now_s
-            text = f"Station {origin.address.system} refused: SYSID_ENFORCE, it is not the operator"
+            text = f"Station {origin.address.system} refused: not the operator (SYSID_ENFORCE)"
             self._texts.send([StatusText(Severity.WARNING, text)])
         return True
 

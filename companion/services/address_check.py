@@ -66,6 +66,6 @@ class AddressCheck:
         if host in self._warned or len(self._warned) >= _MAX_WARNINGS:
             return
         self._warned.add(host)
-        text = f"{host} answers no PING: it gets no telemetry unless local_networks names its network"
+        text = f"{host} does not answer PING: no telemetry unless local_networks has its network"
         logger.warning(text)
         self._texts.send([StatusText(Severity.WARNING, text)])

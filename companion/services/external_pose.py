@@ -78,7 +78,7 @@ class ExternalPoseService:
     def set_origin(self, origin: LatLon) -> bool:
         """Where local poses are measured from. Not once the boat has laid its own frame: it would jump."""
         if self._vehicle.frame is not None:
-            self._tell([StatusText(Severity.WARNING, "Origin: laid already, not moved")])
+            self._tell([StatusText(Severity.WARNING, "Origin: already set, not moved")])
             return False
         self._external.frame = LocalFrame(origin)
         self._outbox.broadcast(global_origin(origin))

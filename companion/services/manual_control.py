@@ -81,7 +81,7 @@ class ManualControlService:
         last, self._helm, self._helm_s = self._helm, origin, now_s
         self._told.clear()
         if last is not None and last.address != origin.address:
-            text = f"Helm: {_name(origin)} has taken over from {_name(last)}"
+            text = f"Helm: {_name(origin)} took over from {_name(last)}"
             self._texts.send([StatusText(Severity.NOTICE, text)])
         return True
 

@@ -64,10 +64,10 @@ class SigningService:
             signatory = self._store.signatory(setting.key_file)
             opened.set_guard(Guard(signatory, setting.signing, channel, is_radio=policy.is_radio))
             if setting.signing == "required" and signatory.key is None:
-                self._warn_once(f"{name} asks for signatures, but there is no key: it is deaf")
+                self._warn_once(f"{name} requires signatures, but has no key")
         if policy.is_radio and setting.signing != "required":
-            how = "is not signed" if setting.signing == "off" else "takes unsigned messages"
-            self._warn_once(f"Radio {name} {how}: anybody in reach may steer")
+            how = "is not signed" if setting.signing == "off" else "accepts unsigned messages"
+            self._warn_once(f"Radio {name} {how}: anyone in range may steer")
 
     def forget(self, channel: int) -> None:
         """A channel has gone."""

@@ -114,5 +114,5 @@ def test_a_boat_that_needs_all_its_thrust_for_cruise_speed_is_not_swung() -> Non
     assert rig.ask(AUTOTUNE, 1.0) == IN_PROGRESS
     rig.until(lambda: not rig.boat.trials.is_running, 5.0)
     rig.run(0.1)
-    assert "Heading autotune broken off: cruise speed leaves no thrust to steer with" in rig.peer.texts
+    assert "Heading autotune aborted: cruise speed leaves no thrust to steer with" in rig.peer.texts
     assert rig.boat.parameters.config.heading == rig.config.heading

@@ -196,9 +196,9 @@ def test_the_factories_find_both_parts_on_one_bus(dev: I2cDev) -> None:
 
 @pytest.mark.parametrize("address", [0x29, 0x41])
 def test_a_part_that_does_not_answer_is_told_in_one_line(dev: I2cDev, address: int) -> None:
-    with pytest.raises(HardwareError, match=rf"BNO055: nothing answers at I²C address {address:#x}: .*121"):
+    with pytest.raises(HardwareError, match=rf"BNO055: no answer at I²C address {address:#x}: .*121"):
         open_bno055(parts.CompassPart(address=address), HandClock())
-    with pytest.raises(HardwareError, match=rf"INA219: nothing answers at I²C address {address:#x}: .*121"):
+    with pytest.raises(HardwareError, match=rf"INA219: no answer at I²C address {address:#x}: .*121"):
         open_ina219(parts.BatteryPart(address=address), HandClock())
 
 
@@ -207,7 +207,7 @@ def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
     with pytest.raises(HardwareError, match="BNO055: the part at I²C address 0x28 says 0x55, not 0xa0"):
         open_bno055(COMPASS, HandClock())
     dev.parts[0x40] = dev.parts[0x28]
-    with pytest.raises(HardwareError, match="INA219: the part at I²C address 0x40 is another one"):
+    with pytest.raises(HardwareError, match="INA219: the part at I²C address 0x40 is not an INA219"):
         open_ina219(BATTERY, HandClock())
 
 

@@ -188,7 +188,7 @@ class Avoidance:
             self.safe_speed.note_unmapped_obstacle(scene.here)
             if not self._has_notified:
                 self._has_notified = True
-                self._notify(Severity.INFO, "Obstacle moves: letting it pass")
+                self._notify(Severity.INFO, "Moving obstacle: giving way")
         turn, speed = self._maneuver
         if speed > 0.0:
             self.safe_speed.raise_to(speed)
@@ -206,7 +206,7 @@ class Avoidance:
         if detour is None:
             return self._block(scene)
         if detour.side != told:
-            self._notify(Severity.INFO, f"Obstacle: going round to {_name(detour.side)}")
+            self._notify(Severity.INFO, f"Obstacle: passing to {_name(detour.side)}")
         self._detour, self.stage = detour, Stage.ROUND
         return self._steer_detour(scene, detour)
 
@@ -234,7 +234,7 @@ class Avoidance:
             self._history.record(here, detour.side, detour.goal)
             if not detour.steer(here, scene.obstacles, scene.water, scene.sight_m):
                 return self._block(scene)
-            self._notify(Severity.INFO, f"Obstacle: turns to {_name(detour.side)}")
+            self._notify(Severity.INFO, f"Obstacle: changing side to {_name(detour.side)}")
         return self._steer_detour(scene, detour)
 
     def _steer_detour(self, scene: Scene, detour: Detour) -> Intent:
@@ -263,7 +263,7 @@ class Avoidance:
             self.safe_speed.reduce_to(least_m_s)
             is_going_for_it = scene.speed_m_s > least_m_s and scene.room_ahead_m() < math.inf
             return scene.stop() if is_going_for_it else self._station
-        self._notify(Severity.INFO, "Obstacle: the way is open" if is_open else "Obstacle: tries again")
+        self._notify(Severity.INFO, "Obstacle: path is free" if is_open else "Obstacle: trying again")
         self._history.forget()
         self.stage, self._detour = Stage.CLEAR, None
         return None
@@ -272,7 +272,7 @@ class Avoidance:
         """There is no way around: keep station where there was room, and try again later."""
         self.stage, self._detour = Stage.BLOCKED, None
         self._retry_s = scene.now_s + scene.config.avoidance.retry_s
-        self._notify(Severity.NOTICE, "Obstacle: no way round, keeping station")
+        self._notify(Severity.NOTICE, "Obstacle: no way around, keeping station")
         self._station = KeepStation(
             self._breadcrumbs.last_with_room(scene.here, scene.obstacles, scene.margin_m)
         )
@@ -285,7 +285,7 @@ class Avoidance:
         if free_m > _HALTS * scene.margin_m:
             return None
         self.stage, self._retry_s = Stage.BLOCKED, math.inf
-        self._notify(Severity.NOTICE, "Obstacle ahead: keeping station before it")
+        self._notify(Severity.NOTICE, "Obstacle ahead: keeping station")
         self._station = KeepStation(scene.here)
         return self._station
 

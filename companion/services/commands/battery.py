@@ -27,7 +27,7 @@ class BatteryCommands:
         if packs is None or packs < 0 or not 0.0 <= percent <= 100.0:
             return DENIED
         if not packs & _FIRST_PACK or self._vehicle.battery is None:
-            return self._report(FAILED, Severity.ERROR, "Battery: there is no such monitor")
+            return self._report(FAILED, Severity.ERROR, "Battery: no such monitor")
         if self._vehicle.armed:
             return self._report(REJECTED_FOR_NOW, Severity.ERROR, "Battery: disarm first")
         self._gauge.reset(percent / 100.0)

@@ -41,7 +41,7 @@ class CalibrationCommands:
         if ending is None:
             return None
         if ending.reason:
-            self._report(Severity.WARNING, f"{ending.kind.name} broken off: {ending.reason}")
+            self._report(Severity.WARNING, f"{ending.kind.name} aborted: {ending.reason}")
             return FAILED
         for name, value in ending.findings:
             short = float(f"{value:.4g}")
@@ -73,7 +73,7 @@ class CalibrationCommands:
                 return ACCEPTED
             trials.stop("by command")
             trials.take_ending()
-            self._report(Severity.NOTICE, f"{kind.name} broken off by command")
+            self._report(Severity.NOTICE, f"{kind.name} aborted by command")
             return CANCELLED
         if wanted != 1:
             return DENIED
@@ -82,7 +82,7 @@ class CalibrationCommands:
         if reason := trials.begin(kind, radius_m, command.now_s):
             self._report(Severity.WARNING, f"{kind.name}: {reason}")
             return REJECTED_FOR_NOW
-        self._report(Severity.NOTICE, f"{kind.name} begins, within {trials.radius_m:.1f} m")
+        self._report(Severity.NOTICE, f"{kind.name} started, within {trials.radius_m:.1f} m")
         return IN_PROGRESS
 
     def _report(self, severity: int, text: str) -> None:

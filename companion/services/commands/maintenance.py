@@ -30,7 +30,7 @@ _RESTART_AFTER_S = 0.3  # the ACK must get out first
 _RESTART_LATEST_S = 5.0  # a program that still runs then, such as that of an emulated fleet, does not restart
 _PERCENT, _PWM = 0, 1  # MOTOR_TEST_THROTTLE_TYPE
 _RADIO_S = 600.0  # a station that never says that it has calibrated the transmitter
-_SELF_CALIBRATING = "Compass: calibrates itself while it is turned; Fast Calibration aligns it with the bow"
+_SELF_CALIBRATING = "Compass: calibrates itself while turning; Fast Calibration aligns it with the bow"
 _NOTHING_TO_CALIBRATE = (  # param2 to param6 of PREFLIGHT_CALIBRATION
     _SELF_CALIBRATING,
     "Pressure: this boat has no barometer",
@@ -125,7 +125,7 @@ class MaintenanceCommands:
         return result
 
     def _has_no(self, part: str) -> int:
-        return self._report(UNSUPPORTED, f"{part}: this boat has none")
+        return self._report(UNSUPPORTED, f"{part}: not fitted")
 
     def _test_motor(self, command: Command) -> int:
         motor, kind = command.whole(0), command.whole(1)

@@ -141,6 +141,6 @@ class VehicleCommands:
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED
         if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
-            self._tell([StatusText(Severity.ERROR, "Fence: none is uploaded")])
+            self._tell([StatusText(Severity.ERROR, "Fence: none uploaded")])
             return FAILED
         return FAILED if self._parameters.set("FENCE_ENABLE", float(wanted)) else ACCEPTED

@@ -28,7 +28,7 @@ _FEWEST_VERTICES = 3
 
 
 def check_fence_item(item: MissionItem) -> ItemFault | None:
-    """Why this is no part of a fence, None where it is one."""
+    """Why this is not a fence item, None where it is one."""
     count = item.param1
     if item.command in _POLYGONS:
         if not math.isfinite(count) or count != int(count) or count < _FEWEST_VERTICES:
@@ -37,15 +37,15 @@ def check_fence_item(item: MissionItem) -> ItemFault | None:
         if not 0.0 < item.param1 < math.inf:
             return ItemFault(MissionResult.INVALID_PARAM1, f"radius {item.param1:g} m is not a radius")
     elif item.command != _RETURN_POINT:
-        text = f"{command_name(item.command)} is no part of a fence"
+        text = f"{command_name(item.command)} is not a fence item"
         return ItemFault(MissionResult.UNSUPPORTED, text)
     return _fault_of(item)
 
 
 def check_rally_item(item: MissionItem) -> ItemFault | None:
-    """Why this is no rally point, None where it is one."""
+    """Why this is not a rally point, None where it is one."""
     if item.command != dialect.MAV_CMD_NAV_RALLY_POINT:
-        return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)} is no rally point")
+        return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)} is not a rally point")
     return _fault_of(item)
 
 

@@ -77,7 +77,7 @@ def to_step(seq: int, item: MissionItem) -> Step | ItemFault:
         return Skip()
     translate = _TABLE.get(item.command)
     if translate is None:
-        why = _REFUSED.get(item.command, "nothing this boat can do")
+        why = _REFUSED.get(item.command, "not supported")
         return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)}: {why}")
     return translate(item)
 
@@ -96,7 +96,7 @@ def global_position(item: MissionItem) -> LatLon | ItemFault:
     if item.frame not in GLOBAL_FRAMES:
         return ItemFault(MissionResult.UNSUPPORTED_FRAME, f"frame {item.frame} is not a global frame")
     if item.x == 0 and item.y == 0:
-        return ItemFault(MissionResult.INVALID_PARAM5_X, "position 0, 0 is nowhere")
+        return ItemFault(MissionResult.INVALID_PARAM5_X, "position 0, 0 is not valid")
     if not abs(item.x) <= 900_000_000:
         return ItemFault(MissionResult.INVALID_PARAM5_X, f"latitude {e7_to_deg(item.x)} is outside ±90")
     if fault := _altitude_fault(item):
@@ -126,7 +126,7 @@ def _altitude_fault(item: MissionItem) -> ItemFault | None:
     """A boat has one altitude and looks at none; but a list with one that cannot be meant is damaged."""
     if abs(item.z) <= HIGHEST_M:
         return None
-    return ItemFault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is no altitude")
+    return ItemFault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is not valid")
 
 
 def _waypoint(item: MissionItem) -> Step | ItemFault:
@@ -156,7 +156,7 @@ def _loiter_turns(item: MissionItem) -> Step | ItemFault:
     if isinstance(place, ItemFault):
         return place
     if not 0.0 < item.param1 < math.inf:
-        return ItemFault(MissionResult.INVALID_PARAM1, f"{item.param1} turns are no number of turns")
+        return ItemFault(MissionResult.INVALID_PARAM1, f"{item.param1} is not a number of turns")
     radius_m = 0.0 if math.isnan(item.param3) else item.param3
     if math.isinf(radius_m):
         return ItemFault(MissionResult.INVALID_PARAM3, f"radius {radius_m} m is not a radius")

@@ -93,7 +93,7 @@ def test_a_boat_whose_compass_falls_silent_goes_on_by_its_course() -> None:
     stuck = Stuck(rig.hardware.compass.read())
     rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=stuck)
     rig.run(20.0)
-    assert "Failsafe: Compass lost: gyro and course" in rig.peer.texts
+    assert "Failsafe: Compass lost: using gyro and course" in rig.peer.texts
     assert rig.mode == "GUIDED"
     assert rig.world.truth.north_m > 30.0
     assert abs(rig.world.truth.east_m) < 2.0

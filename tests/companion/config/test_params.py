@@ -114,8 +114,8 @@ def test_an_option_survives_a_restart() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("RC7_OPTION", 4.0, "RC7_OPTION: 4 is none of 0, 153"),
-        ("MODE1", 2.0, "MODE1: 2 is none of 0, 1, 3"),
+        ("RC7_OPTION", 4.0, "RC7_OPTION: 4 is not one of 0, 153"),
+        ("MODE1", 2.0, "MODE1: 2 is not one of 0, 1, 3"),
         ("AHRS_ORIENTATION", 4.0, "AHRS_ORIENTATION is fixed at 0"),
         ("FS_CRASH_CHECK", 1.0, "FS_CRASH_CHECK is fixed at 0"),
     ],

@@ -325,7 +325,7 @@ def test_a_log_whose_definitions_are_not_taken_is_given_up(open_rig: OpenRig, tm
     assert rig.arm() == OK
     rig.run(3.0)
     assert not rig.log.is_writing
-    assert [text for text in rig.peer.texts if "Log" in text] == ["Log stopped: too much waits to be written"]
+    assert [text for text in rig.peer.texts if "Log" in text] == ["Log stopped: the write queue is full"]
 
 
 def test_a_number_that_no_field_holds_costs_a_record_not_the_boat(open_rig: OpenRig, tmp_path: Path) -> None:

@@ -97,7 +97,7 @@ def test_a_rock_ahead_is_passed_whatever_leads_there(intent: Intent) -> None:
     assert isinstance(course, HoldCourse)
     assert 0.3 < abs(course.course_rad) < 1.0
     assert hand.avoidance.stage is Stage.ROUND
-    assert "going round" in hand.status_texts[0].text
+    assert "passing to" in hand.status_texts[0].text
 
 
 def test_a_rock_on_the_circle_is_passed() -> None:
@@ -147,10 +147,10 @@ def test_where_there_is_no_way_the_boat_waits_tells_and_tries_again() -> None:
     hand.sail(LEG, under_way(0.0))
     assert hand.avoidance.stage is Stage.BLOCKED
     assert isinstance(hand.sail(LEG, under_way(0.0)), KeepStation)
-    assert [notice.text for notice in hand.status_texts] == ["Obstacle: no way round, keeping station"]
+    assert [notice.text for notice in hand.status_texts] == ["Obstacle: no way around, keeping station"]
     hand.now_s += 100.0  # all is forgotten by then
     assert hand.sail(LEG, under_way(0.0)) is LEG
-    assert hand.status_texts[-1].text == "Obstacle: the way is open"
+    assert hand.status_texts[-1].text == "Obstacle: path is free"
 
 
 def test_by_hand_nothing_is_steered_and_only_if_asked_for_is_speed_held() -> None:

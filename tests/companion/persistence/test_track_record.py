@@ -84,7 +84,7 @@ def test_a_boat_cut_on_its_way_back_goes_on_along_its_track_by_itself() -> None:
     assert rig.set_mode(Mode.SMART_RTL) == OK
     rig.run(25.0)
     cut(rig)
-    assert any(text.endswith("on the way home: arm and SMART_RTL to go on") for text in rig.peer.texts)
+    assert any(text.endswith("on the way home: arm and SMART_RTL to resume") for text in rig.peer.texts)
     rig.until(lambda: rig.boat.vehicle.armed, 30.0)
     assert rig.mode == "SMART_RTL"
     assert sails_home_along_its_track(rig)

@@ -33,7 +33,7 @@ def test_the_boat_says_where_it_was_and_goes_on_from_there_when_told() -> None:
     rig = cut(in_mid_leg())
     rig.ready()
     assert any(
-        text.startswith("Power was lost at item 2, ") and text.endswith("arm and MISSION_START to go on")
+        text.startswith("Power lost at item 2, ") and text.endswith("arm and MISSION_START to resume")
         for text in rig.peer.texts
     )
     rig.run(60.0)
@@ -66,7 +66,7 @@ def test_home_is_where_it_was_not_where_the_power_went() -> None:
 
 def test_a_boat_that_may_goes_on_by_itself_after_a_warning() -> None:
     rig = cut(in_mid_leg({"failsafe.resume": 2}))
-    rig.until(lambda: any("Going on by itself in 10 s" in text for text in rig.peer.texts), 30.0)
+    rig.until(lambda: any("Resuming in 10 s" in text for text in rig.peer.texts), 30.0)
     rig.run(9.0)
     assert not rig.boat.vehicle.armed
     rig.run(2.0)
@@ -99,7 +99,7 @@ def test_a_boat_whose_power_is_back_outside_the_fence_comes_inside_and_sails_on(
     rig.until(lambda: rig.boat.vehicle.armed, 40.0)
     rig.step()
     assert rig.mode == "LOITER"
-    assert "Outside the fence: coming back inside first" in rig.peer.texts
+    assert "Outside the fence: returning inside first" in rig.peer.texts
     rig.until(lambda: rig.mode == "AUTO", 40.0)
     assert margin_m(rig) > 1.5
     assert rig.boat.vehicle.progress.current_seq == 2
@@ -128,7 +128,7 @@ def test_outside_the_fence_an_operator_is_told_which_modes_bring_the_boat_back()
 @pytest.mark.parametrize("objection", ["mode", "disarm"])
 def test_whoever_objects_in_time_keeps_the_boat_where_it_is(objection: str) -> None:
     rig = cut(in_mid_leg({"failsafe.resume": 2}))
-    rig.until(lambda: any("Going on by itself" in text for text in rig.peer.texts), 30.0)
+    rig.until(lambda: any("Resuming in" in text for text in rig.peer.texts), 30.0)
     rig.run(5.0)
     if objection == "mode":
         assert rig.set_mode(Mode.HOLD) == OK
@@ -142,7 +142,7 @@ def test_a_boat_that_is_to_forget_begins_at_the_first_item() -> None:
     rig = cut(in_mid_leg({"failsafe.resume": 0}))
     rig.ready()
     assert rig.boat.vehicle.progress.current_seq == 1
-    assert not any("Power was lost" in text for text in rig.peer.texts)
+    assert not any("Power lost" in text for text in rig.peer.texts)
 
 
 def test_a_second_cut_before_anybody_came_loses_nothing() -> None:

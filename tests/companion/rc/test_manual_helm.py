@@ -42,7 +42,7 @@ def test_a_helm_that_nobody_holds_may_be_taken_over_which_everybody_hears(rig: R
     push(rig, rig.peer, 500)
     rig.run(rig.config.failsafe.manual_timeout_s + 0.1)
     assert push(rig, other, -500).throttle == -0.5
-    said = "Helm: 255/230 has taken over from 255/190"
+    said = "Helm: 255/230 took over from 255/190"
     assert said in rig.peer.texts
     assert said in other.texts
     assert push(rig, rig.peer, 500).throttle == -0.5

@@ -92,7 +92,7 @@ def test_nothing_that_a_stranger_sends_changes_the_boat(rig: Rig) -> None:
     assert rig.fingerprint() == before
     assert rig.boat.endpoint.faults == 0
     told = [text for text in rig.peer.texts if "refused" in text]
-    assert told == ["Station 42 refused: SYSID_ENFORCE, it is not the operator"]
+    assert told == ["Station 42 refused: not the operator (SYSID_ENFORCE)"]
 
 
 @pytest.mark.parametrize("address", [QGC, Address(255, 7), ABOARD])

@@ -107,7 +107,7 @@ def test_the_origin_is_told_and_once_laid_is_not_moved() -> None:
     rig.peer.forget()
     rig.peer.send(dialect.MAVLink_set_gps_global_origin_message(1, 510_000_000, 0, 0))
     watch(rig, camera, 0.5, vision(0.0, 0.0, 0.0))
-    assert "Origin: laid already, not moved" in rig.peer.texts
+    assert "Origin: already set, not moved" in rig.peer.texts
     assert rig.boat.vehicle.frame is not None
     assert rig.boat.vehicle.frame.origin == ORIGIN
 

@@ -435,11 +435,11 @@ def test_a_date_that_nobody_signed_does_not_move_the_clock_of_signatures(lie: Me
 @pytest.mark.parametrize(
     ("signing", "radio", "key", "told"),
     [
-        ("off", True, KEY, "is not signed: anybody in reach may steer"),
-        ("accept", True, KEY, "takes unsigned messages: anybody in reach may steer"),
+        ("off", True, KEY, "is not signed: anyone in range may steer"),
+        ("accept", True, KEY, "accepts unsigned messages: anyone in range may steer"),
         ("required", True, KEY, ""),
         ("off", False, KEY, ""),
-        ("required", False, None, "asks for signatures, but there is no key: it is deaf"),
+        ("required", False, None, "requires signatures, but has no key"),
     ],
 )
 def test_a_link_that_is_not_safe_is_told_of_once(
@@ -451,7 +451,7 @@ def test_a_link_that_is_not_safe_is_told_of_once(
         again = rig.connect()
         rig.run(1.1)
     heard = [*rig.peer.texts, *again.texts, *onlooker.texts]
-    texts = [text for text in heard if "steer" in text or "deaf" in text]
+    texts = [text for text in heard if "steer" in text or "no key" in text]
     assert len(texts) == (1 if told and signing != "required" else 0), "a stranger is told nothing"
     assert all(told in text for text in texts)
     assert caplog.text.count(told) == 1 if told else "steer" not in caplog.text
