@@ -1,8 +1,8 @@
 """The boat's configuration: one frozen tree, read from TOML.
 
-Every field has a default that is safe on the lake boat; a file names only what differs. An unknown key, a
-wrong type or a value out of range is a ConfigError that names the key. MAVLink parameters (`params.py`) are
-rows over the same fields.
+Every field has a default that is safe on the lake boat; a file names only the differences. An unknown key, a
+wrong type or a value out of range is a ConfigError that names the key. MAVLink parameters (`parameters.py`)
+are rows over the same fields.
 """
 
 import math
@@ -27,35 +27,36 @@ from companion.core.toml_text import parse_toml
 
 
 class LinkConfig(Section, frozen=True):
-    """One link to ground stations or other vehicles. In the list of links, a url alone does as well.
+    """One link to ground stations or other vehicles. In the list of links a plain url is enough.
 
-    allow, deny and max_hz name messages, and hold for what leaves by the link, the boat's own and forwarded.
+    allow, deny and max_hz name messages and apply to outgoing ones, the boat's own and forwarded.
     """
 
     url: str
-    name: str = ""  # for people; the far side's address where it is empty
-    forward: bool = True  # False: talks with the boat alone, not with the other links
-    stream_hz: NonNegative | None = None  # instead of mavlink.stream_hz
+    name: str = ""  # display name; the address of the far side if empty
+    forward: bool = True  # False: no forwarding between this and other links
+    stream_hz: NonNegative | None = None  # default rate of telemetry
     signing: Literal["off", "accept", "required"] = "off"
-    key_file: str = ""  # of mode 0600; the key that SETUP_SIGNING has brought where it is empty
-    trusted: bool | None = None  # whether SETUP_SIGNING may come over it; unless said, loopback may
-    local_networks: tuple[str, ...] = ()  # of udpin: nobody forges addresses there, such as 192.168.1.0/24
-    radio: bool | None = None  # a slow line that reports on itself; unless said, a serial line is one
-    max_bytes_s: NonNegative = 0.0  # 0: a radio's is worked out from its baud rate, others have no limit
+    key_file: str = ""  # with mode 0600; if empty, the key set by SETUP_SIGNING
+    trusted: bool | None = None  # whether SETUP_SIGNING is accepted; default: on loopback only
+    # for udpin: networks without forged addresses, such as 192.168.1.0/24
+    local_networks: tuple[str, ...] = ()
+    radio: bool | None = None  # a slow line that reports its status; default: serial lines
+    max_bytes_s: NonNegative = 0.0  # 0: derived from a radio's baud rate, otherwise unlimited
     max_hz: dict[str, Positive] = msgspec.field(default_factory=dict)
-    allow: tuple[str, ...] = ()  # nothing but these
+    allow: tuple[str, ...] = ()  # only these
     deny: tuple[str, ...] = ()
-    stale_s: NonNegative = 0.0  # drop what has waited longer for room; 0: 1 s on a radio, else do not wait
+    stale_s: NonNegative = 0.0  # drop what has waited longer; 0: 1 s on a radio, otherwise do not wait
 
 
 class Identity(Section, frozen=True):
-    """Who the boat is on the MAVLink network, and who its operator may be (0: any ground station).
+    """MAVLink ids of the boat and of its operator (0: any ground station).
 
-    only_operator: nobody else may change anything, other than programs with the boat's own system id. Without
-    it the operator's id decides whose silence sets off a failsafe and who may hold the sticks, no more.
+    only_operator: others may change nothing, except programs with the boat's own system id. Without it the
+    operator's id only selects whose silence triggers a failsafe and who may steer manually.
     """
 
-    system_id: SystemId = 1
+    system_id: SystemId = 1  # 0: the first vehicle heard
     operator_system_id: Annotated[int, Meta(ge=0, le=255)] = 0
     only_operator: bool = False
 
@@ -63,16 +64,16 @@ class Identity(Section, frozen=True):
 class Heading(Section, frozen=True):
     """Heading PID in the paper's form, Gc = Kp (1 + 1/(Ti s) + Td s), given as Kp, Ki = Kp/Ti, Kd = Kp Td.
 
-    Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad. So from cruise
-    speed on; at rest in the water all are slow_gain times as high, in between in proportion.
+    Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad. The gains apply
+    from cruise speed upwards; at rest they are multiplied by slow_gain, linear in between.
     """
 
     kp: NonNegative = 4.0
     ki: NonNegative = 1.0
     kd: NonNegative = 3.0
-    integral_band_rad: NonNegative = 0.15  # the integral learns this near to a steady heading; 0: always
+    integral_band_rad: NonNegative = 0.15  # the integral is active within this error; 0: always
     max_steering: Share = 1.0
-    slow_gain: Annotated[float, Meta(ge=0.2, le=5.0)] = 1.0  # 1: the same gains at every speed
+    slow_gain: Annotated[float, Meta(ge=0.2, le=5.0)] = 1.0  # 1: constant gains
 
 
 class Speed(Section, frozen=True):
@@ -86,10 +87,10 @@ class Speed(Section, frozen=True):
 
 
 class MotorLimits(Section, frozen=True):
-    """The gate's limits, and how long a thrust command stays good."""
+    """Limits of the gate, and the lifetime of a thrust command."""
 
     slew_per_s: Positive = 4.0  # full scale per second; reversal passes through zero
-    deadband: Share = 0.0  # commands below this share are not sent: the propeller would only hum
+    deadband: Share = 0.0  # smaller commands are not sent: the propeller would only hum
     command_timeout_s: Positive = 0.5
     estimate_timeout_s: Positive = 3.0
 
@@ -99,8 +100,8 @@ class Guidance(Section, frozen=True):
 
     waypoint_radius_m: Positive = 2.0
     lookahead_m: Positive = 3.0
-    accel_m_s2: Positive = 0.4  # used to slow down for a corner or the end
-    corner_accel_m_s2: Positive = 0.8  # centripetal: how hard a corner may be taken
+    accel_m_s2: Positive = 0.4  # deceleration for corners and stops
+    corner_accel_m_s2: Positive = 0.8  # centripetal acceleration in corners
     min_speed_m_s: Positive = 0.4  # slowest speed with steerage way
     pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = (
         1.05  # heading error beyond which it turns on the spot
@@ -109,7 +110,7 @@ class Guidance(Section, frozen=True):
 
 
 class Mission(Section, frozen=True):
-    """Limits and habits of missions."""
+    """Limits and options of missions."""
 
     max_items: Annotated[int, Meta(ge=1, le=65535)] = 5000
     max_fence_items: Annotated[int, Meta(ge=1, le=65535)] = 1000
@@ -119,42 +120,43 @@ class Mission(Section, frozen=True):
 
 
 class Modes(Section, frozen=True):
-    """Habits of the modes beyond missions: ACRO, STEERING, SIMPLE, CIRCLE, SMART_RTL, GUIDED."""
+    """Options of ACRO, STEERING, SIMPLE, CIRCLE, SMART_RTL and GUIDED."""
 
     turn_rate_rad_s: Positive = 0.8  # full stick in ACRO
-    simple_type: Annotated[int, Meta(ge=0, le=1)] = 0  # the stick's "ahead": 0 as the bow was, 1 north
+    simple_type: Annotated[int, Meta(ge=0, le=1)] = 0  # direction of "ahead": 0 the initial heading, 1 north
     circle_radius_m: Positive = 10.0
     circle_speed_m_s: NonNegative = 0.0  # 0: cruise speed
-    circle_direction: Annotated[int, Meta(ge=0, le=1)] = 0  # 0 clockwise, 1 the other way
-    trail_accuracy_m: Positive = 1.0  # how far the remembered track may be from the one sailed
+    circle_direction: Annotated[int, Meta(ge=0, le=1)] = 0  # 0 clockwise, 1 counter-clockwise
+    trail_accuracy_m: Positive = 1.0  # largest deviation of the recorded track
     trail_points: Annotated[int, Meta(ge=10, le=5000)] = 500
-    set_point_timeout_s: Positive = 3.0  # a velocity or attitude in GUIDED goes stale after this
+    set_point_timeout_s: Positive = 3.0  # lifetime of a velocity or attitude in GUIDED
 
 
 class Follow(Section, frozen=True):
-    """Whom FOLLOW follows, and from where."""
+    """Target and offset of FOLLOW."""
 
     system_id: Annotated[int, Meta(ge=0, le=255)] = 0  # 0: the first vehicle heard
-    max_distance_m: NonNegative = 100.0  # 0: however far
-    offset_type: Annotated[int, Meta(ge=0, le=1)] = 1  # 0 north and east, 1 ahead and to starboard of it
+    max_distance_m: NonNegative = 100.0  # 0: no limit
+    # 0 north and east, 1 ahead and to starboard of the target
+    offset_type: Annotated[int, Meta(ge=0, le=1)] = 1
     offset_x_m: float = -10.0
     offset_y_m: float = 0.0
-    gain_per_s: Positive = 0.3  # speed added for each metre behind
-    timeout_s: Positive = 3.0
+    gain_per_s: Positive = 0.3  # speed per metre of distance behind
+    timeout_s: Positive = 3.0  # of either source
 
 
 class Arming(Section, frozen=True):
-    """What must be well before the motors may turn."""
+    """Arming checks."""
 
     check: bool = True
     min_fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
     max_hdop: Positive = 2.5
     battery_min_v: NonNegative = 10.5
-    repeat_s: Positive = 30.0  # between two reports of what keeps the boat from arming
+    repeat_s: Positive = 30.0  # between two PreArm reports
 
 
 class BatteryPack(Section, frozen=True):
-    """The pack: 3S LiPo by default."""
+    """The battery pack: 3S LiPo by default."""
 
     capacity_mah: Positive = 2200.0
     cells: Annotated[int, Meta(ge=1, le=10)] = 3
@@ -163,7 +165,7 @@ class BatteryPack(Section, frozen=True):
 
 
 class Trim(Section, frozen=True):
-    """What is taken out of the heading sensor's readings. Stations have it measured."""
+    """Corrections of the heading sensor, set by calibration."""
 
     heading_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0  # added
     gyro_bias_rad_s: Annotated[float, Meta(ge=-0.2, le=0.2)] = 0.0  # subtracted
@@ -173,9 +175,9 @@ class External(Section, frozen=True):
     """Position, heading and obstacles over MAVLink: GPS_INPUT, VISION_POSITION_ESTIMATE, ODOMETRY,
     OBSTACLE_DISTANCE, DISTANCE_SENSOR.
 
-    position, heading: 0 never, 1 while the boat's own part is silent, 2 before it. Local poses are measured
-    from the origin (0, 0: as SET_GPS_GLOBAL_ORIGIN says, else where the boat's own frame lies); north_rad is
-    where their x axis points, clockwise from true north.
+    position, heading: 0 never, 1 while the boat's own sensor is silent, 2 preferred. Local poses are relative
+    to the origin (0, 0: as set by SET_GPS_GLOBAL_ORIGIN, else the origin of the boat's frame); north_rad is
+    the direction of their x axis, clockwise from true north.
     """
 
     position: Annotated[int, Meta(ge=0, le=2)] = 0
@@ -188,38 +190,38 @@ class External(Section, frozen=True):
 
 
 class Mavlink(Section, frozen=True):
-    """Timers of the protocol machines. They run on the boat's clock."""
+    """Timers of the protocol machines, on the boat's clock."""
 
-    retry_s: Positive = 0.5  # what we have offered, and nobody has asked for, is offered again after this
-    item_retry_s: Positive = 0.25  # a lost mission item is asked for again after this, as the guide has it
+    retry_s: Positive = 0.5  # period of retransmission
+    item_retry_s: Positive = 0.25  # period of requests for a lost mission item, as in the MAVLink guide
     retries: Annotated[int, Meta(ge=1)] = 10
     stream_hz: NonNegative = 4.0  # telemetry before anyone has asked for rates
 
 
 class StorageSetting(Section, frozen=True):
-    """Where missions and parameters live. An empty folder keeps them in memory only.
+    """Where missions and parameters are stored. An empty folder keeps them in memory only.
 
-    status_file is what `boat-companion links` reads, written once a second, best on a file system in memory;
-    empty: status.json in the folder.
+    status_file is read by `boat-companion links`; it is written once a second, best on a file system in
+    memory. Empty: status.json in the folder.
     """
 
     folder: str = ""
     status_file: str = ""
-    # what stations may leave in `files` altogether, in at most 1000 files and folders; 0: they may only read
+    # quota of stations in `files`, in at most 1000 files and folders; 0: read only
     files_mb: NonNegative = 64.0
 
 
 class Log(Section, frozen=True):
-    """The boat's own log and the links' telemetry logs, in `logs` of the storage folder."""
+    """The onboard log and the telemetry logs, in `logs` of the storage folder."""
 
     onboard: bool = True
-    disarmed: bool = False  # from boot on; else from arming until after_disarm_s after disarming
+    disarmed: bool = False  # log from boot; otherwise from arming until after_disarm_s after disarming
     after_disarm_s: NonNegative = 10.0
     motion_hz: Annotated[float, Meta(gt=0.0, le=50.0)] = 10.0
     status_hz: Annotated[float, Meta(gt=0.0, le=50.0)] = 1.0
-    quota_mb: Annotated[float, Meta(ge=1.0)] = 1000.0  # of all logs together; the oldest are removed first
-    min_free_mb: NonNegative = 200.0  # no log is begun with less room on the medium
-    tlog: bool = False  # every frame of every link
+    quota_mb: Annotated[float, Meta(ge=1.0)] = 1000.0  # of all logs; the oldest are removed first
+    min_free_mb: NonNegative = 200.0  # required free space to begin a log
+    tlog: bool = False  # all frames of all links
 
 
 class BoatConfig(Section, frozen=True):
@@ -252,7 +254,7 @@ class BoatConfig(Section, frozen=True):
 
     @property
     def link_settings(self) -> tuple[LinkConfig, ...]:
-        """The links, those that are a url alone with every other setting as it comes."""
+        """The links; a plain url has default settings."""
         return tuple(LinkConfig(url=link) if isinstance(link, str) else link for link in self.links)
 
 
@@ -260,7 +262,7 @@ def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
     """Build the configuration from a TOML tree.
 
     Raises:
-        ConfigError: names the source, the key and what was expected there.
+        ConfigError: names the source, the key and the expected value.
     """
     try:
         return msgspec.convert(dict(tree), BoatConfig)
@@ -272,7 +274,7 @@ def load_config(path: Path) -> BoatConfig:
     """Read a TOML file.
 
     Raises:
-        ConfigError: no such file, not TOML (names the line), or a key that cannot be used.
+        ConfigError: no such file, not TOML (names the line), or an invalid key.
     """
     return decode_config(load_toml(path), str(path))
 

@@ -1,13 +1,13 @@
 """The packed parameter file `@PARAM/param.pck`: all parameters in a few blocks of a file transfer.
 
-Format after the MAVLink guide, "Parameters over MAVLink FTP". A header of three 16-bit numbers (magic,
-entries that follow, parameters that there are; in an upload the file's length instead), then an entry each:
+Format after the MAVLink guide, "Parameters over MAVLink FTP". A header of three 16-bit numbers (magic, number
+of entries, total number of parameters; in an upload the file's length instead), then the entries:
 
     type and flags | shared and new length of the name | new part of the name | value | default
 
-The type is the low half of its byte, the flag "a default follows" bit 4. The shared length is the low half of
-the second byte, the new length less one the high half. Zeros before an entry are padding, put there so that a
-value never lies across two blocks.
+The type is the low half of its byte; bit 4 is the flag "a default follows". The shared length is the low half
+of the second byte, the new length less one the high half. Zeros before an entry are padding, so that a value
+never spans two blocks.
 """
 
 import struct
@@ -25,12 +25,13 @@ _MAGIC, _MAGIC_DEFAULTS = 0x671B, 0x671C
 _HAS_DEFAULT = 0x10
 _SHARED_MAX = 15
 # ArduPilot's own numbers of types, not MAV_PARAM_TYPE
+# ArduPilot's own type numbers, not MAV_PARAM_TYPE
 _TYPES = {ParameterType.INT8: 1, ParameterType.INT16: 2, ParameterType.INT32: 3, ParameterType.REAL32: 4}
 _VALUES = {1: struct.Struct("<b"), 2: struct.Struct("<h"), 3: struct.Struct("<i"), 4: struct.Struct("<f")}
 
 
 class PackError(ValueError):
-    """What is no packed parameter file; says where and why."""
+    """Not a packed parameter file; says where and why."""
 
 
 class PackedParameter(NamedTuple):
@@ -43,7 +44,7 @@ class PackedParameter(NamedTuple):
 
 
 def entries_of(parameters: Parameters) -> list[PackedParameter]:
-    """All parameters as they are now, in the order of their indexes."""
+    """All parameters with their present values, in order of index."""
     return [
         PackedParameter(row.name, row.kind, parameters.value(row), parameters.default(row))
         for row in parameters.rows
@@ -51,8 +52,7 @@ def entries_of(parameters: Parameters) -> list[PackedParameter]:
 
 
 def pack(entries: Sequence[PackedParameter], total: int, *, with_defaults: bool = False) -> bytes:
-    """The file of these entries; total is how many parameters there are. A default equal to its value is left
-    out, which stands for just that."""
+    """The file of these entries; total: number of parameters. A default equal to the value is omitted."""
     file = bytearray(_HEADER.pack(_MAGIC_DEFAULTS if with_defaults else _MAGIC, len(entries), total))
     last = ""
     for name, kind, value, default in entries:
@@ -74,12 +74,12 @@ def pack(entries: Sequence[PackedParameter], total: int, *, with_defaults: bool 
 
 
 def _common(one: str, other: str) -> int:
-    """How many characters two names begin with alike."""
+    """Length of the common prefix."""
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
 
 
 def _fitting(kind: ParameterType, value: float) -> float:
-    """What the type can hold: a configuration may go beyond it, and one value must not cost all others."""
+    """The value limited to the range of its type."""
     if kind is ParameterType.REAL32:
         return value
     limit = {ParameterType.INT8: 0x7F, ParameterType.INT16: 0x7FFF, ParameterType.INT32: 0x7FFFFFFF}[kind]
@@ -87,10 +87,10 @@ def _fitting(kind: ParameterType, value: float) -> float:
 
 
 def unpack_upload(file: bytes) -> list[tuple[str, float]]:
-    """Names and values of a file that a station sends to set many at once.
+    """Names and values of an uploaded file.
 
     Raises:
-        PackError: cut short, of another length than its header says, or with an entry that cannot be.
+        PackError: truncated, a length other than in the header, or an invalid entry.
     """
     if len(file) < _HEADER.size:
         raise PackError(f"{len(file)} bytes are too few for a parameter file")

@@ -1,4 +1,4 @@
-"""Names of the values of parameters that are a choice or a set of bits, as stations show them.
+"""Names of the values of enumerated and bit-mask parameters, as shown by stations.
 
 Numbers are ArduPilot Rover's where the parameter has its name.
 """
@@ -22,7 +22,7 @@ STUCK_ACTIONS: Names = (*ACTIONS, (7, "Clear the propellers"))
 MOTOR_ACTIONS: Names = (*STUCK_ACTIONS, (8, "Test the motors one by one"))
 GROUND_ACTIONS: Names = (*MOTOR_ACTIONS, (9, "Get off the shore by turning"))
 RC_FAILSAFES: Names = ((0, "Disabled"), (1, "Enabled"), (2, "Enabled, but a mission continues"))
-RESUMPTIONS: Names = ((0, "Forget it"), (1, "MISSION_START resumes it"), (2, "Resume without being asked"))
+RESUMPTIONS: Names = ((0, "Forget it"), (1, "MISSION_START resumes it"), (2, "Resume automatically"))
 
 MODES: Names = (
     (0, "Manual"),
@@ -44,19 +44,19 @@ SWITCHES: Names = ((0, "Do nothing"), (ARM_DISARM, "Arm or disarm"))
 # QGroundControl's Frame page leaves out the first entry: for it, that is the undefined class
 FRAME_CLASSES: Names = ((0, "Undefined"), (2, "Boat"))
 ARMING_CHECKS: Names = ((0, "All"),)
-AVOIDED: Names = ((0, "Fence"), (1, "What the rangers see"), (2, "No effect"))
+AVOIDED: Names = ((0, "Fence"), (1, "Rangers"), (2, "No effect"))
 FENCE_PARTS: Names = ((0, "No effect"), (1, "Circle around home"), (2, "Uploaded polygons and circles"))
 
 EXTERNAL_USES: Names = (
     (0, "Never"),
-    (1, "While the boat's own part is silent"),
-    (2, "In preference to the boat's own part"),
+    (1, "While the boat's own sensor is silent"),
+    (2, "Preferred to the boat's own sensor"),
 )
 OBSTACLE_USES: Names = ((0, "Ignored"), (1, "Added to the boat's own sonar"))
 LOG_BACKENDS: Names = ((0, "None"), (1, "File"))
 LOG_TIMES: Names = ((0, "While armed"), (1, "From boot"))
 MISSION_ENDS: Names = ((0, "HOLD"), (1, "LOITER"))
-OBSTACLE_ACTIONS: Names = ((0, "Stop before it"), (1, "Go round it"))
+OBSTACLE_ACTIONS: Names = ((0, "Stop before it"), (1, "Go around it"))
 OFFSET_AXES: Names = ((0, "North and east"), (1, "Ahead and to starboard"))
 SIGHT_LIMITS: Names = ((0, "Never"), (1, "Always"), (2, "For a while after an unexpected obstacle"))
 SIMPLE_DIRECTIONS: Names = ((0, "Heading at the start"), (1, "North"))

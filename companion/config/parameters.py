@@ -1,11 +1,10 @@
 """MAVLink parameters: rows over the configuration tree.
 
-One table (`params_table.py`) names every parameter. A row either stands for a field of the configuration,
-with a scale where Rover's unit differs, or is kept for the ground stations' sake: a constant that
-QGroundControl insists on, or a value that it writes and reads back. Names are ArduPilot Rover's where the
-meaning is the same.
+One table (`parameter_table.py`) lists all parameters. A row stands for a field of the configuration, scaled
+where Rover's unit differs, or exists for ground stations only: a constant that QGroundControl requires, or a
+value that it writes and reads back. Names are ArduPilot Rover's where the meaning is the same.
 
-Values that differ from their defaults are kept as text, one `NAME VALUE` a line, which QGroundControl,
+Values that differ from their defaults are stored as text, one `NAME VALUE` per line, which QGroundControl,
 MAVProxy and Mission Planner read as a parameter file.
 """
 
@@ -27,12 +26,12 @@ from companion.persistence.storage import Saving, Storage
 logger = logging.getLogger(__name__)
 
 _FILE = "params.parm"
-_LONGEST_TOLD = 40  # characters of a line that cannot be read
-_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
+_LONGEST_TOLD = 40  # characters quoted of an unreadable line
+_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # largest 32-bit float
 
 
 class ParameterType(IntEnum):
-    """MAV_PARAM_TYPE, as far as the table uses it."""
+    """MAV_PARAM_TYPE, as far as used."""
 
     INT8 = 2
     INT16 = 4
@@ -42,7 +41,7 @@ class ParameterType(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A parameter that selects one setting of a field: it is `value` while the field is `setting`, else 0."""
+    """A parameter that selects one value of a field: it is `value` while the field is `setting`, else 0."""
 
     setting: int
     value: int
@@ -50,11 +49,11 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
-    """One parameter. `path` is a field of the configuration; without one the row keeps `default` itself.
+    """One parameter. `path`: a field of the configuration; without one the row keeps its own value.
 
-    value = field × scale. read_only rows are documented constants. values: all that it may be, where it is a
-    choice. bits: of a sum of bits. decimals: that stations show of a REAL32. needs_restart: a change holds
-    from the next start of the program on.
+    value = field × scale. read_only rows are documented constants. values: the allowed values of an
+    enumeration. bits: of a bit mask. decimals: shown by stations for a REAL32. needs_restart: effective from
+    the next start.
     """
 
     name: str
@@ -80,15 +79,16 @@ class ParameterRow:
 
 @dataclass(frozen=True, slots=True)
 class ParameterHook:
-    """A parameter over something outside the configuration: `turn` is called with each new value."""
+    """A parameter outside the configuration: `apply` is called with each new value."""
 
     row: ParameterRow
     apply: Callable[[float], None]
 
 
 class Stored(NamedTuple):
-    """A save has ended. values: of what was changed with it, as saved; counts: how often each was changed;
-    error: why the save failed, or empty."""
+    """A finished save. values: as saved; counts: number of changes of each; error: why it failed, or
+    empty.
+    """
 
     values: dict[str, float]
     counts: Counter[str]
@@ -96,7 +96,7 @@ class Stored(NamedTuple):
 
 
 class Parameters:
-    """The live values: a frozen configuration, replaced whole at each change, and rows without a field."""
+    """The live values: a frozen configuration, replaced at each change, and rows without a field."""
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class Parameters:
         storage: Storage,
         parameter_hooks: Sequence[ParameterHook] = (),
     ) -> None:
-        """knobs: further parameters, which the hardware brings along."""
+        """parameter_hooks: further parameters of the hardware."""
         if parameter_hooks:
             rows = tuple(sorted((*rows, *(hook.row for hook in parameter_hooks)), key=lambda row: row.name))
         self.config = config
@@ -114,24 +114,24 @@ class Parameters:
         self._storage = storage
         self._index = {row.name: index for index, row in enumerate(rows)}
         self._kept = {row.name: row.default for row in rows if not row.path}
-        self.loss = ""  # what of the stored values is lost, and what is in use instead
+        self.loss = ""  # what stored values are lost, and what is used instead
         self._savings: list[tuple[Saving, dict[str, float], Counter[str]]] = []  # oldest first; see Stored
         self._defaults = [self.value(row) for row in rows]
         self._load()
 
     def index_of(self, name: str) -> int | None:
-        """Where a parameter stands in the list, None when there is no such one."""
+        """Index of a parameter, or None."""
         return self._index.get(name)
 
     def sharing(self, name: str) -> list[int]:
-        """Where this parameter stands, and the others over the same field, which change with it."""
+        """Indexes of this parameter and of the others over the same field."""
         path = self.rows[self._index[name]].path if name in self._index else ""
         return [
             index for index, row in enumerate(self.rows) if row.name == name or (path and row.path == path)
         ]
 
     def value(self, row: ParameterRow) -> float:
-        """The value as stations see it: a whole number or a 32-bit float, which is all the wire carries."""
+        """The value as stations see it: a whole number or a 32-bit float."""
         if not row.path:
             return _as_float32(self._kept[row.name])
         if row.choice is not None:
@@ -141,27 +141,25 @@ class Parameters:
         return _as_float32(value if row.kind is ParameterType.REAL32 else round(value))
 
     def default(self, row: ParameterRow) -> float:
-        """The value before any station has changed it: the configuration file's."""
+        """The value of the configuration file."""
         return self._defaults[self._index[row.name]]
 
     def set(self, name: str, value: float) -> str:
-        """Change a parameter and begin to keep it. Returns why not, in words for the operator; empty when it
-        has changed."""
+        """Change a parameter and start saving it. Returns the reason for a refusal, or an empty string."""
         reason = self._change(name, value)
         if not reason:
             self._save([self.rows[index].name for index in self.sharing(name)])
         return reason
 
     def set_many(self, values: Iterable[tuple[str, float]]) -> list[str]:
-        """Change several and keep them with one save; those that do not exist are passed over. Returns why
-        not for each that was refused."""
+        """Change several with one save; unknown names are ignored. Returns the reasons for refusals."""
         before = self._values()
         reasons = [self._change(name, value) for name, value in values if name in self._index]
         self._save(self._changed_since(before))
         return [reason for reason in reasons if reason]
 
     def reset(self) -> None:
-        """Go back to the defaults, and keep that."""
+        """Restore and save the defaults."""
         before = self._values()
         for row, default in zip(self.rows, self._defaults, strict=True):
             if not row.read_only and self.value(row) != default:
@@ -169,11 +167,11 @@ class Parameters:
         self._save(self._changed_since(before))
 
     def is_unsaved(self, name: str) -> bool:
-        """Whether the medium does not have the present value yet; `take_stored` will name it."""
+        """Whether the present value is not yet stored; `poll_saves` will report it."""
         return any(name in values and not saving.is_done() for saving, values, _ in self._savings)
 
     def poll_saves(self) -> list[Stored]:
-        """The saves that have ended since the last call. To be asked every tick."""
+        """The saves that have finished since the last call. Call it every tick."""
         ended: list[Stored] = []
         while self._savings and self._savings[0][0].is_done():
             saving, values, counts = self._savings.pop(0)
@@ -224,7 +222,7 @@ class Parameters:
             return value != 0.0
         if isinstance(current, int):
             return round(value / row.scale)
-        # 0.1 arrives as 0.10000000149: the shortest decimal with the same 32 bits is what was meant
+        # 0.1 arrives as 0.10000000149: use the shortest decimal with the same 32 bits
         return float(shortest(value)) / row.scale
 
     def _save(self, names: list[str]) -> None:
@@ -234,7 +232,7 @@ class Parameters:
             if self.value(row) != default
         ]
         saving = self._storage.save(_FILE, ("\n".join(lines) + "\n").encode())
-        if not self._savings or self._savings[-1][0] is not saving:  # else one write is for both
+        if not self._savings or self._savings[-1][0] is not saving:  # otherwise one write covers both
             self._savings.append((saving, {}, Counter()))
         _, values, counts = self._savings[-1]
         values.update({name: self.value(self.rows[self._index[name]]) for name in names})
@@ -261,13 +259,13 @@ class Parameters:
 
 
 def _as_float32(value: float) -> float:
-    value = max(-_LARGEST, min(value, _LARGEST))  # a scale may lead beyond
+    value = max(-_LARGEST, min(value, _LARGEST))  # a scale may exceed the range
     result: float = struct.unpack("<f", struct.pack("<f", value))[0]
     return result
 
 
 def shortest(value: float) -> str:
-    """The shortest decimal that reads back as the same 32-bit float."""
+    """The shortest decimal with the same 32-bit float."""
     for digits in range(1, 10):
         short = float(f"{value:.{digits}g}")
         if _as_float32(short) == _as_float32(value):

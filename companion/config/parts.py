@@ -1,4 +1,4 @@
-"""Configuration of the boat's parts: which driver moves which, on which pins and ports."""
+"""Configuration of the hardware: drivers, pins and ports."""
 
 import math
 from typing import Annotated, Literal
@@ -9,7 +9,7 @@ from companion.config.section import NonNegative, Positive, Section
 
 
 class MotorsPart(Section, frozen=True):
-    """Pins in BCM numbers."""
+    """The motor driver. Pins in BCM numbers."""
 
     driver: Literal["l298n", "none"] = "none"
     left_forward: int = 5
@@ -18,14 +18,14 @@ class MotorsPart(Section, frozen=True):
     right_forward: int = 20
     right_backward: int = 21
     right_enable: int = 13
-    pwm_hz: Annotated[int, Meta(ge=50, le=10000)] = 1000  # lgpio goes no higher
+    pwm_hz: Annotated[int, Meta(ge=50, le=10000)] = 1000  # the maximum of lgpio
     dead_time_s: NonNegative = 0.02
     left_reversed: bool = False
     right_reversed: bool = False
 
 
 class GnssPart(Section, frozen=True):
-    """An NMEA 0183 receiver. latency_s: the shortest time from a measurement to its first sentence."""
+    """An NMEA 0183 receiver. latency_s: shortest time from measurement to first sentence."""
 
     driver: Literal["nmea", "none"] = "none"
     port: str = "/dev/serial0"
@@ -34,7 +34,7 @@ class GnssPart(Section, frozen=True):
 
 
 class CompassPart(Section, frozen=True):
-    """A heading sensor: NMEA 0183 sentences, or a BNO055 on I²C. The correction is added to what it says."""
+    """A heading sensor: NMEA 0183, or a BNO055 on I²C. The correction is added to its heading."""
 
     driver: Literal["nmea", "bno055", "none"] = "none"
     port: str = "/dev/ttyUSB0"
@@ -44,7 +44,7 @@ class CompassPart(Section, frozen=True):
 
 
 class SonarPart(Section, frozen=True):
-    """HC-SR04 style ranger, fixed or on a sweeping servo."""
+    """HC-SR04 ranger, fixed or on a sweeping servo."""
 
     driver: Literal["hcsr04", "none"] = "none"
     trigger: int = 23
@@ -64,7 +64,7 @@ class BatteryPart(Section, frozen=True):
 
 
 class HullPart(Section, frozen=True):
-    """The computer's thermometer, and a switch that closes to ground when the hull is wet."""
+    """The computer's thermometer, and a leak switch that closes to ground."""
 
     driver: Literal["host", "none"] = "none"
     thermometer: str = "/sys/class/thermal/thermal_zone0/temp"
@@ -72,7 +72,7 @@ class HullPart(Section, frozen=True):
 
 
 class Parts(Section, frozen=True):
-    """Which driver moves which part of this boat."""
+    """The hardware of the boat."""
 
     motors: MotorsPart = MotorsPart()
     gnss: GnssPart = GnssPart()

@@ -1,4 +1,4 @@
-"""The radio control receiver: how it is connected, and what each channel of the transmitter means."""
+"""The RC receiver, and the meaning of the transmitter's channels."""
 
 from typing import Annotated, Literal
 
@@ -13,9 +13,9 @@ ModeNumber = Literal[0, 1, 3, 4, 5, 6, 7, 9, 10, 11, 12, 15]
 
 
 class RcChannel(Section, frozen=True):
-    """A stick's channel, in µs of its pulse: both ends, where it rests, and how far off that counts as rest.
+    """A stick channel in µs of pulse width: end points, trim, and dead zone.
 
-    A throttle without reverse rests at its minimum.
+    A throttle without reverse has its trim at the minimum.
     """
 
     min_us: Pulse = 1000
@@ -28,12 +28,12 @@ class RcChannel(Section, frozen=True):
 class Rc(Section, frozen=True):
     """A receiver on a UART, and the transmitter's sticks and switches. Channels count from 1; 0: none.
 
-    failsafe_us: a throttle pulse below this is a receiver that has lost its transmitter; 0: it never is.
+    failsafe_us: a shorter throttle pulse means a lost transmitter; 0: never.
     """
 
     driver: Literal["crsf", "ibus", "sbus", "none"] = "none"
     port: str = "/dev/ttyAMA4"
-    timeout_s: Positive = 0.5  # without a good frame for so long, the transmitter is lost
+    timeout_s: Positive = 0.5  # without a good frame the transmitter is lost
     failsafe_us: Annotated[int, Meta(ge=0, le=1100)] = 910
     steering_channel: StickChannel = 1
     throttle_channel: StickChannel = 3

@@ -1,4 +1,4 @@
-"""What every table of a TOML file has in common: strict keys, finite numbers, and the usual ranges."""
+"""Base of all TOML tables: strict keys, finite numbers, common ranges."""
 
 from collections.abc import Sequence
 from typing import Annotated, TypeVar
@@ -12,7 +12,7 @@ Positive = Annotated[float, Meta(gt=0.0)]
 SystemId = Annotated[int, Meta(ge=1, le=255)]
 
 
-_FLOAT32_MAX = 3.4028234663852886e38  # all that a MAVLink parameter can carry
+_FLOAT32_MAX = 3.4028234663852886e38  # limit of a MAVLink parameter
 
 
 class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -33,10 +33,10 @@ S = TypeVar("S", bound=Section)
 
 
 def replaced(table: S, path: Sequence[str], value: object) -> S:
-    """A copy of a table in which one value differs. path: the names of the tables within it, then the key.
+    """A copy of a table with one value changed. path: names of the nested tables, then the key.
 
     Raises:
-        LookupError: no such key, or it names a whole table.
+        LookupError: no such key, or it names a table.
         msgspec.ValidationError: a value outside the key's type or range.
     """
     name, *rest = path

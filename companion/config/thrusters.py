@@ -1,4 +1,4 @@
-"""How the two thrusters answer their commands: measured afloat by the thruster calibration."""
+"""Response of the two thrusters, measured by the thruster calibration."""
 
 from typing import Annotated
 
@@ -12,10 +12,10 @@ Asymmetry = Annotated[float, Meta(ge=1.0, le=10.0)]
 
 
 class Thrusters(Section, frozen=True):
-    """All shares of full command. As they come, a thruster is given what is asked of it.
+    """Shares of full command. By default commands are passed unchanged.
 
-    A dead band is the least command that moves water, of each side ahead and astern. The gain of the stronger
-    side is below 1, so that both pull alike. asymmetry: how many times more command the same thrust takes
+    A dead band is the least command that gives thrust, per side, ahead and astern. The gain of the stronger
+    side is below 1, so that both are equal. asymmetry: how many times more command the same thrust takes
     astern.
     """
 

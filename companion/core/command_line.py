@@ -1,4 +1,4 @@
-"""How a program's command line ends: one line for what went wrong, and the exit code that goes with it.
+"""Common end of a command-line program: one line for an error, and the exit code.
 
 0 done, 1 the job failed, 2 wrong usage or input, 3 no vehicle or link, 130 interrupted.
 """
@@ -32,17 +32,17 @@ Version = Annotated[
 
 
 class PortInUseError(BoatError):
-    """Another program has the port: the command line asks for what cannot be had."""
+    """Another program uses the port."""
 
     exit_code = 2
 
 
 @contextmanager
 def busy_port_explained(advice: str) -> Iterator[None]:
-    """Say what to do about a port that another program has. advice: how to choose another one here.
+    """Explain what to do about a port in use. advice: how to choose another port.
 
     Raises:
-        PortInUseError: instead of the LinkError that named the port.
+        PortInUseError: in place of the LinkError.
     """
     try:
         yield
@@ -58,9 +58,9 @@ def busy_port_explained(advice: str) -> Iterator[None]:
 def run_app(
     app: typer.Typer, name: str, arguments: Sequence[str], expected: tuple[type[Exception], ...]
 ) -> int:
-    """Run a typer app; returns the exit code. With --debug every error keeps its traceback.
+    """Run a typer app and return the exit code. With --debug every error keeps its traceback.
 
-    expected: roots of errors that a person can mend; each carries its own `exit_code`.
+    expected: roots of the errors that a user can correct; each has its own `exit_code`.
     """
     is_debug, is_json = "--debug" in arguments, "--json" in arguments
     try:
@@ -76,7 +76,7 @@ def run_app(
         if type(error).__name__ == "NoArgsIsHelpError" and message is not None:
             sys.stderr.write(message() + "\n")
             return 2
-        if message is not None:  # typer's own: the arguments could not be understood
+        if message is not None:  # typer's own usage error
             return _end(name, f"{' '.join(message().split())} (see {name} --help)", 2, is_json)
         if is_debug:
             raise

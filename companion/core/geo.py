@@ -1,8 +1,8 @@
 """Geodesy for small waters: WGS 84 positions, a local metric frame, and plane geometry.
 
-The local frame is a transverse Mercator projection of scale 1 at its origin, so a straight line in it is
-a geodesic to within millimetres over 10 km. The series are those of J. P. Snyder, *Map Projections: A
-Working Manual* (USGS PP 1395, 1987), equations 8-9 to 8-18, cut where the next term is below 0.1 mm at 20 km.
+The local frame is a transverse Mercator projection with scale 1 at its origin: a straight line in it is a
+geodesic to within millimetres over 10 km. The series are those of J. P. Snyder, *Map Projections: A Working
+Manual* (USGS PP 1395, 1987), equations 8-9 to 8-18, truncated where the next term is below 0.1 mm at 20 km.
 """
 
 import math
@@ -51,9 +51,9 @@ def _normal_radius_m(lat_rad: float) -> float:
 
 
 class LocalFrame:
-    """North-east metres around an origin, both ways.
+    """North-east metres around an origin, in both directions.
 
-    Good to 1 mm within 20 km of the origin at latitudes up to 85°.
+    Accurate to 1 mm within 20 km of the origin at latitudes up to 85°.
     """
 
     __slots__ = ("_lat0_rad", "_lon0_rad", "_radius0_m", "origin")
@@ -108,12 +108,12 @@ class LocalFrame:
 
 
 def longitude_difference_deg(lon_deg: float, from_deg: float) -> float:
-    """How far east one longitude lies of another, the short way round: in [−180, 180)."""
+    """Eastward difference of two longitudes, the short way around: in [−180, 180)."""
     return (lon_deg - from_deg + 180.0) % 360.0 - 180.0
 
 
 def distance_m(a: Point, b: Point) -> float:
-    """Length of the straight line between two points of one frame."""
+    """Distance of two points of one frame."""
     return math.hypot(b.north_m - a.north_m, b.east_m - a.east_m)
 
 
@@ -123,9 +123,9 @@ def bearing_rad(a: Point, b: Point) -> float:
 
 
 class Line:
-    """The straight line from start on through end, with what is asked of it every tick worked out once.
+    """A straight line from start through end, with precomputed direction.
 
-    A line without length is taken to point north. course_rad is in [−π, π].
+    A line of zero length points north. course_rad is in [−π, π].
     """
 
     __slots__ = ("_cos", "_sin", "course_rad", "end", "length_m", "start")
@@ -139,15 +139,15 @@ class Line:
         self._sin = math.sin(self.course_rad)
 
     def along_and_cross_track_m(self, at: Point) -> tuple[float, float]:
-        """How far `at` lies along the line from its start, and how far to its right (starboard positive)."""
+        """Distance of `at` along the line from its start, and to the right of it (starboard positive)."""
         north, east = at.north_m - self.start.north_m, at.east_m - self.start.east_m
         return north * self._cos + east * self._sin, east * self._cos - north * self._sin
 
     def cross_speed_m_s(self, north_m_s: float, east_m_s: float) -> float:
-        """The part of a velocity that leads to the right of the line."""
+        """The component of a velocity to the right of the line."""
         return east_m_s * self._cos - north_m_s * self._sin
 
 
 def along_and_cross_track_m(start: Point, end: Point, at: Point) -> tuple[float, float]:
-    """As `Line.along_and_cross_track_m`, for a line that is asked only once."""
+    """As `Line.along_and_cross_track_m`, for a single query."""
     return Line(start, end).along_and_cross_track_m(at)

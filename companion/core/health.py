@@ -1,4 +1,4 @@
-"""What is wrong with the estimate, in words for the operator, and whether it may be sailed by."""
+"""Faults of the estimate, as text for the operator, and whether it is usable."""
 
 from typing import Final
 
@@ -23,19 +23,19 @@ _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 
 
 def fault_texts(faults: int) -> list[str]:
-    """A line for each bit of EstimateFault that is set, worst first; empty when nothing is wrong."""
+    """A line for each bit of EstimateFault, worst first; empty without a fault."""
     return [text for fault, text in FAULT_TEXTS if faults & fault] if faults else []
 
 
 def lacks_position(nav: NavState, timeout_s: float) -> bool:
-    """Whether the position is too old or too uncertain to sail by. While the estimator reckons on, it is
-    not: it lets the age stand still until it gives up.
+    """Whether the position is too old or too uncertain. During dead reckoning its age is held until the
+    estimator gives up.
     """
     return bool(nav.faults & _POSITION_LOST) or not nav.position_age_s <= timeout_s
 
 
 def lacks_heading(nav: NavState, timeout_s: float) -> bool:
-    """Whether nothing says where the bow points. The course made good alone does not: a boat cannot be held
-    on a heading by it.
+    """Whether there is no heading. The course over ground alone is not one: it cannot hold a boat on a
+    heading.
     """
     return bool(nav.faults & _HEADING_LOST) or not nav.heading_age_s <= timeout_s

@@ -1,4 +1,4 @@
-"""What the vehicle wants next: the modes' answer, guidance's input."""
+"""Intents: the output of the modes, the input of guidance."""
 
 from dataclasses import dataclass, field
 
@@ -12,7 +12,9 @@ class Stop(Struct, frozen=True):
 
 
 class Drive(Struct, frozen=True):
-    """Thrust by hand, no loop closed. throttle and steering are −1..1; steering is positive to starboard."""
+    """Manual thrust without closed loops. throttle and steering are −1..1; steering is positive to
+    starboard.
+    """
 
     throttle: float
     steering: float
@@ -22,10 +24,9 @@ class Drive(Struct, frozen=True):
 class FollowLeg:
     """Sail the straight line start → end at speed_m_s over ground.
 
-    next_end is where the leg after this one leads: guidance slows for the corner between them. None means
-    that the boat is to stop at `end`. radius_m is how near `end` must be passed, 0 the boat's own radius.
-    onward are the corners from next_end on, where they lie close together, as far as they are known: the boat
-    must be able to stop at the last of them. Empty: nothing is known.
+    next_end: end of the next leg, for which guidance slows down; None: stop at `end`. radius_m: acceptance
+    radius of `end`, 0 for the configured one. onward: the corners after next_end, where they are close
+    together, as far as known; the boat must be able to stop at the last. Empty: unknown.
     """
 
     start: Point
@@ -44,13 +45,13 @@ class FollowLeg:
 
 
 class KeepStation(Struct, frozen=True):
-    """Stay near a point against current and wind."""
+    """Stay near a point in current and wind."""
 
     point: Point
 
 
 class FollowCircle(Struct, frozen=True):
-    """Sail round a point at speed_m_s over ground, and no faster than the turn allows."""
+    """Circle a point at speed_m_s over ground, or as fast as the turn allows."""
 
     centre: Point
     radius_m: float
@@ -59,21 +60,21 @@ class FollowCircle(Struct, frozen=True):
 
 
 class HoldCourse(Struct, frozen=True):
-    """Make good a course over ground, whatever the water does."""
+    """Make good a course over ground."""
 
     course_rad: float
     speed_m_s: float
 
 
 class HoldHeading(Struct, frozen=True):
-    """Point the bow there and make speed along it, negative astern; the water may set the boat aside."""
+    """Hold a heading at a speed along it, negative astern; the boat may drift sideways."""
 
     heading_rad: float
     speed_m_s: float
 
 
 class HoldTurn(Struct, frozen=True):
-    """Turn at a rate, positive to starboard, and make speed along the bow; at rate 0 hold the heading."""
+    """Turn at a rate, positive to starboard, with a speed along the bow; at rate 0 hold the heading."""
 
     yaw_rate_rad_s: float
     speed_m_s: float

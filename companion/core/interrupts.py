@@ -1,7 +1,7 @@
-"""Ctrl-C from a program's first lines to its last: one line and exit code 130, never a traceback.
+"""Ctrl-C at any time: one line and exit code 130, never a traceback.
 
-The programs take a second or more to import. Until that is done, and again while the interpreter shuts down,
-nothing needs cleaning up, and an interrupt ends the process at once. In between it is a KeyboardInterrupt.
+The programs import for a second or more. During imports and interpreter shutdown, nothing needs cleaning up
+and an interrupt ends the process at once. In between it is a KeyboardInterrupt.
 """
 
 import os
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from types import FrameType
 
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+INTERRUPTED = 130  # 128 + SIGINT, as in shells
 
 Run = Callable[[list[str]], int]
 
@@ -18,7 +18,7 @@ Run = Callable[[list[str]], int]
 def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
     """Load a program, run it with the command line's arguments, and return its exit code.
 
-    load: does the slow imports and returns the program. To be called from the main thread, at the very start.
+    load: does the slow imports and returns the program. Call it first, from the main thread.
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # started in the background by a script
         return load()(sys.argv[1:])

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class Mode(IntEnum):
-    """Modes that this boat has. A number that is missing here is refused, never pretended."""
+    """The modes of this boat. Other numbers are refused."""
 
     MANUAL = 0
     ACRO = 1
@@ -21,21 +21,21 @@ class Mode(IntEnum):
 
     @property
     def needs_position(self) -> bool:
-        """Whether the mode steers by the position estimate, be it only for the speed over ground."""
+        """Whether the mode uses the position estimate, if only for the speed over ground."""
         return self not in (Mode.MANUAL, Mode.HOLD)
 
     @property
     def is_by_hand(self) -> bool:
-        """Whether the operator's sticks steer."""
+        """Whether the operator steers manually."""
         return self in (Mode.MANUAL, Mode.ACRO, Mode.STEERING, Mode.SIMPLE)
 
 
 COMES_INSIDE = (Mode.LOITER, Mode.RTL)
-"""Begun outside the fence, they lead back inside first."""
+"""Entered outside the fence, these modes return inside first."""
 
 
 def mode_from_number(number: int) -> Mode | None:
-    """The mode with this Rover number, None where this boat has no such mode."""
+    """The mode with this Rover number, or None."""
     try:
         return Mode(number)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Files that a program writes for its user: whole under their name, or not there."""
+"""Output files: complete under their name, or absent."""
 
 import contextlib
 import os
@@ -11,11 +11,11 @@ from companion.core.errors import OutputError
 
 @contextmanager
 def output_file(path: Path) -> Iterator[Path]:
-    """Where to write what a file is to hold: a name beside it, of the same suffix, that becomes the file's
-    once the block has ended well. Folders on the way are made. Devices and pipes are written to as they are.
+    """Yield a temporary path that becomes the file when the block succeeds. Missing folders are created.
+    Devices and pipes are written directly.
 
     Raises:
-        OutputError: the file cannot be written; it is as it was before.
+        OutputError: the file cannot be written; an existing one is unchanged.
     """
     if path.exists() and not path.is_file():
         with _named(path):
@@ -35,7 +35,7 @@ def output_file(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file of text.
+    """Write a text file.
 
     Raises:
         OutputError: as `output_file`.
@@ -45,10 +45,10 @@ def write_text(path: Path, text: str) -> None:
 
 
 def output_folder(path: Path) -> Path:
-    """Make a folder for files, if need be.
+    """Create a folder if necessary.
 
     Raises:
-        OutputError: it cannot be made.
+        OutputError: it cannot be created.
     """
     with _named(path):
         path.mkdir(parents=True, exist_ok=True)
@@ -57,7 +57,7 @@ def output_folder(path: Path) -> Path:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Name the file in whatever the system says."""
+    """Add the path to system errors."""
     try:
         yield
     except OutputError:

@@ -1,4 +1,4 @@
-"""What stations may ask of the vehicle, and its answer. Services build these; `vehicle` carries them out."""
+"""Requests of stations to the vehicle, and its answer. Services create them, the vehicle executes them."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from companion.core.intent import Hold
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Whether a request was carried out; if not, why, in words for the operator."""
+    """Whether a request was accepted; if not, the reason for the operator."""
 
     accepted: bool
     reason: str = ""
@@ -19,14 +19,14 @@ ACCEPTED = Outcome(True)
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """Let the motors turn. force skips the arming checks."""
+    """Arm the motors. force skips the arming checks."""
 
     force: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Disarm:
-    """Motors off, at once."""
+    """Stop the motors at once."""
 
     reason: str = "by command"
 
@@ -40,14 +40,14 @@ class ChangeMode:
 
 @dataclass(frozen=True, slots=True)
 class StartMission:
-    """Enter AUTO and sail the mission from an item on; None resumes at the current one."""
+    """Enter AUTO and sail the mission from an item; None resumes at the current one."""
 
     first_seq: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class SetCurrentItem:
-    """Make an item of the mission the current one, None: the one that is. reset: jumps begin anew as well."""
+    """Make a mission item the current one; None: the present one. reset: restart the jump counters."""
 
     seq: int | None
     reset: bool = False
@@ -55,7 +55,7 @@ class SetCurrentItem:
 
 @dataclass(frozen=True, slots=True)
 class GoTo:
-    """Sail to a position in GUIDED. change_mode: enter GUIDED if need be, else refuse outside it."""
+    """Sail to a position in GUIDED. change_mode: enter GUIDED if necessary, otherwise refuse outside it."""
 
     position: LatLon
     speed_m_s: float | None = None
@@ -64,30 +64,30 @@ class GoTo:
 
 @dataclass(frozen=True, slots=True)
 class SetPoint:
-    """Hold this in GUIDED, until it goes stale. Outside GUIDED it is refused, without a notice."""
+    """Hold this in GUIDED until it times out. Outside GUIDED it is refused without a message."""
 
     hold: Hold
 
 
 @dataclass(frozen=True, slots=True)
 class ChangeSpeed:
-    """Sail at this speed over ground until the mode or the mission says otherwise."""
+    """Sail at this speed over ground until the mode or mission changes it."""
 
     speed_m_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class SetHome:
-    """Make a position home; None takes where the boat is."""
+    """Set home; None: the present position."""
 
     position: LatLon | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class ManualControl:
-    """The operator's hand at a station. Both −1..1; steering is positive to starboard.
+    """Manual input from a station. Both −1..1; steering is positive to starboard.
 
-    None leaves a stick to the transmitter.
+    None leaves an axis to the RC transmitter.
     """
 
     throttle: float | None
@@ -96,7 +96,7 @@ class ManualControl:
 
 @dataclass(frozen=True, slots=True)
 class OtherVehicle:
-    """Another vehicle says where it is, and how it moves over ground."""
+    """Reported position and motion over ground of another vehicle."""
 
     system_id: int
     position: LatLon

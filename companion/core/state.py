@@ -1,7 +1,6 @@
-"""Values that travel through the boat, from estimation to motors. All frozen, all SI.
+"""Values passed through the boat from estimation to motors. All frozen, all SI.
 
-They are made anew every tick, so they are msgspec structs: frozen dataclasses would cost ten times as much
-to make.
+They are created every tick and therefore msgspec structs: dataclasses cost ten times as much to create.
 """
 
 import math
@@ -13,28 +12,27 @@ from companion.core.geo import Point
 
 
 class EstimateFault(IntFlag):
-    """What is wrong with what the estimate is made of; 0 is nothing."""
+    """Faults of the estimate; 0: none."""
 
-    GNSS_LOST = 1  # no fix, or silent
-    GNSS_FROZEN = 2  # the same position again and again while the boat moves
-    GNSS_JUMPING = 4  # fixes far from where the boat can be
-    COMPASS_LOST = 8  # silent, or the same reading again and again
+    GNSS_LOST = 1  # no fix, or no data
+    GNSS_FROZEN = 2  # constant position while the boat moves
+    GNSS_JUMPING = 4  # fixes outside the gate
+    COMPASS_LOST = 8  # no data, or a constant value
     COMPASS_OFF = 16  # disagrees with the course made good
-    POSITION_LOST = 32  # dead reckoning has gone on for too long to sail by
-    HEADING_LOST = 64  # nothing says any more where the bow points
-    GNSS_LATE = 128  # fixes tell of some time ago, whatever their stamps say; it is reckoned with
-    COMPASS_LATE = 256  # the same of compass and gyro, or readings come seldom: steering stands in between
+    POSITION_LOST = 32  # dead reckoning has lasted too long
+    HEADING_LOST = 64  # no source of heading
+    GNSS_LATE = 128  # fixes have an unreported latency, which is compensated
+    COMPASS_LATE = 256  # the same for compass and gyro, or infrequent readings: the yaw model bridges them
 
 
 class NavState(Struct, frozen=True, gc=False):
-    """The boat's best knowledge of its own motion, in the local frame.
+    """The navigation state in the local frame.
 
-    heading_rad: where the bow points, 0 = north, clockwise positive, in [−π, π).
-    north_m_s, east_m_s, surge_m_s, sway_m_s: over ground. position_age_s and heading_age_s: how old the last
-    accepted measurement is, infinite before the first; while dead reckoning stands in for the receiver, the
-    position grows no older than the receiver's time-out. current_north_m_s, current_east_m_s: the current's
-    velocity over ground, leeway included. position_sigma_m: one standard deviation, per axis. faults:
-    bits of EstimateFault, a plain integer because it is made anew every tick.
+    heading_rad: 0 = north, clockwise positive, in [−π, π). north_m_s, east_m_s, surge_m_s, sway_m_s: over
+    ground. position_age_s and heading_age_s: age of the last accepted measurement, infinite before the first;
+    during dead reckoning the position's age is limited to the receiver's time-out. current_north_m_s,
+    current_east_m_s: current over ground, leeway included. position_sigma_m: standard deviation, per axis.
+    faults: bits of EstimateFault, as a plain integer for speed.
     """
 
     time_s: float
@@ -55,20 +53,19 @@ class NavState(Struct, frozen=True, gc=False):
 
     @property
     def point(self) -> Point:
-        """Where the boat is."""
+        """The position."""
         return Point(self.north_m, self.east_m)
 
     def current_along_m_s(self, course_rad: float) -> float:
-        """How fast water and wind carry the boat that way, negative against it."""
+        """Component of the current along a course, negative against it."""
         return self.current_north_m_s * math.cos(course_rad) + self.current_east_m_s * math.sin(course_rad)
 
 
 class Demand(Struct, frozen=True, gc=False):
-    """What guidance asks of the control loops.
+    """Set-points of the control loops.
 
-    cross_track_m: how far the boat is to the right of its line, for telemetry and metrics only.
-    distance_m: to the end of the leg or the station. yaw_rate_rad_s: how fast heading_rad is about to turn,
-    clockwise positive, for the heading loop to go along with.
+    cross_track_m: distance to the right of the line, for telemetry and metrics only. distance_m: to the end
+    of the leg or the station. yaw_rate_rad_s: rate of heading_rad, clockwise positive, as feed-forward.
     """
 
     heading_rad: float
@@ -79,7 +76,9 @@ class Demand(Struct, frozen=True, gc=False):
 
 
 class PidOutput(Struct, frozen=True, gc=False):
-    """One evaluation of a PID: its terms, feed-forward (ff), their limited sum, whether the limit was met."""
+    """One evaluation of a PID: its terms, feed-forward (ff), their limited sum, and whether it was
+    limited.
+    """
 
     p: float
     i: float
@@ -97,7 +96,7 @@ class Thrust(Struct, frozen=True, gc=False):
 
 
 class MotorCommand(Struct, frozen=True, gc=False):
-    """What the gate lets through to the motors, −1..1 per side."""
+    """Output of the gate to the motors, −1..1 per side."""
 
     left: float
     right: float

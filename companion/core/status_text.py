@@ -1,10 +1,10 @@
-"""Lines for the operator."""
+"""Messages to the operator."""
 
 from typing import Final, NamedTuple
 
 
 class Severity:
-    """MAVLink's MAV_SEVERITY, as far as the boat uses it."""
+    """The values of MAVLink's MAV_SEVERITY in use."""
 
     CRITICAL: Final = 2
     ERROR: Final = 3
@@ -14,7 +14,7 @@ class Severity:
 
 
 class StatusText(NamedTuple):
-    """One line, and how loud it is."""
+    """A message with its severity."""
 
     severity: int
     text: str

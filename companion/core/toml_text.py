@@ -1,20 +1,20 @@
-"""TOML from strangers: what cannot be meant is an error at once, not a hang or a traceback."""
+"""TOML from untrusted sources: pathological input is an error, not a hang or a traceback."""
 
 import re
 import tomllib
 from typing import Any
 
-_MOST_LEVELS = 32  # of tables and lists within each other; no file of ours needs more than six
-# Python's reader takes time with the square of a dotted key's length. (The look-behind and the possessive
-# repetitions keep this search linear.)
+_MOST_LEVELS = 32  # of nested tables and lists; our files need six at most
+# Python's parser is quadratic in the length of a dotted key. (The look-behind and the possessive repetitions
+# keep this search linear.)
 _LONG_KEY = re.compile(rf"(?<![\w\-\"'])(?:[\w\-\"']++[ \t]*+\.[ \t]*+){{{_MOST_LEVELS}}}")
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Read TOML into plain values.
+    """Parse TOML into plain values.
 
     Raises:
-        ValueError: it is not TOML (names the line), nests too deep, or has a number with too many digits.
+        ValueError: not TOML (names the line), nested too deeply, or a number with too many digits.
     """
     if _LONG_KEY.search(text):
         raise ValueError("nesting is too deep")
@@ -23,7 +23,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     except RecursionError:
         raise ValueError("nesting is too deep") from None
     except ValueError as error:
-        if type(error) is ValueError:  # Python's own, of a whole number beyond 4300 digits
+        if type(error) is ValueError:  # an integer beyond 4300 digits
             raise ValueError("a number has too many digits") from None
         raise
     level: list[Any] = [tree]

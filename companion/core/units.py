@@ -19,7 +19,7 @@ def wrap_two_pi(angle_rad: float) -> float:
 
 
 def clamp(value: float, low: float, high: float) -> float:
-    """Limit value to [low, high]; NaN comes out as NaN."""
+    """Limit value to [low, high]; NaN remains NaN."""
     return low if value < low else high if value > high else value
 
 

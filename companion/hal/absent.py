@@ -1,8 +1,8 @@
-"""A receiver and a compass that are not there: the boat is told where it is over MAVLink instead."""
+"""Substitute for a receiver or compass that is not fitted: readings come over MAVLink instead."""
 
 
 class Absent:
-    """Never has a reading. Satisfies `Gnss` and `Compass`."""
+    """Has no readings. Satisfies `Gnss` and `Compass`."""
 
     def read(self) -> None:
         """Nothing."""

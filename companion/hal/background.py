@@ -1,4 +1,4 @@
-"""A thread for a part that makes its reader wait: sonar echoes, serial lines, I²C."""
+"""A thread for a blocking part: sonar echoes, serial lines, I²C."""
 
 import logging
 import threading
@@ -12,8 +12,8 @@ _log = logging.getLogger(__name__)
 class Background:
     """Calls `step` in a daemon thread until closed; step returns the seconds to wait before its next call.
 
-    A step that raises is logged when the trouble begins and tried again after a wait that grows: a loose
-    I²C wire must not end the thread, and a part that comes back is read again.
+    An exception in `step` is logged once and retried with a growing delay: a loose wire must not end the
+    thread, and a part that recovers is read again.
     """
 
     def __init__(
@@ -25,7 +25,7 @@ class Background:
         retry_s: float = 0.1,
         longest_retry_s: float = 2.0,
     ) -> None:
-        """retry_s: the wait after a first failure, which doubles up to longest_retry_s."""
+        """retry_s: first delay after a failure; it doubles up to longest_retry_s."""
         self._step = step
         self._name = name
         self._first_wait_s = first_wait_s
@@ -38,7 +38,7 @@ class Background:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread and wait for it, a second at most. May be called twice."""
+        """Stop the thread and wait at most a second. May be called twice."""
         self._stop.set()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(timeout=1.0)

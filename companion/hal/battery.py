@@ -14,7 +14,7 @@ _PERIOD_S = 0.1
 
 
 class Ina219Part(Protocol):
-    """What is used of the part's registers."""
+    """The register interface."""
 
     def read(self) -> Ina219Sample: ...
     def close(self) -> None: ...
@@ -23,9 +23,9 @@ class Ina219Part(Protocol):
 class Ina219Battery:
     """Satisfies `companion.hal.interfaces.Battery`.
 
-    Vin+ is wired to the pack and Vin− to the load, so discharge is positive and the pack's voltage is the
-    bus voltage (behind the shunt) plus the drop over the shunt. Beyond the shunt's range (3.2 A at 0.1 Ω)
-    the current is unknown, not zero, and the voltage that of the bus.
+    Vin+ is wired to the pack and Vin− to the load: discharge is positive, and the pack voltage is the bus
+    voltage (behind the shunt) plus the shunt voltage. Beyond the shunt's range (3.2 A at 0.1 Ω) the current
+    is unknown, not zero, and the voltage is that of the bus.
     """
 
     def __init__(self, part: Ina219Part, now: Callable[[], float], shunt_ohm: float = 0.1) -> None:
@@ -53,13 +53,13 @@ class Ina219Battery:
         return self._latest
 
     def close(self) -> None:
-        """End the thread, give the bus back. May be called twice."""
+        """Stop the thread and close the bus. May be called twice."""
         self._background.close()
         self._part.close()
 
 
 def open_ina219(part: parts.BatteryPart, now: Callable[[], float]) -> Ina219Battery:
-    """The monitor on the Pi's I²C bus, being read.
+    """Open the monitor on the Pi's I²C bus and start reading.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.

@@ -1,7 +1,7 @@
-"""The registers of the BNO055, from its data sheet (Bosch BST-BNO055-DS000-14, June 2016).
+"""Registers of the BNO055, from its data sheet (Bosch BST-BNO055-DS000-14, June 2016).
 
-The part fuses accelerometer, magnetometer and gyroscope by itself in NDOF mode. It is not reset when the
-program starts: what it has learned of its magnetometer since power-up would be lost.
+The part fuses accelerometer, magnetometer and gyroscope in NDOF mode. It is not reset at program start, which
+would lose its magnetometer calibration.
 """
 
 import math
@@ -14,7 +14,7 @@ from companion.hal.i2c import I2cBus
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
 CHIP_ID: Final = 0xA0
 CONFIG_MODE, NDOF_MODE = 0x00, 0x0C  # table 3-5
-UNITS: Final = 0x80  # table 3-11: degrees, degrees a second, Android's signs; what it has after a reset
+UNITS: Final = 0x80  # table 3-11: degrees, degrees per second, Android's signs; the reset default
 _CHIP_ID_AT, _PAGE_AT, _DATA_AT, _STATUS_AT = 0x00, 0x07, 0x18, 0x35
 _UNITS_AT, _MODE_AT, _POWER_AT = 0x3B, 0x3D, 0x3E
 _DATA: Final = struct.Struct(
@@ -26,9 +26,9 @@ _MODE_BITS: Final = 0x0F
 
 
 class Bno055Sample(NamedTuple):
-    """One reading in the part's own axes, x ahead, z up.
+    """One reading in the part's axes, x ahead, z up.
 
-    magnet: how well its magnetometer is calibrated, 0..3.
+    magnet: calibration status of the magnetometer, 0..3.
     """
 
     heading_deg: float
@@ -39,11 +39,11 @@ class Bno055Sample(NamedTuple):
 
 
 class Bno055:
-    """The part at one address of a bus. Nothing here waits: between two calls it needs 20 ms."""
+    """The part at one bus address. Calls do not wait; it needs 20 ms between two."""
 
     def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
         """Raises:
-        HardwareError: what answers there is another part.
+        HardwareError: another part answers.
         """
         self._bus = bus
         self._address = address
@@ -54,13 +54,13 @@ class Bno055:
             )
 
     def read(self) -> Bno055Sample | None:
-        """What it measures; None while it does not, because it has just been switched on.
+        """The present reading; None before it is set up.
 
         Raises:
             OSError: it does not answer.
         """
         yaw_rate, heading, roll, pitch = _DATA.unpack(self._read(_DATA_AT, _DATA.size))
-        status = self._read(_STATUS_AT, _STATUS_BYTES)  # after the data: it is the status they were taken in
+        status = self._read(_STATUS_AT, _STATUS_BYTES)  # read after the data
         is_set_up = status[_MODE_AT - _STATUS_AT] & _MODE_BITS == NDOF_MODE
         if not is_set_up or status[_UNITS_AT - _STATUS_AT] != UNITS:
             return None
@@ -73,7 +73,7 @@ class Bno055:
         )
 
     def set_up(self) -> None:
-        """Have it measure. From another mode it takes two calls: units change in CONFIG mode only.
+        """Start measuring. From another mode it takes two calls: units can only change in CONFIG mode.
 
         Raises:
             OSError: it does not answer.
@@ -88,7 +88,7 @@ class Bno055:
         self._write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
 
     def close(self) -> None:
-        """Give the bus back."""
+        """Close the bus."""
         self._bus.close()
 
     def _read(self, register: int, length: int) -> bytes:

@@ -1,4 +1,4 @@
-"""Compasses: one that talks NMEA 0183, and the BNO055 on I²C."""
+"""Compasses: NMEA 0183, and the BNO055 on I²C."""
 
 import math
 from collections.abc import Callable
@@ -20,7 +20,7 @@ _BNO055_PERIOD_S = 0.04
 
 
 class NmeaCompass:
-    """Satisfies `companion.hal.interfaces.Compass`. For HDM, correction_rad carries the local variation."""
+    """Satisfies `companion.hal.interfaces.Compass`. For HDM, correction_rad includes the local variation."""
 
     def __init__(self, port: Port, now: Callable[[], float], correction_rad: float = 0.0) -> None:
         self._assembler = HeadingAssembler(correction_rad)
@@ -32,7 +32,7 @@ class NmeaCompass:
         return self._latest
 
     def close(self) -> None:
-        """End the thread and close the port. May be called twice."""
+        """Stop the thread and close the port. May be called twice."""
         self.part.close()
 
     def _ingest(self, sentence: Sentence, time_s: float) -> None:
@@ -42,11 +42,11 @@ class NmeaCompass:
 
 
 def open_nmea_compass(part: parts.CompassPart, now: Callable[[], float]) -> NmeaCompass:
-    """The compass on its port, being read.
+    """Open the compass on its port and start reading.
 
     Raises:
-        ConfigError: the port cannot be read.
-        LinkError: the system refuses it.
+        ConfigError: the port url is invalid.
+        LinkError: the port cannot be opened.
     """
     compass = NmeaCompass(open_nmea_port(part.port, part.baud, now), now, part.correction_rad)
     compass.part.start()
@@ -54,7 +54,7 @@ def open_nmea_compass(part: parts.CompassPart, now: Callable[[], float]) -> Nmea
 
 
 class Bno055Part(Protocol):
-    """What is used of the part's registers."""
+    """The register interface."""
 
     def read(self) -> Bno055Sample | None: ...
     def set_up(self) -> None: ...
@@ -64,10 +64,10 @@ class Bno055Part(Protocol):
 class Bno055Compass:
     """Satisfies `companion.hal.interfaces.Compass`.
 
-    The part lies flat with z up: its heading grows clockwise, its z rate is positive counter-clockwise (Bosch
-    data sheet BST-BNO055-DS000), so the rate changes sign. Its north is magnetic; correction_rad carries
-    variation and mounting angle. Headings count only once the magnetometer has been
-    calibrated since power-up: before that they start at zero wherever the bow points.
+    The part lies flat with z up: its heading grows clockwise and its z rate is positive counter-clockwise
+    (Bosch data sheet BST-BNO055-DS000), so the rate changes sign. Its north is magnetic; correction_rad
+    includes variation and mounting angle. Headings are used only after the magnetometer has been calibrated
+    since power-up: before, they start at zero in any direction.
     """
 
     def __init__(self, part: Bno055Part, now: Callable[[], float], correction_rad: float = 0.0) -> None:
@@ -86,12 +86,12 @@ class Bno055Compass:
         """Read the part once; returns the seconds to wait before the next reading."""
         sample = self._part.read()
         if sample is None:
-            # A dip of its supply sends the part back to configuration mode, where it measures nothing.
+            # A supply dip resets the part to configuration mode.
             self._knows_north = False
             self._part.set_up()
         elif not self._knows_north:
             self._knows_north = sample.magnet > 0
-        elif 0.0 <= sample.heading_deg <= 360.0:  # a disturbed transfer shows as a heading off the scale
+        elif 0.0 <= sample.heading_deg <= 360.0:  # reject corrupted transfers
             heading_rad = wrap_pi(math.radians(sample.heading_deg) + self._correction_rad)
             roll_rad, pitch_rad = math.radians(sample.roll_deg), math.radians(sample.pitch_deg)
             rate_rad_s = -sample.yaw_rate_rad_s
@@ -103,13 +103,13 @@ class Bno055Compass:
         return self._latest
 
     def close(self) -> None:
-        """End the thread, give the bus back. May be called twice."""
+        """Stop the thread and close the bus. May be called twice."""
         self._background.close()
         self._part.close()
 
 
 def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Compass:
-    """The part on the Pi's I²C bus, being read.
+    """Open the part on the Pi's I²C bus and start reading.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.

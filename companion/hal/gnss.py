@@ -1,4 +1,4 @@
-"""A satellite receiver that talks NMEA 0183."""
+"""A GNSS receiver with NMEA 0183 output."""
 
 from collections.abc import Callable
 
@@ -14,8 +14,8 @@ from companion.sensors.receiver_clock import ReceiverClock
 class NmeaGnss:
     """Satisfies `companion.hal.interfaces.Gnss`.
 
-    Fixes bear the time of their measurement: the receiver's time of day by a tracked clock. latency_s: the
-    shortest time from a measurement to the arrival of its first sentence.
+    Fixes are stamped with the time of measurement, from the receiver's time of day. latency_s: shortest time
+    from measurement to the arrival of the first sentence.
     """
 
     def __init__(self, port: Port, now: Callable[[], float], latency_s: float = 0.0) -> None:
@@ -29,7 +29,7 @@ class NmeaGnss:
         return self._latest
 
     def close(self) -> None:
-        """End the thread and close the port. May be called twice."""
+        """Stop the thread and close the port. May be called twice."""
         self.part.close()
 
     def _ingest(self, sentence: Sentence, time_s: float) -> None:
@@ -38,11 +38,11 @@ class NmeaGnss:
 
 
 def open_nmea_gnss(part: parts.GnssPart, now: Callable[[], float]) -> NmeaGnss:
-    """The receiver on its port, being read.
+    """Open the receiver on its port and start reading.
 
     Raises:
-        ConfigError: the port cannot be read.
-        LinkError: the system refuses it.
+        ConfigError: the port url is invalid.
+        LinkError: the port cannot be opened.
     """
     gnss = NmeaGnss(open_nmea_port(part.port, part.baud, now), now, part.latency_s)
     gnss.part.start()

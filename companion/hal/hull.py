@@ -1,4 +1,4 @@
-"""What is inside the hull: the computer's own thermometer, and a float switch or water probe on a pin."""
+"""Hull sensors: the computer's thermometer, and a leak switch on a pin."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -23,8 +23,8 @@ class DigitalInput(Protocol):
 class HullSensor:
     """Satisfies `companion.hal.interfaces.Hull`.
 
-    thermometer: a file with millidegrees Celsius, as Linux has them below /sys/class/thermal; one that cannot
-    be read is no reading.
+    thermometer: a file with millidegrees Celsius, as below /sys/class/thermal; None is reported if it cannot
+    be read.
     """
 
     def __init__(self, thermometer: Path, switch: DigitalInput | None, now: Callable[[], float]) -> None:
@@ -49,7 +49,7 @@ class HullSensor:
         return self._latest
 
     def close(self) -> None:
-        """End the thread, let the pin go. May be called twice."""
+        """Stop the thread and release the pin. May be called twice."""
         self._background.close()
         if self._switch is not None:
             self._switch.close()
@@ -63,10 +63,10 @@ def _celsius(thermometer: Path) -> float | None:
 
 
 def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
-    """The computer's thermometer, and the switch where there is one, being read.
+    """Open the thermometer, and the switch if configured, and start reading.
 
     Raises:
-        HardwareError: the pin cannot be had.
+        HardwareError: the pin is not available.
     """
     switch: DigitalInput | None = None
     if part.leak >= 0:

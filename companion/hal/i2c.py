@@ -1,4 +1,4 @@
-"""The Pi's I²C bus, through Linux's i2c-dev."""
+"""The Pi's I²C bus through Linux's i2c-dev."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,20 +11,20 @@ DEVICE = Path("/dev/i2c-1")  # on header pins 3 and 5 of every Pi with 40 pins
 
 
 class I2cBus(Protocol):
-    """What is used of smbus2's SMBus. Every call raises OSError when the part does not answer."""
+    """The used part of smbus2's SMBus. Every call raises OSError if the part does not answer."""
 
     def read_i2c_block_data(self, address: int, register: int, length: int) -> list[int]:
-        """Bytes from a register on."""
+        """Read bytes from a register."""
 
     def write_i2c_block_data(self, address: int, register: int, data: Sequence[int]) -> None:
-        """Bytes to a register."""
+        """Write bytes to a register."""
 
     def close(self) -> None:
-        """Give the bus back."""
+        """Close the bus."""
 
 
 def open_i2c(part: str) -> I2cBus:
-    """The bus for one part. Each part opens its own: the address belongs to the file, not to the call.
+    """Open the bus for one part. Each part opens its own: the address belongs to the file, not to the call.
 
     Raises:
         HardwareError: smbus2 is missing, or the bus cannot be opened; the message says what to do.

@@ -1,7 +1,7 @@
-"""The registers of the INA219, from its data sheet (Texas Instruments SBOS448G, December 2015).
+"""Registers of the INA219, from its data sheet (Texas Instruments SBOS448G, December 2015).
 
-The shunt's voltage is read and divided by its resistance here: the part's own calculation of current and
-power (8.5.2) needs a calibration register that a dip of its supply clears, and says zero from then on.
+The shunt voltage is divided by the resistance here: the part's own calculation of current and power (8.5.2)
+needs a calibration register that a supply dip clears, and then reports zero.
 """
 
 import struct
@@ -21,18 +21,18 @@ _SHUNT_LIMIT: Final = 32000  # 320 mV
 
 
 class Ina219Sample(NamedTuple):
-    """bus_v: behind the shunt. shunt_v: over it, None beyond its range."""
+    """bus_v: behind the shunt. shunt_v: across it, None beyond its range."""
 
     bus_v: float
     shunt_v: float | None
 
 
 class Ina219:
-    """The part at one address of a bus."""
+    """The part at one bus address."""
 
     def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
         """Raises:
-        HardwareError: what answers there does not keep its configuration, so it is another part.
+        HardwareError: the part does not keep its configuration, so it is not an INA219.
         """
         self._bus = bus
         self._address = address
@@ -41,7 +41,7 @@ class Ina219:
             raise HardwareError(f"INA219: the part at I²C address {address:#x} is not an INA219")
 
     def read(self) -> Ina219Sample:
-        """What it has measured last; set up again first, if its supply has dipped.
+        """The latest measurement; the configuration is restored after a supply dip.
 
         Raises:
             OSError: it does not answer.
@@ -55,7 +55,7 @@ class Ina219:
         return Ina219Sample((bus >> 3) * _BUS_V, shunt * _SHUNT_V if is_in_range else None)
 
     def close(self) -> None:
-        """Give the bus back."""
+        """Close the bus."""
         self._bus.close()
 
     def _configure(self) -> None:

@@ -1,8 +1,7 @@
-"""What the boat needs of its hardware, as small Protocols.
+"""Hardware interfaces of the boat, as small Protocols.
 
-The real drivers beside this file and the emulator's simulated ones satisfy the same interfaces; they are
-handed to `Boat` by a composition root. No call here blocks: a driver that must wait for its part keeps a
-reader thread of its own and hands over the latest reading, stamped with the boat's clock.
+The drivers in this folder and the emulator satisfy them; a composition root passes them to `Boat`. No call
+blocks: a driver that must wait keeps a thread and returns the latest reading, stamped with the boat's clock.
 """
 
 from collections.abc import Sequence
@@ -46,31 +45,31 @@ class Motors(Protocol):
     """Two thrusters. Values are shares of full drive, −1 (full astern) to 1 (full ahead)."""
 
     def write(self, left: float, right: float) -> None:
-        """Drive both motors; a value that is not finite stops both."""
+        """Drive both motors; a non-finite value stops both."""
 
     def stop(self) -> None:
-        """Cut both motors now."""
+        """Stop both motors now."""
 
     def close(self) -> None:
-        """Stop first, then let the part go. May be called twice."""
+        """Stop, then release the part. May be called twice."""
 
 
 class MotorCutoff(Protocol):
-    """Stops motors that have had no command for too long, whatever the boat's program does."""
+    """Stops motors without a recent command, independently of the control loop."""
 
     @property
     def trips(self) -> int:
-        """How often it has stopped them."""
+        """Number of cut-offs."""
 
 
 class Gnss(Protocol):
     """Position over ground."""
 
     def read(self) -> GnssFix | None:
-        """The latest fix, None before the first; the same fix again until a new one has come."""
+        """The latest fix, repeated until a new one arrives; None before the first."""
 
     def close(self) -> None:
-        """Let the part go. May be called twice."""
+        """Release the part. May be called twice."""
 
 
 class Compass(Protocol):
@@ -80,7 +79,7 @@ class Compass(Protocol):
         """The latest reading, None before the first."""
 
     def close(self) -> None:
-        """Let the part go. May be called twice."""
+        """Release the part. May be called twice."""
 
 
 class Sonar(Protocol):
@@ -90,11 +89,10 @@ class Sonar(Protocol):
         """The pings since the last call, oldest first."""
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
-        """Sweep between these bearings from the bow from now on, as far as the part goes; a fixed one does
-        not."""
+        """Sweep between these bearings from the bow, as far as the part reaches; no effect on a fixed one."""
 
     def close(self) -> None:
-        """Let the part go. May be called twice."""
+        """Release the part. May be called twice."""
 
 
 class Battery(Protocol):
@@ -104,95 +102,95 @@ class Battery(Protocol):
         """The latest reading, None before the first."""
 
     def close(self) -> None:
-        """Let the part go. May be called twice."""
+        """Release the part. May be called twice."""
 
 
 class Hull(Protocol):
-    """What is inside the hull: water, heat."""
+    """Leak and temperature inside the hull."""
 
     def read(self) -> HullReading | None:
         """The latest reading, None before the first."""
 
     def close(self) -> None:
-        """Let the part go. May be called twice."""
+        """Release the part. May be called twice."""
 
 
 class RcReceiver(Protocol):
-    """The receiver of a radio control transmitter. A reading's age is how long ago its frame has come."""
+    """The receiver of an RC transmitter. A reading is stamped with the arrival of its frame."""
 
     def read(self) -> RcReading | None:
-        """The latest frame, None before the first; the same one again until a new one has come."""
+        """The latest frame, repeated until a new one arrives; None before the first."""
 
     def close(self) -> None:
-        """Let the part go. May be called twice."""
+        """Release the part. May be called twice."""
 
 
 class Link(Protocol):
-    """One pipe of bytes to one station (or one radio). Never blocks, never raises once it is open.
+    """A byte pipe to one station or radio. Never blocks, never raises once open.
 
-    A datagram link hands over whole datagrams; a stream link hands over whatever has come.
+    A datagram link returns whole datagrams, a stream link any chunks.
     """
 
     @property
     def name(self) -> str:
-        """For people and logs, such as `tcp:127.0.0.1:52114`."""
+        """For logs, such as `tcp:127.0.0.1:52114`."""
 
     @property
     def host(self) -> str:
-        """The far side's numeric address, empty where there is none (a serial line, memory)."""
+        """Numeric address of the far side, empty if there is none (serial line, memory)."""
 
     @property
     def is_datagram(self) -> bool:
-        """Whether one received chunk is one datagram."""
+        """Whether a received chunk is a datagram."""
 
     @property
     def is_closed(self) -> bool:
-        """True once the far side is gone for good; the boat then forgets the link."""
+        """True once the far side is gone for good; the boat then removes the link."""
 
     def receive(self) -> list[bytes]:
-        """All chunks that have arrived, oldest first; empty when there are none."""
+        """All received chunks, oldest first; may be empty."""
 
     def send(self, data: bytes) -> bool:
-        """Send one frame whole, or drop it whole and say False (queue full, nobody there)."""
+        """Send a frame whole, or drop it whole and return False (queue full, no peer)."""
 
     def fileno(self) -> int:
-        """A descriptor to wait on for arriving bytes, −1 when there is none."""
+        """A descriptor to wait on for received bytes, −1 without one."""
 
     def close(self) -> None:
         """Close. May be called twice."""
 
 
 class Port(Protocol):
-    """Something links come out of: a listening socket, or a single device."""
+    """A source of links: a listening socket, or a device."""
 
     @property
     def name(self) -> str:
         """As in the configuration, such as `tcpin:0.0.0.0:5760`."""
 
     def accept(self) -> list[Link]:
-        """Links that came into being since the last call. Never blocks, never raises."""
+        """New links since the last call. Never blocks, never raises."""
 
     def fileno(self) -> int:
-        """A descriptor to wait on for new links, −1 when there is none."""
+        """A descriptor to wait on for new links, −1 without one."""
 
     def close(self) -> None:
-        """Close, with every link that came out of it. May be called twice."""
+        """Close, with all its links. May be called twice."""
 
 
 class FaultInjector(Protocol):
-    """Hardware that can be broken on purpose, to see what the boat makes of it."""
+    """Hardware that can be made to fail for tests."""
 
     def inject(self, unit: int, failure: int, instance: int) -> str | None:
-        """Let a part fail, or be well again with failure 0; the numbers are MAVLink's FAILURE_UNIT and
-        FAILURE_TYPE, instance 0 is all of a kind. What was done, in words; None if that cannot be done."""
+        """Make a part fail, or recover with failure 0; the numbers are MAVLink's FAILURE_UNIT and
+        FAILURE_TYPE, instance 0 is all of a kind. Returns what was done, or None if not possible.
+        """
 
 
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """Everything a boat is built from. Sonar, battery monitor, hull sensor and RC receiver may be missing.
+    """All hardware of a boat. Sonar, battery monitor, hull sensor and RC receiver are optional.
 
-    faults and knobs are for hardware that is more than it seems: what can break it, and parameters that it
-    brings along.
+    faults and parameter_hooks are for emulated hardware: fault injection, and additional parameters.
     """
 
     motors: Motors
@@ -207,8 +205,8 @@ class Hardware:
     cutoff: MotorCutoff | None = None
 
     def close(self) -> None:
-        """Stop the motors first, then let every part go, also when one of them raises."""
+        """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
             for part in (self.rc, self.hull, self.battery, self.sonar, self.compass, self.gnss, self.motors):
                 if part is not None:
-                    rest.callback(part.close)  # called last in, first out
+                    rest.callback(part.close)  # called in reverse order

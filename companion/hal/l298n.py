@@ -1,12 +1,12 @@
 """L298N dual H-bridge: two brushed motors, three pins each.
 
-The legs (IN1, IN2) are plain on-off pins that choose the direction, and the PWM is on the enable pin: with
-enable low the bridge is open whatever the legs say, so one pin alone can cut a motor, the current freewheels
-between pulses, and a step of speed never touches the direction pins. GPIO 12 and 13 are the defaults because
-the Pi pulls them down at reset: the motors are free until the program has the pins.
+IN1 and IN2 are on-off pins for the direction; PWM is on the enable pin. With enable low the bridge is open,
+so one pin can stop a motor, the current freewheels between pulses, and a speed step does not touch the
+direction pins. GPIO 12 and 13 are the default enable pins because the Pi pulls them down at reset: the motors
+are off until the program owns the pins.
 
-Truth table of the L298 data sheet (ST, figure 6): EN low = free; EN high with IN1 ≠ IN2 = drive;
-EN high with IN1 = IN2 = short-circuit brake.
+Truth table of the L298 data sheet (ST, figure 6): EN low = free; EN high with IN1 ≠ IN2 = drive; EN high with
+IN1 = IN2 = short-circuit brake.
 """
 
 import math
@@ -40,8 +40,8 @@ class Enable(Protocol):
 class HalfBridgePair:
     """One motor: forward leg, backward leg, enable.
 
-    A leg goes on only after the opposite leg has been off for dead_time_s. Nothing sleeps: while the dead
-    time runs, both legs are off, and a later `drive` turns the new leg on.
+    A leg is switched on only after the opposite leg has been off for dead_time_s. Nothing sleeps: during the
+    dead time both legs are off, and a later `drive` switches the new leg on.
     """
 
     __slots__ = (
@@ -68,12 +68,12 @@ class HalfBridgePair:
         self._enable = enable
         self._dead_time_s = dead_time_s
         self._now = now
-        self._direction: int | None = 0  # whose leg is on: 1 forward, −1 backward, 0 neither, None unknown
-        self._side = 0  # whose leg was on last
+        self._direction: int | None = 0  # leg that is on: 1 forward, −1 backward, 0 neither, None unknown
+        self._side = 0  # leg that was on last
         self._released_s = -math.inf
 
     def drive(self, share: float) -> None:
-        """Turn at a share of full drive, −1..1."""
+        """Drive at a share of full drive, −1..1."""
         direction = (share > 0.0) - (share < 0.0)
         if direction != self._direction:
             if self._direction != 0:
@@ -83,14 +83,14 @@ class HalfBridgePair:
             ):
                 return
             (self._backward if direction > 0 else self._forward).off()
-            self._direction, self._side = None, direction  # unknown until the pin has obeyed
+            self._direction, self._side = None, direction  # unknown until the pin is set
             (self._forward if direction > 0 else self._backward).on()
             self._direction = direction
         if direction:
             self._enable.value = abs(share)
 
     def release(self) -> None:
-        """Open the bridge: enable first, then both legs. Every pin is tried even when another one raises.
+        """Open the bridge: enable first, then both legs. All pins are tried even if one raises.
 
         Raises:
             HardwareError: a pin could not be switched.
@@ -102,16 +102,16 @@ class HalfBridgePair:
         self._direction = 0
 
     def close(self) -> None:
-        """Give the pins back.
+        """Release the pins.
 
         Raises:
-            HardwareError: a pin could not be given back.
+            HardwareError: a pin could not be released.
         """
         _try_all(self._enable.close, self._forward.close, self._backward.close)
 
 
 class L298N:
-    """Satisfies `companion.hal.interfaces.Motors` over two half-bridge pairs."""
+    """Satisfies `companion.hal.interfaces.Motors` with two half-bridge pairs."""
 
     __slots__ = ("_is_closed", "_left", "_right")
 
@@ -122,10 +122,10 @@ class L298N:
         self.stop()
 
     def write(self, left: float, right: float) -> None:
-        """Drive both motors, −1..1; beyond that is limited, and a value that is not finite stops both.
+        """Drive both motors, −1..1, limited; a non-finite value stops both.
 
         Raises:
-            HardwareError: closed, or a pin failed; both motors are off then.
+            HardwareError: closed, or a pin failed; both motors are then off.
         """
         if self._is_closed:
             raise HardwareError("L298N: written to after close")
@@ -154,10 +154,10 @@ class L298N:
             _try_all(self._left.release, self._right.release)
 
     def close(self) -> None:
-        """Stop, then give the pins back. May be called twice.
+        """Stop, then release the pins. May be called twice.
 
         Raises:
-            HardwareError: as `stop`; the pins were given back all the same.
+            HardwareError: as `stop`; the pins are released anyway.
         """
         if self._is_closed:
             return
@@ -168,12 +168,12 @@ class L298N:
 
 
 def open_l298n(pins: parts.MotorsPart, now: Callable[[], float], pin_factory: object = None) -> L298N:
-    """The bridge on the Pi's own pins. `pin_factory` is gpiozero's; None takes the machine's.
+    """Open the bridge on the Pi's pins. `pin_factory` is gpiozero's; None: the default.
 
-    A reversed motor has its legs swapped here, once.
+    The legs of a reversed motor are swapped here.
 
     Raises:
-        HardwareError: gpiozero is missing, there are no pins on this machine, or one is taken.
+        HardwareError: gpiozero is missing, there are no pins, or one is in use.
     """
     with opening_pins("L298N") as gpiozero, ExitStack() as undo:
 
@@ -196,7 +196,7 @@ def open_l298n(pins: parts.MotorsPart, now: Callable[[], float], pin_factory: ob
 
 
 def _try_all(*actions: Callable[[], None]) -> None:
-    """Carry out every action; then report the first that failed."""
+    """Call every action, then raise the first error."""
     first: Exception | None = None
     for action in actions:
         try:

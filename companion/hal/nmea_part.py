@@ -1,4 +1,4 @@
-"""A part that talks NMEA 0183 over a port, read by a thread of its own."""
+"""A part with NMEA 0183 output on a port, read in a thread."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from companion.sensors.nmea import NmeaReader, Sentence
 
 
 class NmeaPart:
-    """Hands every wanted sentence to `take`, with the time at which it arrived."""
+    """Passes each wanted sentence to `take`, with its arrival time."""
 
     def __init__(
         self,
@@ -27,11 +27,11 @@ class NmeaPart:
         self._port.start()
 
     def step(self) -> None:
-        """Take in whatever has arrived. Never waits."""
+        """Process received bytes. Never waits."""
         self._port.step()
 
     def close(self) -> None:
-        """End the thread and close the port. May be called twice."""
+        """Stop the thread and close the port. May be called twice."""
         self._port.close()
 
     def _feed(self, chunk: bytes, time_s: float) -> None:
@@ -40,10 +40,10 @@ class NmeaPart:
 
 
 def open_nmea_port(place: str, baud: float, now: Callable[[], float]) -> Port:
-    """A serial device at a baud rate, or any other port url (a receiver on the network).
+    """Open a serial device at a baud rate, or any other port url.
 
     Raises:
-        ConfigError: the url cannot be read.
-        LinkError: the system refuses.
+        ConfigError: the url is invalid.
+        LinkError: the port cannot be opened.
     """
     return open_port(f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place, now)

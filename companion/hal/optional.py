@@ -1,4 +1,4 @@
-"""Libraries that only a boat with the part needs."""
+"""Optional libraries, needed only for certain parts."""
 
 import importlib
 from types import ModuleType
@@ -10,7 +10,7 @@ def import_optional(module: str, part: str) -> ModuleType:
     """Import a module of the extra `pi`.
 
     Raises:
-        HardwareError: it is not installed, or does not load on this machine; the message says what to do.
+        HardwareError: it is not installed or does not load; the message says what to do.
     """
     try:
         return importlib.import_module(module)
@@ -26,5 +26,5 @@ def import_optional(module: str, part: str) -> ModuleType:
 
 
 def _line(error: Exception) -> str:
-    """An error in one line."""
+    """An error as one line."""
     return " ".join(str(error).split()) or type(error).__name__

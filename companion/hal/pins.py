@@ -1,4 +1,4 @@
-"""The Pi's pins through gpiozero, with one line that says what to do where they cannot be had."""
+"""The Pi's pins through gpiozero, with an explanation if they are not available."""
 
 import os
 import warnings
@@ -9,15 +9,15 @@ from types import ModuleType
 from companion.core.errors import HardwareError
 from companion.hal.optional import import_optional
 
-_PIPE = ".lgd-nfy"  # lgpio makes it in LG_WD or else the working directory, and cannot do without
+_PIPE = ".lgd-nfy"  # created by lgpio in LG_WD or the working directory
 
 
 @contextmanager
 def opening_pins(part: str) -> Iterator[ModuleType]:
-    """gpiozero, while the devices of a part are made of it.
+    """gpiozero, in a context that explains its errors.
 
     Raises:
-        HardwareError: gpiozero is missing, there are no pins on this machine, or one is taken.
+        HardwareError: gpiozero is missing, there are no pins, or one is in use.
     """
     gpiozero = import_optional("gpiozero", part)
     with warnings.catch_warnings(record=True) as fallbacks:  # why gpiozero could not use lgpio

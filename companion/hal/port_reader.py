@@ -1,4 +1,4 @@
-"""A part that sends bytes over a port, read by a thread of its own."""
+"""A part that sends bytes over a port, read in a thread."""
 
 import select
 from collections.abc import Callable
@@ -6,14 +6,14 @@ from collections.abc import Callable
 from companion.hal.background import Background
 from companion.hal.interfaces import Link, Port
 
-_PATIENCE_S = 0.2  # how long one step waits for bytes, and how often an unplugged part is looked for
+_PATIENCE_S = 0.2  # longest wait for bytes, and period of reconnection attempts
 
 
 class PortReader:
-    """Hands every chunk to `take`, with the time at which it was read; `begin` tells that the line was cut.
+    """Passes each chunk to `take`, with its time; `begin` is called after a reconnect.
 
-    The port brings the part back when it was unplugged. rest_s: the least time between two looks at the port,
-    for a part that talks so much that every byte would wake the thread.
+    The port reconnects an unplugged part. rest_s: minimum time between reads, for a part whose every byte
+    would wake the thread.
     """
 
     def __init__(
@@ -37,17 +37,17 @@ class PortReader:
         self._background.start()
 
     def step(self) -> None:
-        """Take in whatever has arrived. Never waits."""
+        """Process received bytes. Never waits."""
         for link in self._port.accept():
             self._links.append(link)
-            self._on_open()  # half a sentence of before does not belong to what comes now
+            self._on_open()  # drop a partial sentence
         for link in self._links:
             for chunk in link.receive():
                 self._on_chunk(chunk, self._now())
         self._links = [link for link in self._links if not link.is_closed]
 
     def close(self) -> None:
-        """End the thread and close the port. May be called twice."""
+        """Stop the thread and close the port. May be called twice."""
         self._background.close()
         self._port.close()
 

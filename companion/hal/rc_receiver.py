@@ -1,4 +1,4 @@
-"""Radio control receivers that talk over a UART: CRSF (ExpressLRS, Crossfire), iBUS, S.BUS."""
+"""RC receivers on a UART: CRSF (ExpressLRS, Crossfire), iBUS, S.BUS."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -26,12 +26,12 @@ class _Protocol(NamedTuple):
 _PROTOCOLS = {
     "crsf": _Protocol(rc_crsf.CrsfParser, rc_crsf.BAUD, LINE_8N1, 0.005),
     "ibus": _Protocol(rc_ibus.IbusParser, rc_ibus.BAUD, LINE_8N1, 0.005),
-    "sbus": _Protocol(rc_sbus.SbusParser, rc_sbus.BAUD, LINE_8E2, 0.0),  # its frames are told by the pauses
+    "sbus": _Protocol(rc_sbus.SbusParser, rc_sbus.BAUD, LINE_8E2, 0.0),  # frames are separated by pauses
 }
 
 
 class SerialRcReceiver:
-    """Satisfies `companion.hal.interfaces.RcReceiver`. Readings bear the time at which they were read."""
+    """Satisfies `companion.hal.interfaces.RcReceiver`. Readings are stamped when read."""
 
     def __init__(self, port: Port, now: Callable[[], float], parser: RcParser, rest_s: float = 0.0) -> None:
         self.parser = parser
@@ -43,7 +43,7 @@ class SerialRcReceiver:
         return self._latest
 
     def close(self) -> None:
-        """End the thread and close the port. May be called twice."""
+        """Stop the thread and close the port. May be called twice."""
         self.part.close()
 
     def _feed(self, chunk: bytes, time_s: float) -> None:
@@ -53,11 +53,11 @@ class SerialRcReceiver:
 
 
 def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
-    """The receiver on its port, being read. The port is a device, or any other port url.
+    """Open the receiver on its port and start reading. The port is a device or a port url.
 
     Raises:
-        ConfigError: the port cannot be read, or no driver is named.
-        LinkError: the system refuses it.
+        ConfigError: the port url is invalid, or no driver is named.
+        LinkError: the port cannot be opened.
     """
     protocol = _PROTOCOLS.get(setting.driver)
     if protocol is None:

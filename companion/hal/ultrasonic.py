@@ -1,8 +1,8 @@
 """HC-SR04 ultrasonic ranger, fixed or swept by a servo over up to 180°.
 
-A 10 µs pulse on the trigger makes the part send eight cycles of 40 kHz; it then holds the echo pin high for
-the sound's way there and back. Range = c t / 2, with the speed of sound in dry air
-c = 331.3 sqrt(1 + T / 273.15) ≈ 331.3 + 0.606 T m/s, T in °C.
+A 10 µs trigger pulse makes the part send eight cycles of 40 kHz; it then holds the echo pin high for the
+sound's travel time. Range = c t / 2, with the speed of sound in dry air c = 331.3 sqrt(1 + T / 273.15) ≈
+331.3 + 0.606 T m/s, T in °C.
 """
 
 import math
@@ -21,24 +21,23 @@ from companion.obstacles.perception.servo_scan import ServoScan
 from companion.sensors.readings import SonarReading
 
 MIN_RANGE_M = 0.02
-PING_PERIOD_S = 0.06  # of the data sheet: an echo of the last ping must not answer this one
+PING_PERIOD_S = 0.06  # from the data sheet: avoids echoes of the last ping
 _TRIGGER_PULSE_S = 10e-6
-_ANSWER_S = 0.02  # the echo pin rises well within this, or the part is not there
-_SERVO_SETTLES_S = 0.5  # from wherever it stood to the sweep's first bearing
+_ANSWER_S = 0.02  # the echo pin rises within this, or the part is missing
+_SERVO_SETTLES_S = 0.5  # from any position to the first bearing
 _READINGS = 256
 _WATER_AIR_C = 15.0
 
 
 def speed_of_sound_m_s(air_c: float) -> float:
-    """In air of this temperature in °C."""
+    """In air at this temperature in °C."""
     return 331.3 + 0.606 * air_c
 
 
 def sweep_bearings_rad(sweep_rad: float, step_rad: float) -> tuple[float, ...]:
-    """One swing from port to starboard and back, evenly spaced at step_rad or a little less.
+    """One sweep from port to starboard and back, evenly spaced at step_rad or less.
 
-    The ends come once and everything between them twice, so that repeating the tuple swings on. A sweep of
-    zero looks ahead.
+    The ends occur once and all others twice, so the tuple can be repeated. A sweep of zero looks ahead.
     """
     if sweep_rad <= 0.0:
         return (0.0,)
@@ -48,17 +47,17 @@ def sweep_bearings_rad(sweep_rad: float, step_rad: float) -> tuple[float, ...]:
 
 
 class Ranger(Protocol):
-    """What measures one range."""
+    """Measures one range."""
 
     def ping_m(self) -> float | None:
-        """Range of the nearest echo, None when none came back in range.
+        """Range of the nearest echo, None without one in range.
 
         Raises:
-            HardwareError: the part does not answer at all.
+            HardwareError: the part does not respond.
         """
 
     def close(self) -> None:
-        """Let the pins go."""
+        """Release the pins."""
 
 
 class PinDevice(Protocol):
@@ -70,7 +69,7 @@ class PinDevice(Protocol):
 
 
 class HcSr04:
-    """One HC-SR04 over two gpiozero devices, timed by the edges' own time stamps.
+    """One HC-SR04 on two gpiozero devices, timed by the edges' time stamps.
 
     trigger, echo: gpiozero GPIODevice; ticks_to_s: the pin factory's ticks_diff.
     """
@@ -98,14 +97,13 @@ class HcSr04:
         echo.pin.when_changed = self._on_edge
 
     def ping_m(self) -> float | None:
-        """Range in metres, None for no echo in range; takes up to 20 ms and the sound's longest way.
+        """Range in metres, None without an echo in range; takes up to 20 ms plus the longest travel time.
 
         Raises:
-            HardwareError: the echo pin is stuck high, or never rose: the part is not there. That is not the
-                same as free water.
+            HardwareError: the echo pin is stuck high, or never rose: the part is missing.
         """
         self._has_fallen.clear()
-        # Without an echo the part holds the pin for about 40 ms, some for 200: let it finish first.
+        # Without an echo the part holds the pin for about 40 ms, some for 200: wait for its end.
         if self._echo.pin.state and not self._has_fallen.wait(0.25):
             raise HardwareError("sonar: the echo pin is stuck high")
         self._edge_ticks.clear()
@@ -123,23 +121,23 @@ class HcSr04:
         return range_m if range_m <= self._max_range_m else None
 
     def close(self) -> None:
-        """Give the pins back. May be called twice."""
+        """Release the pins. May be called twice."""
         self._trigger.close()
         self._echo.close()
 
     def _on_edge(self, ticks: float, level: int) -> None:
         if level:
             self._edge_ticks[True] = ticks
-        elif True in self._edge_ticks:  # else it is the late end of a ping that was given up
+        elif True in self._edge_ticks:  # otherwise the late end of an abandoned ping
             self._edge_ticks[False] = ticks
             self._has_fallen.set()
 
 
 class Ultrasonic:
-    """Satisfies `companion.hal.interfaces.Sonar`: pings all along a sweep.
+    """Satisfies `companion.hal.interfaces.Sonar`: pings along a sweep.
 
     turn: called with the next bearing, rad from the bow, clockwise; None for a fixed ranger. `step` is one
-    ping; `start` has a thread of its own call it.
+    ping; `start` runs it in a thread.
     """
 
     def __init__(
@@ -166,14 +164,14 @@ class Ultrasonic:
             turn(self._scan.bearing_rad)
 
     def start(self) -> None:
-        """Begin to ping."""
+        """Start pinging."""
         self._background.start()
 
     def step(self) -> float:
-        """Ping once, turn on, and return the seconds to wait before the next ping.
+        """Ping once, turn to the next bearing, and return the seconds to the next ping.
 
         Raises:
-            HardwareError: the part does not answer.
+            HardwareError: the part does not respond.
         """
         bearing_rad = self._scan.bearing_rad
         time_s = self._now()
@@ -191,11 +189,11 @@ class Ultrasonic:
         return readings
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
-        """Sweep between these bearings from now on."""
+        """Sweep between these bearings."""
         self._scan.set_sector(port_rad, starboard_rad)
 
     def close(self) -> None:
-        """End the thread and let the pins go. May be called twice."""
+        """Stop the thread and release the pins. May be called twice."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -208,10 +206,10 @@ class Ultrasonic:
 def open_ultrasonic(
     part: parts.SonarPart, now: Callable[[], float], pin_factory: object = None
 ) -> Ultrasonic:
-    """The ranger, and its servo if it has one, on the Pi's own pins; pinging.
+    """Open the ranger, and its servo if configured, on the Pi's pins and start pinging.
 
     Raises:
-        HardwareError: gpiozero is missing, there are no pins on this machine, or one is taken.
+        HardwareError: gpiozero is missing, there are no pins, or one is in use.
     """
     with opening_pins("sonar") as gpiozero, ExitStack() as undo:
         trigger = undo.enter_context(gpiozero.GPIODevice(part.trigger, pin_factory=pin_factory))

@@ -1,4 +1,4 @@
-"""The pack's charge: counted as it leaves, and read from the voltage at rest."""
+"""Battery charge: integrated from the current, and from the voltage at rest."""
 
 from itertools import pairwise
 
@@ -17,7 +17,7 @@ _LIPO_CURVE = (
     (1.0, 4.2),
 )
 
-_MAX_GAP_S = 2.0  # a monitor that was silent for longer says nothing about the time between
+_MAX_GAP_S = 2.0  # longer gaps between readings are skipped
 
 
 class ChargeCounter:
@@ -30,7 +30,7 @@ class ChargeCounter:
         self._last: BatteryReading | None = None
 
     def add(self, reading: BatteryReading | None) -> None:
-        """Take a reading; the same one again adds nothing."""
+        """Add a reading; a repeated one has no effect."""
         last = self._last
         if reading is None or reading.current_a is None:
             return
@@ -44,7 +44,7 @@ class ChargeCounter:
 
 
 def resting_share(cell_v: float) -> float:
-    """Share of its charge that a LiPo cell at rest has left, 0..1. Under load it reads a little low."""
+    """Charge of a LiPo cell at rest, 0..1. Under load it reads slightly low."""
     for (low_share, low_v), (high_share, high_v) in pairwise(_LIPO_CURVE):
         if cell_v < high_v:
             return clamp(low_share + (high_share - low_share) * (cell_v - low_v) / (high_v - low_v), 0.0, 1.0)

@@ -1,7 +1,7 @@
-"""Readings that come over MAVLink instead of from a part: they stand in for receiver, compass and sonar.
+"""Sensor readings over MAVLink, in place of receiver, compass and sonar.
 
-A camera over a pool, a better receiver on another computer, a simulator. The latest of each is held here,
-stamped with the boat's clock, until it is stale.
+Sources: a camera over a pool, a receiver on another computer, a simulator. The latest reading of each is
+kept, stamped with the boat's clock, until it is stale.
 """
 
 from collections import deque
@@ -16,27 +16,28 @@ _MAX_PINGS = 144  # two rounds of an OBSTACLE_DISTANCE
 
 
 class Use(IntEnum):
-    """When a reading from outside is taken."""
+    """When an external reading is used."""
 
     NEVER = 0
-    FALLBACK = 1  # while the boat's own part is silent
-    PREFERRED = 2  # before the boat's own part, as long as it comes
+    FALLBACK = 1  # while the boat's own sensor is silent
+    PREFERRED = 2  # instead of the boat's own sensor
 
 
 class ExternalSensors:
-    """Filled by the service that hears them, read once a tick."""
+    """Filled by the external pose service, read once a tick."""
 
     def __init__(self, setting: External) -> None:
         self.fix: GnssFix | None = None
         self.heading: HeadingReading | None = None
-        self.frame: LocalFrame | None = None  # in which local poses are meant; None: they have no place yet
-        self.pings: deque[tuple[SonarReading, float]] = deque(maxlen=_MAX_PINGS)  # and their beams in rad
+        self.frame: LocalFrame | None = None  # frame of local poses; None: unknown
+        # with their beam widths in rad
+        self.pings: deque[tuple[SonarReading, float]] = deque(maxlen=_MAX_PINGS)
         if setting.origin_lat_deg or setting.origin_lon_deg:
             self.frame = LocalFrame(LatLon(setting.origin_lat_deg, setting.origin_lon_deg))
 
     def choose_fix(self, own: GnssFix | None, setting: External, now_s: float) -> GnssFix | None:
-        """The fix to steer by."""
-        if not setting.position:  # Use.NEVER, as mostly
+        """The fix to use."""
+        if not setting.position:  # Use.NEVER, the usual case
             return own
         usable = own if own is not None and own.fix_type >= MIN_FIX_TYPE else None
         if _takes_external(usable, self.fix, setting.position, setting.timeout_s, now_s):
@@ -46,7 +47,7 @@ class ExternalSensors:
     def choose_heading(
         self, own: HeadingReading | None, setting: External, now_s: float
     ) -> HeadingReading | None:
-        """The heading to steer by."""
+        """The heading to use."""
         if not setting.heading:
             return own
         if _takes_external(own, self.heading, setting.heading, setting.timeout_s, now_s):

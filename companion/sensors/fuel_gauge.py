@@ -1,10 +1,9 @@
-"""How much charge the pack has left, as an operator should see it.
+"""State of charge of the battery pack, as shown to the operator.
 
-With a monitor that measures current, charge is counted down from what the voltage said at the first reading,
-before the motors turn. Without current, the open-circuit voltage is estimated: terminal voltage is that less
-sag, and sag is what the motors are given times learned factors. A Kalman filter learns both from how the
-voltage answers the motors; Plett, "Battery Management Systems, Volume II", 2015, chapter 3, has such a
-model with a measured current.
+With a current measurement, charge is counted down from the state at the first reading, at rest. Without one,
+the open-circuit voltage is estimated: terminal voltage plus sag, where the sag is the motor load times
+learned factors. A Kalman filter estimates both; Plett, "Battery Management Systems, Volume II", 2015, chapter
+3, has such a model with a measured current.
 """
 
 from companion.config.boat_config import BatteryPack
@@ -12,13 +11,13 @@ from companion.core.state import MotorCommand
 from companion.sensors.charge import ChargeCounter, resting_share
 from companion.sensors.readings import BatteryReading
 
-# What is shown rises only once the estimate is higher by more than this share: relaxation of the pack after a
-# load, and errors of the sag, come to about as much, and must not make the figure go up and down
+# The shown value rises only if the estimate exceeds it by this share: relaxation after a load and errors of
+# the sag are about as large, and must not make it fluctuate
 _HYSTERESIS = 0.05
 
 
 class FuelGauge:
-    """`percent` is what to show, −1 before the first reading; `consumed_mah` what has been counted."""
+    """`percent`: shown value, −1 before the first reading; `consumed_mah`: counted charge."""
 
     __slots__ = ("_begun_share", "_counter", "_last_s", "_sag", "_shown_share")
 
@@ -31,16 +30,16 @@ class FuelGauge:
 
     @property
     def consumed_mah(self) -> float:
-        """Charge taken from the pack since boot, or since it was changed."""
+        """Charge consumed since boot, or since the pack was changed."""
         return self._counter.consumed_mah
 
     @property
     def percent(self) -> int:
-        """Charge left, in whole percent."""
+        """Remaining charge in percent."""
         return -1 if self._shown_share is None else round(100.0 * self._shown_share)
 
     def update(self, reading: BatteryReading, battery: BatteryPack, command: MotorCommand) -> None:
-        """Take a new reading. command: what the motors were given when it was taken."""
+        """Add a reading. command: motor command at its time."""
         self._counter.add(reading)
         dt_s, self._last_s = max(reading.time_s - self._last_s, 0.0), reading.time_s
         if self._begun_share is None:
@@ -56,22 +55,24 @@ class FuelGauge:
             self._shown_share = min(max(self._shown_share, share - _HYSTERESIS), share)
 
     def reset(self, share: float) -> None:
-        """Another pack, or this one charged: it has this share of its charge now."""
+        """Set the state of charge of another or recharged pack."""
         self._counter = ChargeCounter()
         self._sag = SagFilter()
         self._begun_share = self._shown_share = share
 
 
 def _loads(command: MotorCommand) -> tuple[float, float]:
-    """What the motors are given, as a stalled motor draws it (linear) and as a free propeller does (cubic):
-    a real one is in between."""
+    """Load of the motors, as of a stalled motor (linear) and of a free propeller (cubic): real ones are in
+    between.
+    """
     left, right = abs(command.left), abs(command.right)
     return left + right, left**3 + right**3
 
 
 class SagFilter:
-    """Open-circuit voltage, and the volts of sag for a load of 1 of each kind: a Kalman filter whose states
-    wander slowly. The measurement is open_circuit_v − Σ load × sag_v."""
+    """Kalman filter of the open-circuit voltage and of the sag per unit of either load, all random walks. The
+    measurement is open_circuit_v − Σ load × sag_v.
+    """
 
     __slots__ = ("_covariance", "_state")
 
@@ -88,11 +89,11 @@ class SagFilter:
 
     @property
     def open_circuit_v(self) -> float:
-        """What the pack's voltage would be at rest."""
+        """Voltage of the pack at rest."""
         return self._state[0]
 
     def update(self, voltage_v: float, loads: tuple[float, float], dt_s: float) -> None:
-        """Take a reading, dt_s after the last."""
+        """Add a reading, dt_s after the last."""
         row = (1.0, -loads[0], -loads[1])  # H
         if not self._state:
             self._state = [voltage_v + self._FIRST_SAG_V * sum(loads), self._FIRST_SAG_V, self._FIRST_SAG_V]

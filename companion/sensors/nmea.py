@@ -1,4 +1,4 @@
-"""NMEA 0183: bytes to sentences. Pure; malformed input is counted, never raised."""
+"""NMEA 0183 framing: bytes to sentences. Malformed input is counted, never raised."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pynmeagps import NMEAReader
 from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEAStreamError, NMEATypeError
 
-_LONGEST_SENTENCE = 256  # the standard says 82; some receivers know better
+_LONGEST_SENTENCE = 256  # the standard says 82; some receivers exceed it
 _FAULTS = (
     NMEAParseError,
     NMEATypeError,
@@ -21,26 +21,26 @@ _FAULTS = (
 
 @dataclass(frozen=True, slots=True)
 class Sentence:
-    """A sentence whose checksum was right: its kind, such as GGA, and its fields under pynmeagps' names."""
+    """A sentence with a valid checksum: its kind, such as GGA, and its fields by pynmeagps' names."""
 
     kind: str
     fields: Mapping[str, object]
 
     def number(self, name: str) -> float | None:
-        """A numeric field, None where it was left empty."""
+        """A numeric field, None if empty."""
         value = self.fields.get(name)
         return float(value) if isinstance(value, float | int) and math.isfinite(value) else None
 
     def text(self, name: str) -> str:
-        """A field of letters, empty where it was left empty."""
+        """A text field, empty if missing."""
         return str(self.fields.get(name, ""))
 
 
 class NmeaReader:
-    """Cuts a byte stream into sentences and parses those of the wanted kinds.
+    """Splits a byte stream into sentences and parses the wanted kinds.
 
-    `malformed` counts lines with a wrong checksum, wrong fields or too many bytes; `skipped` sentences of
-    kinds that were not asked for, which are not even parsed.
+    `malformed`: lines with a wrong checksum, wrong fields or too many bytes; `skipped`: sentences of other
+    kinds, which are not parsed.
     """
 
     def __init__(self, wanted: frozenset[str]) -> None:
@@ -51,7 +51,7 @@ class NmeaReader:
         self.malformed = 0
 
     def feed(self, data: bytes) -> list[Sentence]:
-        """Parse what is complete; half a sentence waits for the rest."""
+        """Parse complete sentences; a partial one is kept."""
         *lines, self._held = (self._held + data).split(b"\n")
         if len(self._held) > _LONGEST_SENTENCE:
             self._held = b""
@@ -64,13 +64,13 @@ class NmeaReader:
         return sentences
 
     def forget(self) -> None:
-        """Drop half a sentence: the line was cut."""
+        """Drop a partial sentence after a reconnect."""
         self._held = b""
 
     def _parse(self, line: bytes) -> Sentence | None:
         if not line:
             return None
-        raw = line[max(line.rfind(b"$"), 0) :]  # what was cut off before may run into a whole sentence
+        raw = line[max(line.rfind(b"$"), 0) :]  # a truncated sentence may precede a whole one
         if raw[:1] != b"$" or raw[-3:-2] != b"*" or len(raw) > _LONGEST_SENTENCE:
             self.malformed += 1
             return None

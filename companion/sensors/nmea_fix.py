@@ -1,4 +1,4 @@
-"""From the NMEA 0183 sentences of one moment to one GnssFix.
+"""Combines NMEA 0183 sentences into fixes.
 
 Field meanings: NMEA 0183 v4.11 (GGA, GNS, RMC, VTG, GLL, GSA, GST).
 """
@@ -22,14 +22,14 @@ _MODE_FIX = {"A": _FIX_3D, "D": _DGNSS, "P": _FIX_3D, "R": _RTK_FIXED, "F": _RTK
 
 
 class FixAssembler:
-    """Combines the sentences of one epoch, those of one UTC time, into one GnssFix.
+    """Combines the sentences of one epoch (one UTC time) into one GnssFix.
 
-    A receiver does not say which sentence is an epoch's last, but it always sends them in the same order: the
-    last one of an epoch tells when the next epoch is complete. The first epoch, and one whose last sentence
-    was lost, come out when the following one begins.
+    A receiver does not mark the last sentence of an epoch, but its order is constant: the last sentence of an
+    epoch is learned and completes the next. The first epoch, and one whose last sentence was lost, are
+    completed by the next one.
 
-    Without a fix a receiver sends no position. What comes out then has the last known one (0, 0 before the
-    first) and fix_type 1, so that a station sees a receiver that is alive.
+    Without a fix a receiver sends no position. The result then has the last known position (0, 0 before the
+    first) and fix_type 1, so that stations see a working receiver.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class FixAssembler:
         self._position = LatLon(0.0, 0.0)
 
     def feed(self, sentence: Sentence, time_s: float) -> list[GnssFix]:
-        """Take one sentence that arrived at time_s; returns the fixes that are complete, at most two."""
+        """Process a sentence received at time_s; returns at most two complete fixes."""
         fixes: list[GnssFix] = []
         epoch = self._epoch
         utc = sentence.fields.get("time")
@@ -54,7 +54,7 @@ class FixAssembler:
         return fixes
 
     def _learn(self, ending: tuple[str, int]) -> None:
-        # One lost sentence must not teach a wrong ending: what was learnt changes when two epochs agree.
+        # A lost sentence must not change the learned ending: two epochs must agree.
         if ending == self._recent_ending or not self._usual_ending[0]:
             self._usual_ending = ending
         self._recent_ending = ending
@@ -68,12 +68,12 @@ class FixAssembler:
 
 
 class _Epoch:
-    """What the sentences of one moment have said so far."""
+    """The sentences of one epoch so far."""
 
     def __init__(self, utc: datetime.time | None, time_s: float) -> None:
         self.kinds: list[str] = []
         self.is_out = False
-        self.has_solution = False  # a GGA, GNS or RMC was among them
+        self.has_solution = False  # contains a GGA, GNS or RMC
         self.position: LatLon | None = None
         self._utc = utc
         self._time_s = time_s
@@ -88,10 +88,10 @@ class _Epoch:
         self._date: datetime.date | None = None
 
     def is_over(self, kind: str, utc: datetime.time | None) -> bool:
-        """Whether a sentence of this kind and time opens the next epoch.
+        """Whether a sentence of this kind and time begins the next epoch.
 
-        A cold receiver has no time, and a broken one repeats it: then a second GGA or RMC tells. GNS may come
-        once for each constellation.
+        A cold receiver has no time and a faulty one repeats it; then a second GGA or RMC begins the next. GNS
+        may occur once per constellation.
         """
         if utc is not None and utc != self._utc:
             return True
@@ -99,7 +99,7 @@ class _Epoch:
 
     @property
     def ending(self) -> tuple[str, int]:
-        """The kind of the latest sentence, and how many of that kind there were."""
+        """Kind of the latest sentence, and how many of that kind there were."""
         kind = self.kinds[-1]
         return kind, self.kinds.count(kind)
 

@@ -1,4 +1,4 @@
-"""From NMEA 0183 sentences of a compass to headings (v4.11: HDT, THS, HDG, HDM, ROT)."""
+"""Converts NMEA 0183 sentences of a compass to headings (v4.11: HDT, THS, HDG, HDM, ROT)."""
 
 import math
 
@@ -14,12 +14,11 @@ _TRUE, _CORRECTED, _MAGNETIC = 3, 2, 1
 
 
 class HeadingAssembler:
-    """Turns sentences into readings; correction_rad is added to every heading.
+    """Converts sentences to readings; correction_rad is added to every heading.
 
-    HDT and THS speak of true north. HDG is magnetic, and its own deviation and variation are applied (east
-    positive). HDM is magnetic and carries neither, as an HDG may: with such a compass the local variation
-    belongs into correction_rad. A better kind silences a worse one for 2 s. ROT (°/min, positive to
-    starboard) gives the yaw rate.
+    HDT and THS are true headings. HDG is magnetic, with its own deviation and variation (east positive). HDM
+    is magnetic without them, as an HDG may be: then correction_rad must include the local variation. A better
+    kind suppresses a worse one for 2 s. ROT (°/min, positive to starboard) gives the yaw rate.
     """
 
     def __init__(self, correction_rad: float = 0.0) -> None:
@@ -30,7 +29,7 @@ class HeadingAssembler:
         self._rate_s = -math.inf
 
     def feed(self, sentence: Sentence, time_s: float) -> HeadingReading | None:
-        """Take one sentence that arrived at time_s; None if it gives no heading."""
+        """Process a sentence received at time_s; None if it gives no heading."""
         if sentence.kind == "ROT":
             rate_deg_min = sentence.number("rot") if sentence.text("valid") == "A" else None
             self._rate_rad_s = None if rate_deg_min is None else math.radians(rate_deg_min) / 60.0
@@ -45,7 +44,7 @@ class HeadingAssembler:
 
 
 def _heading_deg(sentence: Sentence) -> tuple[float | None, int]:
-    """The heading, None when there is none, and how good its kind is."""
+    """The heading or None, and the rank of its kind."""
     if sentence.kind == "HDT":
         return sentence.number("headingT"), _TRUE
     if sentence.kind == "THS":

@@ -1,4 +1,4 @@
-"""What the boat's sensors say: values, stamped with the boat's clock. All frozen, all SI."""
+"""Sensor readings, stamped with the boat's clock. All frozen, all SI."""
 
 from msgspec import Struct
 
@@ -6,12 +6,12 @@ from companion.core.geo import LatLon
 
 
 class GnssFix(Struct, frozen=True, gc=False):
-    """One solution of a satellite receiver, or of whatever stands in for one.
+    """One solution of a GNSS receiver or a substitute.
 
-    fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float,
-    6 = RTK fixed. Velocity components are over ground; None where the receiver does not say. reset_counter
-    changes when the source begins anew and its positions may leap. time_of_day_s: of the measurement, by the
-    receiver's own clock (UTC once it has heard satellites), None where it does not say.
+    fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float, 6 = RTK
+    fixed. Velocity components are over ground, None if not reported. reset_counter changes when the source
+    restarts and its positions may jump. time_of_day_s: time of the measurement by the receiver's clock (UTC
+    once it has a fix), None if not reported.
     """
 
     time_s: float
@@ -29,9 +29,9 @@ class GnssFix(Struct, frozen=True, gc=False):
 
 
 class HeadingReading(Struct, frozen=True, gc=False):
-    """Where the bow points: radians from true north, clockwise; the rate too where the part has a gyro.
+    """True heading in radians, clockwise; the yaw rate if there is a gyro.
 
-    roll_rad (positive to starboard) and pitch_rad (bow up): where the part measures them.
+    roll_rad (positive to starboard) and pitch_rad (bow up) if measured.
     """
 
     time_s: float
@@ -42,7 +42,7 @@ class HeadingReading(Struct, frozen=True, gc=False):
 
 
 class SonarReading(Struct, frozen=True, gc=False):
-    """One ping. bearing_rad is relative to the bow, clockwise; range_m is None when no echo came back."""
+    """One ping. bearing_rad is relative to the bow, clockwise; range_m is None without an echo."""
 
     time_s: float
     bearing_rad: float
@@ -52,7 +52,7 @@ class SonarReading(Struct, frozen=True, gc=False):
 
 
 class BatteryReading(Struct, frozen=True, gc=False):
-    """The pack as the monitor sees it. current_a is positive while discharging, None when not measured."""
+    """Battery voltage and current. current_a is positive while discharging, None if not measured."""
 
     time_s: float
     voltage_v: float
@@ -60,7 +60,7 @@ class BatteryReading(Struct, frozen=True, gc=False):
 
 
 class HullReading(Struct, frozen=True, gc=False):
-    """How it looks inside the hull: water, and the warmest thing that is measured. None: not measured."""
+    """Leak and highest temperature inside the hull. None: not measured."""
 
     time_s: float
     is_wet: bool | None = None
@@ -68,11 +68,10 @@ class HullReading(Struct, frozen=True, gc=False):
 
 
 class RcReading(Struct, frozen=True, gc=False):
-    """What a radio control receiver says: every channel's pulse width in µs, the first is channel 1.
+    """Channels of an RC receiver: pulse widths in µs, channel 1 first.
 
-    is_failsafe: the receiver itself says that it hears no transmitter; the channels are then worth nothing.
-    quality: share of the transmitter's packets that arrive, 0..1; rssi_dbm: how strong they are. Both None
-    where the receiver does not say.
+    is_failsafe: the receiver reports a lost transmitter; the channels are invalid. quality: share of packets
+    received, 0..1; rssi_dbm: signal strength. Both None if not reported.
     """
 
     time_s: float

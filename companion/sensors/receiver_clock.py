@@ -1,11 +1,10 @@
-"""When a fix was measured: the receiver's time of day against the boat's clock.
+"""Time of measurement of a fix, from the receiver's time of day.
 
-A driver knows when a sentence arrived. The receiver says at which time of day it measured, by a clock that
-has nothing to do with the boat's. Arrival less time of day is the difference of the two clocks plus the delay
-of that fix; the least of the last minutes is the difference plus the shortest delay, because delays only ever
-add up (D. L. Mills et al., RFC 5905, section 10: the clock filter, which trusts the sample of least delay).
-What a fix exceeds it by is how much longer it took. The shortest delay itself cannot be observed and is a
-setting.
+A driver knows the arrival time. The receiver reports the time of day of the measurement, by an independent
+clock. Arrival time less time of day is the clock offset plus the delay of that fix; its minimum over the last
+minutes is the offset plus the shortest delay, as delays are positive (D. L. Mills et al., RFC 5905, section
+10: the clock filter, which trusts the sample of least delay). The excess over the minimum is the additional
+delay of a fix. The shortest delay cannot be observed and is configured.
 """
 
 import math
@@ -16,19 +15,19 @@ import msgspec
 from companion.sensors.readings import GnssFix
 
 DAY_S: Final = 86_400.0
-# A crystal is good to 50 ppm (0.003 %): two of these apart, the clocks have moved by 6 ms at most.
+# A crystal is good to 50 ppm (0.003 %): within two windows the clocks drift by 6 ms at most.
 WINDOW_S: Final = 60.0
-# Later than this is no delay but a clock that was set, as by the 18 leap seconds that a cold receiver learns.
+# A larger delay is a clock step, as by the 18 leap seconds that a cold receiver learns.
 LATEST_S: Final = 3.0
-EARLIEST_S: Final = 1.0  # before any other fix, likewise
-# A delay beyond a serial line's own varies. Fixes that all are late by the same tell of a clock that was set:
+EARLIEST_S: Final = 1.0  # likewise, for fixes earlier than all others
+# A delay beyond that of a serial line varies; a constant one is a clock step:
 LATE_S: Final = 0.5
 SAME_S: Final = 0.2
 AGREE: Final = 10  # in a row: 2 s at 5 Hz, 10 s at 1 Hz
 
 
 class ReceiverClock:
-    """latency_s: the shortest time from a measurement to its arrival."""
+    """latency_s: shortest time from measurement to arrival."""
 
     __slots__ = ("_before_s", "_latency_s", "_least_s", "_odd", "_odd_s", "_offset_s", "_since_s", "_told_s")
 
@@ -40,12 +39,12 @@ class ReceiverClock:
         self._least_s = self._before_s = math.inf
 
     def stamp(self, fix: GnssFix) -> GnssFix:
-        """The fix with the time of its measurement in place of that of its arrival."""
+        """The fix with the time of its measurement in place of its arrival."""
         return msgspec.structs.replace(fix, time_s=self.measured_s(fix.time_of_day_s, fix.time_s))
 
     def measured_s(self, time_of_day_s: float | None, arrival_s: float) -> float:
-        """The boat's time of a measurement; without a usable time of day it took the shortest delay."""
-        if time_of_day_s is None or time_of_day_s == self._told_s:  # a broken receiver repeats its time
+        """The boat's time of a measurement; without a usable time of day, the shortest delay is assumed."""
+        if time_of_day_s is None or time_of_day_s == self._told_s:  # a faulty receiver repeats its time
             return arrival_s - self._latency_s
         self._told_s = time_of_day_s
         offset_s = arrival_s - time_of_day_s
@@ -64,12 +63,12 @@ class ReceiverClock:
         return arrival_s - self._latency_s - (late_s - min(self._least_s, self._before_s))
 
     def _is_other_clock(self, late_s: float) -> bool:
-        """Whether one of the two clocks is another one than that which was tracked."""
+        """Whether one of the two clocks was stepped."""
         if math.isnan(late_s):
             return True
         least_s = min(self._least_s, self._before_s)
         if least_s - EARLIEST_S <= late_s <= least_s + LATE_S:
-            self._odd = 0
+            self._odd = 0  # number of consecutive outliers, and the delay of the latest
             return False
         self._odd = self._odd + 1 if self._odd and abs(late_s - self._odd_s) < SAME_S else 1
         self._odd_s = late_s

@@ -1,4 +1,4 @@
-"""What the boat perceives: its parts and what stands in for them over MAVLink, read once a tick."""
+"""All sensors and their external substitutes, read once a tick."""
 
 from companion.config.boat_config import BoatConfig
 from companion.core.state import STOPPED, MotorCommand
@@ -19,7 +19,7 @@ from companion.sensors.trim import trimmed
 
 
 class SensorSuite:
-    """The readings of now. compass is as the part gave it; heading is what to steer by."""
+    """The present readings. compass: as measured; heading: the one to use."""
 
     __slots__ = (
         "_hardware",
@@ -43,30 +43,30 @@ class SensorSuite:
         self.sweep = SonarScan()
         self.gauge = FuelGauge()
         self.fix: GnssFix | None = None
-        self.is_fix_own = True  # from the boat's own receiver, not over MAVLink
+        self.is_fix_own = True  # from the boat's own receiver, not MAVLink
         self.compass: HeadingReading | None = None
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
         self.sonar: SonarReading | None = None  # the latest ping
         self.hull: HullReading | None = None
-        self.rc: RcReading | None = None  # the latest frame of the transmitter
-        self.pings: list[tuple[SonarReading, float | None]] = []  # the tick's, with their beams in rad
+        self.rc: RcReading | None = None  # the latest RC frame
+        self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self._hardware = hardware
         self._sector: Sector = ALL_ROUND
 
     @property
     def consumed_mah(self) -> float:
-        """Charge taken from the pack since boot, or since it was changed."""
+        """Charge consumed since boot, or since the pack was changed."""
         return self.gauge.consumed_mah
 
     def point_sonar(self, sector: Sector) -> None:
-        """Have the boat's own ranger sweep between these bearings."""
+        """Set the sector of the boat's own ranger."""
         if sector != self._sector and self._hardware.sonar is not None:
             self._sector = sector
             self._hardware.sonar.set_sector(sector.port_rad, sector.starboard_rad)
 
     def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
-        """Take what there is. command: what the motors are given."""
+        """Read all sensors. command: the present motor command."""
         hardware, external = self._hardware, self.external
         own_fix = hardware.gnss.read()
         self.fix = external.choose_fix(own_fix, config.external, now_s)
