@@ -110,9 +110,9 @@ def test_a_damaged_file_is_refused_or_holds_possible_names(
         (struct.pack("<HHH", 0x671C, 0, 6), "magic 0x671c"),
         (struct.pack("<HHH", 0x671B, 0, 7), "6 bytes, but the header says 7"),
         (struct.pack("<HHH", 0x671B, 1, 6), "0 entries, but the header says 1"),
-        (struct.pack("<HHHBB", 0x671B, 1, 9, 5, 0) + b"A", "byte 6: 0x05 is no type"),
+        (struct.pack("<HHHBB", 0x671B, 1, 9, 5, 0) + b"A", "byte 6: 0x05 is not a value type"),
         (struct.pack("<HHHBB", 0x671B, 1, 10, 2, 0) + b"A\x01", "byte 6: an entry is cut short"),
-        (struct.pack("<HHHBB", 0x671B, 1, 10, 1, 3) + b"A\x01", "byte 6: b'A' is no name"),
+        (struct.pack("<HHHBB", 0x671B, 1, 10, 1, 3) + b"A\x01", "byte 6: b'A' is not a parameter name"),
     ],
 )
 def test_the_reason_names_the_place(file: bytes, reason: str) -> None:
