@@ -1,6 +1,24 @@
-"""The boat's modes, with ArduPilot Rover's numbers and names."""
+"""The boat's modes, with ArduPilot Rover's numbers and names, and what each may do."""
 
 from enum import IntEnum
+from typing import Final, NamedTuple
+
+
+class ModeRules(NamedTuple):
+    """What a mode needs and may do. What else it lacks now (a mission, a home …) its controller says.
+
+    needs_position: a position and a heading, to be entered and to be armed in. is_by_hand: the operator's
+    sticks steer. comes_inside: it may be armed outside the fence, because it first leads back inside.
+    returns_home: it ends where the boat was armed, at home or at a rally point. keeps_station: calibration
+    may run in it. is_resumable: it is continued after a power loss.
+    """
+
+    needs_position: bool = True
+    is_by_hand: bool = False
+    comes_inside: bool = False
+    returns_home: bool = False
+    keeps_station: bool = False
+    is_resumable: bool = False
 
 
 class Mode(IntEnum):
@@ -20,18 +38,35 @@ class Mode(IntEnum):
     GUIDED = 15
 
     @property
+    def rules(self) -> ModeRules:
+        """Its row of the table."""
+        return RULES[self]
+
+    @property
     def needs_position(self) -> bool:
         """Whether the mode uses the position estimate, if only for the speed over ground."""
-        return self not in (Mode.MANUAL, Mode.HOLD)
+        return RULES[self].needs_position
 
     @property
     def is_by_hand(self) -> bool:
         """Whether the operator steers manually."""
-        return self in (Mode.MANUAL, Mode.ACRO, Mode.STEERING, Mode.SIMPLE)
+        return RULES[self].is_by_hand
 
 
-COMES_INSIDE = (Mode.LOITER, Mode.RTL)
-"""Entered outside the fence, these modes return inside first."""
+RULES: Final[dict[Mode, ModeRules]] = {
+    Mode.MANUAL: ModeRules(needs_position=False, is_by_hand=True),
+    Mode.ACRO: ModeRules(is_by_hand=True),
+    Mode.STEERING: ModeRules(is_by_hand=True),
+    Mode.HOLD: ModeRules(needs_position=False),
+    Mode.LOITER: ModeRules(comes_inside=True, keeps_station=True),
+    Mode.FOLLOW: ModeRules(),
+    Mode.SIMPLE: ModeRules(is_by_hand=True),
+    Mode.CIRCLE: ModeRules(),
+    Mode.AUTO: ModeRules(is_resumable=True),
+    Mode.RTL: ModeRules(comes_inside=True, returns_home=True, is_resumable=True),
+    Mode.SMART_RTL: ModeRules(returns_home=True, is_resumable=True),
+    Mode.GUIDED: ModeRules(keeps_station=True),
+}
 
 
 def mode_from_number(number: int) -> Mode | None:

@@ -16,7 +16,7 @@ from msgspec import Meta, Struct
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.units import deg_to_e7, e7_to_deg
 from companion.persistence.storage import Saving, Storage
-from companion.vehicle.modes.track import MOST_POINTS, SailedTrack
+from companion.vehicle.track import MOST_POINTS, SailedTrack
 
 logger = logging.getLogger(__name__)
 
@@ -59,14 +59,14 @@ class TrackRecord:
 
     def leads_home(self, at: Point | None) -> bool:
         """Whether a boat that is armed here goes on with the track from before the cut."""
-        return bool(self._kept) or (at is not None and self._trail.goes_on_from(at))
+        return bool(self._kept) or (at is not None and self._trail.continues_from(at))
 
     def restore(self, frame: LocalFrame | None, armed: bool) -> None:
         """Hand over the track from before the cut. An armed boat has begun another."""
         if not self._kept or (frame is None and not armed):
             return
         if frame is not None and not armed:
-            self._trail.take_up(
+            self._trail.restore(
                 [frame.to_local(LatLon(e7_to_deg(lat), e7_to_deg(lon))) for lat, lon in self._kept]
             )
         self._kept = ()
@@ -82,7 +82,7 @@ class TrackRecord:
         if now_s < self._due_s or not self._is_news():
             return
         trail = self._trail
-        points = [] if trail.is_lost else [*trail.points]
+        points = [] if trail.is_incomplete else [*trail.points]
         if points and trail.latest is not None and trail.latest != points[-1]:
             points.append(trail.latest)
         content = msgspec.json.encode(_Record(voyage, self._placed(points, frame)))

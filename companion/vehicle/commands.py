@@ -29,7 +29,6 @@ _NOT_THE_LEAD = Outcome(False, "not the one to follow")
 
 def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
     """Do it, or say why not."""
-    conduct = vehicle.conduct
     match request:
         case ManualControl():
             if request.throttle is None and request.steering is None:
@@ -40,10 +39,10 @@ def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
         case SetPoint():
             if not vehicle.is_guided:
                 return _NOT_GUIDED
-            conduct.hold(request, now_s)
+            vehicle.modes.guided.hold(request, now_s)
             return ACCEPTED
         case OtherVehicle():
-            is_lead = conduct.following.sight(request, vehicle.config.follow, now_s)
+            is_lead = vehicle.modes.follow.ingest(request, vehicle.config.follow, now_s)
             return ACCEPTED if is_lead else _NOT_THE_LEAD
         case Arm(force):
             return vehicle.arm(force)
@@ -99,5 +98,5 @@ def _go_to(vehicle: "Vehicle", request: GoTo) -> Outcome:
             return outcome
     if request.speed_m_s is not None:
         vehicle.speed_m_s = request.speed_m_s
-    vehicle.conduct.go(request.position)
+    vehicle.modes.guided.go_to(request.position)
     return ACCEPTED

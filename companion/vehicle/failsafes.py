@@ -59,7 +59,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         motors.pause()
     else:
         motors.update(board.left, board.right, nav, vehicle.fix, battery, config, now_s, PERIOD_S)
-    station = vehicle.conduct.passage.station
+    station = vehicle.modes.loiter.destination
     return FailsafeInputs(
         now_s=now_s,
         config=config,

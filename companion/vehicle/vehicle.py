@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.health import lacks_heading, lacks_position
-from companion.core.intent import Intent, Stop
-from companion.core.modes import COMES_INSIDE, Mode
+from companion.core.intent import Intent, KeepStation, Stop
+from companion.core.modes import Mode
 from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
@@ -24,10 +24,13 @@ from companion.sensors.readings import BatteryReading, GnssFix
 from companion.vehicle.arming import PreArmReport, arming_faults, radio_fault
 from companion.vehicle.commands import execute
 from companion.vehicle.failsafes import NO_HEADING, run_failsafes, run_recovery
+from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import Mission
-from companion.vehicle.modes.mode_manager import Conduct, distance_fault, station_of
-from companion.vehicle.modes.track import SailedTrack
-from companion.vehicle.situation import Situation
+from companion.vehicle.modes.controller import ModeInputs
+from companion.vehicle.modes.registry import ModeRegistry
+from companion.vehicle.modes.rtl import home_fault
+from companion.vehicle.return_route import ReturnRoute
+from companion.vehicle.track import SailedTrack
 
 _STOP = Stop()
 _RESTARTING = "Program: restarting"
@@ -44,8 +47,12 @@ class Vehicle:
         self.fence = Fence()
         self.manual_input = ManualInput()
         self.track = SailedTrack()
-        self.conduct = Conduct(self.fence, self.manual_input, self.track)
-        self.progress = self.conduct.progress
+        self.progress = MissionProgress()
+        self.status_texts: list[StatusText] = []  # to the operator, until `take_status_texts`
+        self._route = ReturnRoute(self.fence, self.status_texts)
+        self.modes = ModeRegistry(
+            self.fence, self._route, self.progress, self.track, self.manual_input, self.status_texts
+        )
         self.failsafes = Failsafes(config, self.manual_input)
         self.operator = self.failsafes.operator
         self.planner = self.failsafes.planner
@@ -62,13 +69,12 @@ class Vehicle:
         self.losses = Losses()
         self._home_is_chosen = False
         self._pre_arm = PreArmReport()
-        self.status_texts = self.conduct.status_texts  # for the operator, until `take_notices`
         self._now_s = 0.0
 
     @property
     def target(self) -> LatLon | None:
-        """Where GUIDED or RTL is under way to; None once there."""
-        return self.conduct.passage.target
+        """Where GUIDED is sailing to; None once there."""
+        return self.modes.guided.target
 
     @property
     def status(self) -> VehicleStatus:
@@ -78,7 +84,7 @@ class Vehicle:
             self.mode,
             self.armed,
             self.failsafes.active,
-            self.conduct.stemming is None,
+            self.modes.loiter.needs_position,
             recovery.is_ungrounding,
             recovery.is_checking,
             recovery.motor_check.motors,
@@ -101,12 +107,13 @@ class Vehicle:
             self.home = frame.to_global(nav.point)
         self.fence.update(frame, self.home, self.config.fence)
         if nav is not None and frame is not None:
-            self.conduct.prepare(frame, self.home, self.config, nav)
+            self._route.prepare(frame, self.home, self.config, nav)
+            self.modes.auto.prepare(frame)
 
     def reset_position(self, far_m: float) -> None:
         """The boat was carried so far that positions are measured from another origin. Disarmed only."""
         self.notify(Severity.NOTICE, f"Position: {far_m / 1e3:.0f} km away, origin moved here")
-        self.track.begin(None)
+        self.track.restart(None)
         if not self._home_is_chosen:
             self.home = None
 
@@ -120,29 +127,28 @@ class Vehicle:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s, self.config.arming.repeat_s):
                 self.notify(Severity.CRITICAL, f"PreArm: {fault}")
             return _STOP
-        now = self._situation()
-        if now is not None and not lacks_position(now.nav, self.config.motors.estimate_timeout_s):
-            self.conduct.record(self.mode, now)
+        inputs = self._mode_inputs()
+        self._record_track()
         if self.recovery.is_active:
             return run_recovery(self, self._now_s)
         if self.mode is Mode.MANUAL:
-            return self.manual_input.intent(self.mode, self.config, self._now_s)
-        if self.mode is Mode.HOLD or now is None:
+            return self.modes.manual.drive(self.config, self._now_s)
+        if self.mode is Mode.HOLD or inputs is None:
             return _STOP
         check = self.recovery.motor_check
         if check.motors.has_failed:
             has_room = may_drift(self.nav, self.fence, RECHECK_DRIFT_S)
             if check.is_due(self._now_s, has_room=has_room):
                 self.recovery.handle(Trigger.CHECK, self._now_s)
-        intent = self.conduct.decide(self.mode, now)
-        if self.is_returning_from_mission and self.conduct.way_home.arrived:
+        intent = self.modes.controllers[self.mode].intent(inputs)
+        if self.is_returning_from_mission and self._route.has_arrived:
             self.is_returning_from_mission = False
             self.notify(Severity.NOTICE, "Mission complete")
         if self.mode is Mode.AUTO:
             for position in self.progress.take_homes():
                 self.set_home(position)
             if self.progress.finished:
-                return self._end_mission(intent, now)
+                return self._end_mission(intent, inputs)
         return intent
 
     def take_status_texts(self) -> list[StatusText]:
@@ -178,17 +184,17 @@ class Vehicle:
 
     def set_rally(self, places: Sequence[LatLon]) -> None:
         """Swap in new rally points; the way home leads to the nearest of them and home."""
-        self.conduct.way_home.rally = tuple(places)
+        self._route.rally = tuple(places)
         self._warn_of_rally_points()
 
     def _warn_of_rally_points(self) -> None:
-        for number, place in enumerate(self.conduct.way_home.rally):
+        for number, place in enumerate(self._route.rally):
             if self.frame is not None and not self.fence.allows(self.frame.to_local(place)):
                 self.notify(Severity.WARNING, f"Rally point {number} is outside the fence")
 
     def home_distance_m(self, point: Point) -> float:
         """How far it is home by the water; infinite where there is no way."""
-        return self.conduct.way_home.home_distance_m(point)
+        return self._route.home_distance_m(point)
 
     def select_mode(self, mode: Mode) -> Outcome:
         """Somebody chooses a mode: failsafes that are active leave it at that."""
@@ -223,18 +229,19 @@ class Vehicle:
     def force_mode(self, mode: Mode, why: str) -> Outcome:
         """Change mode, whatever it lacks."""
         if mode is not self.mode:
+            self.modes.controllers[self.mode].exit()
             self.mode = mode
             self.is_returning_from_mission = False
             self.speed_m_s = None
             self.notify(Severity.INFO, f"Mode {mode.name}{': ' + why if why else ''}")
-            self.conduct.begin(mode, self._situation())
+            self.modes.controllers[mode].enter(self._mode_inputs())
         return ACCEPTED
 
     def arming_faults(self) -> list[str]:
         """Why the boat would not arm now; empty when it would."""
         config = self.config
         faults = arming_faults(config.arming, config.motors, self.mode, self.nav, self.fix, self.battery)
-        if config.arming.check and self.is_outside and self.mode not in COMES_INSIDE:
+        if config.arming.check and self.is_outside and not self.mode.rules.comes_inside:
             faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
         if config.arming.check and self.losses.text(FENCE):
             faults.append("Fence: the stored fence is lost: upload or clear it")
@@ -252,25 +259,25 @@ class Vehicle:
     @property
     def is_guided(self) -> bool:
         """Whether another program may steer by set-points."""
-        return self.conduct.is_guided(self.mode)
+        return self.mode is Mode.GUIDED or (self.mode is Mode.AUTO and self.progress.is_handed_over)
 
     @property
     def has_returned(self) -> bool:
         """Whether RTL has arrived."""
-        return self.conduct.way_home.arrived
+        return self._route.has_arrived
 
     @property
     def destination(self) -> LatLon | None:
         """Where the boat is heading: the current waypoint or target, None when it steers for none."""
-        return self.conduct.aim(self.mode)
+        return self.modes.controllers[self.mode].destination
 
     # How
 
-    def _situation(self) -> Situation | None:
+    def _mode_inputs(self) -> ModeInputs | None:
         if self.nav is None or self.frame is None:
             return None
         speed_m_s = self.speed_m_s or self.config.speed.cruise_m_s
-        return Situation(self.nav, self.frame, self.config, self.home, speed_m_s, self._now_s)
+        return ModeInputs(self.nav, self.frame, self.config, self.home, speed_m_s, self._now_s)
 
     def estimate_fault(self) -> str:
         """Why the boat cannot steer by its position; empty when it can."""
@@ -280,20 +287,31 @@ class Vehicle:
             return "position is stale"
         return NO_HEADING if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
 
-    def _mode_fault(self, mode: Mode) -> str:
-        now = self._situation()
-        return "" if now is None or mode is self.mode else self.conduct.fault(mode, now)
+    def _record_track(self) -> None:
+        """Record the way back; in SMART_RTL it is being sailed."""
+        nav, setting = self.nav, self.config.modes
+        if nav is None or self.frame is None or lacks_position(nav, self.config.motors.estimate_timeout_s):
+            return
+        if self.mode is Mode.SMART_RTL:
+            self.track.resume_at(nav.point)
+        else:
+            self.track.add(nav.point, setting.trail_accuracy_m, setting.trail_points)
 
-    def _end_mission(self, intent: Intent, now: Situation) -> Intent:
+    def _mode_fault(self, mode: Mode) -> str:
+        inputs = self._mode_inputs()
+        return "" if inputs is None or mode is self.mode else self.modes.controllers[mode].fault(inputs)
+
+    def _end_mission(self, intent: Intent, inputs: ModeInputs) -> Intent:
         if self.progress.go_home and self.change_mode(Mode.RTL, "mission item").accepted:
             self.is_returning_from_mission = True
-            return self.conduct.decide(self.mode, now)
+            return self.modes.controllers[self.mode].intent(inputs)
         self.notify(Severity.NOTICE, "Mission complete")
         if self.config.mission.done_behave == 0:
             self.change_mode(Mode.HOLD, "mission complete")
             return _STOP
         self.change_mode(Mode.LOITER, "mission complete")
-        self.conduct.passage.stay(station_of(intent, now))
+        if isinstance(intent, KeepStation):
+            self.modes.loiter.move_to(inputs.frame.to_global(intent.point))
         return intent
 
     def arm(self, force: bool) -> Outcome:
@@ -305,12 +323,12 @@ class Vehicle:
                 self.notify(Severity.CRITICAL, f"Arm: {fault}")
             return Outcome(False, faults[0])
         self.armed = True
-        now = self._situation()
-        if not self._home_is_chosen and now is not None:
-            self.home = now.here
+        inputs = self._mode_inputs()
+        if not self._home_is_chosen and inputs is not None:
+            self.home = inputs.position
         self.manual_input.release()
-        self.track.begin(None if self.estimate_fault() or self.nav is None else self.nav.point)
-        self.conduct.begin(self.mode, now)
+        self.track.restart(None if self.estimate_fault() or self.nav is None else self.nav.point)
+        self.modes.controllers[self.mode].enter(inputs)
         self.notify(Severity.INFO, "Armed")
         return ACCEPTED
 
@@ -325,11 +343,11 @@ class Vehicle:
 
     def set_home(self, position: LatLon | None) -> Outcome:
         if position is None:
-            now = self._situation()
-            if now is None:
+            inputs = self._mode_inputs()
+            if inputs is None:
                 return self.refuse("Home: no position yet")
-            position = now.here
-        if fault := distance_fault(position, self.frame):
+            position = inputs.position
+        if fault := home_fault(position, self.frame):
             return self.refuse(f"Home: {fault}")
         self.home, self._home_is_chosen = position, True
         return ACCEPTED

@@ -156,7 +156,7 @@ def test_guided_goes_round_as_well() -> None:
     rig = rig_among(disc(20.0, 0.0, 1.0)).ready()
     assert rig.set_mode(GUIDED) == OK
     assert rig.arm() == OK
-    rig.boat.vehicle.conduct.go(rig.scenario.frame.to_global(Point(40.0, 0.0)))
+    rig.boat.vehicle.modes.guided.go_to(rig.scenario.frame.to_global(Point(40.0, 0.0)))
     voyage = Voyage(rig)
     rig.until(lambda: rig.offset_m(40.0, 0.0) < 3.0, 100.0)
     assert rig.world.groundings == 0

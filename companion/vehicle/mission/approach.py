@@ -16,7 +16,7 @@ from companion.geofence.fence import Fence
 from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.modes.rtl import WayHome
+from companion.vehicle.return_route import ReturnRoute
 
 _HURRIES = 3  # at a look, while the boat waits
 _FIELD_STEPS = 4
@@ -26,12 +26,12 @@ _CAST_OFF = 2.0  # clearances: within that the boat may leave a berth that has l
 class Approach:
     """Says in `notices` that it goes round, or that it cannot."""
 
-    __slots__ = ("_fence", "_field", "_judged", "_station", "_status_texts", "_way", "_way_home")
+    __slots__ = ("_fence", "_field", "_judged", "_route", "_station", "_status_texts", "_way")
 
-    def __init__(self, fence: Fence, way_home: WayHome, status_texts: list[StatusText]) -> None:
-        """way_home: whose grid of the water serves this field, too."""
+    def __init__(self, fence: Fence, route: ReturnRoute, status_texts: list[StatusText]) -> None:
+        """route: whose grid is used for this field, too."""
         self._fence = fence
-        self._way_home = way_home
+        self._route = route
         self._status_texts = status_texts
         self._judged: Leg | None = None
         self._station: KeepStation | None = None  # until it is known how to get there
@@ -60,7 +60,7 @@ class Approach:
 
     def _is_open(self, here: Point, end: Point, config: BoatConfig) -> bool:
         """Whether the straight way is as clear as ways by the water are."""
-        fence, clearance_m = self._fence, self._way_home.clearance_m(config)
+        fence, clearance_m = self._fence, self._route.clearance_m(config)
         margin_m, length_m = fence.margin_m(here), distance_m(here, end)
         if margin_m >= clearance_m or length_m <= _CAST_OFF * clearance_m:
             return is_clear(fence, here, end, clearance_m)
@@ -76,10 +76,10 @@ class Approach:
         field = self._field
         if field is None:
             for _ in range(_HURRIES):
-                self._way_home.hurry()
-            grid = self._way_home.grid
+                self._route.advance_field()
+            grid = self._route.grid
             if grid is None:
-                if self._way_home.is_ready:  # without a home there is no grid
+                if self._route.is_ready:  # without a home there is no grid
                     self._station = None
                     return True
                 return False

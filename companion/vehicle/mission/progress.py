@@ -33,7 +33,7 @@ from companion.vehicle.mission.steps import (
     Waypoint,
     WithinDistance,
 )
-from companion.vehicle.modes.circle import Orbit
+from companion.vehicle.orbit import Orbit
 
 _STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
 

@@ -1,50 +1,38 @@
-"""Going round a point, and counting the turns."""
+"""CIRCLE: round a point ahead of where the mode began."""
 
 import math
 
-from companion.core.geo import Point, bearing_rad, distance_m
-from companion.core.intent import FollowCircle
+from companion.core.geo import Point
+from companion.core.intent import Intent
 from companion.core.state import NavState
-from companion.core.units import TAU, wrap_pi
+from companion.vehicle.modes.controller import ModeController, ModeInputs
+from companion.vehicle.orbit import Orbit
 
-_ON_CIRCLE_SHARE = 0.5  # of the radius: further off, the boat is still on its way to the circle
-
-
-class Orbit:
-    """A circle under way. `turns` counts those sailed, 0 until the circle is reached; going back uncounts."""
-
-    __slots__ = ("_bearing_rad", "_clockwise", "_turned_rad", "centre", "radius_m")
-
-    def __init__(self, centre: Point, radius_m: float, clockwise: bool) -> None:
-        self.centre = centre
-        self.radius_m = radius_m
-        self._clockwise = clockwise
-        self._turned_rad = 0.0
-        self._bearing_rad: float | None = None
-
-    @property
-    def turns(self) -> float:
-        """Turns sailed."""
-        return self._turned_rad / TAU
-
-    def update(self, nav: NavState) -> None:
-        """Count from where the boat is now."""
-        here = nav.point
-        bearing = bearing_rad(self.centre, here)
-        if self._bearing_rad is None:
-            if abs(distance_m(self.centre, here) - self.radius_m) > _ON_CIRCLE_SHARE * self.radius_m:
-                return
-        else:
-            swept = wrap_pi(bearing - self._bearing_rad)
-            self._turned_rad += swept if self._clockwise else -swept
-        self._bearing_rad = bearing
-
-    def intent(self, speed_m_s: float) -> FollowCircle:
-        """Sail it at this speed over ground."""
-        return FollowCircle(self.centre, self.radius_m, self._clockwise, speed_m_s)
+_CLOCKWISE = 0  # of CIRC_DIR
 
 
-def ahead_of(nav: NavState, away_m: float) -> Point:
-    """The point so far ahead of the bow: the centre of a circle that begins here."""
-    north = nav.north_m + away_m * math.cos(nav.heading_rad)
-    return Point(north, nav.east_m + away_m * math.sin(nav.heading_rad))
+class CircleMode(ModeController):
+    """Sails round the point CIRC_RADIUS ahead of the bow, without end."""
+
+    __slots__ = ("_orbit",)
+
+    def __init__(self) -> None:
+        self._orbit: Orbit | None = None
+
+    def enter(self, inputs: ModeInputs | None) -> None:  # noqa: ARG002
+        """Choose the centre at the next tick."""
+        self._orbit = None
+
+    def intent(self, inputs: ModeInputs) -> Intent:
+        """Round the centre."""
+        setting = inputs.config.modes
+        if self._orbit is None:
+            centre = point_ahead(inputs.nav, setting.circle_radius_m)
+            self._orbit = Orbit(centre, setting.circle_radius_m, setting.circle_direction == _CLOCKWISE)
+        return self._orbit.intent(setting.circle_speed_m_s or inputs.speed_m_s)
+
+
+def point_ahead(nav: NavState, distance_m: float) -> Point:
+    """The point at a distance ahead of the bow."""
+    north_m = nav.north_m + distance_m * math.cos(nav.heading_rad)
+    return Point(north_m, nav.east_m + distance_m * math.sin(nav.heading_rad))

@@ -1,200 +1,59 @@
-"""RTL: the way home, or to the nearest rally point, by the water inside the fence.
-
-Without a fence, or with a straight way that keeps clear of it, that is a straight line. Else the boat follows
-the field of distances home, from one corner to the farthest that can be seen from there. The field is kept up
-to date in the background, armed or not, so the way is there when it is needed.
-"""
+"""RTL: home, or to the nearest rally point, inside the fence."""
 
 import math
-from typing import NamedTuple
 
-from companion.config.boat_config import BoatConfig
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
-from companion.core.intent import FollowLeg, KeepStation
-from companion.core.state import NavState
+from companion.core.geo import LatLon, LocalFrame
+from companion.core.intent import Intent
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.costmap import Costmap
-from companion.geofence.distance_field import DistanceField
-from companion.geofence.fence import Fence
-from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
-
-# Of fence.margin_m: how far to keep from the lines, less where there is no way else
-_MARGINS = (1.5, 0.75, 0.25)
-_HURRY_STEPS = 3
-_LOOK_S = 1.0  # between looks whether the way is still clear
+from companion.estimation.estimator import MAX_OFFSET_M
+from companion.vehicle.modes.controller import ModeController, ModeInputs
+from companion.vehicle.return_route import ReturnRoute
 
 
-class _Basis(NamedTuple):
-    """What the field is made from; another one needs another field."""
+class RtlMode(ModeController):
+    """Follows the return route, then keeps station at its end."""
 
-    fence_version: int
-    frame: LocalFrame
-    places: tuple[LatLon, ...]
-    margin_m: float
-    attempt: int
+    __slots__ = ("_route", "_status_texts")
 
-
-class WayHome:
-    """rally: the rally points. arrived: it keeps station at the end. Talks to the operator in `notices`."""
-
-    def __init__(self, fence: Fence, status_texts: list[StatusText]) -> None:
-        self.rally: tuple[LatLon, ...] = ()
-        self.arrived = False
-        self._fence = fence
+    def __init__(self, route: ReturnRoute, status_texts: list[StatusText]) -> None:
+        self._route = route
         self._status_texts = status_texts
-        self._goals: tuple[Point, ...] = ()
-        self._basis: _Basis | None = None
-        self._field: DistanceField | None = None
-        self._attempt = 0
-        self._way: WaterRoute | None = None
-        self._station: KeepStation | None = None  # while the way is not known
-        self._look_s = 0.0
-        self._is_told = False
 
-    @property
-    def target(self) -> LatLon | None:
-        """The place that it leads to, None while there is none."""
-        if self._basis is None or not self._basis.places:
-            return None
-        index = self._goals.index(self._way.end) if self._way is not None else -1
-        return self._basis.places[index]
+    def fault(self, inputs: ModeInputs) -> str:
+        """Without rally points, RTL needs a home within reach."""
+        if self._route.rally:
+            return ""
+        if inputs.home is None:
+            return "no home"
+        fault = home_fault(inputs.home, inputs.frame)
+        return f"home is {fault}" if fault else ""
 
-    def prepare(self, frame: LocalFrame, home: LatLon | None, config: BoatConfig, nav: NavState) -> None:
-        """Keep the field up to date: one small step of the work, and nothing once it is done."""
-        places = self.rally
-        if home is not None and (config.fence.rally_includes_home or not places):
-            places = (*places, home)
-        basis = self._basis
-        if (
-            basis is None
-            or basis.fence_version != self._fence.version
-            or basis.frame is not frame
-            or basis.places != places
-            or basis.margin_m != config.fence.margin_m
-            or basis.attempt != self._attempt
-        ):
-            self._renew(
-                _Basis(self._fence.version, frame, places, config.fence.margin_m, self._attempt), nav.point
-            )
-        elif self._field is not None and not self._field.is_complete:
-            self._field.advance()
-
-    @property
-    def grid(self) -> Costmap | None:
-        """The water inside the fence in cells; None while it is not known, or none is needed."""
-        field = self._field
-        return field.grid if field is not None and field.grid.is_complete else None
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether the field is complete, or none is needed."""
-        return self._basis is not None and (self._field is None or self._field.is_complete)
-
-    def clearance_m(self, config: BoatConfig) -> float:
-        """What ways are to keep from the lines."""
-        return _MARGINS[0] * config.fence.margin_m if self._field is None else self._field.grid.clearance_m
-
-    def home_distance_m(self, point: Point) -> float:
-        """How far it is home by the water, as well as is known: at least the straight line."""
-        straight_m = min((distance_m(point, goal) for goal in self._goals), default=0.0)
-        if self._field is None or not self._field.is_complete:
-            return straight_m
-        return max(straight_m, self._field.distance_m(point))
-
-    def begin(self) -> None:
+    def enter(self, inputs: ModeInputs | None) -> None:  # noqa: ARG002
         """Start from wherever the boat is."""
-        self.arrived = self._is_told = False
-        self._way, self._station, self._look_s = None, None, -math.inf
+        self._route.restart()
 
-    def update(
-        self, nav: NavState, config: BoatConfig, speed_m_s: float, now_s: float
-    ) -> FollowLeg | KeepStation:
-        """What to sail now."""
-        if self.arrived and self._station is not None:
-            return self._station
-        if now_s >= self._look_s:
-            self._look_s = now_s + _LOOK_S
-            if self._way is not None and self._is_barred(nav.point, self._way.leg.end):
-                self._way = None
-            if self._way is None and self._find(nav.point, config):
-                self._station = None
-        way = self._way
-        if way is None:
-            self.hurry()
-            if self._station is None:
-                self._station = KeepStation(self._fence.inside(nav.point, config.fence.margin_m))
-            return self._station
-        if way.advance(nav, config):
-            self.arrived = True
-            self._station = KeepStation(way.end)
-            return self._station
-        return way.leg.intent(speed_m_s)
-
-    # The way
-
-    def _find(self, point: Point, config: BoatConfig) -> bool:
-        """Whether a way from here is known now."""
-        goal = self._straight(point)
-        if goal is not None:
-            self._way = WaterRoute(self._fence, point, [goal], 0.0, config)
-            return True
-        field = self._field
-        if field is None or not field.is_complete:
-            return False
-        self._way = way_by_water(self._fence, field, point, config)
-        if self._way is not None:
-            return True
-        if self._attempt < len(_MARGINS) - 1:
-            self._attempt += 1  # the next field keeps less clear of the lines
-        elif not self._is_told:
-            self._is_told = True
-            self._status_texts.append(
-                StatusText(Severity.WARNING, "RTL: no way home inside the fence, keeping station")
-            )
-        return False
-
-    def _straight(self, point: Point) -> Point | None:
-        """The nearest goal, where the way to it is straight and clear."""
-        if not self._goals:
-            return None
-        goal = min(self._goals, key=lambda goal: distance_m(point, goal))
-        if not self._fence.is_active or is_clear(self._fence, point, goal, self._clearance_m):
-            return goal
-        return None
+    def intent(self, inputs: ModeInputs) -> Intent:
+        """Along the route."""
+        had_arrived = self._route.has_arrived
+        speed_m_s = inputs.config.mission.rtl_speed_m_s or inputs.speed_m_s
+        intent = self._route.update(inputs.nav, inputs.config, speed_m_s, inputs.now_s)
+        if self._route.has_arrived and not had_arrived:
+            self._status_texts.append(StatusText(Severity.INFO, "RTL: arrived"))
+        return intent
 
     @property
-    def _clearance_m(self) -> float:
-        """What the way is to keep from the lines; infinite without a field: as much as its ends have."""
-        return math.inf if self._field is None else self._field.grid.clearance_m
+    def has_arrived(self) -> bool:
+        """Whether the boat keeps station at the end of the route."""
+        return self._route.has_arrived
 
-    def _is_barred(self, point: Point, end: Point) -> bool:
-        """Whether a line has come between the boat and the end of its leg."""
-        return self._fence.is_active and not self._fence.is_outside(point) and self._fence.crosses(point, end)
+    @property
+    def destination(self) -> LatLon | None:
+        """The end of the route."""
+        return self._route.target
 
-    # The field
 
-    def hurry(self) -> None:
-        """The boat waits for the field: more of the work than in passing."""
-        field = self._field
-        for _ in range(_HURRY_STEPS):
-            if field is not None and not field.is_complete:
-                field.advance()
-
-    def _renew(self, basis: _Basis, here: Point) -> None:
-        """Begin a new field. The grid of the last one serves again where only the goals have changed."""
-        old, fence = self._basis, self._fence
-        if old is not None and old.attempt == basis.attempt:  # another water: all may be well again
-            self._attempt = 0
-            basis = basis._replace(attempt=0)
-        self._basis = basis
-        places = [basis.frame.to_local(place) for place in basis.places]
-        self._goals = tuple([fence.inside(place, basis.margin_m) for place in places])
-        self._way = None
-        if not fence.is_active or not self._goals:
-            self._field = None
-            return
-        if self._field is not None and old is not None and old._replace(places=basis.places) == basis:
-            grid = self._field.grid
-        else:
-            grid = Costmap(fence, [*self._goals, here], _MARGINS[basis.attempt] * basis.margin_m)
-        self._field = DistanceField(fence, self._goals, grid)
+def home_fault(home: LatLon, frame: LocalFrame | None) -> str:
+    """Why a position cannot be home from where the boat is; empty when it can, or that is not known yet."""
+    if frame is None or math.hypot(*frame.to_local(home)) <= MAX_OFFSET_M:
+        return ""
+    return f"more than {MAX_OFFSET_M / 1e3:.0f} km away"

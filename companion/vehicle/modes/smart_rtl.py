@@ -1,42 +1,53 @@
-"""SMART_RTL: back along the trail, leg by leg, to where the boat was armed."""
+"""SMART_RTL: back along the sailed track, leg by leg, to where the boat was armed."""
 
-from companion.core.geo import Point
-from companion.core.intent import FollowLeg, KeepStation
-from companion.core.state import NavState
+from itertools import pairwise
+
+from companion.core.intent import Intent, KeepStation
+from companion.core.status_text import Severity, StatusText
+from companion.geofence.fence import Fence
 from companion.guidance.leg import Leg
-from companion.vehicle.modes.track import SailedTrack
+from companion.vehicle.modes.controller import ModeController, ModeInputs
+from companion.vehicle.track import SailedTrack
 
 
-class WayBack:
-    """Takes the trail's points off its end as they are passed, so that it stays the way home."""
+class SmartRtlMode(ModeController):
+    """Removes the track's points as they are passed, so that the rest stays the way home."""
 
-    __slots__ = ("_leg", "_trail", "arrived")
+    __slots__ = ("_fence", "_has_arrived", "_leg", "_status_texts", "_track")
 
-    def __init__(self, trail: SailedTrack) -> None:
-        self.arrived = False
-        self._trail = trail
+    def __init__(self, track: SailedTrack, fence: Fence, status_texts: list[StatusText]) -> None:
+        self._track = track
+        self._fence = fence
+        self._status_texts = status_texts
+        self._has_arrived = False
         self._leg: Leg | None = None
 
-    def begin(self) -> None:
+    def fault(self, inputs: ModeInputs) -> str:
+        """The track must be complete, and inside the fence."""
+        track = self._track
+        if track.is_incomplete:
+            return f"the track is longer than SRTL_POINTS {inputs.config.modes.trail_points}"
+        if not track.points:
+            return "no track, the boat was not armed"
+        leaves = any(self._fence.crosses(one, other) for one, other in pairwise(track.points))
+        return "the track leaves the fence" if leaves else ""
+
+    def enter(self, inputs: ModeInputs | None) -> None:  # noqa: ARG002
         """Start from wherever the boat is."""
-        self.arrived = False
+        self._has_arrived = False
         self._leg = None
 
-    def update(self, nav: NavState, radius_m: float, speed_m_s: float) -> FollowLeg | KeepStation:
-        """What to sail now."""
-        points = self._trail.points or [nav.point]
+    def intent(self, inputs: ModeInputs) -> Intent:
+        """The leg to the track's latest point; station at its first one."""
+        nav, points = inputs.nav, self._track.points or [inputs.nav.point]
         start = nav.point
-        while not self.arrived:
+        while not self._has_arrived:
             leg = self._leg = self._leg or Leg(start, points[-1], points[-2] if len(points) > 1 else None)
-            if not leg.has_ended(nav, radius_m):
-                return leg.intent(speed_m_s)
+            if not leg.has_ended(nav, inputs.config.guidance.waypoint_radius_m):
+                return leg.intent(inputs.config.mission.rtl_speed_m_s or inputs.speed_m_s)
             if len(points) == 1:
-                self.arrived = True
+                self._has_arrived = True
+                self._status_texts.append(StatusText(Severity.INFO, "SMART_RTL: arrived"))
             else:
                 start, self._leg = points.pop(), None
         return KeepStation(points[0])
-
-    @property
-    def end(self) -> Point | None:
-        """Where it leads, None without a trail."""
-        return self._trail.points[0] if self._trail.points else None

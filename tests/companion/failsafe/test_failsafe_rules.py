@@ -185,7 +185,7 @@ class Failsafes(RuleBasedStateMachine):
             needs_estimate=not isinstance(steered, Drive),
             setting=self.config.motors,
             dt_s=TICK_S,
-            needs_position=vehicle.conduct.stemming is None,
+            needs_position=vehicle.modes.loiter.needs_position,
         )
         self.command, self.reason = (command.left, command.right), command.reason
 

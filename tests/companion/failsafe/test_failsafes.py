@@ -122,7 +122,7 @@ def test_each_action_puts_the_boat_into_its_mode(action: Action, mode: Mode) -> 
 )
 def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Action, mode: Mode) -> None:
     vehicle = armed_vehicle(action=int(action))
-    vehicle.track.is_lost = True
+    vehicle.track.is_incomplete = True
     lose_operator(vehicle)
     assert vehicle.mode == mode
 

@@ -16,7 +16,7 @@ from companion.core.status_text import StatusText
 from companion.geofence.costmap import Costmap
 from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
-from companion.vehicle.modes.rtl import WayHome
+from companion.vehicle.return_route import ReturnRoute
 
 L_CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
 L_WATER = FencePolygon(globe(L_CORNERS), is_inclusion=True)
@@ -32,9 +32,9 @@ def field_of(fence: Fence, *goals: Point, clearance_m: float = 3.0) -> DistanceF
     raise AssertionError("the field is never complete")
 
 
-def way_home(fence: Fence, config: BoatConfig = BoatConfig(), rally: tuple[LatLon, ...] = ()) -> WayHome:  # noqa: B008
+def way_home(fence: Fence, config: BoatConfig = BoatConfig(), rally: tuple[LatLon, ...] = ()) -> ReturnRoute:  # noqa: B008
     status_texts: list[StatusText] = []
-    way = WayHome(fence, status_texts)
+    way = ReturnRoute(fence, status_texts)
     way.rally = rally
     home = FRAME.to_global(HOME)
     for _ in range(2000):
@@ -48,9 +48,9 @@ def nav_at(point: Point) -> NavState:
     return NavState(0.0, *point, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def corners(way: WayHome, start: Point) -> list[Point]:
+def corners(way: ReturnRoute, start: Point) -> list[Point]:
     """Sail along without water or hull; where the boat turns, and where it ends."""
-    way.begin()
+    way.restart()
     at, turns = start, [start]
     for tick in range(200):
         intent = way.update(nav_at(at), BoatConfig(), 2.0, float(tick))
@@ -112,7 +112,7 @@ def test_no_leg_of_the_way_leaves_the_fence(
     turns = corners(way, start)
     for one, other in pairwise(turns):
         assert fence.is_clear(one, other, 1.0)
-    if way.arrived:
+    if way.has_arrived:
         assert distance_m(turns[-1], HOME) <= BoatConfig().guidance.waypoint_radius_m
         length_m = sum(distance_m(one, other) for one, other in pairwise(turns))
         assert length_m <= 1.05 * way.home_distance_m(start) + 3.0
@@ -138,7 +138,7 @@ def test_a_passage_too_narrow_for_the_clearance_is_taken_with_less() -> None:
     way = way_home(fence)
     start = Point(50.0, 10.0)
     assert math.isinf(field_of(fence, HOME).distance_m(start))
-    way.begin()
+    way.restart()
     for tick in range(3000):
         way.prepare(FRAME, FRAME.to_global(HOME), BoatConfig(), nav_at(start))
         intent = way.update(nav_at(start), BoatConfig(), 2.0, tick * 0.02)
@@ -150,9 +150,9 @@ def test_a_passage_too_narrow_for_the_clearance_is_taken_with_less() -> None:
 def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
     wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
     status_texts: list[StatusText] = []
-    way = WayHome(laid(square(100.0), wall), status_texts)
+    way = ReturnRoute(laid(square(100.0), wall), status_texts)
     start = Point(80.0, 0.0)
-    way.begin()
+    way.restart()
     for tick in range(1500):
         way.prepare(FRAME, FRAME.to_global(HOME), BoatConfig(), nav_at(start))
         assert isinstance(way.update(nav_at(start), BoatConfig(), 2.0, tick * 0.5), KeepStation)

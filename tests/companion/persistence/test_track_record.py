@@ -14,7 +14,7 @@ from companion.mavlink.dialect import dialect
 from companion.persistence.storage import MemoryStorage, Saving
 from companion.persistence.track_record import FILE, TrackRecord
 from companion.persistence.voyage_record import FILE as VOYAGE
-from companion.vehicle.modes.track import TAKEN_UP_M, SailedTrack
+from companion.vehicle.track import TAKEN_UP_M, SailedTrack
 
 SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
 
@@ -136,17 +136,17 @@ def test_another_voyage_s_track_is_not_taken_for_this_one_s() -> None:
 
 def test_a_boat_that_was_carried_elsewhere_begins_a_new_track() -> None:
     trail = SailedTrack()
-    trail.take_up([Point(0.0, 0.0), Point(50.0, 0.0)])
+    trail.restore([Point(0.0, 0.0), Point(50.0, 0.0)])
     there = Point(50.0, TAKEN_UP_M + 1.0)
-    assert not trail.goes_on_from(there)
-    trail.begin(there)
+    assert not trail.continues_from(there)
+    trail.restart(there)
     assert trail.points == [there]
 
 
 def test_where_the_water_has_carried_it_to_is_a_point_of_the_track() -> None:
     trail = SailedTrack()
-    trail.take_up([Point(0.0, 0.0), Point(50.0, 0.0)])
-    trail.begin(Point(50.0, 20.0))
+    trail.restore([Point(0.0, 0.0), Point(50.0, 0.0)])
+    trail.restart(Point(50.0, 20.0))
     for metre in range(40):
         trail.add(Point(50.0 + metre, 20.0), 1.0, 500)
     assert trail.points == [Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 20.0)]
@@ -154,9 +154,9 @@ def test_where_the_water_has_carried_it_to_is_a_point_of_the_track() -> None:
 
 def test_only_one_arming_goes_on_with_a_cut_track() -> None:
     trail = SailedTrack()
-    trail.take_up([Point(0.0, 0.0), Point(50.0, 0.0)])
-    trail.begin(Point(50.0, 1.0))
-    trail.begin(Point(50.0, 2.0))
+    trail.restore([Point(0.0, 0.0), Point(50.0, 0.0)])
+    trail.restart(Point(50.0, 1.0))
+    trail.restart(Point(50.0, 2.0))
     assert trail.points == [Point(50.0, 2.0)]
 
 
@@ -190,7 +190,7 @@ def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_secon
     frame = rig.boat.vehicle.frame
     assert frame is not None
     record = TrackRecord(storage, trail, None)
-    trail.begin(Point(0.0, 0.0))
+    trail.restart(Point(0.0, 0.0))
     for second in range(600):
         trail.points = [Point(2.0 * n, 3.0 * (n % 7)) for n in range(4000 + second)]
         record.update(1, frame, float(second))

@@ -50,7 +50,7 @@ def rig() -> Rig:
 def held(rig: Rig, message: Message) -> object:
     rig.peer.send(message)
     rig.receive()
-    set_point = rig.boat.vehicle.conduct._set_point
+    set_point = rig.boat.vehicle.modes.guided.set_point
     return None if set_point is None else set_point.hold
 
 

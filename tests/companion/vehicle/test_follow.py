@@ -1,16 +1,17 @@
 import math
 
 import pytest
-from boat_rig import BOAT, FRAME, Peer, Rig, nav_at, place
+from boat_rig import BOAT, Peer, Rig, nav_at, place
 from hypothesis import given
 from hypothesis import strategies as st
+from mode_inputs import mode_inputs
 
 from companion.config.boat_config import BoatConfig, Follow
 from companion.core.intent import HoldCourse, KeepStation
 from companion.core.requests import OtherVehicle
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.vehicle.modes.follow import Following
+from companion.vehicle.modes.follow import FollowMode
 
 CONFIG = BoatConfig()
 
@@ -21,31 +22,32 @@ def seen(
     return OtherVehicle(system, place(north_m, east_m), north_m_s, east_m_s, math.atan2(east_m_s, north_m_s))
 
 
-def following(sighting: OtherVehicle, now_s: float = 0.0) -> Following:
-    one = Following()
-    assert one.sight(sighting, CONFIG.follow, now_s)
+def following(sighting: OtherVehicle, now_s: float = 0.0) -> FollowMode:
+    one = FollowMode([])
+    assert one.ingest(sighting, CONFIG.follow, now_s)
     return one
 
 
 def test_the_first_that_is_heard_is_followed_until_it_falls_silent() -> None:
     one = following(seen(0, 0))
-    assert not one.sight(seen(5, 5, system=3), CONFIG.follow, 1.0)
-    assert one.sight(seen(5, 5, system=3), CONFIG.follow, 10.0)
+    assert not one.ingest(seen(5, 5, system=3), CONFIG.follow, 1.0)
+    assert one.ingest(seen(5, 5, system=3), CONFIG.follow, 10.0)
 
 
 def test_a_chosen_one_is_the_only_one() -> None:
-    one, chosen = Following(), Follow(system_id=7)
-    assert not one.sight(seen(0, 0), chosen, 0.0)
-    assert one.fault(nav_at(), FRAME, chosen, 0.0) == "system 7 is not heard"
-    assert one.sight(seen(0, 0, system=7), chosen, 0.0)
-    assert one.fault(nav_at(), FRAME, chosen, 0.0) == ""
-    assert one.fault(nav_at(), FRAME, chosen, 3.1) == "system 7 is not heard"
+    one, chosen = FollowMode([]), Follow(system_id=7)
+    config = BoatConfig(follow=chosen)
+    assert not one.ingest(seen(0, 0), chosen, 0.0)
+    assert one.fault(mode_inputs(config=config)) == "system 7 is not heard"
+    assert one.ingest(seen(0, 0, system=7), chosen, 0.0)
+    assert one.fault(mode_inputs(config=config)) == ""
+    assert one.fault(mode_inputs(now_s=3.1, config=config)) == "system 7 is not heard"
 
 
 def test_one_that_is_too_far_away_is_not_followed() -> None:
     one = following(seen(150, 0))
-    assert one.fault(nav_at(), FRAME, CONFIG.follow, 0.0) == "system 2 is 150 m away (FOLL_DIST_MAX 100)"
-    assert one.fault(nav_at(), FRAME, Follow(max_distance_m=0.0), 0.0) == ""
+    assert one.fault(mode_inputs()) == "system 2 is 150 m away (FOLL_DIST_MAX 100)"
+    assert one.fault(mode_inputs(config=BoatConfig(follow=Follow(max_distance_m=0.0)))) == ""
 
 
 @pytest.mark.parametrize(
@@ -56,7 +58,7 @@ def test_the_offset_is_seen_from_north_or_from_the_leads_bow(
 ) -> None:
     config = BoatConfig(follow=Follow(offset_type=offset_type, offset_x_m=-10.0))
     intent = following(OtherVehicle(2, place(50.0, 20.0), 0.0, 0.1, math.pi / 2)).intent(
-        nav_at(), FRAME, config, 2.0, 0.0
+        mode_inputs(config=config)
     )
     assert isinstance(intent, KeepStation)  # a lead that lies still
     assert intent.point == pytest.approx((north_m, east_m), abs=0.01)
@@ -64,13 +66,13 @@ def test_the_offset_is_seen_from_north_or_from_the_leads_bow(
 
 def test_a_boat_in_its_place_does_as_the_lead_does_and_one_behind_hurries() -> None:
     one = following(seen(10.0, 0.0, 1.0, 0.0))
-    in_place = one.intent(nav_at(), FRAME, CONFIG, 2.0, 0.0)
+    in_place = one.intent(mode_inputs(nav_at()))
     assert isinstance(in_place, HoldCourse)
     assert (in_place.course_rad, in_place.speed_m_s) == pytest.approx((0.0, 1.0), abs=0.01)
-    behind = one.intent(nav_at(-2.0), FRAME, CONFIG, 2.0, 0.0)
+    behind = one.intent(mode_inputs(nav_at(-2.0)))
     assert isinstance(behind, HoldCourse)
     assert behind.speed_m_s == pytest.approx(1.6, abs=0.01)
-    ahead = one.intent(nav_at(20.0), FRAME, CONFIG, 2.0, 0.0)
+    ahead = one.intent(mode_inputs(nav_at(20.0)))
     assert isinstance(ahead, HoldCourse)
     assert (ahead.course_rad, ahead.speed_m_s) == pytest.approx((0.0, 0.0))
 
@@ -83,7 +85,7 @@ def test_it_is_never_faster_than_it_may_be(
     north_m: float, east_m: float, north_m_s: float, east_m_s: float, now_s: float
 ) -> None:
     one = following(seen(north_m, east_m, north_m_s, east_m_s))
-    intent = one.intent(nav_at(), FRAME, CONFIG, 1.5, now_s)
+    intent = one.intent(mode_inputs(now_s=now_s, speed_m_s=1.5))
     if isinstance(intent, HoldCourse):
         assert 0.0 <= intent.speed_m_s <= 1.5
         assert -math.pi <= intent.course_rad <= math.pi
@@ -103,7 +105,7 @@ def test_vehicles_and_stations_can_be_followed_but_not_their_parts(sender: Addre
     rig.receive()
     tell(peer)
     rig.receive()
-    lead = rig.boat.vehicle.conduct.following._lead
+    lead = rig.boat.vehicle.modes.follow.lead
     assert (lead is not None) is is_lead
     if lead is not None:
         assert lead.heading_rad == pytest.approx(math.pi / 2)  # the course, for want of a heading
@@ -116,7 +118,7 @@ def test_a_lead_that_is_nowhere_is_not_seen(lat: int, lon: int) -> None:
     rig.receive()
     tell(peer, lat, lon)
     rig.receive()
-    assert rig.boat.vehicle.conduct.following._lead is None
+    assert rig.boat.vehicle.modes.follow.lead is None
     assert rig.boat.endpoint.faults == 0
 
 
@@ -130,6 +132,6 @@ def test_a_follow_target_brings_velocity_and_attitude_as_far_as_it_knows_them() 
             )
         )
         rig.receive()
-        lead = rig.boat.vehicle.conduct.following._lead
+        lead = rig.boat.vehicle.modes.follow.lead
         assert lead is not None
         assert (lead.heading_rad, lead.north_m_s) == pytest.approx((heading, speed))

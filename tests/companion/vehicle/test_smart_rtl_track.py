@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.core.geo import Line, Point
-from companion.vehicle.modes.track import SailedTrack
+from companion.vehicle.track import SailedTrack
 
 ACCURACY_M = 1.0
 
@@ -14,7 +14,7 @@ ACCURACY_M = 1.0
 def sailed(track: list[Point], max_points: int = 500, step_m: float = 0.1) -> tuple[SailedTrack, list[Point]]:
     """A trail along a polyline, and the positions that it was shown."""
     trail = SailedTrack()
-    trail.begin(track[0])
+    trail.restart(track[0])
     shown = []
     for start, end in itertools.pairwise(track):
         length_m = math.dist(start, end)
@@ -72,16 +72,16 @@ def test_rounds_without_end_stay_bounded() -> None:
     square = [Point(0, 0), Point(0, 20), Point(20, 20), Point(20, 0)]
     trail, _ = sailed(square * 50)
     assert len(trail.points) < 10
-    assert not trail.is_lost
+    assert not trail.is_incomplete
 
 
 def test_a_track_that_needs_more_points_than_fit_is_lost_and_says_so() -> None:
     zigzag = [Point(5.0 * n, 5.0 * (n % 2)) for n in range(40)]
     trail, _ = sailed(zigzag, max_points=20)
-    assert trail.is_lost
+    assert trail.is_incomplete
     assert len(trail.points) == 20
-    trail.begin(Point(0, 0))
-    assert not trail.is_lost
+    trail.restart(Point(0, 0))
+    assert not trail.is_incomplete
 
 
 places = st.builds(Point, st.floats(-50, 50), st.floats(-50, 50))

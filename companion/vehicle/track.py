@@ -22,36 +22,36 @@ class SailedTrack:
 
     def __init__(self) -> None:
         self.points: list[Point] = []
-        self.is_lost = False  # there were more points than fit: the way home is not known whole
-        self.is_cut = False  # it is from before a power cut, and the next arming goes on with it
+        self.is_incomplete = False  # there were more points than fit: the way home is not known whole
+        self.is_restored = False  # it is from before a power cut, and the next arming goes on with it
         self.latest: Point | None = None
         self._axis_rad: float | None = None
         self._left_rad = self._right_rad = 0.0  # the sector, seen from its axis
         self._reach_m = 0.0
 
-    def begin(self, at: Point | None) -> None:
+    def restart(self, at: Point | None) -> None:
         """Forget everything; the way home ends here, or where the first position will be.
 
         Where a track was cut near here, go on with that instead.
         """
-        if at is None or not self.goes_on_from(at):
+        if at is None or not self.continues_from(at):
             self.points = []
-        self.is_cut = self.is_lost = False
+        self.is_restored = self.is_incomplete = False
         if at is not None:
             self.points.append(at)
-        self.rest(at)
+        self.resume_at(at)
 
-    def take_up(self, points: Sequence[Point]) -> None:
+    def restore(self, points: Sequence[Point]) -> None:
         """The track up to a power cut, oldest first, its last point where the boat was then."""
         self.points = list(points)
-        self.is_cut, self.is_lost = bool(points), False
-        self.rest(points[-1] if points else None)
+        self.is_restored, self.is_incomplete = bool(points), False
+        self.resume_at(points[-1] if points else None)
 
-    def goes_on_from(self, at: Point) -> bool:
+    def continues_from(self, at: Point) -> bool:
         """Whether this is a track that was cut, near enough for the boat not to have been carried."""
-        return self.is_cut and distance_m(self.points[-1], at) <= TAKEN_UP_M
+        return self.is_restored and distance_m(self.points[-1], at) <= TAKEN_UP_M
 
-    def rest(self, at: Point | None) -> None:
+    def resume_at(self, at: Point | None) -> None:
         """Go on recording here, after some of the track was sailed back."""
         self.latest, self._axis_rad = at, None
 
@@ -64,12 +64,12 @@ class SailedTrack:
             return
         if abs(at.north_m - latest.north_m) + abs(at.east_m - latest.east_m) < _STEP_SHARE * accuracy_m:
             return
-        if self.is_lost:
+        if self.is_incomplete:
             return
         if not self._narrow(at, accuracy_m):
             self._keep(latest, accuracy_m)
             if len(self.points) >= max_points:
-                self.is_lost = True
+                self.is_incomplete = True
                 return
             self._axis_rad = None
             self._narrow(at, accuracy_m)

@@ -1,0 +1,16 @@
+"""HOLD: no thrust. The boat drifts."""
+
+from companion.core.intent import Intent, Stop
+from companion.vehicle.modes.controller import ModeController, ModeInputs
+
+_STOP = Stop()
+
+
+class HoldMode(ModeController):
+    """Motors off."""
+
+    __slots__ = ()
+
+    def intent(self, inputs: ModeInputs) -> Intent:  # noqa: ARG002
+        """No thrust."""
+        return _STOP
