@@ -29,6 +29,7 @@ from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
 from companion.sensors.external import ExternalSensors
+from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
@@ -62,9 +63,9 @@ class Boat:
         self.parameters = Parameters(config, ROWS, storage, hardware.parameter_hooks)
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
-        self.motor_test = MotorTest(self.vehicle)
+        self.motor_test = MotorTest()
         self.trials = Trials(self.vehicle)
-        self.rc_control = RcControl(self.vehicle)
+        self.rc_control = RcControl()
         self.vehicle.manual_input.rc.is_fitted = hardware.rc is not None
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
         self.channels = Channels(ports, own)
@@ -272,7 +273,17 @@ class Boat:
             sensors.point_sonar(perception.sector)
         self._wall_time.update(sensors.fix, self.endpoint.unix_offset_s, is_fix_own=sensors.is_fix_own)
         self.vehicle.update_state(self.nav, estimator.frame, sensors.fix, sensors.battery, now_s)
-        if sensors.rc is not None and self.rc_control.update(sensors.rc, now_s):
+        if sensors.rc is not None:
+            self._follow_rc(sensors.rc, now_s)
+
+    def _follow_rc(self, reading: RcReading, now_s: float) -> None:
+        vehicle, config = self.vehicle, self.parameters.config
+        actions = self.rc_control.update(reading, vehicle.manual_input, vehicle.status, config, now_s)
+        if actions.text:
+            vehicle.notify(Severity.NOTICE, actions.text)
+        for request in actions.requests:
+            vehicle.request(request)
+        if actions.is_urgent:
             self.steering.request_update()
 
     def _begin_elsewhere(self) -> None:
@@ -306,7 +317,7 @@ class Boat:
                 intent = trials.update(intent, nav, self.sensors.fix, self.command, is_slowed, now_s)
             steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
-            thrust = self.motor_test.thrust(now_s)  # which may be the end of it
+            thrust = self.motor_test.thrust(vehicle.status, now_s)  # which may be the end of it
             return steering.test_motors(
                 thrust,
                 config,

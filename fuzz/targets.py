@@ -145,7 +145,7 @@ def radio(data: bytes) -> None:
     piece, said = 1 + (data[1] if len(data) > 1 else 0), data[2:]
     if isinstance(parser, CrsfParser):
         said = _with_crc(said)
-    rc_control, now_s = RcControl(Vehicle(_RADIO)), 0.0
+    vehicle, rc_control, now_s = Vehicle(_RADIO), RcControl(), 0.0
     for at in range(0, len(said), piece):
         now_s += 0.001 * (1 + said[at] % 8)
         reading = parser.feed(said[at : at + piece], now_s)
@@ -153,7 +153,9 @@ def radio(data: bytes) -> None:
         if reading is not None:
             assert min(reading.channels_us, default=0) >= 0
             assert max(reading.channels_us, default=0) <= 0xFFFF
-            rc_control.update(reading, now_s)
+            actions = rc_control.update(reading, vehicle.manual_input, vehicle.status, vehicle.config, now_s)
+            for request in actions.requests:
+                vehicle.request(request)
 
 
 def _with_crc(data: bytes) -> bytes:

@@ -1,7 +1,7 @@
-"""The motor test: a disarmed boat turns one motor for a moment, on the bench or at the jetty.
+"""The motor test: a disarmed boat turns one motor for some seconds, on the bench or at the jetty.
 
-It goes through the gate like every other command, and ends by itself: after its time, or as soon as anything
-at all changes (arming, mode, a failsafe). Whoever gives another command stops it too.
+Its thrust passes the gate like any other. It ends after its time, or as soon as arming, mode or the active
+failsafes change. The command service also ends it at any other command.
 """
 
 import math
@@ -9,7 +9,7 @@ from enum import IntEnum
 
 from companion.core.state import Thrust
 from companion.core.units import clamp
-from companion.vehicle.vehicle import Vehicle
+from companion.core.vehicle_status import VehicleStatus
 
 LONGEST_S = 30.0  # as in Rover
 _NO_THRUST = Thrust(0.0, 0.0)
@@ -33,29 +33,30 @@ _SIDES = {
 
 
 class MotorTest:
-    """At most one test at a time; a new one takes the place of the old."""
+    """At most one test at a time; a new one replaces it. decided_s: time of the latest `thrust`."""
 
-    __slots__ = ("_began", "_thrust", "_until_s", "_vehicle", "decided_s", "is_running")
+    __slots__ = ("_began", "_thrust", "_until_s", "decided_s", "is_running")
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self) -> None:
         self.is_running = False
-        self.decided_s = -math.inf  # when it was last decided that the test goes on
-        self._vehicle = vehicle
+        self.decided_s = -math.inf
         self._thrust = _NO_THRUST
         self._until_s = 0.0
-        self._began = self._situation()
+        self._began = _conditions(VehicleStatus())
 
-    def start(self, motor: TestedMotor, share: float, duration_s: float, now_s: float) -> str:
+    def start(
+        self, motor: TestedMotor, share: float, duration_s: float, status: VehicleStatus, now_s: float
+    ) -> str:
         """Turn a motor at a share of full drive, −1..1. Returns why not, empty when it turns."""
-        if self._vehicle.armed:
+        if status.armed:
             return "disarm first"
-        if self._vehicle.is_restarting:
+        if status.is_restarting:
             return "the program is restarting"
         left, right = _SIDES[motor]
         share = clamp(share, -1.0, 1.0)
         self._thrust = Thrust(left * share, right * share)
         self._until_s = now_s + min(duration_s, LONGEST_S)
-        self._began = self._situation()
+        self._began = _conditions(status)
         self.is_running = True
         return ""
 
@@ -64,13 +65,13 @@ class MotorTest:
         self.is_running = False
         self._thrust = _NO_THRUST
 
-    def thrust(self, now_s: float) -> Thrust:
-        """What the motors should do now; nothing once the test is over."""
-        if self.is_running and not (now_s < self._until_s and self._situation() == self._began):
+    def thrust(self, status: VehicleStatus, now_s: float) -> Thrust:
+        """The motors' thrust now; none once the test is over."""
+        if self.is_running and not (now_s < self._until_s and _conditions(status) == self._began):
             self.stop()
         self.decided_s = now_s
         return self._thrust
 
-    def _situation(self) -> tuple[object, ...]:
-        vehicle = self._vehicle
-        return vehicle.armed, vehicle.mode, vehicle.failsafes.active
+
+def _conditions(status: VehicleStatus) -> tuple[object, ...]:
+    return status.armed, status.mode, status.failsafes

@@ -33,9 +33,13 @@ class Disarm:
 
 @dataclass(frozen=True, slots=True)
 class ChangeMode:
-    """Enter a mode by its ArduPilot Rover number."""
+    """Enter a mode by its ArduPilot Rover number.
+
+    is_initial: the mode switch's position at first sight, which nobody has chosen just now.
+    """
 
     number: int
+    is_initial: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,56 +1,61 @@
-"""A radio control transmitter as somebody who may steer: sticks, switches, and who goes before whom."""
+"""What the RC transmitter asks for: its sticks, its switches, and who has the helm."""
 
-from companion.core.status_text import Severity
+from typing import NamedTuple
+
+from companion.config.boat_config import BoatConfig
+from companion.core.requests import Request
+from companion.core.vehicle_status import VehicleStatus
+from companion.rc.manual_input import ManualInput
 from companion.rc.switches import Switches
 from companion.sensors.readings import RcReading
-from companion.vehicle.vehicle import Vehicle
 
-_NEWS = 0.01  # a stick that has moved by less can wait for guidance's next turn
+_STICK_CHANGE = 0.01  # a stick that has moved by less can wait for guidance's next cycle
+
+
+class RcActions(NamedTuple):
+    """requests: what the switches ask for. text: a notice. is_urgent: guidance should not wait."""
+
+    requests: tuple[Request, ...] = ()
+    text: str = ""
+    is_urgent: bool = False
+
+
+_NOTHING = RcActions()
 
 
 class RcControl:
-    """Hands what the receiver says to the vehicle. A station's sticks, while fresh, go before it."""
+    """Passes the receiver's frames to the sticks. A station's sticks, while fresh, have priority."""
 
-    __slots__ = ("_is_overridden", "_reading", "_steering", "_switches", "_throttle", "_vehicle")
+    __slots__ = ("_is_overridden", "_reading", "_steering", "_switches", "_throttle")
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
-        self._switches = Switches(vehicle)
+    def __init__(self) -> None:
+        self._switches = Switches()
         self._reading: RcReading | None = None
-        self._steering = self._throttle = 0.0  # as guidance was last told
+        self._steering = self._throttle = 0.0  # at the last urgent update
         self._is_overridden = False
 
-    def update(self, reading: RcReading, now_s: float) -> bool:
-        """Take the receiver's latest reading, which may be the one of before.
-
-        Returns whether something has changed that guidance should not wait for.
-        """
-        vehicle = self._vehicle
-        sticks, setting = vehicle.manual_input, vehicle.config.rc
-        radio = sticks.rc
+    def update(
+        self, reading: RcReading, sticks: ManualInput, status: VehicleStatus, config: BoatConfig, now_s: float
+    ) -> RcActions:
+        """Take the receiver's latest reading, which may be the previous one again."""
         if reading is self._reading:
-            return False
+            return _NOTHING
         self._reading = reading
-        if not radio.is_fresh(setting, reading.time_s):
-            self._switches.lose()
-        if not radio.ingest(reading, setting):
-            return False
-        is_overridden = sticks.has_station(vehicle.config, now_s)
+        rc, by_hand = sticks.rc, status.mode.is_by_hand
+        if not rc.is_fresh(config.rc, reading.time_s):
+            self._switches.forget_positions()
+        if not rc.ingest(reading, config.rc):
+            return _NOTHING
+        text, is_overridden = "", sticks.has_station(config, now_s)
         if is_overridden is not self._is_overridden:
             self._is_overridden = is_overridden
-            if vehicle.mode.is_by_hand:
-                who = (
-                    "a station's sticks go before the transmitter's"
-                    if is_overridden
-                    else "the transmitter's again"
-                )
-                vehicle.notify(Severity.NOTICE, f"Helm: {who}")
-        if self._switches.update(reading.channels_us, now_s):
-            return True
-        if is_overridden or not (vehicle.armed and vehicle.mode.is_by_hand):
-            return False
-        off = abs(radio.steering - self._steering) + abs(radio.throttle - self._throttle)
-        if off < _NEWS:
-            return False
-        self._steering, self._throttle = radio.steering, radio.throttle
-        return True
+            if by_hand:
+                text = "a station's sticks have priority" if is_overridden else "the transmitter's again"
+                text = f"Helm: {text}"
+        if requests := self._switches.update(reading.channels_us, status.armed, config.rc, now_s):
+            return RcActions(requests, text, is_urgent=True)
+        change = abs(rc.steering - self._steering) + abs(rc.throttle - self._throttle)
+        is_urgent = change >= _STICK_CHANGE and not is_overridden and status.armed and by_hand
+        if is_urgent:
+            self._steering, self._throttle = rc.steering, rc.throttle
+        return RcActions((), text, is_urgent)

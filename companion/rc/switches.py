@@ -1,18 +1,17 @@
-"""The switches of a transmitter: one arms and disarms, one chooses the mode. It counts that they move."""
+"""A transmitter's switches: one arms and disarms, one selects the mode. Only a movement counts."""
 
-from companion.core.modes import Mode
-from companion.core.requests import Arm, ChangeMode, Disarm
+from companion.config.rc import Rc
+from companion.core.requests import Arm, ChangeMode, Disarm, Request
 from companion.rc.pulses import HIGH, LOW, is_pulse, mode_position, switch_position
-from companion.vehicle.vehicle import Vehicle
 
 SETTLE_S = 0.2  # a position counts once it has stayed for so long
 _UNKNOWN = -1
 
 
 class Switch:
-    """A switch, read again and again. position: the one that it has settled in, −1 before the first.
+    """A debounced switch. position: the settled one, −1 before the first.
 
-    is_steady: it has been seen there for a while, and not just before the transmitter was lost.
+    is_steady: it has been read there for SETTLE_S since the transmitter was last lost.
     """
 
     __slots__ = ("_channel", "_seen", "_since_s", "is_steady", "position")
@@ -25,23 +24,21 @@ class Switch:
         self._since_s = 0.0
 
     def pulse_us(self, channels_us: tuple[int, ...], channel: int) -> int:
-        """Its pulse in a frame, 0 where there is none. A switch that is put on another channel is known no
-        longer.
-        """
+        """Its pulse in a frame, 0 where there is none. Another channel makes its position unknown."""
         if channel != self._channel:
             self._channel = channel
             self.position = _UNKNOWN
-            self.lose()
+            self.forget_position()
         if not 0 < channel <= len(channels_us) or not is_pulse(channels_us[channel - 1]):
             return 0
         return channels_us[channel - 1]
 
-    def lose(self) -> None:
-        """It cannot be seen."""
+    def forget_position(self) -> None:
+        """The transmitter is lost."""
         self._seen, self.is_steady = _UNKNOWN, False
 
     def update(self, position: int, now_s: float) -> bool:
-        """Take the position of now; whether it has just settled in another than before."""
+        """Take the present position. Whether the switch has just settled in a new one."""
         if position != self._seen:
             self._seen, self._since_s = position, now_s
         self.is_steady = now_s - self._since_s >= SETTLE_S
@@ -52,59 +49,51 @@ class Switch:
 
 
 class Switches:
-    """Both. They were moved if they are seen in another position than before, be it after a silence.
+    """The arming switch and the mode switch.
 
     The arming switch arms only when it goes up after it has been seen down, since boot and since the
     transmitter was last lost; it disarms whenever it has gone down. The mode switch is also obeyed at first
-    sight, by a boat that is disarmed.
+    sight while the boat is disarmed. A switch that was moved during a silence counts as moved.
     """
 
-    __slots__ = ("_arm", "_is_down", "_mode", "_vehicle")
+    __slots__ = ("_arm", "_is_down", "_mode")
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
+    def __init__(self) -> None:
         self._arm = Switch()
         self._mode = Switch()
         self._is_down = False  # the arming switch has been seen down, and may arm
 
-    def lose(self) -> None:
-        """The transmitter is gone."""
+    def forget_positions(self) -> None:
+        """The transmitter is lost."""
         self._is_down = False
-        self._arm.lose()
-        self._mode.lose()
+        self._arm.forget_position()
+        self._mode.forget_position()
 
-    def update(self, channels_us: tuple[int, ...], now_s: float) -> bool:
-        """Take a good frame; whether the vehicle has been asked for something."""
-        setting, arm, mode = self._vehicle.config.rc, self._arm, self._mode
-        has_asked = False
+    def update(
+        self, channels_us: tuple[int, ...], is_armed: bool, setting: Rc, now_s: float
+    ) -> tuple[Request, ...]:
+        """Take a good frame. What the switches ask for."""
+        arm, mode = self._arm, self._mode
+        requests: tuple[Request, ...] = ()
         if pulse_us := arm.pulse_us(channels_us, setting.arm_channel):
             before = arm.position
             self._is_down = self._is_down and before != _UNKNOWN
             if arm.update(switch_position(pulse_us), now_s):
-                has_asked = self._turn_arm(before, arm.position)
+                requests = self._arm_request(before, arm.position)
             self._is_down = self._is_down or (arm.is_steady and arm.position == LOW)
         if pulse_us := mode.pulse_us(channels_us, setting.mode_channel):
             before = mode.position
             if mode.update(mode_position(pulse_us), now_s):
-                has_asked = self._turn_mode(before, setting.modes[mode.position]) or has_asked
-        return has_asked
+                number, is_initial = setting.modes[mode.position], before == _UNKNOWN
+                will_be_armed = requests == (Arm(),) if requests else is_armed
+                if not (is_initial and will_be_armed):
+                    requests = (*requests, ChangeMode(number, is_initial))
+        return requests
 
-    def _turn_arm(self, before: int, position: int) -> bool:
+    def _arm_request(self, before: int, position: int) -> tuple[Request, ...]:
         if position == LOW and before != _UNKNOWN:
-            self._vehicle.request(Disarm("by the transmitter"))
-            return True
+            return (Disarm("by the transmitter"),)
         if position == HIGH and self._is_down:
             self._is_down = False
-            self._vehicle.request(Arm())
-            return True
-        return False
-
-    def _turn_mode(self, before: int, number: int) -> bool:
-        vehicle = self._vehicle
-        if before != _UNKNOWN:
-            vehicle.request(ChangeMode(number))
-        elif not vehicle.armed:
-            vehicle.change_mode(Mode(number), "mode switch")
-        else:
-            return False
-        return True
+            return (Arm(),)
+        return ()

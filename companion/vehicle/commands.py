@@ -48,11 +48,11 @@ def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
             return vehicle.arm(force)
         case Disarm(reason):
             return vehicle.disarm(reason)
-        case ChangeMode(number):
+        case ChangeMode(number, is_initial):
             mode = mode_from_number(number)
             if mode is None:
                 return vehicle.refuse(f"Mode {number} is not available on this boat")
-            return vehicle.select_mode(mode)
+            return vehicle.change_mode(mode, "mode switch") if is_initial else vehicle.select_mode(mode)
         case StartMission(first_seq):
             return _start_mission(vehicle, first_seq)
         case SetCurrentItem():

@@ -138,7 +138,9 @@ class MaintenanceCommands:
         if share == 0.0 or duration_s == 0.0:
             self._motor_test.stop()
             return ACCEPTED
-        if reason := self._motor_test.start(TestedMotor(motor), share, duration_s, command.now_s):
+        if reason := self._motor_test.start(
+            TestedMotor(motor), share, duration_s, self._vehicle.status, command.now_s
+        ):
             return self._report(FAILED, f"Motor test: {reason}")
         self._tester, self._tester_heard_s = command.origin, command.now_s
         name = TestedMotor(motor).name.lower()

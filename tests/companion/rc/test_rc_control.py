@@ -12,6 +12,7 @@ from companion.config.rc import RcChannel
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, ManualControl
+from companion.core.status_text import Severity
 from companion.failsafe.table import Condition
 from companion.persistence.storage import MemoryStorage
 from companion.rc.pulses import deflection, mode_position
@@ -33,7 +34,7 @@ class Hand:
         for name, value in {"rc__arm_channel": 5, "rc__mode_channel": 6, **settings}.items():
             config = with_value(config, name.replace("__", "."), value)
         self.vehicle = Vehicle(config)
-        self.rc_control = RcControl(self.vehicle)
+        self.rc_control = RcControl()
         self.channels = [1500, 1500, 1500, 1500, 1000, MANUAL_US, 1500, 1500]
         self.now_s = 0.0
         self.is_on = True
@@ -51,7 +52,13 @@ class Hand:
             self.vehicle.update_state(nav_at(time_s=self.now_s), FRAME, GOOD_FIX, None, self.now_s)
             if self.is_on:
                 reading = RcReading(self.now_s, tuple(self.channels), self.is_failsafe)
-                self.rc_control.update(reading, self.now_s)
+                actions = self.rc_control.update(
+                    reading, self.vehicle.manual_input, self.vehicle.status, self.vehicle.config, self.now_s
+                )
+                if actions.text:
+                    self.vehicle.notify(Severity.NOTICE, actions.text)
+                for request in actions.requests:
+                    self.vehicle.request(request)
             self.intent = self.vehicle.decide()
         return [notice.text for notice in self.vehicle.take_status_texts()]
 
@@ -300,7 +307,7 @@ def test_a_stations_sticks_go_first_while_they_are_fresh() -> None:
     hand.vehicle.request(ManualControl(-0.5, 0.25))
     told = hand.live(0.5)
     assert hand.drive == (-0.5, 0.25)
-    assert told == ["Helm: a station's sticks go before the transmitter's"]
+    assert told == ["Helm: a station's sticks have priority"]
     assert hand.live(1.0) == ["Helm: the transmitter's again"]
     assert hand.drive == (1.0, 0.0)
 
