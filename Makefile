@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo pictures test check lint types contracts bench fuzz fast slow clean
+.PHONY: help setup demo pictures test check lint types contracts mutate bench fuzz fast slow clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -42,6 +42,9 @@ contracts: setup
 	$(BIN)/lint-imports --no-cache
 
 check: lint types contracts test  ## lint, types, import contracts, tests
+
+mutate: setup  ## mutation testing of six packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE=control
+	$(BIN)/python tests/mutation --sample '$(or $(SAMPLE),200)' $(if $(SEED),--seed $(SEED)) $(addprefix --package ,$(PACKAGE))
 
 bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'

@@ -1,0 +1,332 @@
+"""Mutation testing: does a test of the package notice each small fault in it?
+
+Each mutant runs the tests of its own package only (tests/companion/<package>/), in a forked process, until
+the first one fails. The working tree is never written to. Within a function, the fault is put into the
+functions of a process that has collected the tests already, and only the tests that call the function run. A
+fault outside of functions is imported in a process of its own.
+
+    python tests/mutation                       200 mutants, spread over all packages
+    python tests/mutation --package control --sample 0        all mutants of one package
+
+A mutant that behaves like the original is declared in equivalent.toml, with the reason.
+"""
+
+import argparse
+import gc
+import importlib.abc
+import importlib.util
+import os
+import pickle
+import random
+import resource
+import signal
+import sys
+import time
+import tomllib
+import traceback
+from collections.abc import Callable, Iterable, Sequence
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import CodeType, FrameType, FunctionType, ModuleType
+
+import hypothesis
+import numpy as np  # noqa: F401 — once for all mutants
+import pytest
+from mutants import Mutant, compiled, mutants_of
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("control", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission")
+SEED = 20261122
+EXAMPLES = 25  # of Hypothesis for each property
+SPARE_CPU_S = 10.0  # beyond twice what the tests take without a fault: a loop that does not end is killed
+OPTIONS = (
+    "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:rerunfailures",
+    "-W", "ignore::pytest.PytestAssertRewriteWarning",  # Hypothesis is imported once for all mutants
+)  # fmt: skip
+KILLED, SURVIVED = 1, 0
+
+Key = tuple[str, int]  # a function: file and first line
+
+
+class Baseline:
+    """calls: the tests that call each function, by number as collected. cpu_s: what each test takes."""
+
+    def __init__(self) -> None:
+        self.calls: dict[Key, set[int]] = {}
+        self.cpu_s: list[float] = []
+        self.ids: list[str] = []
+        self.failed: list[str] = []
+
+
+class Session:
+    """A pytest plugin that runs the collected tests against mutants in place of the usual loop."""
+
+    def __init__(self, package: str, run: Callable[[list[pytest.Item], pytest.Session], None]) -> None:
+        self._package, self._run = package, run
+
+    def pytest_configure(self) -> None:
+        hypothesis.settings.register_profile(
+            "mutation",
+            max_examples=EXAMPLES,
+            deadline=None,
+            database=None,
+            derandomize=True,
+            phases=(hypothesis.Phase.explicit, hypothesis.Phase.generate),
+            suppress_health_check=list(hypothesis.HealthCheck),
+        )
+        hypothesis.settings.load_profile("mutation")
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        self._run(session.items, session)
+        return True
+
+
+def run_tests(items: Sequence[pytest.Item], session: pytest.Session) -> int:
+    """KILLED at the first test that fails."""
+    for at, item in enumerate(items):
+        following = items[at + 1] if at + 1 < len(items) else None
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+        if session.testsfailed:
+            return KILLED
+    return SURVIVED
+
+
+def measure(items: Sequence[pytest.Item], session: pytest.Session, folder: str) -> Baseline:
+    """Run every test once, without a fault."""
+    found = Baseline()
+    for number, item in enumerate(items):
+        seen: set[Key] = set()
+
+        def trace(frame: FrameType, event: str, _: object, seen: set[Key] = seen) -> None:
+            code = frame.f_code
+            if code.co_filename.startswith(folder):
+                seen.add((code.co_filename, code.co_firstlineno))
+
+        before, failed = time.process_time(), session.testsfailed
+        sys.settrace(trace)
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+        sys.settrace(None)
+        found.cpu_s.append(time.process_time() - before)
+        found.ids.append(item.nodeid)
+        if session.testsfailed > failed:
+            found.failed.append(item.nodeid)
+            continue
+        for key in seen:
+            found.calls.setdefault(key, set()).add(number)
+    return found
+
+
+def put_in(code: CodeType, first_line: int) -> None:
+    """Give the functions that begin at this line of the module their code from the mutated module."""
+    pending, changed = [code], None
+    while pending and changed is None:
+        one = pending.pop()
+        inner = [const for const in one.co_consts if isinstance(const, CodeType)]
+        changed = next((const for const in inner if const.co_firstlineno == first_line), None)
+        pending += inner
+    if changed is None:
+        raise LookupError(f"no function at line {first_line}")
+    for live in gc.get_objects():
+        if isinstance(live, FunctionType):
+            old = live.__code__
+            if (old.co_filename, old.co_firstlineno) == (code.co_filename, first_line):
+                live.__code__ = changed
+
+
+class MutatedModule(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports one module from the code given."""
+
+    def __init__(self, name: str, code: CodeType) -> None:
+        self._name, self._code = name, code
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        if fullname != self._name:
+            return None
+        return importlib.util.spec_from_file_location(fullname, self._code.co_filename, loader=self)
+
+    def exec_module(self, module: ModuleType) -> None:
+        exec(self._code, module.__dict__)  # noqa: S102 — our own source
+
+
+def fork(work: Callable[[], int], cpu_s: float, *, is_told: bool = False) -> int:
+    """Run in a child, with so much processor time. is_told: errors are shown. Returns its process id."""
+    sys.stdout.flush()
+    child = os.fork()
+    if child:
+        return child
+    code = KILLED
+    try:
+        null = os.open(os.devnull, os.O_RDWR)
+        for descriptor in (0, 1) if is_told else (0, 1, 2):
+            os.dup2(null, descriptor)
+        resource.setrlimit(resource.RLIMIT_CPU, (int(cpu_s) + 1, int(cpu_s) + 2))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        signal.alarm(0)
+        code = work()
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def run_all(jobs: Sequence[tuple[Mutant, Callable[[], int]]], cpu_s: float, cores: int) -> set[Mutant]:
+    """Run each job in a child, as many at once as there are cores. Returns the mutants that survived."""
+    running: dict[int, Mutant] = {}
+    survived = set()
+    pending = list(jobs)
+    while pending or running:
+        while pending and len(running) < cores:
+            mutant, work = pending.pop(0)
+            running[fork(work, cpu_s)] = mutant
+        child, status = os.wait()
+        mutant = running.pop(child)
+        if status == SURVIVED:
+            survived.add(mutant)
+    return survived
+
+
+def in_child(work: Callable[[], object]) -> object:
+    """What the work returns, done in a process of its own."""
+    read, write = os.pipe()
+
+    def send() -> int:
+        with os.fdopen(write, "wb") as pipe:
+            pickle.dump(work(), pipe)
+        return 0
+
+    child = fork(send, 3600.0, is_told=True)
+    os.close(write)
+    with os.fdopen(read, "rb") as pipe:
+        result: object = pickle.load(pipe)  # noqa: S301 — from our own child
+    os.waitpid(child, 0)
+    return result
+
+
+def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[Mutant], Baseline]:
+    """The mutants of one package that its tests do not notice."""
+    tests, folder = f"tests/companion/{package}", str(ROOT / "companion" / package) + os.sep
+    survived: set[Mutant] = set()
+    base = Baseline()
+
+    def run(items: list[pytest.Item], session: pytest.Session) -> None:
+        nonlocal base
+        measured = in_child(lambda: measure(items, session, folder))
+        assert isinstance(measured, Baseline)
+        base = measured
+        jobs: list[tuple[Mutant, Callable[[], int]]] = []
+        for mutant in mutants:
+            if not mutant.first_line:
+                continue
+            callers = base.calls.get((str(ROOT / mutant.path), mutant.first_line), set())
+            if callers:
+                chosen = [items[at] for at in sorted(callers, key=lambda at: base.cpu_s[at])]
+                jobs.append((mutant, _within(mutant, chosen, session)))
+            else:
+                survived.add(mutant)
+        survived.update(run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores))
+
+    def whole() -> tuple[set[Mutant], Baseline]:
+        pytest.main([tests, *OPTIONS], plugins=[Session(package, run)])
+        return survived, base
+
+    survived, base = in_child(whole)  # type: ignore[misc]  # this process imports nothing of ours
+    if not base.ids:
+        raise SystemExit(f"no tests of {package} were collected")
+    for test in base.failed:
+        print("left out, it fails without a fault:", test)
+    outside = [mutant for mutant in mutants if not mutant.first_line]
+    jobs = [(mutant, _imported(package, mutant, _tests_of(mutant, base) or base.ids)) for mutant in outside]
+    return survived | run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores), base
+
+
+def _tests_of(mutant: Mutant, base: Baseline) -> list[str]:
+    """The tests that call any function of the mutant's file, the quickest first."""
+    path = str(ROOT / mutant.path)
+    callers = {at for (name, _), tests in base.calls.items() if name == path for at in tests}
+    return [base.ids[at] for at in sorted(callers, key=lambda at: base.cpu_s[at])]
+
+
+def _within(mutant: Mutant, items: Sequence[pytest.Item], session: pytest.Session) -> Callable[[], int]:
+    def work() -> int:
+        put_in(compiled(ROOT, mutant), mutant.first_line)
+        return run_tests(items, session)
+
+    return work
+
+
+def _imported(package: str, mutant: Mutant, tests: Sequence[str]) -> Callable[[], int]:
+    def work() -> int:
+        name = mutant.path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+        sys.meta_path.insert(0, MutatedModule(name, compiled(ROOT, mutant)))
+        outcome = [KILLED]
+
+        def run(items: list[pytest.Item], session: pytest.Session) -> None:
+            outcome[0] = KILLED if session.testsfailed else run_tests(items, session)
+
+        pytest.main([*tests, *OPTIONS], plugins=[Session(package, run)])
+        return outcome[0]
+
+    return work
+
+
+def sample(mutants: Sequence[Mutant], count: int, seed: int) -> list[Mutant]:
+    """So many of them, the same for the same seed; all for 0."""
+    if not count or count >= len(mutants):
+        return list(mutants)
+    return random.Random(seed).sample(list(mutants), count)
+
+
+def equivalents(path: Path) -> dict[tuple[str, str, str, str], str]:
+    """The reasons for mutants that behave like the original, by file, function, before and after."""
+    table = tomllib.loads(path.read_text())
+    return {(one["path"], one["name"], one["before"], one["after"]): one["reason"] for one in table["mutant"]}
+
+
+def mutants_in(package: str) -> list[Mutant]:
+    """All mutants of a package."""
+    files = sorted((ROOT / "companion" / package).rglob("*.py"))
+    return [one for file in files for one in mutants_of(ROOT, str(file.relative_to(ROOT)))]
+
+
+def main(arguments: Iterable[str]) -> int:
+    """Print the table; 1 if a package falls short."""
+    parser = argparse.ArgumentParser(description="Mutation testing")
+    parser.add_argument("--package", action="append", choices=PACKAGES, help="all packages unless given")
+    parser.add_argument("--file", default="", help="only mutants of files whose path contains this text")
+    parser.add_argument("--sample", type=int, default=200, help="mutants in all packages; 0: every mutant")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--cores", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--least", type=float, default=0.0, help="percent of mutants that have to die")
+    options = parser.parse_args(list(arguments))
+    os.chdir(ROOT)
+    sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+    os.environ["CI"] = "1"
+    known = equivalents(Path(__file__).parent / "equivalent.toml")
+    packages = options.package or PACKAGES
+    rows, falls_short, began_s = [], False, time.monotonic()
+    for number, package in enumerate(packages):
+        share = (options.sample + number) // len(packages) if options.sample else 0
+        chosen = [one for one in mutants_in(package) if options.file in one.path]
+        chosen = sample(chosen, share, options.seed)
+        alike = {one for one in chosen if (one.path, one.name, one.before, one.after) in known}
+        alive, base = survivors(package, [one for one in chosen if one not in alike], options.cores)
+        for mutant in sorted(alive, key=lambda one: (one.path, one.line)):
+            print("survived", mutant.text)
+        counted = len(chosen) - len(alike)
+        percent = 100.0 * (counted - len(alive)) / counted if counted else 100.0
+        falls_short |= percent < options.least
+        cells = (len(chosen), len(alike), counted - len(alive), len(alive))
+        rows.append(f"{package:16}" + "".join(f"{cell:12}" for cell in cells) + f"{percent:8.0f} %")
+        rows[-1] += f"{sum(base.cpu_s):10.1f} s"
+    print(f"\nseed {options.seed}, {time.monotonic() - began_s:.0f} s")
+    heads = ("mutants", "equivalent", "killed", "survived")
+    print(f"{'package':16}" + "".join(f"{head:>12}" for head in heads) + f"{'share':>10}{'tests':>12}")
+    print("\n".join(rows))
+    return int(falls_short)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
