@@ -31,6 +31,8 @@ from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop
 from companion.obstacles.planning.scene import HULL, Scene
 
 PERIOD_S = 0.09  # between decisions, at least
+GIVING_WAY = "Moving obstacle: giving way"
+NO_WAY = "Obstacle: no way around, keeping station"
 _FREE = 1.1  # times the margin that must be free for a detour to end
 _MEMORIES = 3.0  # of the sight: how far ahead that is checked,
 _LEAVES = 1.0  # and how many sights must be free
@@ -188,7 +190,7 @@ class Avoidance:
             self.safe_speed.note_unmapped_obstacle(scene.here)
             if not self._has_notified:
                 self._has_notified = True
-                self._notify(Severity.INFO, "Moving obstacle: giving way")
+                self._notify(Severity.INFO, GIVING_WAY)
         turn, speed = self._maneuver
         if speed > 0.0:
             self.safe_speed.raise_to(speed)
@@ -272,7 +274,7 @@ class Avoidance:
         """There is no way around: keep station where there was room, and try again later."""
         self.stage, self._detour = Stage.BLOCKED, None
         self._retry_s = scene.now_s + scene.config.avoidance.retry_s
-        self._notify(Severity.NOTICE, "Obstacle: no way around, keeping station")
+        self._notify(Severity.NOTICE, NO_WAY)
         self._station = KeepStation(
             self._breadcrumbs.last_with_room(scene.here, scene.obstacles, scene.margin_m)
         )

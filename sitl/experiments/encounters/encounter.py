@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from companion.core.geo import Point, bearing_rad
+from companion.obstacles.planning.avoidance import GIVING_WAY, NO_WAY
 from mission_tools.mission.route import mission_along
 from sitl.experiments.encounters.evasion import could_evade
 from sitl.experiments.encounters.obstacles import (
@@ -95,8 +96,8 @@ def run_encounter(trial: Trial) -> TrialResult:
             "could_help": not is_helpless,
             "time_s": result.time_s,
             "alone_s": alone_s,
-            "moves_told": sum("moves" in text for text in texts),
-            "no_way_told": sum("no way round" in text for text in texts),
+            "moves_told": texts.count(GIVING_WAY),
+            "no_way_told": texts.count(NO_WAY),
         },
     )
 

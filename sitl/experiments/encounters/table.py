@@ -19,7 +19,7 @@ ENCOUNTERS: Final = (
 )
 _HEAD: Final = (
     "| in the way | runs | touched | of these inevitable | completed | time, times that without | "
-    '"moves" told | "no way round" told |\n|---|---|---|---|---|---|---|---|\n'
+    "gave way | found no way |\n|---|---|---|---|---|---|---|---|\n"
 )
 
 

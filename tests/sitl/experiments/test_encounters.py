@@ -46,6 +46,13 @@ def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> 
     assert figures["could_help"]
 
 
+def test_a_boat_that_gives_way_is_counted_by_what_it_tells_its_operator() -> None:
+    """At the speed of AVOID_SIGHT 1 the ranger sees the mover in time."""
+    by_sight = {"vehicle": {"avoidance": {"by_sight": 1}}}
+    (trial,) = encounter_trials([Encounter("crossing", 0.5)], [1], by_sight)
+    assert run_encounter(trial).figures["moves_told"]
+
+
 def test_the_table_has_a_row_for_each_encounter() -> None:
     trials = encounter_trials(ENCOUNTERS, [1], {})
     figures = {"could_help": False, "time_s": 40.0, "alone_s": 20.0, "moves_told": 1, "no_way_told": 0}
