@@ -24,6 +24,8 @@ READY = {
     (5, 7): bytes.fromhex("1a48b004d8080000" + LOW + "0000" * 3 + (MIDDLE + "0000") * 2 + "0000" * 8),
 }
 OUTPUTS = sorted(READY)
+# The same moment with SERVO_32_ENABLE 1: another magic, and twice as many outputs
+READY_32 = bytes.fromhex("8173b004d8080000" + (MIDDLE + "0000") * 2 + "0000" * 28)
 # Armed in AUTO, the first three packets that turn the boat to port
 UNDER_WAY = ((65587, 1496, 1506), (65611, 1490, 1512), (65635, 1484, 1519))
 
@@ -56,11 +58,18 @@ def in_a_current(outputs: tuple[int, int] = (1, 3)) -> Backend:
     return Backend(load_scenario("open", ("environment.current_m_s=0.5",)), *outputs)
 
 
-@pytest.mark.parametrize("data", [FIRST, SETTING_UP, *READY.values()])
+@pytest.mark.parametrize("data", [FIRST, SETTING_UP, *READY.values(), READY_32])
 def test_recorded_packets_are_read(data: bytes) -> None:
     servos = parse_servos(data)
     assert isinstance(servos, ServoPacket)
-    assert (servos.rate_hz, len(servos.pulses_us)) == (RATE_HZ, 16)
+    assert (servos.rate_hz, len(servos.pulses_us)) == (RATE_HZ, 32 if data is READY_32 else 16)
+
+
+def test_the_pulses_of_32_outputs_are_where_those_of_16_are() -> None:
+    few, many = parse_servos(READY[(1, 3)]), parse_servos(READY_32)
+    assert few is not None
+    assert many is not None
+    assert (few.frame, few.pulses_us[:3]) == (many.frame, many.pulses_us[:3]) == (2264, (1500, 0, 1500))
 
 
 @pytest.mark.parametrize("outputs", OUTPUTS)
