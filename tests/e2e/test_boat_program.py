@@ -1,5 +1,6 @@
 """`boat-companion run` as on the boat: serial parts on pseudo-terminals, pins that are gpiozero's mocks."""
 
+import itertools
 import re
 import signal
 from collections.abc import Iterator
@@ -107,6 +108,17 @@ def channels(throttle_us: int, arm_us: int) -> bytes:
     return bytes([0xC8, len(body) + 1]) + body + bytes([crc8(body)])
 
 
+def arm_by_switch(station: MavutilStation, said: list[bytes]) -> None:
+    """Move the switch until the boat is armed: what it refuses once, it does not try again by itself."""
+    for arm_us in itertools.cycle((2000, 1000)):
+        said[0] = channels(1500, arm_us)
+        while station.wait_for("RC_CHANNELS").chan5_raw != arm_us:
+            pass
+        beats = [station.wait_for("HEARTBEAT", lambda beat: beat.get_srcSystem() == 1) for _ in range(2)]
+        if beats[-1].base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED:
+            return
+
+
 def test_a_transmitter_arms_and_drives_it_and_is_missed_when_it_is_silent(
     run_program: RunProgram, open_station: OpenStation, config: Path, tmp_path: Path
 ) -> None:
@@ -119,8 +131,7 @@ def test_a_transmitter_arms_and_drives_it_and_is_missed_when_it_is_silent(
         station.wait_for("RC_CHANNELS", lambda rc: rc.chancount == 16 and rc.chan5_raw == 1000)
         station.wait_for("GPS_RAW_INT", lambda raw: raw.fix_type == 3)
         assert station.enter(MANUAL) == dialect.MAV_RESULT_ACCEPTED
-        said[0] = channels(1500, 2000)
-        station.wait_for("HEARTBEAT", lambda beat: beat.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+        arm_by_switch(station, said)
         said[0] = channels(1900, 2000)
         station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1800)
         said[0] = b""
