@@ -47,6 +47,10 @@ _TURN_WANDER: Final = 0.08
 _TURN_SIGMA: Final = 0.0055  # rad/s: of the gyro
 _SPEED_WANDER: Final = 0.025  # the same for the speed ahead, in cruise speeds
 _SPEED_SIGMA: Final = 0.06  # m/s: of the receiver
+# Correlation time of the wind's moment. Healthy runs are likeliest at 8 to 10 s, and at 6 s still likelier
+# than with a random walk; the shorter, the sooner a motor that turns the hull the wrong way is named.
+_TURN_CORRELATION_S: Final = 6.0
+_SPEED_CORRELATION_S: Final = math.inf  # an error of the estimated current stays for minutes
 _TURN_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering,
 _SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong set make look slower
 
@@ -86,8 +90,10 @@ class MotorEvidence:
         push = 2.0 * (1.0 - _ADVANCE) * max(speed.cruise_throttle, _LEAST_THROTTLE) ** 2
         ahead = 0.5 * cruise_m_s / (config.estimation.surge_time_s * push)
         turning = handling.turn_rate_rad_s * (_RESTING_RATE_S + _CRUISING_RATE_S) / (1.0 + _ASTERN)
-        self._turn = MotionFilter(count, turning, _TURN_PRIOR, _TURN_WANDER, _TURN_SIGMA)
-        self._speed = MotionFilter(count, ahead, _SPEED_PRIOR, _SPEED_WANDER * cruise_m_s, _SPEED_SIGMA)
+        self._turn = MotionFilter(count, turning, _TURN_PRIOR, _TURN_WANDER, _TURN_SIGMA, _TURN_CORRELATION_S)
+        self._speed = MotionFilter(
+            count, ahead, _SPEED_PRIOR, _SPEED_WANDER * cruise_m_s, _SPEED_SIGMA, _SPEED_CORRELATION_S
+        )
         self._current = MotorCurrent()
         self._changes_turn, self._changes_ahead = [0.0] * count, [0.0] * count
         self._duties = (0.0, 0.0)

@@ -1,9 +1,10 @@
 """One motion of the hull under thrust and an unknown force, and what each hypothesis changes of it.
 
-    v' = −d v + k p + w        w' = white noise
+    v' = −d v + k p + w        w' = −w / T + white noise
 
 v is the speed ahead or the turn rate, p what the motors push that way, k its learned gain, and w what wind,
-waves and drift add: a random walk, so that a steady force of any size is absorbed and accuses no motor. A
+waves and drift add: a first-order Gauss-Markov process that decays with the time T (infinite: a random walk),
+so that a steady force is absorbed within T. One that stays as large as what the motors give is evidence. A
 Kalman filter makes white residuals of it (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with
 Applications to Tracking and Navigation*, 2001, chapter 5). It is linear: had the motors pushed by dp less,
 the residual would differ by the filter's response to dp alone, the failure signature of A. S. Willsky and H.
@@ -31,19 +32,28 @@ class MotionFilter:
     """
 
     __slots__ = (
-        "_gain_0", "_information", "_is_begun", "_measured_var", "_noise", "_p00", "_p01", "_p11", "_prior",
-        "_responses", "_unit", "_value", "_wander", "_wander_var_s", "_weighted", "gain", "residual",
-        "residuals", "variance",
+        "_correlation_s", "_gain_0", "_information", "_is_begun", "_measured_var", "_noise", "_p00", "_p01",
+        "_p11", "_prior", "_responses", "_unit", "_value", "_wander", "_wander_var_s", "_weighted", "gain",
+        "residual", "residuals", "variance",
     )  # fmt: skip
 
-    def __init__(self, hypotheses: int, gain: float, prior: float, wander_per_s: float, sigma: float) -> None:
+    def __init__(
+        self,
+        hypotheses: int,
+        gain: float,
+        prior: float,
+        wander_per_s: float,
+        sigma: float,
+        correlation_s: float,
+    ) -> None:
         """prior: how many informative samples the configured gain is worth. wander_per_s: of w per √s. sigma:
-        one standard deviation of a measurement.
+        one standard deviation of a measurement. correlation_s: T.
         """
         self.gain = self._gain_0 = gain
         self._prior = prior
         self._weighted, self._information = prior * gain, prior
         self._wander_var_s, self._measured_var = wander_per_s * wander_per_s, sigma * sigma
+        self._correlation_s = correlation_s
         self._noise = 1.0  # share of the expected variance that residuals have
         self.residual, self.variance = 0.0, 1.0
         self.residuals = [0.0] * hypotheses
@@ -68,16 +78,20 @@ class MotionFilter:
         if not self._is_begun:
             return
         keep = 1.0 - decay_s * dt_s
+        kept = 1.0 - dt_s / self._correlation_s
         p01 = self._p01
         self._p00 = keep * keep * self._p00 + 2.0 * keep * dt_s * p01 + dt_s * dt_s * self._p11
         self._p00 += _MODEL_VAR_S * dt_s
-        self._p01 = keep * p01 + dt_s * self._p11
-        self._p11 += self._wander_var_s * dt_s
+        self._p01 = kept * (keep * p01 + dt_s * self._p11)
+        self._p11 = kept * kept * self._p11 + self._wander_var_s * dt_s
         self._value = keep * self._value + dt_s * self._wander
+        self._wander *= kept
         unit = self._unit
         unit[0] = keep * unit[0] + dt_s * (unit[1] + push)
+        unit[1] *= kept
         for response, change in zip(self._responses, changes, strict=True):
             response[0] = keep * response[0] + dt_s * (response[1] + change)
+            response[1] *= kept
 
     def correct(self, measured: float, dt_s: float, *, is_learning: bool) -> bool:
         """Take a measurement, dt_s after the last. False: it is the first, with nothing to compare it to."""
