@@ -15,6 +15,7 @@ from companion.control.allocation import motor_pwm
 from companion.core.state import STOPPED, MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
+from companion.failsafe.guards import HELD_S
 from companion.failsafe.inputs import BoardReadings
 from companion.guidance.pipeline import GuidancePipeline
 from companion.hal.interfaces import Hardware, Port
@@ -41,7 +42,6 @@ logger = logging.getLogger(__name__)
 COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
 TICK_S = 0.02
 _BARE = Thrusters()  # a motor gets its thrust share as it is, while the motors are measured
-_HELD_S = 2.0  # by the shore: from then on the motion says nothing of the motors
 _LINKS_S = 0.1  # how often a tick looks for links that come and go without a descriptor to tell of it
 
 
@@ -223,7 +223,7 @@ class Boat:
         """What the failsafes look at and the vehicle does not know itself."""
         sensors, steering = self.sensors, self.steering
         gives_way = steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
-        is_held = steering.headway.held_s > _HELD_S
+        is_held = steering.headway.held_s > HELD_S
         sonar_s = self.vehicle.board.sonar_s
         if sensors.sonar is not None and not steering.perception.is_noisy:
             sonar_s = sensors.sonar.time_s

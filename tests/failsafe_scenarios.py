@@ -1,31 +1,21 @@
-"""A scenario for each row of the failsafe table, with the numbers of the failsafes page as literals.
-
-`check` runs a scenario against a table and a configuration.
-"""
+"""A scenario for each row of the failsafe table, with the numbers of the failsafes page as literals."""
 
 import math
-from collections.abc import Callable, Sequence
-from itertools import accumulate
+from collections.abc import Callable
 from typing import NamedTuple
 
-import pytest
 from boat_rig import nav_at
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
 from companion.core.state import EstimateFault
-from companion.core.status_text import Severity
-from companion.failsafe.actions import RECOVERIES, Action, Disarm, LimitSpeed, Notify, Recover, Retreat
-from companion.failsafe.escalation import Change
+from companion.failsafe.actions import Action
 from companion.failsafe.inputs import FailsafeInputs
-from companion.failsafe.monitor import PERIOD_S, Alarm, Failsafes
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
-from companion.failsafe.response import respond
-from companion.failsafe.table import ROWS, Condition, Row
-from companion.geofence.fence import Fence
+from companion.failsafe.recovery.transition_table import State
+from companion.failsafe.table import Condition
 from companion.guidance.stall_detector import StallVerdict
-from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
 
 INF = math.inf
@@ -41,7 +31,8 @@ Inputs = Callable[[FailsafeInputs], FailsafeInputs]
 class Scenario(NamedTuple):
     """wrong: inputs just beyond the row's threshold; right: just within. then: seconds after the step before,
     and the action. modes: those in which it acts. spared: those in which a retreat is left out. thresholds:
-    the parameters that wrong and right lie close to.
+    the parameters that wrong and right lie close to. waiting: what keeps the row from firing, just beyond its
+    threshold; ready: just within.
     """
 
     wrong: Inputs
@@ -58,6 +49,12 @@ class Scenario(NamedTuple):
     relapse_s: float = 0.0
     is_slow: bool = False
     thresholds: tuple[str, ...] = ()
+    waiting: tuple[Inputs, ...] = ()
+    ready: tuple[Inputs, ...] = ()
+
+
+def both(first: Inputs, then: Inputs) -> Inputs:
+    return lambda inputs: then(first(inputs))
 
 
 def with_board(**readings: object) -> Inputs:
@@ -114,6 +111,11 @@ SCENARIOS: dict[Condition, Scenario] = {
         with_nav(position_age_s=3.1), with_nav(position_age_s=2.9), "Position lost", "position known again",
         LOITER, 0.5, 2.0, ((300.0, Action.HOLD),), modes=BY_POSITION, spared=set(),
         thresholds=("motors.estimate_timeout_s", "failsafe.dead_reckoning_s"),
+        waiting=(with_nav(position_age_s=3.1, heading_age_s=1.5),),
+        ready=(
+            with_nav(position_age_s=3.1, heading_age_s=1.4),
+            with_nav(position_age_s=3.1, heading_age_s=3.1),
+        ),
     ),
     Condition.LEAK: Scenario(
         with_hull(age_s=4.9, is_wet=True), with_hull(age_s=5.1, is_wet=True),
@@ -207,108 +209,10 @@ SCENARIOS: dict[Condition, Scenario] = {
     Condition.FENCE_BREACHED: Scenario(
         given(beyond_fence_m=0.1), given(), "Outside the fence by 0.1 m", "inside the fence again",
         RTL, 0.5, 2.0,
+        waiting=(with_board(held_s=2.1), given(recovery=State.RESTING), given(recovery=State.STANDING_OFF)),
+        ready=(
+            with_board(held_s=1.9), given(recovery=State.CHECKING),
+            given(recovery=State.PUSHING, beyond_fence_m=2.1),
+        ),
     ),
 }  # fmt: skip
-
-
-class Run:
-    """One row, cycle by cycle."""
-
-    def __init__(self, condition: Condition, rows: Sequence[Row], config: BoatConfig) -> None:
-        self.config = config
-        self.now_s = 0.0
-        self.mode, self.armed = Mode.GUIDED, True
-        self.seen: list[tuple[float, Alarm]] = []
-        self.latest = self._inputs(given())
-        rows = [row for row in rows if row.condition is condition]
-        self._failsafes = Failsafes(config, ManualInput(), rows)
-
-    def _inputs(self, change: Inputs) -> FailsafeInputs:
-        return change(
-            FailsafeInputs(
-                now_s=self.now_s,
-                config=self.config,
-                mode=self.mode,
-                armed=self.armed,
-                nav=nav_at(),
-                fence=Fence(),
-            )
-        )
-
-    def live(self, change: Inputs, seconds: float) -> list[tuple[float, Alarm]]:
-        """What happens in this time, and how long after its beginning."""
-        began_s, seen = self.now_s, []
-        for _ in range(round(seconds / PERIOD_S)):
-            self.latest = self._inputs(change)
-            seen += [(self.now_s - began_s, alarm) for alarm in self._failsafes.update(self.latest)]
-            self.now_s = round(self.now_s + PERIOD_S, 6)
-        return seen
-
-
-def check(condition: Condition, rows: Sequence[Row] = ROWS, config: BoatConfig = CONFIG) -> None:
-    """Run the scenario against a table."""
-    one = SCENARIOS[condition]
-    check_times(condition, one, rows, config)
-    check_relapse(condition, one, rows, config)
-    for mode in Mode:
-        check_mode(condition, one, mode, rows, config)
-    run = Run(condition, rows, config)
-    run.armed = False
-    assert bool(run.live(one.wrong, one.after_s + 1.0)) is one.is_watched_disarmed
-
-
-def check_times(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
-    run = Run(condition, rows, config)
-    assert run.live(one.right, one.after_s + 6.0) == [], "nothing fires within the threshold"
-    steps = [(one.after_s, Change.FIRES, one.action)]
-    steps += [(wait_s, Change.ESCALATES, action) for wait_s, action in one.then]
-    seen = run.live(one.wrong, sum(wait_s for wait_s, _, _ in steps) + 200.0)
-    assert [alarm[1:] for _, alarm in seen] == [(change, one.text, action) for _, change, action in steps]
-    times = accumulate(wait_s for wait_s, _, _ in steps)
-    assert [at_s for at_s, _ in seen] == pytest.approx(list(times), abs=0.05)
-    ended = run.live(one.right, min(one.clear_s, 100.0) + 1.0)
-    ends = [] if one.clear_s == INF else [(one.clear_s, Change.ENDS, one.over)]
-    assert [(round(at_s, 1), *alarm[1:3]) for at_s, alarm in ended] == ends
-
-
-def check_relapse(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
-    for gap_s in (one.relapse_s - 0.5, one.relapse_s + 0.5):
-        if one.clear_s < INF and gap_s > 0.0 and one.then:
-            run = Run(condition, rows, config)
-            run.live(one.wrong, one.after_s + 0.2)
-            run.live(one.right, one.clear_s + gap_s)
-            actions = [alarm.action for _, alarm in run.live(one.wrong, one.after_s + 35.0)]
-            steps = [(0.0, one.action), *one.then][gap_s < one.relapse_s :]
-            waits = list(accumulate(wait_s for wait_s, _ in steps[1:]))
-            times = zip(steps, [0.0, *waits], strict=True)
-            assert actions == [action for (_, action), at_s in times if at_s < 35.0]
-
-
-def check_mode(
-    condition: Condition, one: Scenario, mode: Mode, rows: Sequence[Row], config: BoatConfig
-) -> None:
-    row = next(row for row in rows if row.condition is condition)
-    action = one.action
-    if action is Action.NONE:
-        action = Action.RTL  # what is only told by default acts like any other where it is set to
-        config = with_value(config, f"failsafe.{row.action}", int(action))
-    run = Run(condition, rows, config)
-    run.mode = mode
-    ((_, alarm),) = run.live(one.wrong, one.after_s + 0.2)
-    is_concerned = mode in one.modes
-    assert alarm.action is (action if is_concerned else Action.NONE)
-    told, *decisions = respond(alarm, run.latest)
-    assert told == Notify(Severity.CRITICAL if is_concerned else Severity.WARNING, f"Failsafe: {one.text}")
-    if action is Action.DISARM:
-        assert decisions == [Disarm()]
-    elif not is_concerned or mode is Mode.HOLD:
-        assert decisions == []
-    elif action in RECOVERIES:
-        assert [decision.trigger for decision in decisions if isinstance(decision, Recover)] == [
-            RECOVERIES[action][0]
-        ]
-    else:
-        assert any(isinstance(decision, Retreat) for decision in decisions) is (mode not in one.spared)
-    if one.is_slow and mode is not Mode.HOLD:
-        retreat = respond(Alarm(row, Change.ESCALATES, one.text, Action.RTL), run.latest)
-        assert any(isinstance(decision, LimitSpeed) for decision in retreat)

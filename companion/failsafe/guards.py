@@ -3,13 +3,17 @@
 import math
 from typing import Final
 
+from companion.core.health import lacks_heading
 from companion.core.modes import Mode
 from companion.core.state import NavState
 from companion.failsafe.actions import WAYS_HOME
 from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.recovery.transition_table import UNGROUNDING
 from companion.geofence.fence import Fence
 
 _ASTRAY_RAD: Final = (0.0, -0.3, 0.3)  # the direction of the current is known to about this
+
+HELD_S: Final = 2.0  # in place at the shore: from then on the motion says nothing of the motors
 
 ALL_MODES: Final = frozenset(Mode)
 POSITION_MODES: Final = frozenset(mode for mode in Mode if mode.needs_position)
@@ -32,6 +36,22 @@ def on_way_home_or_inside(inputs: FailsafeInputs) -> bool:
 def never(_: FailsafeInputs) -> bool:
     """No exception is made."""
     return False
+
+
+def held_at_shore(inputs: FailsafeInputs) -> bool:
+    """The shore holds the boat, or the boat is getting off. Its position lies about the line of the fence."""
+    is_ashore = inputs.board.held_s > HELD_S or inputs.recovery in UNGROUNDING
+    return is_ashore and inputs.beyond_fence_m <= inputs.config.fence.margin_m
+
+
+def heading_in_doubt(inputs: FailsafeInputs) -> bool:
+    """The heading sensor is silent: soon the heading is lost, or the sensor is back. Meanwhile nothing can be
+    steered by dead reckoning.
+    """
+    nav, config = inputs.nav, inputs.config
+    if nav is None or lacks_heading(nav, config.motors.estimate_timeout_s):
+        return False
+    return nav.heading_age_s >= config.estimation.compass_timeout_s
 
 
 def may_drift(nav: NavState | None, fence: Fence, seconds: float) -> bool:

@@ -93,6 +93,8 @@ class Failsafes:
                     self.active &= ~int(row.condition)
                 continue
             text = row.watch(inputs)
+            if text and not escalation.is_active and row.guard.waits(inputs):
+                text = ""
             if not text and not escalation.is_active:
                 if escalation.text:
                     escalation.reset()

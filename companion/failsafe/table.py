@@ -58,11 +58,13 @@ class Guard(NamedTuple):
 
     modes: in which something is done; it is told in all. disarmed: a disarmed boat is watched too. spares: a
     boat that does already what it would be told to do; HOLD, disarming and recoveries spare none.
+    waits: while this holds, the row does not fire.
     """
 
     modes: frozenset[Mode] = guards.ALL_MODES
     disarmed: bool = False
     spares: Callable[[FailsafeInputs], bool] = guards.on_way_home
+    waits: Callable[[FailsafeInputs], bool] = guards.never
 
 
 class Row(NamedTuple):
@@ -106,7 +108,8 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         Condition.POSITION_LOST, conditions.position_lost, "position_action", "position known again",
-        after=0.5, guard=_BY_POSITION, then=(Step("dead_reckoning_s", Action.HOLD),), clear_s=2.0,
+        after=0.5, guard=_BY_POSITION._replace(waits=guards.heading_in_doubt),
+        then=(Step("dead_reckoning_s", Action.HOLD),), clear_s=2.0,
     ),
     Row(
         Condition.LEAK, conditions.leak, "leak_action", "hull dry again",
@@ -188,7 +191,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         Condition.FENCE_BREACHED, conditions.fence_breached, "fence_action", "inside the fence again",
-        after=0.5, guard=Guard(spares=guards.on_way_home_or_inside), clear_s=2.0,
+        after=0.5, guard=Guard(spares=guards.on_way_home_or_inside, waits=guards.held_at_shore), clear_s=2.0,
     ),
 )  # fmt: skip
 """The gravest first: of two that fire at once, the later one sees the mode that the first has chosen."""

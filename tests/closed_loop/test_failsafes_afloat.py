@@ -39,6 +39,19 @@ def drifted_m(rig: Rig, seconds: float) -> float:
     return rig.offset_m(before.north_m, before.east_m)
 
 
+def test_a_boat_that_loses_position_and_heading_does_not_drive_again() -> None:
+    rig = under_way()
+    begin(rig, "gnss")
+    begin(rig, "compass")
+    rig.until(lambda: rig.boat.command.left == rig.boat.command.right == 0.0, 3.0)
+    for _ in range(40):
+        rig.run(0.1)
+        assert (rig.boat.command.left, rig.boat.command.right) == (0.0, 0.0)
+    assert rig.mode == "HOLD"
+    lost = [text for text in rig.peer.texts if text in ("Failsafe: Heading lost", "Failsafe: Position lost")]
+    assert lost == ["Failsafe: Heading lost", "Failsafe: Position lost"]
+
+
 def test_a_lost_position_is_reckoned_on_then_held_against_the_water_then_given_up() -> None:
     rig = under_way(*CURRENT, config={"failsafe.dead_reckoning_s": 60.0})
     begin(rig, "gnss")

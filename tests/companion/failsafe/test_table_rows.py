@@ -1,15 +1,142 @@
 """Each row of the table does what its scenario says, and mutants of the table are noticed."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import accumulate
 from typing import Any
 
 import pytest
-from failsafe_scenarios import CONFIG, LOITER, NONE, RTL, SCENARIOS, Run, check, with_hull
+from boat_rig import nav_at
+from failsafe_scenarios import LOITER, NONE, RTL, SCENARIOS, Inputs, Scenario, both, given, with_hull
 
-from companion.config.boat_config import with_value
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.modes import Mode
+from companion.core.status_text import Severity
 from companion.failsafe import conditions, guards
+from companion.failsafe.actions import RECOVERIES, Action, Disarm, LimitSpeed, Notify, Recover, Retreat
+from companion.failsafe.escalation import Change
+from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.monitor import PERIOD_S, Alarm, Failsafes
+from companion.failsafe.response import respond
 from companion.failsafe.table import ROWS, Condition, Row
+from companion.geofence.fence import Fence
+from companion.rc.manual_input import ManualInput
+
+CONFIG = BoatConfig()
+
+
+class Run:
+    """One row, cycle by cycle."""
+
+    def __init__(self, condition: Condition, rows: Sequence[Row], config: BoatConfig) -> None:
+        self.config = config
+        self.now_s = 0.0
+        self.mode, self.armed = Mode.GUIDED, True
+        self.seen: list[tuple[float, Alarm]] = []
+        self.latest = self._inputs(given())
+        rows = [row for row in rows if row.condition is condition]
+        self._failsafes = Failsafes(config, ManualInput(), rows)
+
+    def _inputs(self, change: Inputs) -> FailsafeInputs:
+        return change(
+            FailsafeInputs(
+                now_s=self.now_s,
+                config=self.config,
+                mode=self.mode,
+                armed=self.armed,
+                nav=nav_at(),
+                fence=Fence(),
+            )
+        )
+
+    def live(self, change: Inputs, seconds: float) -> list[tuple[float, Alarm]]:
+        """What happens in this time, and how long after its beginning."""
+        began_s, seen = self.now_s, []
+        for _ in range(round(seconds / PERIOD_S)):
+            self.latest = self._inputs(change)
+            seen += [(self.now_s - began_s, alarm) for alarm in self._failsafes.update(self.latest)]
+            self.now_s = round(self.now_s + PERIOD_S, 6)
+        return seen
+
+
+def check(condition: Condition, rows: Sequence[Row] = ROWS, config: BoatConfig = CONFIG) -> None:
+    """Run the scenario against a table."""
+    one = SCENARIOS[condition]
+    check_times(condition, one, rows, config)
+    check_relapse(condition, one, rows, config)
+    check_waits(condition, one, rows, config)
+    for mode in Mode:
+        check_mode(condition, one, mode, rows, config)
+    run = Run(condition, rows, config)
+    run.armed = False
+    assert bool(run.live(one.wrong, one.after_s + 1.0)) is one.is_watched_disarmed
+
+
+def check_waits(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
+    for waiting in one.waiting:
+        run = Run(condition, rows, config)
+        assert run.live(both(one.wrong, waiting), 60.0) == []
+        assert len(run.live(one.wrong, one.after_s + 0.2)) == 1
+        assert run.live(both(one.wrong, waiting), 60.0) == [], "a row that fired goes on"
+    for ready in one.ready:
+        assert len(Run(condition, rows, config).live(both(one.wrong, ready), 1.0)) == 1
+
+
+def check_times(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
+    run = Run(condition, rows, config)
+    assert run.live(one.right, one.after_s + 6.0) == [], "nothing fires within the threshold"
+    steps = [(one.after_s, Change.FIRES, one.action)]
+    steps += [(wait_s, Change.ESCALATES, action) for wait_s, action in one.then]
+    seen = run.live(one.wrong, sum(wait_s for wait_s, _, _ in steps) + 200.0)
+    assert [alarm[1:] for _, alarm in seen] == [(change, one.text, action) for _, change, action in steps]
+    times = accumulate(wait_s for wait_s, _, _ in steps)
+    assert [at_s for at_s, _ in seen] == pytest.approx(list(times), abs=0.05)
+    ended = run.live(one.right, min(one.clear_s, 100.0) + 1.0)
+    ends = [] if one.clear_s == math.inf else [(one.clear_s, Change.ENDS, one.over)]
+    assert [(round(at_s, 1), *alarm[1:3]) for at_s, alarm in ended] == ends
+
+
+def check_relapse(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
+    for gap_s in (one.relapse_s - 0.5, one.relapse_s + 0.5):
+        if one.clear_s < math.inf and gap_s > 0.0 and one.then:
+            run = Run(condition, rows, config)
+            run.live(one.wrong, one.after_s + 0.2)
+            run.live(one.right, one.clear_s + gap_s)
+            actions = [alarm.action for _, alarm in run.live(one.wrong, one.after_s + 35.0)]
+            steps = [(0.0, one.action), *one.then][gap_s < one.relapse_s :]
+            waits = list(accumulate(wait_s for wait_s, _ in steps[1:]))
+            times = zip(steps, [0.0, *waits], strict=True)
+            assert actions == [action for (_, action), at_s in times if at_s < 35.0]
+
+
+def check_mode(
+    condition: Condition, one: Scenario, mode: Mode, rows: Sequence[Row], config: BoatConfig
+) -> None:
+    row = next(row for row in rows if row.condition is condition)
+    action = one.action
+    if action is Action.NONE:
+        action = Action.RTL  # what is only told by default acts like any other where it is set to
+        config = with_value(config, f"failsafe.{row.action}", int(action))
+    run = Run(condition, rows, config)
+    run.mode = mode
+    ((_, alarm),) = run.live(one.wrong, one.after_s + 0.2)
+    is_concerned = mode in one.modes
+    assert alarm.action is (action if is_concerned else Action.NONE)
+    told, *decisions = respond(alarm, run.latest)
+    assert told == Notify(Severity.CRITICAL if is_concerned else Severity.WARNING, f"Failsafe: {one.text}")
+    if action is Action.DISARM:
+        assert decisions == [Disarm()]
+    elif not is_concerned or mode is Mode.HOLD:
+        assert decisions == []
+    elif action in RECOVERIES:
+        assert [decision.trigger for decision in decisions if isinstance(decision, Recover)] == [
+            RECOVERIES[action][0]
+        ]
+    else:
+        assert any(isinstance(decision, Retreat) for decision in decisions) is (mode not in one.spared)
+    if one.is_slow and mode is not Mode.HOLD:
+        retreat = respond(Alarm(row, Change.ESCALATES, one.text, Action.RTL), run.latest)
+        assert any(isinstance(decision, LimitSpeed) for decision in retreat)
 
 
 @pytest.mark.parametrize("condition", Condition, ids=lambda one: one.name)
@@ -58,6 +185,9 @@ def mutants() -> Iterator[tuple[Condition, str, tuple[Row, ...]]]:
         retreats = SCENARIOS[row.condition].action in (RTL, LOITER, NONE)
         if retreats:
             yield row.condition, "spares flipped", (*ROWS[:at], unspared(row), *ROWS[at + 1 :])
+        if SCENARIOS[row.condition].waiting:
+            mutant = row._replace(guard=row.guard._replace(waits=guards.never))
+            yield row.condition, "waits dropped", (*ROWS[:at], mutant, *ROWS[at + 1 :])
         if row.is_slow:
             yield row.condition, "not slow", (*ROWS[:at], row._replace(is_slow=False), *ROWS[at + 1 :])
 
@@ -90,6 +220,13 @@ def test_a_doubled_age_of_the_hull_sensor_is_noticed(
     assert Run(condition, ROWS, CONFIG).live(stale, 20.0) == []
     monkeypatch.setattr(conditions, "_STALE_S", 10.0)
     assert Run(condition, ROWS, CONFIG).live(stale, 20.0)
+
+
+@pytest.mark.parametrize("held_s", [1.0, 4.0])
+def test_another_time_at_the_shore_is_noticed(held_s: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guards, "HELD_S", held_s)
+    with pytest.raises(AssertionError):
+        check(Condition.FENCE_BREACHED)
 
 
 def test_every_condition_has_one_row_and_one_scenario() -> None:
