@@ -192,7 +192,7 @@ SCENARIOS: dict[Condition, Scenario] = {
     ),
     Condition.COMPASS_BAD: Scenario(
         with_nav(faults=int(EstimateFault.COMPASS_OFF)), with_nav(faults=int(EstimateFault.GNSS_FROZEN)),
-        "Compass off: gyro and course", "compass good again", NONE, 0.0, 3.0, modes=BY_POSITION,
+        "Compass off: using gyro and course", "compass good again", NONE, 0.0, 3.0, modes=BY_POSITION,
     ),
     Condition.SONAR_LOST: Scenario(
         with_sonar(3.1), with_sonar(2.9), "Sonar lost for 3 s", "sonar pings again", NONE, 0.0, 3.0,
