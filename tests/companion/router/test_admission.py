@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 from boat_rig import QGC, Rig
-from test_signing_service import KEY, GuardedRig
+from guarded_rig import KEY, GuardedRig
 
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
