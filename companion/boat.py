@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 
 from companion.app.safety_net import Fall, SafetyNet
 from companion.calibration.motor_test import MotorTest
-from companion.calibration.trials import Trials
+from companion.calibration.runner import CalibrationRunner
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
@@ -64,7 +64,7 @@ class Boat:
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.motor_test = MotorTest()
-        self.trials = Trials(self.vehicle)
+        self.calibration = CalibrationRunner()
         self.rc_control = RcControl()
         self.vehicle.manual_input.rc.is_fitted = hardware.rc is not None
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
@@ -83,7 +83,7 @@ class Boat:
             signing=self.signing,
             channels=self.channels.open,
             motor_test=self.motor_test,
-            trials=self.trials,
+            calibration=self.calibration,
             external=self.sensors.external,
             gauge=self.sensors.gauge,
             faults=hardware.faults,
@@ -176,7 +176,7 @@ class Boat:
             self._links_due_s = now_s + _LINKS_S
         self._receive(now_s, None, looks_for_links=looks_for_links)
         self.command = self._steer(now_s)
-        is_bare = self.trials.is_bare or self.motor_test.is_running
+        is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
         self._hardware.motors.write(*motor_pwm(self.command, self.vehicle.status.motors, setting))
         if self._logbook is not None:
@@ -198,7 +198,7 @@ class Boat:
             outcome, has_stopped = f"motors do not stop: {stuck}", False
         self.command = STOPPED
         self.motor_test.stop()
-        self.trials.stop("fault in the program")
+        self.calibration.stop("fault in the program")
         self.steering.reset()
         fall = self.net.caught(error)
         what = f"Fault in the program: {type(error).__name__}, {outcome}"
@@ -231,7 +231,7 @@ class Boat:
         return BoardReadings(
             left=self.command.left,
             right=self.command.right,
-            judges_motors=not (gives_way or is_held or self.trials.is_running),
+            judges_motors=not (gives_way or is_held or self.calibration.is_running),
             stall=steering.headway.verdict,
             held_s=steering.headway.held_s,
             load=self.load,
@@ -305,16 +305,25 @@ class Boat:
 
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav, vehicle = self.steering, self.parameters.config, self.nav, self.vehicle
-        trials = self.trials
-        if steering.is_due(now_s) or trials.is_running:
+        if steering.is_due(now_s) or self.calibration.is_running:
             if vehicle.failsafes.is_due(now_s):
                 vehicle.board = self._board_readings()
             intent = vehicle.decide()
-            if trials.is_running:
+            if self.calibration.is_running:
                 if steering.avoidance.stage is not Stage.CLEAR:
-                    trials.stop("an obstacle")
+                    self.calibration.stop("an obstacle")
                 is_slowed = steering.avoidance.safe_speed.ahead_m_s < math.inf
-                intent = trials.update(intent, nav, self.sensors.fix, self.command, is_slowed, now_s)
+                intent = self.calibration.update(
+                    intent,
+                    vehicle.status,
+                    nav,
+                    vehicle.fence,
+                    config,
+                    now_s,
+                    fix=self.sensors.fix,
+                    command=self.command,
+                    is_slowed=is_slowed,
+                )
             steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
             thrust = self.motor_test.thrust(vehicle.status, now_s)  # which may be the end of it

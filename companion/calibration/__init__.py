@@ -1,1 +1,1 @@
-"""Trials afloat: the boat measures its thrusters and finds its heading gains by itself."""
+"""CalibrationRunner afloat: the boat measures its thrusters and finds its heading gains by itself."""

@@ -21,8 +21,16 @@ unequal motors change slowly, guidance looks after the drift, and each turn woul
 from statistics import median
 from typing import Final
 
+from companion.calibration.routine import (
+    CalibrationError,
+    Finding,
+    Routine,
+    RoutineInputs,
+    Step,
+    aim,
+    come_back,
+)
 from companion.calibration.runs import go_to_edge, has_room, opposite
-from companion.calibration.trial import Finding, Routine, Sight, Step, TrialError, aim, come_back
 from companion.calibration.yaw_model import YawFit, YawModel, yaw_model
 from companion.core.intent import Drive, HoldHeading
 from companion.core.units import clamp, wrap_pi
@@ -71,13 +79,13 @@ class Swing:
         """off_rad: how far the bow is to starboard of the heading.
 
         Raises:
-            TrialError: the bow does not swing.
+            CalibrationError: the bow does not swing.
         """
         side = 1.0 if self.steering > self.offset else -1.0
         if side * off_rad > self._hysteresis_rad:
             self._throw_over(-side, now_s)
         elif now_s - self._turned_s > _LONGEST_HALF_S or abs(off_rad) > _OFF_RAD:
-            raise TrialError("the bow does not swing about the heading")
+            raise CalibrationError("the bow does not swing about the heading")
 
     def _throw_over(self, side: float, now_s: float) -> None:
         half_s, before_s = now_s - self._turned_s, self._half_s
@@ -92,52 +100,52 @@ class Swing:
         self.steering = self.offset + side * self._throw
 
 
-def tune_heading(sight: Sight) -> Routine:
+def tune_heading(inputs: RoutineInputs) -> Routine:
     """Swing about a heading out and back, until there are cycles enough.
 
     Raises:
-        TrialError: the bow does not swing, or there is too little room.
+        CalibrationError: the bow does not swing, or there is too little room.
     """
-    config, heading, offset = sight.config, sight.nav.heading_rad, 0.0
+    config, heading, offset = inputs.config, inputs.nav.heading_rad, 0.0
     throw = min(_THROW, 1.0 - config.speed.cruise_throttle)
     if throw < _LEAST_THROW:
-        raise TrialError("cruise speed leaves no thrust to steer with")
+        raise CalibrationError("cruise speed leaves no thrust to steer with")
     periods: dict[float, list[float]] = {one: [] for one in _HYSTERESES_RAD}
     stretches: list[YawFit] = []
     for _ in range(_LEGS):
         lacking = [one for one in _HYSTERESES_RAD if len(periods[one]) < _CYCLES]
         if not lacking:
             break
-        sight = yield from go_to_edge(sight, heading)
-        sight = yield from aim(sight, heading, config.speed.cruise_m_s)
-        swing, stretch = Swing(throw, lacking[0], offset, sight.now_s), YawFit()
+        inputs = yield from go_to_edge(inputs, heading)
+        inputs = yield from aim(inputs, heading, config.speed.cruise_m_s)
+        swing, stretch = Swing(throw, lacking[0], offset, inputs.now_s), YawFit()
         wanted = _CYCLES - len(periods[lacking[0]])
-        sight = yield from _swing(sight, heading, swing, stretch, wanted)
+        inputs = yield from _swing(inputs, heading, swing, stretch, wanted)
         heading, offset = opposite(heading), swing.offset
         periods[lacking[0]] += swing.periods_s
         if swing.periods_s:
             stretches.append(stretch)
     if min(len(found) for found in periods.values()) < _FEWEST:
-        raise TrialError("too little room to swing")
+        raise CalibrationError("too little room to swing")
     model = yaw_model(stretches)
     if model is None:
-        raise TrialError("the swings do not tell how the bow answers")
-    yield from come_back(sight, config.guidance.station_radius_m)
+        raise CalibrationError("the swings do not tell how the bow answers")
+    yield from come_back(inputs, config.guidance.station_radius_m)
     return gains(model, median(periods[_HYSTERESES_RAD[0]]))
 
 
-def _swing(sight: Sight, heading_rad: float, swing: Swing, stretch: YawFit, wanted: int) -> Step:
+def _swing(inputs: RoutineInputs, heading_rad: float, swing: Swing, stretch: YawFit, wanted: int) -> Step:
     """Gather way, then throw the steering to and fro."""
-    config = sight.config
-    until_s = sight.now_s + config.estimation.surge_time_s
+    config = inputs.config
+    until_s = inputs.now_s + config.estimation.surge_time_s
     intent = HoldHeading(heading_rad, config.speed.cruise_m_s)
-    while sight.now_s < until_s:
-        sight = yield intent
-    while len(swing.periods_s) < wanted and has_room(sight, heading_rad) and not sight.is_slowed:
-        swing.update(wrap_pi(sight.nav.heading_rad - heading_rad), sight.now_s)
-        sight = yield Drive(config.speed.cruise_throttle, swing.steering)
-        stretch.add(0.5 * (sight.command.left - sight.command.right), sight.nav.yaw_rate_rad_s)
-    return sight
+    while inputs.now_s < until_s:
+        inputs = yield intent
+    while len(swing.periods_s) < wanted and has_room(inputs, heading_rad) and not inputs.is_slowed:
+        swing.update(wrap_pi(inputs.nav.heading_rad - heading_rad), inputs.now_s)
+        inputs = yield Drive(config.speed.cruise_throttle, swing.steering)
+        stretch.add(0.5 * (inputs.command.left - inputs.command.right), inputs.nav.yaw_rate_rad_s)
+    return inputs
 
 
 def gains(model: YawModel, period_s: float) -> list[Finding]:

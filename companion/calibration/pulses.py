@@ -12,7 +12,7 @@ import math
 from typing import Final, NamedTuple
 
 from companion.calibration.fitting import Fit
-from companion.calibration.trial import Sight, Step, come_back, rest
+from companion.calibration.routine import RoutineInputs, Step, come_back, rest
 from companion.core.intent import Drive, Stop
 
 LEVELS: Final = (0.08, 0.12, 0.16, 0.2, 0.25, 0.31, 0.4, 0.5)
@@ -66,30 +66,30 @@ class Pulses:
     def __init__(self) -> None:
         self._answers: dict[Thruster, list[tuple[float, float, float]]] = {one: [] for one in THRUSTERS}
 
-    def sail(self, sight: Sight) -> Step:
+    def sail(self, inputs: RoutineInputs) -> Step:
         """All levels of all four."""
         for level in LEVELS:
             for one in THRUSTERS:
-                if sight.off_m > _AWAY_SHARE * sight.radius_m:
-                    sight = yield from come_back(sight, sight.config.guidance.station_radius_m)
-                    sight = yield from rest(sight, 1.0)
-                sight = yield from self._train(sight, one, level)
-        return sight
+                if inputs.off_m > _AWAY_SHARE * inputs.radius_m:
+                    inputs = yield from come_back(inputs, inputs.config.guidance.station_radius_m)
+                    inputs = yield from rest(inputs, 1.0)
+                inputs = yield from self._train(inputs, one, level)
+        return inputs
 
-    def _train(self, sight: Sight, one: Thruster, level: float) -> Step:
+    def _train(self, inputs: RoutineInputs, one: Thruster, level: float) -> Step:
         fit, driven_s, drive = Fit(5), 0.0, one.drive(level)
-        began_s = now_s = sight.now_s
+        began_s = now_s = inputs.now_s
         while now_s - began_s < _HALVES * _HALF_S:
             is_on = bool(int((now_s - began_s) / _HALF_S) & 1)
-            sight = yield drive if is_on else _STOP
-            if ((sight.now_s - began_s - _LAG_S) // _HALF_S) % 2.0:
-                driven_s += sight.now_s - now_s
-            now_s = sight.now_s
+            inputs = yield drive if is_on else _STOP
+            if ((inputs.now_s - began_s - _LAG_S) // _HALF_S) % 2.0:
+                driven_s += inputs.now_s - now_s
+            now_s = inputs.now_s
             t = (now_s - began_s) / (_HALVES * _HALF_S)
-            fit.add((driven_s, 1.0, t, t * t, t * t * t), one.turn * sight.nav.yaw_rate_rad_s)
+            fit.add((driven_s, 1.0, t, t * t, t * t * t), one.turn * inputs.nav.yaw_rate_rad_s)
         if (solved := fit.solve()) is not None:
             self._answers[one].append((level, solved[0][0], solved[1]))
-        return sight
+        return inputs
 
     def curve(self, one: Thruster) -> Curve | None:
         """None where its thrust is not to be told from the weather."""

@@ -9,7 +9,7 @@ import math
 from typing import Final, NamedTuple
 
 from companion.calibration.fitting import Fit
-from companion.calibration.trial import Sight, Step, TrialError, aim
+from companion.calibration.routine import CalibrationError, RoutineInputs, Step, aim
 from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, HoldHeading
 from companion.core.units import wrap_pi
@@ -57,35 +57,37 @@ class Crossing:
         self._fixes: list[tuple[float, float, float, float]] = []
         self._commands: list[tuple[float, float, float]] = []
 
-    def sail(self, sight: Sight) -> Step:
+    def sail(self, inputs: RoutineInputs) -> Step:
         """From the near edge to as far as the boat can still stop in."""
         intent = HoldHeading(self._heading_rad, self._speed_m_s)
-        sight = yield from aim(sight, self._heading_rad)
-        began_s, pushed, ticks = sight.now_s, 0.0, 0
+        inputs = yield from aim(inputs, self._heading_rad)
+        began_s, pushed, ticks = inputs.now_s, 0.0, 0
         while (
-            not sight.is_slowed and sight.now_s - began_s < _LONGEST_S and has_room(sight, self._heading_rad)
+            not inputs.is_slowed
+            and inputs.now_s - began_s < _LONGEST_S
+            and has_room(inputs, self._heading_rad)
         ):
-            sight = yield intent
-            left, right = sight.command.left, sight.command.right
-            self._commands.append((sight.now_s - began_s, left, right))
+            inputs = yield intent
+            left, right = inputs.command.left, inputs.command.right
+            self._commands.append((inputs.now_s - began_s, left, right))
             pushed, ticks = pushed + 0.5 * (left + right), ticks + 1
-            if sight.fix is not None and len(self._fixes) < _FIXES:
-                self._fixes.append((sight.fix.time_s - began_s, *over_ground(sight), pushed / ticks))
+            if inputs.fix is not None and len(self._fixes) < _FIXES:
+                self._fixes.append((inputs.fix.time_s - began_s, *over_ground(inputs), pushed / ticks))
                 pushed, ticks = 0.0, 0
-        length_s = sight.now_s - began_s
-        if not sight.is_slowed:
+        length_s = inputs.now_s - began_s
+        if not inputs.is_slowed:
             self.run = self._result(length_s)
-        elif length_s > _SETTLED * sight.config.estimation.surge_time_s:
+        elif length_s > _SETTLED * inputs.config.estimation.surge_time_s:
             run = self._result(length_s)
             self.run = run if run.is_steady else None
-        return sight
+        return inputs
 
     def _result(self, length_s: float) -> Run:
         since_s = (1.0 - _STEADY_SHARE) * length_s
         fixes = [fix for fix in self._fixes if fix[0] >= since_s]
         commands = [one for one in self._commands if one[0] >= since_s]
         if len(fixes) < 3:
-            raise TrialError("too little room, or too few fixes, for a run")
+            raise CalibrationError("too little room, or too few fixes, for a run")
         c, s = math.cos(self._heading_rad), math.sin(self._heading_rad)
         rising = Fit(2)
         for t, n, e, _ in fixes:
@@ -104,44 +106,44 @@ class Crossing:
         )
 
 
-def over_ground(sight: Sight) -> tuple[float, float]:
+def over_ground(inputs: RoutineInputs) -> tuple[float, float]:
     """North and east: as the receiver says, or else as the boat reckons."""
-    fix, nav = sight.fix, sight.nav
+    fix, nav = inputs.fix, inputs.nav
     if fix is None or fix.north_m_s is None or fix.east_m_s is None:
         return nav.north_m_s, nav.east_m_s
     return fix.north_m_s, fix.east_m_s
 
 
-def has_room(sight: Sight, heading_rad: float) -> bool:
+def has_room(inputs: RoutineInputs, heading_rad: float) -> bool:
     """Whether the boat can go on that way, and still stop well within the radius."""
-    nav, c, s = sight.nav, math.cos(heading_rad), math.sin(heading_rad)
-    north, east = nav.north_m - sight.centre.north_m, nav.east_m - sight.centre.east_m
+    nav, c, s = inputs.nav, math.cos(heading_rad), math.sin(heading_rad)
+    north, east = nav.north_m - inputs.centre.north_m, nav.east_m - inputs.centre.east_m
     along, across = c * north + s * east, c * east - s * north
-    room_m = math.sqrt(max((END_SHARE * sight.radius_m) ** 2 - across**2, 0.0)) - along
+    room_m = math.sqrt(max((END_SHARE * inputs.radius_m) ** 2 - across**2, 0.0)) - along
     speed = max(c * nav.north_m_s + s * nav.east_m_s, 0.0)
-    handling, guidance = sight.config.handling, sight.config.guidance
+    handling, guidance = inputs.config.handling, inputs.config.guidance
     stop_m = speed * handling.surge_time_s + speed * speed / (2.0 * guidance.accel_m_s2)
-    return room_m > (_BRAKED if sight.is_fenced else 1.0) * stop_m
+    return room_m > (_BRAKED if inputs.is_fenced else 1.0) * stop_m
 
 
-def go_to_edge(sight: Sight, heading_rad: float) -> Step:
+def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step:
     """Sail to where a run on this heading begins.
 
     Raises:
-        TrialError: it is not reached.
+        CalibrationError: it is not reached.
     """
-    off_m = -START_SHARE * sight.radius_m
+    off_m = -START_SHARE * inputs.radius_m
     c, s = math.cos(heading_rad), math.sin(heading_rad)
-    edge = Point(sight.centre.north_m + off_m * c, sight.centre.east_m + off_m * s)
-    leg = FollowLeg(sight.nav.point, edge, sight.config.speed.cruise_m_s)
-    until_s = sight.now_s + _GOING_S
-    while math.hypot(*(a - b for a, b in zip(sight.nav.point, edge, strict=True))) > max(
-        sight.config.guidance.waypoint_radius_m, 0.1 * sight.radius_m
+    edge = Point(inputs.centre.north_m + off_m * c, inputs.centre.east_m + off_m * s)
+    leg = FollowLeg(inputs.nav.point, edge, inputs.config.speed.cruise_m_s)
+    until_s = inputs.now_s + _GOING_S
+    while math.hypot(*(a - b for a, b in zip(inputs.nav.point, edge, strict=True))) > max(
+        inputs.config.guidance.waypoint_radius_m, 0.1 * inputs.radius_m
     ):
-        if sight.now_s > until_s:
-            raise TrialError("the boat does not reach the start of a run")
-        sight = yield leg
-    return sight
+        if inputs.now_s > until_s:
+            raise CalibrationError("the boat does not reach the start of a run")
+        inputs = yield leg
+    return inputs
 
 
 class Pair(NamedTuple):
@@ -186,28 +188,28 @@ class Turn:
         self._heading_rad = heading_rad
         self._drive = drive
 
-    def sail(self, sight: Sight) -> Step:
+    def sail(self, inputs: RoutineInputs) -> Step:
         """Gather way up to the centre, then turn."""
-        nav, cruise_m_s = sight.nav, sight.config.speed.cruise_m_s
-        sight = yield from aim(sight, self._heading_rad)
+        nav, cruise_m_s = inputs.nav, inputs.config.speed.cruise_m_s
+        inputs = yield from aim(inputs, self._heading_rad)
         intent, c, s = (
             HoldHeading(self._heading_rad, cruise_m_s),
             math.cos(self._heading_rad),
             math.sin(self._heading_rad),
         )
         while True:
-            nav = sight.nav
-            along = c * (nav.north_m - sight.centre.north_m) + s * (nav.east_m - sight.centre.east_m)
-            if along > 0.0 or not has_room(sight, self._heading_rad):
+            nav = inputs.nav
+            along = c * (nav.north_m - inputs.centre.north_m) + s * (nav.east_m - inputs.centre.east_m)
+            if along > 0.0 or not has_room(inputs, self._heading_rad):
                 break
-            sight = yield intent
-        began_s, turned, ticks = sight.now_s, 0.0, 0
-        while sight.now_s - began_s < _TURN_S:
-            sight = yield self._drive
-            if sight.now_s - began_s > _TURN_S - _TURNING_S:
-                turned, ticks = turned + sight.nav.yaw_rate_rad_s, ticks + 1
+            inputs = yield intent
+        began_s, turned, ticks = inputs.now_s, 0.0, 0
+        while inputs.now_s - began_s < _TURN_S:
+            inputs = yield self._drive
+            if inputs.now_s - began_s > _TURN_S - _TURNING_S:
+                turned, ticks = turned + inputs.nav.yaw_rate_rad_s, ticks + 1
         self.rate_rad_s = abs(turned) / max(ticks, 1)
-        return sight
+        return inputs
 
 
 def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle: float) -> float:

@@ -13,8 +13,8 @@ from companion.calibration.pulses import (
     Curve,
     Pulses,
 )
+from companion.calibration.routine import CalibrationError, Finding, Routine, RoutineInputs, Step, come_back
 from companion.calibration.runs import Crossing, Pair, Run, Turn, go_to_edge, opposite, surge_time_s
-from companion.calibration.trial import Finding, Routine, Sight, Step, TrialError, come_back
 from companion.config.boat_config import BoatConfig
 from companion.config.thrusters import Thrusters
 from companion.control.allocation import from_pwm, motor_pwm
@@ -35,16 +35,16 @@ _MOST_DEAD: Final = 0.5
 _LEAST_GAIN: Final = 0.25
 
 
-def calibrate(sight: Sight) -> Routine:
+def calibrate(inputs: RoutineInputs) -> Routine:
     """All of it. The motors must be driven bare meanwhile.
 
     Raises:
-        TrialError: the boat does not do what it is asked to.
+        CalibrationError: the boat does not do what it is asked to.
     """
     pulses = Pulses()
-    sight = yield from pulses.sail(sight)
+    inputs = yield from pulses.sail(inputs)
     curves = {one: pulses.curve(one) for _, _, one in _BANDS}
-    setting = sight.config.thrusters
+    setting = inputs.config.thrusters
     findings = []
     for name, field, one in _BANDS:
         curve = curves[one]
@@ -59,12 +59,12 @@ def calibrate(sight: Sight) -> Routine:
         setting = replace(setting, asymmetry=asymmetry)
         findings.append(Finding("MOT_THST_ASYM", asymmetry))
 
-    sight = yield from come_back(sight, sight.config.guidance.station_radius_m)
-    heading, config = sight.nav.heading_rad, sight.config
+    inputs = yield from come_back(inputs, inputs.config.guidance.station_radius_m)
+    heading, config = inputs.nav.heading_rad, inputs.config
     full: list[Pair] = []
-    sight = yield from _out_and_back(sight, heading, _FULL * config.handling.top_speed_m_s, full)
+    inputs = yield from _out_and_back(inputs, heading, _FULL * config.handling.top_speed_m_s, full)
     cruising: list[Pair] = []
-    sight = yield from _out_and_back(sight, heading, config.speed.cruise_m_s, cruising)
+    inputs = yield from _out_and_back(inputs, heading, config.speed.cruise_m_s, cruising)
     setting = _balanced(setting, [*full, *cruising])
     findings += [
         Finding("MOT_L_GAIN", setting.left_gain),
@@ -74,29 +74,29 @@ def calibrate(sight: Sight) -> Routine:
 
     rates = []
     for side in (1.0, -1.0):
-        sight = yield from go_to_edge(sight, heading)
+        inputs = yield from go_to_edge(inputs, heading)
         turn = Turn(heading, _steered(setting, side * config.heading.max_steering))
-        sight = yield from turn.sail(sight)
+        inputs = yield from turn.sail(inputs)
         rates.append(turn.rate_rad_s)
     findings.append(Finding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
-    yield from come_back(sight, config.guidance.station_radius_m)
+    yield from come_back(inputs, config.guidance.station_radius_m)
     return findings
 
 
-def _out_and_back(sight: Sight, heading_rad: float, speed_m_s: float, pairs: list[Pair]) -> Step:
+def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float, pairs: list[Pair]) -> Step:
     runs: list[Run] = []
     for course in (heading_rad, opposite(heading_rad)):
         for _ in range(_TRIES):
-            sight = yield from go_to_edge(sight, course)
+            inputs = yield from go_to_edge(inputs, course)
             crossing = Crossing(course, speed_m_s)
-            sight = yield from crossing.sail(sight)
+            inputs = yield from crossing.sail(inputs)
             if crossing.run is not None:
                 runs.append(crossing.run)
                 break
         else:
-            raise TrialError("something is in the way of every run")
+            raise CalibrationError("something is in the way of every run")
     pairs.append(Pair(*runs))
-    return sight
+    return inputs
 
 
 def _asymmetry(sides: list[tuple[Curve | None, Curve | None]]) -> float | None:
@@ -118,11 +118,11 @@ def _balanced(setting: Thrusters, pairs: list[Pair]) -> Thrusters:
             from_pwm(pair.right, setting.right_ahead, 1.0),
         )
         if not (left > 0.0 and right > 0.0):
-            raise TrialError("one motor does not pull")
+            raise CalibrationError("one motor does not pull")
         ratios.append(left / right)
     ratio = sum(ratios) / len(ratios)
     if not _LEAST_GAIN <= ratio <= 1.0 / _LEAST_GAIN:
-        raise TrialError("the motors are too unequal")
+        raise CalibrationError("the motors are too unequal")
     return replace(setting, left_gain=min(ratio, 1.0), right_gain=min(1.0 / ratio, 1.0))
 
 

@@ -8,7 +8,7 @@ import logging
 from collections.abc import Callable, Mapping
 
 from companion.calibration.motor_test import MotorTest
-from companion.calibration.trials import Trials
+from companion.calibration.runner import CalibrationRunner
 from companion.config.parameters import Parameters
 from companion.hal.interfaces import FaultInjector
 from companion.log.logbook import Logbook
@@ -98,7 +98,7 @@ class Endpoint:
         signing: SigningStore,
         channels: Mapping[int, Channel],
         motor_test: MotorTest,
-        trials: Trials,
+        calibration: CalibrationRunner,
         external: ExternalSensors,
         gauge: FuelGauge,
         take_snapshot: TakeSnapshot,
@@ -135,7 +135,7 @@ class Endpoint:
             self._listings,
             tell,
             self._pose,
-            trials,
+            calibration,
             gauge,
             faults,
         )

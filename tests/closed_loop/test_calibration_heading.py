@@ -76,7 +76,7 @@ def test_the_autotune_finds_good_gains_from_bad_ones(model: str) -> None:
     for _ in range(400):
         rig.run(1.0)
         rig.peer.listen()
-        if not rig.boat.trials.is_running:
+        if not rig.boat.calibration.is_running:
             break
     rig.run(0.1)
     assert any(text == "Heading autotune done: 3 parameters set" for text in rig.peer.texts), rig.peer.texts
@@ -99,7 +99,7 @@ def test_gains_do_not_depend_on_the_gains_before_nor_on_the_side_that_pulls_less
         for _ in range(400):
             rig.run(1.0)
             rig.peer.listen()
-            if not rig.boat.trials.is_running:
+            if not rig.boat.calibration.is_running:
                 break
         found.append(rig.boat.parameters.config.heading)
     assert found[1].kp == pytest.approx(found[0].kp, rel=0.2)
@@ -112,7 +112,7 @@ def test_a_boat_that_needs_all_its_thrust_for_cruise_speed_is_not_swung() -> Non
     assert rig.arm() == OK
     rig.run(5.0)
     assert rig.ask(AUTOTUNE, 1.0) == IN_PROGRESS
-    rig.until(lambda: not rig.boat.trials.is_running, 5.0)
+    rig.until(lambda: not rig.boat.calibration.is_running, 5.0)
     rig.run(0.1)
     assert "Heading autotune aborted: cruise speed leaves no thrust to steer with" in rig.peer.texts
     assert rig.boat.parameters.config.heading == rig.config.heading

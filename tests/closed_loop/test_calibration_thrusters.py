@@ -63,7 +63,7 @@ def values(rig: Rig) -> dict[str, float]:
 def over(rig: Rig, limit_s: float) -> list[int]:
     """Wait for the trial's end; the results that its command has been answered with."""
     results: list[int] = []
-    while rig.boat.trials.is_running:
+    while rig.boat.calibration.is_running:
         assert (limit_s := limit_s - 1.0) > 0.0, "the trial does not end"
         rig.run(1.0)
         results += [one.result for one in rig.peer.said("COMMAND_ACK")]
@@ -187,14 +187,14 @@ def test_anything_else_breaks_it_off_and_nothing_is_changed(
     before = values(rig)
     assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
     rig.run(60.0)
-    assert rig.boat.trials.is_running
+    assert rig.boat.calibration.is_running
     rig.peer.forget()
     breaks(rig)
-    rig.until(lambda: not rig.boat.trials.is_running, 5.0)
+    rig.until(lambda: not rig.boat.calibration.is_running, 5.0)
     rig.run(0.1)
     assert any(why in text for text in rig.peer.texts), rig.peer.texts
     assert values(rig) == before
-    assert not rig.boat.trials.is_bare
+    assert not rig.boat.calibration.is_bare
 
 
 def test_the_same_command_breaks_it_off() -> None:
@@ -203,7 +203,7 @@ def test_the_same_command_breaks_it_off() -> None:
     assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
     assert rig.ask(dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 1.0) == REJECTED_FOR_NOW
     assert rig.ask(CALIBRATE, 0.0) == CANCELLED
-    assert not rig.boat.trials.is_running
+    assert not rig.boat.calibration.is_running
     assert rig.ask(CALIBRATE, 0.0) == OK
 
 
@@ -242,10 +242,10 @@ def test_it_keeps_inside_the_fence_and_asks_for_room_there() -> None:
     fence(50.0)
     rig.run(0.1)
     assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
-    assert rig.boat.trials.radius_m < 50.0
+    assert rig.boat.calibration.radius_m < 50.0
 
 
 def test_an_idle_trial_costs_no_guidance() -> None:
     rig = lopsided()
-    assert not rig.boat.trials.is_running
-    assert rig.boat.trials.take_ending() is None
+    assert not rig.boat.calibration.is_running
+    assert rig.boat.calibration.take_result() is None

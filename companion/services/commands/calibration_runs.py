@@ -1,11 +1,11 @@
-"""Commands that start trials afloat: DO_AUTOTUNE_ENABLE the heading's, USER_1 the thrusters'.
+"""Commands that start calibrations afloat: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters).
 
-Both answer IN_PROGRESS until the trial has ended. What it has found becomes parameters, each told in words.
+Both answer IN_PROGRESS until the calibration has ended. Its findings become parameters.
 """
 
 from collections.abc import Callable
 
-from companion.calibration.trials import HEADING, THRUSTERS, Kind, Trials
+from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationRunner
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import (
@@ -19,15 +19,19 @@ from companion.services.commands.command import (
 )
 from companion.services.commands.vehicle import Tell
 from companion.services.parameters import ParameterService
+from companion.vehicle.vehicle import Vehicle
 
 _AXES = (0, 4)  # AUTOTUNE_AXIS: the usual one, yaw
 
 
 class CalibrationCommands:
-    """Starts trials, and writes down what they find."""
+    """Starts calibrations, and stores their findings."""
 
-    def __init__(self, trials: Trials, parameters: ParameterService, tell: Tell) -> None:
-        self._trials = trials
+    def __init__(
+        self, vehicle: Vehicle, runner: CalibrationRunner, parameters: ParameterService, tell: Tell
+    ) -> None:
+        self._vehicle = vehicle
+        self._runner = runner
         self._parameters = parameters
         self._tell = tell
         self.table: dict[int, Callable[[Command], int]] = {
@@ -36,26 +40,26 @@ class CalibrationCommands:
         }
 
     def tick(self) -> int | None:
-        """The result of a trial that has just ended, else None."""
-        ending = self._trials.take_ending()
-        if ending is None:
+        """The result of a calibration that has just ended, else None."""
+        result = self._runner.take_result()
+        if result is None:
             return None
-        if ending.reason:
-            self._report(Severity.WARNING, f"{ending.kind.name} aborted: {ending.reason}")
+        if result.reason:
+            self._report(Severity.WARNING, f"{result.kind.name} aborted: {result.reason}")
             return FAILED
-        for name, value in ending.findings:
+        for name, value in result.findings:
             short = float(f"{value:.4g}")
             was = self._parameters.value(name)
             if reason := self._parameters.set(name, short):
                 self._report(Severity.WARNING, reason)
             else:
                 self._report(Severity.INFO, f"{name} {was:.4g} -> {short:g}")
-        self._report(Severity.NOTICE, f"{ending.kind.name} done: {len(ending.findings)} parameters set")
+        self._report(Severity.NOTICE, f"{result.kind.name} done: {len(result.findings)} parameters set")
         return ACCEPTED
 
     def progress_percent(self, now_s: float) -> int | None:
-        """How far a trial is, None while there is none."""
-        return self._trials.progress_percent(now_s) if self._trials.is_running else None
+        """Progress of the calibration under way, None without one."""
+        return self._runner.progress_percent(now_s) if self._runner.is_running else None
 
     def _tune_heading(self, command: Command) -> int:
         """param1 starts (1) or breaks off (0); param2: axes, 0 or 4 (yaw)."""
@@ -66,23 +70,25 @@ class CalibrationCommands:
         radius_m = command.p[1]
         return self._start(THRUSTERS, command, radius_m) if 0.0 <= radius_m <= 10000.0 else DENIED
 
-    def _start(self, kind: Kind, command: Command, radius_m: float) -> int:
-        trials, wanted = self._trials, command.whole(0)
+    def _start(self, kind: Calibration, command: Command, radius_m: float) -> int:
+        runner, vehicle, wanted = self._runner, self._vehicle, command.whole(0)
         if wanted == 0:
-            if not trials.is_running or trials.kind is not kind:
+            if not runner.is_running or runner.kind is not kind:
                 return ACCEPTED
-            trials.stop("by command")
-            trials.take_ending()
+            runner.stop("by command")
+            runner.take_result()
             self._report(Severity.NOTICE, f"{kind.name} aborted by command")
             return CANCELLED
         if wanted != 1:
             return DENIED
-        if trials.is_running and trials.kind is kind:
+        if runner.is_running and runner.kind is kind:
             return IN_PROGRESS
-        if reason := trials.begin(kind, radius_m, command.now_s):
+        if reason := runner.start(
+            kind, radius_m, vehicle.status, vehicle.nav, vehicle.fence, vehicle.config, command.now_s
+        ):
             self._report(Severity.WARNING, f"{kind.name}: {reason}")
             return REJECTED_FOR_NOW
-        self._report(Severity.NOTICE, f"{kind.name} started, within {trials.radius_m:.1f} m")
+        self._report(Severity.NOTICE, f"{kind.name} started, within {runner.radius_m:.1f} m")
         return IN_PROGRESS
 
     def _report(self, severity: int, text: str) -> None:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 
 from companion.calibration.motor_test import MotorTest
-from companion.calibration.trials import Trials
+from companion.calibration.runner import CalibrationRunner
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.fuel_gauge import FuelGauge
@@ -64,7 +64,7 @@ class CommandService:
         parameters: ParameterService,
         tell: Tell,
         pose: ExternalPoseService,
-        trials: Trials,
+        calibration: CalibrationRunner,
         gauge: FuelGauge,
         faults: FaultInjector | None = None,
     ) -> None:
@@ -73,13 +73,13 @@ class CommandService:
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # what follows the answer
         self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, tell, self._send_later)
-        self._trials = CalibrationCommands(trials, parameters, tell)
+        self._calibration = CalibrationCommands(vehicle, calibration, parameters, tell)
         self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
             **BatteryCommands(vehicle, gauge, tell).table,
-            **self._trials.table,
+            **self._calibration.table,
             **VehicleCommands(vehicle, parameters, tell).table,
             **FaultCommands(faults, tell).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
@@ -88,7 +88,7 @@ class CommandService:
         """Commands that change nothing."""
         self._done: Command | None = None  # the latest of those not to be done twice
         self._left_behind: tuple[object, ...] = ()  # what it made of the vehicle
-        self._slow: Command | None = None  # whose calibration or trial is under way
+        self._slow: Command | None = None  # whose calibration is under way
         self._progress_s = math.inf
 
     @property
@@ -156,7 +156,7 @@ class CommandService:
         """Go on with what takes time. heading: as the part gave it."""
         result = self._upkeep.tick(heading, now_s)
         if result is None:
-            result = self._trials.tick()
+            result = self._calibration.tick()
         slow = self._slow
         if slow is None:
             return
@@ -164,7 +164,7 @@ class CommandService:
             self._slow = None
             self._answer(slow, result)
         elif now_s >= self._progress_s:
-            job, percent = self._upkeep.calibration, self._trials.progress_percent(now_s)
+            job, percent = self._upkeep.calibration, self._calibration.progress_percent(now_s)
             if job is not None:
                 percent = job.progress_percent(now_s)
             if percent is not None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from companion.calibration.fitting import Fit
 from companion.calibration.heading import Swing, gains
-from companion.calibration.trial import TrialError
+from companion.calibration.routine import CalibrationError
 from companion.calibration.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
 from sitl.world.sensors import generator
 
@@ -92,10 +92,10 @@ def test_the_throw_moves_to_meet_what_turns_the_boat_aside() -> None:
 def test_a_bow_that_does_not_come_back_is_not_swung_on() -> None:
     swing = Swing(0.3, 0.02, 0.0, 0.0)
     swing.update(0.03, 1.0)
-    with pytest.raises(TrialError, match="does not swing"):
+    with pytest.raises(CalibrationError, match="does not swing"):
         swing.update(1.1, 1.02)
     swing = Swing(0.3, 0.02, 0.0, 0.0)
-    with pytest.raises(TrialError, match="does not swing"):
+    with pytest.raises(CalibrationError, match="does not swing"):
         swing.update(0.0, 60.0)
 
 

@@ -1,0 +1,101 @@
+"""A calibration routine: a generator that takes each tick's inputs, yields intents and returns findings."""
+
+import math
+from collections.abc import Generator
+from typing import NamedTuple
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point, distance_m
+from companion.core.intent import HoldHeading, Intent, KeepStation, Stop
+from companion.core.state import MotorCommand, NavState
+from companion.core.units import wrap_pi
+from companion.sensors.readings import GnssFix
+
+_STOP = Stop()
+_COMING_S = 180.0
+_RESTING_S = 8.0
+_STILL_RAD_S = 0.03
+_TURNING_S = 60.0
+_AIMED_RAD = 0.1
+_AIMED_S = 1.0
+
+
+class RoutineInputs(NamedTuple):
+    """One tick's inputs.
+
+    fix: only a new one. command: of the last tick. The routine keeps within radius_m of the centre.
+    is_fenced: there is a fence, which the boat brakes for. is_slowed: obstacle avoidance limits the speed.
+    """
+
+    nav: NavState
+    fix: GnssFix | None
+    command: MotorCommand
+    config: BoatConfig
+    now_s: float
+    centre: Point
+    radius_m: float
+    is_fenced: bool = False
+    is_slowed: bool = False
+
+    @property
+    def off_m(self) -> float:
+        """How far the boat is from the centre."""
+        return distance_m(self.nav.point, self.centre)
+
+
+class Finding(NamedTuple):
+    """A parameter's name, and the value found for it, in the parameter's unit."""
+
+    name: str
+    value: float
+
+
+Routine = Generator[Intent, RoutineInputs, list[Finding]]
+"""Yields intents and is sent the next tick's inputs."""
+
+Step = Generator[Intent, RoutineInputs, RoutineInputs]
+"""A part of a routine; ends with the last inputs."""
+
+
+class CalibrationError(Exception):
+    """The calibration cannot go on, in words for the operator."""
+
+
+def come_back(inputs: RoutineInputs, near_m: float) -> Step:
+    """Sail to the centre.
+
+    Raises:
+        CalibrationError: it is not reached.
+    """
+    until_s, station = inputs.now_s + _COMING_S, KeepStation(inputs.centre)
+    while inputs.off_m > near_m:
+        if inputs.now_s > until_s:
+            raise CalibrationError("the boat does not get back to its station")
+        inputs = yield station
+    return inputs
+
+
+def rest(inputs: RoutineInputs, seconds: float) -> Step:
+    """Drift for so long, and on until the boat hardly turns any more."""
+    began_s = inputs.now_s
+    while inputs.now_s - began_s < seconds or (
+        abs(inputs.nav.yaw_rate_rad_s) > _STILL_RAD_S and inputs.now_s - began_s < _RESTING_S
+    ):
+        inputs = yield _STOP
+    return inputs
+
+
+def aim(inputs: RoutineInputs, heading_rad: float, speed_m_s: float = 0.0) -> Step:
+    """Turn the bow there, and keep it there for a moment.
+
+    Raises:
+        CalibrationError: it does not come there.
+    """
+    until_s, aimed_s, intent = inputs.now_s + _TURNING_S, math.inf, HoldHeading(heading_rad, speed_m_s)
+    while inputs.now_s < aimed_s + _AIMED_S:
+        if inputs.now_s > until_s:
+            raise CalibrationError("the bow does not come round")
+        is_aimed = abs(wrap_pi(heading_rad - inputs.nav.heading_rad)) < _AIMED_RAD
+        aimed_s = min(aimed_s, inputs.now_s) if is_aimed else math.inf
+        inputs = yield intent
+    return inputs
