@@ -25,7 +25,6 @@ from companion.mavlink.address import Address
 from companion.obstacles.planning.avoidance import Stage
 from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import Storage
-from companion.persistence.voyage_record import Resume
 from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.configured_port import ConfiguredPort
@@ -35,6 +34,7 @@ from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
 from companion.services.telemetry.snapshot import Snapshot
+from companion.vehicle.resume import VoyageResume
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
@@ -98,7 +98,7 @@ class Boat:
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
         self.steering = GuidancePipeline(config, self.vehicle.status_texts)
         self.net = SafetyNet()
-        self.resume = Resume(storage, self.vehicle)
+        self.resume = VoyageResume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; the runner's to say
         self.free_memory_bytes = 0  # of the computer; the program's to say
         self.command: MotorCommand = STOPPED
@@ -182,7 +182,7 @@ class Boat:
         if self._logbook is not None:
             self._logbook.tick(now_s, self.take_snapshot, self.channels)
         self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.sensors.compass, self.load)
-        self.resume.tick(now_s)
+        self.resume.update(self.vehicle, now_s)
         self._flush()
 
     def _catch(self, error: Exception) -> None:

@@ -118,7 +118,7 @@ class MissionProgress:
         """Go on with the current item, on a new leg from wherever the boat is."""
         self._begin_item()
 
-    def take_up(
+    def restore(
         self, seq: int, leg_start: LatLon | None, speed_m_s: float | None, jumps: dict[int, int]
     ) -> bool:
         """Stand where a voyage was cut short: at an item, on its leg. False if that cannot be."""

@@ -12,7 +12,8 @@ from companion.boat import TICK_S
 from companion.core.modes import Mode
 from companion.mavlink.dialect import dialect
 from companion.persistence.storage import MemoryStorage, Saving
-from companion.persistence.voyage_record import FILE, LOOK_S
+from companion.persistence.voyage_record import FILE
+from companion.vehicle.resume import CHECK_S
 
 
 def cut(rig: Rig) -> Rig:
@@ -154,7 +155,7 @@ def test_a_second_cut_before_anybody_came_loses_nothing() -> None:
 def test_a_boat_that_was_disarmed_or_done_has_nothing_to_take_up() -> None:
     rig = in_mid_leg()
     rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
-    rig.run(LOOK_S + TICK_S)
+    rig.run(CHECK_S + TICK_S)
     assert cut(rig).boat.vehicle.progress.current_seq == 1
 
 
