@@ -6,7 +6,7 @@ from benchmarks.measure import Row, alone
 from companion.core.geo import Point
 from companion.core.units import deg_to_e7
 from companion.mavlink.items import MissionItem
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.missions import plan_mission, wire_items
 from sitl.scenarios.scenario import Scenario, load_scenario
 
@@ -35,6 +35,6 @@ def _straight(scenario: Scenario) -> list[MissionItem]:
 
 
 def _sail(scenario: Scenario, items: list[MissionItem]) -> float:
-    result = Sailing(scenario, items).run()
+    result = MissionRun(scenario, items).run()
     assert result.completed
     return result.real_time_factor

@@ -39,7 +39,7 @@ def rows() -> list[Row]:
             line.bind(("127.0.0.1", 0))
             with _fleet(line.getsockname()[1], status, times) as process:
                 station = _Station(line)
-                station.cast_off(time.monotonic() + _START_S)
+                station.release(time.monotonic() + _START_S)
                 before, cpu_s, began_s = _settled(status, station), _cpu_s(process), time.monotonic()
                 station.listen(time.monotonic() + _SECONDS)
                 after, spent_s = _settled(status, station), _cpu_s(process) - cpu_s
@@ -94,7 +94,7 @@ class _Station:
         self._decoder = Decoder(datagram=True)
         self._beat_s = 0.0
 
-    def cast_off(self, until_s: float) -> None:
+    def release(self, until_s: float) -> None:
         """Send every boat far away, one after the other in bearing.
 
         Raises:

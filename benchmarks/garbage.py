@@ -78,12 +78,12 @@ def _flooded(
     if flood is not None:
         flood.close()
     ticks = after.ticks - before.ticks
-    in_time = 100.0 * (1.0 - (after.late_ticks - before.late_ticks) / ticks)
+    output_at = 100.0 * (1.0 - (after.late_ticks - before.late_ticks) / ticks)
     what = f"{name}, over {kind}" if pattern else name
     priority = "" if os.sched_getscheduler(0) == os.SCHED_OTHER else ", real-time priority"
     skipped = after.skipped_ticks - before.skipped_ticks
     note = f"{rate:.1f} MB/s taken, longest gap {max(gaps):.2f} s, {skipped} ticks skipped{priority}"
-    return Row(f"ticks within 10 ms, {what}", "%", "more", in_time, 0.0, note=note)
+    return Row(f"ticks within 10 ms, {what}", "%", "more", output_at, 0.0, note=note)
 
 
 def _crowded(port: int) -> Row:

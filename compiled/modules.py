@@ -45,7 +45,7 @@ PATTERNS: Final = (
     "companion/vehicle/*.py",
     "companion/vehicle/*/*.py",
     "sitl/radio/channel.py",
-    "sitl/reports/estimate_overlay.py",
+    "sitl/run/estimate_recorder.py",
     "sitl/run/lockstep.py",
     "sitl/run/program.py",
     "sitl/run/recorder.py",

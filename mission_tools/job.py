@@ -20,13 +20,13 @@ from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
 from mission_tools.mission.compare import Difference, differences
 from mission_tools.mission.mission import MissionItem, MissionType
 from mission_tools.mission.plan_file import check_mission_name, save_mission
-from mission_tools.mission.proposal import MissionFile, PlanOptions, Proposal, Water, open_source
+from mission_tools.mission.planned_mission import MissionFile, PlannedMission, PlanOptions, Water, open_source
 from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID, connect
 from mission_tools.vehicle.follow import follow
 from mission_tools.vehicle.link_url import DEFAULT_LINK, LinkUrl, parse_link
+from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.vehicle.signed_link import read_sign_key
 from mission_tools.vehicle.vehicle import NAMES, Vehicle
-from mission_tools.vehicle.voyage import Voyage
 from mission_tools.wording import distance, duration
 
 SHOWN_DIFFERENCES = 3
@@ -39,7 +39,7 @@ class Request:
     """What was asked for. source: None for fence and rally points alone, and the boat's mission stays."""
 
     source: str | None
-    wishes: PlanOptions = field(default_factory=PlanOptions)
+    options: PlanOptions = field(default_factory=PlanOptions)
     link: str = DEFAULT_LINK
     system_id: int = DEFAULT_SYSTEM_ID
     patience_s: float = 10.0  # for the first heartbeat, the first position, and for arming
@@ -58,7 +58,7 @@ class Request:
 class Report:
     """What became of it; grows as the job goes on, so that a failed one still tells how far it came."""
 
-    proposal: Proposal | None = None
+    planned: PlannedMission | None = None
     link: str = ""
     vehicle_id: int | None = None
     mode: str = ""
@@ -68,7 +68,7 @@ class Report:
     read_back_s: float = math.nan
     read_back_equal: bool = False
     started: bool = False
-    voyage: Voyage | None = None
+    monitor: MissionMonitor | None = None
     saved: Path | None = None
     preview: Path | None = None
 
@@ -88,17 +88,17 @@ async def run(request: Request, report: Report, console: Console) -> None:
     if request.source is None:
         await _run_without_source(request, areas, link, key, report, console)
         return
-    source = open_source(request.source, request.wishes, areas)
+    source = open_source(request.source, request.options, areas)
     async with AsyncExitStack() as stack:
         vehicle = None
         if source.wants_position and not request.dry_run:
             vehicle = await stack.enter_async_context(
                 connect(link, request.patience_s, request.system_id, key)
             )
-        proposal = report.proposal = await _propose(source, vehicle, request.patience_s, console)
-        _say_proposal(proposal, console)
+        planned = report.planned = await _propose(source, vehicle, request.patience_s, console)
+        _print_planned(planned, console)
         if request.save is not None:
-            save_mission(proposal.mission, request.save)
+            save_mission(planned.mission, request.save)
             report.saved = request.save
             console.print(f"saved {request.save}")
         try:
@@ -107,12 +107,12 @@ async def run(request: Request, report: Report, console: Console) -> None:
                     vehicle = await stack.enter_async_context(
                         connect(link, request.patience_s, request.system_id, key)
                     )
-                mission_lists = proposal.mission.wire_lists(home_first=vehicle.state.is_ardupilot)
+                mission_lists = planned.mission.wire_lists(home_first=vehicle.state.is_ardupilot)
                 await _upload(vehicle, mission_lists | areas.wire_lists(), report, console)
                 await _sail(vehicle, request, report, console)
         finally:
             if request.preview is not None:
-                save_preview(request.preview, proposal, report.voyage)
+                save_preview(request.preview, planned, report.monitor)
                 report.preview = request.preview
                 console.print(f"drew {request.preview}")
 
@@ -145,7 +145,7 @@ async def _run_without_source(
 ) -> None:
     """Fence and rally points alone."""
     unfit = [name for name in ("start", "follow", "save", "preview") if getattr(request, name)]
-    if unfit or request.wishes != PlanOptions():
+    if unfit or request.options != PlanOptions():
         options = ", ".join("--" + name for name in unfit) or "options about the route"
         raise UsageError(f"no SOURCE: {options} would need a scenario, a map or a mission file")
     if areas == NO_AREAS:
@@ -158,7 +158,7 @@ async def _run_without_source(
 
 async def _propose(
     source: MissionFile | Water, vehicle: Vehicle | None, patience_s: float, console: Console
-) -> Proposal:
+) -> PlannedMission:
     here = None
     if vehicle is not None:
         is_known = await vehicle.wait_for(lambda: vehicle.state.position is not None, patience_s)
@@ -172,7 +172,7 @@ async def _propose(
         if here is None:
             console.print("note: no position from the boat: the route starts at the scenario's start")
     # Off the event loop, so that the vehicle's messages are taken in meanwhile.
-    return await _in_thread(lambda: source.propose(here))
+    return await _in_thread(lambda: source.prepare(here))
 
 
 async def _in_thread(work: Callable[[], T]) -> T:
@@ -201,16 +201,16 @@ async def _in_thread(work: Callable[[], T]) -> T:
     return await future
 
 
-def _say_proposal(proposal: Proposal, console: Console) -> None:
-    mission, plan = proposal.mission, proposal.plan
-    line = f"{proposal.name}: {len(mission.places)} waypoints"
+def _print_planned(planned: PlannedMission, console: Console) -> None:
+    mission, plan = planned.mission, planned.plan
+    line = f"{planned.name}: {len(mission.places)} waypoints"
     if plan is not None:
         line += f", {distance(plan.length_m)} (straight {distance(plan.straight_m)})"
         if math.isfinite(plan.min_clearance_m):
             line += f", never nearer than {distance(plan.min_clearance_m)} to anything"
         line += f"; {plan.search.expanded} cells of {distance(plan.cell_m)} searched"
     console.print(line)
-    for note in proposal.notes:
+    for note in planned.notes:
         console.print(f"note: {note}")
 
 
@@ -264,9 +264,9 @@ async def _sail(vehicle: Vehicle, request: Request, report: Report, console: Con
         await vehicle.start(request.patience_s)
         report.started, report.mode = True, vehicle.state.mode
         console.print("started")
-    if request.follow and report.proposal is not None:
-        report.voyage = Voyage.of(vehicle.state, report.proposal.mission, time.monotonic())
-        await follow(vehicle, report.voyage, console, request.timeout_s)
+    if request.follow and report.planned is not None:
+        report.monitor = MissionMonitor.of(vehicle.state, report.planned.mission, time.monotonic())
+        await follow(vehicle, report.monitor, console, request.timeout_s)
         report.mode = vehicle.state.mode
-        sailed = f"sailed {distance(report.voyage.track_length_m)} in {duration(report.voyage.duration_s)}"
+        sailed = f"sailed {distance(report.monitor.track_length_m)} in {duration(report.monitor.duration_s)}"
         console.print(f"{sailed}, now in {report.mode}")

@@ -10,7 +10,7 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _POSITION = re.compile(rf"\s*({_NUMBER})\s*,\s*({_NUMBER})\s*", re.ASCII)
 
 
-def with_start_told_apart(arguments: Sequence[str]) -> list[str]:
+def with_start_position_option(arguments: Sequence[str]) -> list[str]:
     """`--start LAT,LON` names a place and becomes `--start-at LAT,LON`; a bare `--start` stays."""
     told: list[str] = []
     for index, argument in enumerate(arguments):

@@ -5,23 +5,23 @@ from typing import Any
 
 from mission_tools.job import Report
 from mission_tools.planning.planner import Plan
-from mission_tools.vehicle.voyage import Voyage
+from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
 def as_json(report: Report) -> dict[str, Any]:
     """The report as a tree of plain values."""
-    proposal = report.proposal
-    mission = proposal.mission if proposal else None
+    planned = report.planned
+    mission = planned.mission if planned else None
     return {
         "ok": True,
         "exit_code": 0,
-        "source": proposal.name if proposal else None,
+        "source": planned.name if planned else None,
         "waypoints": [[place.lat_deg, place.lon_deg] for place in mission.places] if mission else [],
         "home": [mission.home.lat_deg, mission.home.lon_deg] if mission and mission.home else None,
-        "plan": _plan(proposal.plan) if proposal and proposal.plan else None,
+        "plan": _plan(planned.plan) if planned and planned.plan else None,
         "upload": None if report.vehicle_id is None else _upload(report),
         "started": report.started,
-        "voyage": _voyage(report.voyage) if report.voyage else None,
+        "voyage": _voyage(report.monitor) if report.monitor else None,
         "saved": str(report.saved) if report.saved else None,
         "preview": str(report.preview) if report.preview else None,
     }
@@ -54,13 +54,13 @@ def _upload(report: Report) -> dict[str, Any]:
     }
 
 
-def _voyage(voyage: Voyage) -> dict[str, Any]:
+def _voyage(monitor: MissionMonitor) -> dict[str, Any]:
     return {
-        "time_s": voyage.duration_s,
-        "track_length_m": voyage.track_length_m,
+        "time_s": monitor.duration_s,
+        "track_length_m": monitor.track_length_m,
         "track": [
-            [point.time_s - voyage.track[0].time_s, point.place.lat_deg, point.place.lon_deg]
-            for point in voyage.track
+            [point.time_s - monitor.track[0].time_s, point.place.lat_deg, point.place.lon_deg]
+            for point in monitor.track
         ],
     }
 

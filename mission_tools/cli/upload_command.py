@@ -12,12 +12,12 @@ import typer
 from rich.console import Console
 
 from companion.core.command_line import HELP_NAMES, Version
-from mission_tools.cli.arguments import position, with_start_told_apart
+from mission_tools.cli.arguments import position, with_start_position_option
 from mission_tools.cli.exit import run_app
 from mission_tools.cli.report import as_json
 from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
 from mission_tools.job import Report, Request, run
-from mission_tools.mission.proposal import PlanOptions
+from mission_tools.mission.planned_mission import PlanOptions
 from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID
 from mission_tools.vehicle.link_url import DEFAULT_LINK, FORMS
 
@@ -72,7 +72,7 @@ def upload(
     """The command; its help is EXAMPLES."""
     if debug:
         logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
-    wishes = PlanOptions(
+    options = PlanOptions(
         start_at=position("--start-at", start_at),
         goal=position("--goal", goal),
         case=case,
@@ -84,7 +84,7 @@ def upload(
     )
     request = Request(
         source=source,
-        wishes=wishes,
+        options=options,
         link=connect,
         system_id=system_id,
         patience_s=patience,
@@ -108,4 +108,4 @@ def upload(
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_app(app, PROGRAM, with_start_told_apart(arguments))
+    return run_app(app, PROGRAM, with_start_position_option(arguments))

@@ -1,18 +1,18 @@
-"""The picture of a mission: its map, its plan and, after a voyage, the track."""
+"""The picture of a mission: its map, its plan and, after a run, the track."""
 
 from pathlib import Path
 
 from mission_tools.errors import UsageError
-from mission_tools.mission.proposal import Proposal
+from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.smooth import path_length_m
-from mission_tools.vehicle.voyage import Voyage
+from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
 
 PICTURE_SUFFIXES = frozenset({".png", ".svg", ".pdf"})
 
 
 def check_picture_name(path: Path) -> None:
-    """Refuse early what could not be written after an hour's voyage.
+    """Refuse early what could not be written after an hour's run.
 
     Raises:
         UsageError: no kind of picture, or no such folder.
@@ -25,29 +25,29 @@ def check_picture_name(path: Path) -> None:
         raise UsageError(f"--preview {path}: there is no folder {path.parent}")
 
 
-def save_preview(path: Path, proposal: Proposal, voyage: Voyage | None) -> None:
-    """Draw the proposal and the voyage, if there was one.
+def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None) -> None:
+    """Draw the planned mission and the track, if there is one.
 
     Raises:
         OutputError: the file cannot be written.
     """
     from mission_tools.drawing.draw import save_picture  # noqa: PLC0415 - matplotlib takes a second to import
 
-    track = voyage.track if voyage is not None else []
-    points, plan = proposal.points, proposal.plan
+    track = monitor.track if monitor is not None else []
+    points, plan = planned.points, planned.plan
     clearance_m = plan.settings.clearance_m if plan is not None else 0.0
     subtitle = f"{distance(path_length_m(points))} planned"
     if clearance_m > 0.0:
         subtitle += f", clearance {clearance_m:g} m"
-    if voyage is not None and track:
-        subtitle += f"; {distance(voyage.track_length_m)} sailed in {duration(voyage.duration_s)}"
+    if monitor is not None and track:
+        subtitle += f"; {distance(monitor.track_length_m)} sailed in {duration(monitor.duration_s)}"
     save_picture(
         path,
-        proposal.chart,
+        planned.chart,
         points,
-        track=[proposal.chart.frame.to_local(point.place) for point in track] or None,
+        track=[planned.chart.frame.to_local(point.place) for point in track] or None,
         speeds_m_s=[point.speed_m_s for point in track] or None,
-        title=proposal.name,
+        title=planned.name,
         subtitle=subtitle,
         clearance_m=clearance_m,
     )

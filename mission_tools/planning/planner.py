@@ -18,11 +18,11 @@ from mission_tools.maps.chart import Chart
 from mission_tools.maps.source import RouteDefaults
 from mission_tools.planning.astar import SearchMetrics, astar
 from mission_tools.planning.corners import widen_corners
+from mission_tools.planning.entry_cells import EntryCells, FreeWater
 from mission_tools.planning.expansion import EightNeighbours
 from mission_tools.planning.grid import Grid
 from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
 from mission_tools.planning.inflate import Bounds, occupancy
-from mission_tools.planning.places import Doors, FreeWater
 from mission_tools.planning.smooth import merge_short_legs, path_length_m, pull_taut
 
 DEFAULT_WATER_CELLS = 200_000
@@ -80,7 +80,7 @@ class PlanSettings:
         return cls(**{name: value for name, value in named.items() if value is not None})
 
     @property
-    def kept_m(self) -> float:
+    def required_m(self) -> float:
         """Clearance and margin."""
         return self.clearance_m + self.margin_m
 
@@ -129,7 +129,7 @@ def plan(
             continue  # it is no boat at its jetty, that leaves without a clearance
         with contextlib.suppress(NoRoute, StartBlocked, GoalBlocked):
             found = _plan(chart, stops, tried)
-            note = f"kept to {tried.kept_m:g} m: no route keeps {settings.kept_m:g} m"
+            note = f"kept to {tried.required_m:g} m: no route keeps {settings.required_m:g} m"
             return replace(found, notes=(*found.notes, note)) if share < 1.0 else found
     found = _plan(chart, stops, replace(settings, margin_m=0.0))
     if settings.margin_m > 0.0:
@@ -140,12 +140,14 @@ def plan(
 
 def _plan(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
     """Plan with the whole margin, in cells finer and finer."""
-    bounds = _bounds(chart, stops, settings.kept_m)
-    sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.kept_m)
+    bounds = _bounds(chart, stops, settings.required_m)
+    sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.required_m)
     failure: NoRoute | None = None
     for cell_m in sizes:
         try:
-            return _Planner(chart, occupancy(chart, bounds, cell_m, settings.kept_m), settings).plan(stops)
+            return _Planner(chart, occupancy(chart, bounds, cell_m, settings.required_m), settings).plan(
+                stops
+            )
         except NoRoute as error:
             failure = error
     raise failure or NoRoute("no cell size to try")
@@ -180,18 +182,20 @@ class _Planner:
         self._grid = grid
         self._settings = settings
         self._expansion = EightNeighbours(grid)
-        self._water = FreeWater(chart, grid, settings.kept_m)
+        self._water = FreeWater(chart, grid, settings.required_m)
 
     def plan(self, stops: Sequence[Point]) -> Plan:
         water, settings = self._water, self._settings
-        doors = [water.doors_from_start(stops[0])]
+        entries = [water.entry_from_start(stops[0])]
         names = (
             ["goal"] if len(stops) == 2 else [*(f"via point {n}" for n in range(1, len(stops) - 1)), "goal"]
         )
-        doors += [water.doors_to_stop(stop, name) for stop, name in zip(stops[1:], names, strict=True)]
+        entries += [water.entry_to_stop(stop, name) for stop, name in zip(stops[1:], names, strict=True)]
         notes: list[str] = []
-        legs = [self._leg(stops[n : n + 2], doors[n], doors[n + 1]) for n in range(len(stops) - 1)]
-        kept_m = min(self._chart.leg_clearance_m(a, b) for leg in legs for a, b in pairwise(leg.points))
+        legs = [self._leg(stops[n : n + 2], entries[n], entries[n + 1]) for n in range(len(stops) - 1)]
+        min_clearance_m = min(
+            self._chart.leg_clearance_m(a, b) for leg in legs for a, b in pairwise(leg.points)
+        )
         points: tuple[Point, ...] = (*(point for leg in legs for point in leg.points[:-1]), stops[-1])
         here_m = self._chart.clearance_m(stops[0])
         if here_m < settings.clearance_m:
@@ -207,14 +211,14 @@ class _Planner:
             grid_path=tuple(point for leg in legs for point in leg.grid_path),
             length_m=path_length_m(points),
             straight_m=path_length_m(stops),
-            min_clearance_m=kept_m,
+            min_clearance_m=min_clearance_m,
             cell_m=self._grid.cell_m,
             search=reduce(operator.add, (leg.search for leg in legs)),
             settings=settings,
             notes=tuple(notes),
         )
 
-    def _leg(self, ends: Sequence[Point], out: Doors, into: Doors) -> "_Leg":
+    def _leg(self, ends: Sequence[Point], out: EntryCells, into: EntryCells) -> "_Leg":
         start, goal = ends
         shared = out.cells.keys() & into.cells.keys()
         if not shared:
@@ -236,7 +240,7 @@ class _Planner:
         return _Leg(self._smoothed(path) if settings.smooth else _corners(path), path, found.metrics)
 
     def _smoothed(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
-        clearance_m = self._settings.kept_m
+        clearance_m = self._settings.required_m
 
         def is_clear(a: Point, b: Point) -> bool:
             return self._chart.is_clear(a, b, clearance_m)

@@ -59,7 +59,7 @@ async def connect(
             await _open(mavsdk, link)
         system = await mavsdk.first_autopilot(timeout_s)
         if system is None:
-            advice = (signed.complaint() if signed is not None else "") or link.advice
+            advice = (signed.warning() if signed is not None else "") or link.advice
             raise NoVehicle(f"{link.typed}: no vehicle within {timeout_s:g} s: {advice}")
         vehicle = Vehicle(link, system, await system.get_system_id(), clock)
         watchers = [asyncio.create_task(vehicle.watch(name)) for name in MESSAGES]

@@ -1,4 +1,4 @@
-"""Following a voyage on the screen: a bar on a terminal, one line a waypoint anywhere else."""
+"""Progress of a mission on the screen: a bar on a terminal, one line for each waypoint elsewhere."""
 
 import asyncio
 import math
@@ -12,8 +12,8 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsed
 from rich.progress import Progress as Bar
 
 from mission_tools.errors import VehicleError
+from mission_tools.vehicle.mission_monitor import MissionMonitor, Progress
 from mission_tools.vehicle.vehicle import Vehicle
-from mission_tools.vehicle.voyage import Progress, Voyage
 from mission_tools.wording import distance, duration
 
 LOOK_EVERY_S = 0.1
@@ -21,22 +21,22 @@ LOOK_EVERY_S = 0.1
 
 async def follow(
     vehicle: Vehicle,
-    voyage: Voyage,
+    monitor: MissionMonitor,
     console: Console,
     timeout_s: float = math.inf,
     clock: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Watch until the mission has ended; the voyage keeps the track, also of one that ends badly.
+    """Watch until the mission has ended; the monitor keeps the track, also of one that ends badly.
 
     Raises:
         VehicleError: the mission ended badly, or has not ended within timeout_s.
         LinkLost: the vehicle fell silent.
     """
     began_s = clock()
-    with VoyageDisplay(console) as display:
+    with ProgressDisplay(console) as display:
         while True:
             vehicle.raise_if_lost("following the mission")
-            progress = voyage.update(vehicle.state, clock())
+            progress = monitor.update(vehicle.state, clock())
             display.show(progress)
             if progress.finished:
                 return
@@ -48,7 +48,7 @@ async def follow(
             await asyncio.sleep(LOOK_EVERY_S)
 
 
-class VoyageDisplay:
+class ProgressDisplay:
     """Shows progress on a console."""
 
     def __init__(self, console: Console) -> None:

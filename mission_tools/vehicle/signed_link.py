@@ -51,10 +51,10 @@ async def signed_link(
 
     def send(data: bytes) -> None:
         stream.set_date(timestamp_at(date()))
-        for frame in stream.seal(data):
+        for frame in stream.sign(data):
             wire.send(frame)
 
-    def on_wish(data: bytes) -> None:  # on a thread of MAVSDK's
+    def on_send(data: bytes) -> None:  # on a thread of MAVSDK's
         if not loop.is_closed():
             loop.call_soon_threadsafe(send, data)
 
@@ -66,7 +66,7 @@ async def signed_link(
         raise NoVehicle(f"{link.typed}: cannot be opened ({reason}): {link.advice}") from None
     try:
         await mavsdk.add_any_connection(RAW)
-        handle = raw.subscribe_raw_bytes_to_be_sent(on_wish)
+        handle = raw.subscribe_raw_bytes_to_be_sent(on_send)
         try:
             yield stream
         finally:

@@ -33,7 +33,7 @@ class SignedStream:
         """What time it is, as `companion.mavlink.signing.timestamp_at` has it."""
         self._signatory.stamps.clock = timestamp
 
-    def seal(self, frames: bytes) -> list[bytes]:
+    def sign(self, frames: bytes) -> list[bytes]:
         """Whole MAVLink 2 frames, one behind the other, each signed. What is none is left out."""
         sealed: list[bytes] = []
         at = 0
@@ -71,7 +71,7 @@ class SignedStream:
         self._rest = b""
         return opened
 
-    def complaint(self) -> str:
+    def warning(self) -> str:
         """Why nothing came in, if something was said; empty otherwise."""
         if self.verified:
             return ""

@@ -94,7 +94,7 @@ class VehicleState:
         name = ROVER_MODES.get(self.custom_mode) if self.is_ardupilot else None
         return name or f"mode {self.custom_mode}"
 
-    def last_complaint(self, since_s: float) -> str:
+    def last_warning(self, since_s: float) -> str:
         """The last text of warning or worse since then; empty when there was none."""
         return next(
             (

@@ -123,7 +123,7 @@ class Vehicle:
             where = doing + (item and f", after{item}") + self._advice(began_s)
             raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
         reason = _refusal(self.state.refused)
-        text = self.state.last_complaint(began_s)
+        text = self.state.last_warning(began_s)
         raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}" + (f" ({text})" if text else ""))
 
     def _advice(self, began_s: float) -> str:
@@ -133,7 +133,7 @@ class Vehicle:
                 ": it sends heartbeats only, as on a link where messages that are not signed are refused; "
                 "give the boat's key, --sign-key FILE"
             )
-        text = self.state.last_complaint(began_s)
+        text = self.state.last_warning(began_s)
         return f"; try again ({text})" if text else "; try again"
 
     async def start(self, patience_s: float) -> None:
@@ -200,7 +200,7 @@ class Vehicle:
         result = json.loads(ack.fields_json)["result"]
         if result != 0:
             await asyncio.sleep(TEXT_DELAY_S)
-            text = self.state.last_complaint(began_s) or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
+            text = self.state.last_warning(began_s) or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
             raise CommandRefused(f"the vehicle refused to {doing}: {text}")
 
     async def ask_for_rates(self) -> None:

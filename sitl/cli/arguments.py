@@ -56,7 +56,7 @@ def scenario_from(
     return load_scenario(source, overrides, case)
 
 
-def with_json_told_apart(arguments: Sequence[str]) -> list[str]:
+def with_json_file_option(arguments: Sequence[str]) -> list[str]:
     """`--json FILE.json` names a file and becomes `--json-file FILE.json`; a bare `--json` stays."""
     told = list(arguments)
     for index, argument in enumerate(arguments[:-1]):

@@ -7,7 +7,7 @@ import typer
 from companion.core.command_line import HELP_NAMES, Version, run_app
 from companion.core.errors import BoatError
 from mission_tools.errors import MissionToolsError
-from sitl.cli.arguments import with_json_told_apart
+from sitl.cli.arguments import with_json_file_option
 from sitl.cli.campaign import campaign
 from sitl.cli.encounters import encounters
 from sitl.cli.paper import paper
@@ -49,4 +49,4 @@ app.command()(physics)
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_app(app, PROGRAM, with_json_told_apart(arguments), expected=(MissionToolsError, BoatError))
+    return run_app(app, PROGRAM, with_json_file_option(arguments), expected=(MissionToolsError, BoatError))

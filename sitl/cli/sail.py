@@ -16,9 +16,9 @@ from companion.log.worker import InlineWorker
 from mission_tools.errors import UsageError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.reports.run_figures import as_json, draw, print_table
-from sitl.run.operator import SailError
+from sitl.run.mission_run import MissionRun, Result
 from sitl.run.run_record import RunRecord
-from sitl.run.sail import Result, Sailing
+from sitl.run.station_commands import RunError
 from sitl.scenarios.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
 
 
@@ -77,36 +77,36 @@ def sail(
         scenario = scenario_from(source, settings, case, seed, start)
         to_sail, plan = plan_mission(scenario)
     logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
-    sailing = Sailing(scenario, wire_items(to_sail), logbook, fence_along(scenario) if fence else ())
+    mission_run = MissionRun(scenario, wire_items(to_sail), logbook, fence_along(scenario) if fence else ())
     try:
-        result = _run(sailing, timeout, linger, console)
+        result = _run(mission_run, timeout, linger, console)
     finally:
-        sailing.lockstep.close()  # a run that went wrong has its log, too
+        mission_run.lockstep.close()  # a run that went wrong has its log, too
     if csv is not None:
-        sailing.recorder.write_csv(csv, every=5)
+        mission_run.recorder.write_csv(csv, every=5)
     if json_file is not None:
         write_text(json_file, as_json(result) + "\n")
     if png is not None:
-        draw(sailing, result, png, plan.settings.clearance_m if plan else 0.0)
+        draw(mission_run, result, png, plan.settings.clearance_m if plan else 0.0)
     if record is not None:
-        RunRecord.of(sailing, result).save(record)
+        RunRecord.of(mission_run, result).save(record)
     if as_json_text:
         typer.echo(as_json(result))
     else:
         print_table(result, console)
     if not result.completed:
-        raise SailError(f"the mission was not completed: {sailing.ending()}")
+        raise RunError(f"the mission was not completed: {mission_run.ending()}")
     if logbook is not None and logbook.sink.fault:
         raise OutputError(logbook.sink.fault)
 
 
-def _run(sailing: Sailing, timeout: float | None, linger_s: float, console: Console) -> Result:
+def _run(mission_run: MissionRun, timeout: float | None, linger_s: float, console: Console) -> Result:
     """Sail with a progress bar where there is a person to see it."""
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("sailing", total=len(sailing.items) - 1)
+        task = progress.add_task("sailing", total=len(mission_run.items) - 1)
 
         def tell(time_s: float, seq: int) -> None:
             progress.update(task, completed=seq - 1, description=f"{time_s:.0f} s, item {seq}")
 
         garbage.settle()
-        return sailing.run(timeout, tell, linger_s)
+        return mission_run.run(timeout, tell, linger_s)

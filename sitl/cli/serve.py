@@ -16,10 +16,10 @@ from companion.core.command_line import busy_port_explained
 from companion.core.errors import BoatError
 from companion.mavlink.signing import SigningPolicy
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
-from sitl.run.craft import Berth
-from sitl.run.fleet import PORT_STEP, fleet, moor
+from sitl.run.fleet import PORT_STEP, fleet, start_fleet
 from sitl.run.serve import RECORD_EVERY, Server
-from sitl.run.state_folder import NONE, hold, usual_folder
+from sitl.run.simulated_boat import BoatOptions
+from sitl.run.state_folder import NONE, default_folder, hold
 
 
 def serve(
@@ -96,9 +96,9 @@ def serve(
     clock = SystemClock()
     shutdown = Shutdown()
     shutdown.install()
-    folder, remark = _held_folder(state, usual_folder(source, scenario.seed, None if no_tcp else tcp))
-    berths = [
-        Berth(
+    folder, remark = _held_folder(state, default_folder(source, scenario.seed, None if no_tcp else tcp))
+    boat_options = [
+        BoatOptions(
             state_folder=""
             if folder is None
             else str(folder if count == 1 else folder / f"boat{number + 1}"),
@@ -109,12 +109,12 @@ def serve(
         for number in range(count)
     ]
     with busy_port_explained("choose another port with --tcp (5770, or 0 for any free one)"):
-        crafts = moor(scenarios, links, clock, berths, speedup)
-    server = Server(crafts, clock, speedup, _report)
-    names = ", ".join(crafts[0].port_names) or "no link"
+        boats = start_fleet(scenarios, links, clock, boat_options, speedup)
+    server = Server(boats, clock, speedup, _report)
+    names = ", ".join(boats[0].port_names) or "no link"
     typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
-    for craft, sailed in zip(crafts[1:], scenarios[1:], strict=True):
-        names = ", ".join(craft.port_names) or "the first boat's links"
+    for boat, sailed in zip(boats[1:], scenarios[1:], strict=True):
+        names = ", ".join(boat.port_names) or "the first boat's links"
         typer.echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
     typer.echo(f"boat-sitl: {remark}")
     typer.echo("boat-sitl: ready; Ctrl-C ends")
@@ -122,9 +122,9 @@ def serve(
     garbage.settle()
     server.run(shutdown)
     if csv is not None:
-        for craft, sailed in zip(crafts, scenarios, strict=True):
+        for boat, sailed in zip(boats, scenarios, strict=True):
             path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{sailed.vehicle.identity.system_id}")
-            craft.recorder.write_csv(path, every=RECORD_EVERY)
+            boat.recorder.write_csv(path, every=RECORD_EVERY)
     if server.wants_restart and not shutdown():
         restart_program()
 

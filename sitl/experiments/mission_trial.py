@@ -6,7 +6,7 @@ from companion.core.geo import Point
 from companion.mavlink.items import MissionItem
 from sitl.experiments.campaign.figures import figures_of
 from sitl.experiments.trial import Trial, TrialResult
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.missions import fence_along, lay_out, plan_mission, read_mission, wire_items
 from sitl.scenarios.scenario import Scenario, load_scenario
@@ -20,21 +20,21 @@ def run_mission(trial: Trial) -> TrialResult:
     """The figures of the mission, and its track with a point about every second.
 
     Raises:
-        SailError: the boat refused the mission or did not start.
+        RunError: the boat refused the mission or did not start.
         ConfigError, MissionToolsError: a setting or file cannot be used, or no route can be planned.
     """
     scenario = _scenario_of(trial)
-    sailing = Sailing(
+    mission_run = MissionRun(
         scenario, _items_of(trial, scenario), fence=fence_along(scenario) if trial.fence else ()
     )
-    result = sailing.run(_timeout_s(trial), linger_s=trial.linger_s)
+    result = mission_run.run(_timeout_s(trial), linger_s=trial.linger_s)
     return TrialResult(
         number=trial.number,
         ended="completed" if result.completed else "not completed",
-        why="" if result.completed else sailing.ending(),
-        figures=figures_of(sailing, result),
-        touched=tuple(sailing.timeline.touched),
-        track=_thinned(sailing.recorder.track()),
+        why="" if result.completed else mission_run.ending(),
+        figures=figures_of(mission_run, result),
+        touched=tuple(mission_run.timeline.touched),
+        track=_thinned(mission_run.recorder.track()),
     )
 
 

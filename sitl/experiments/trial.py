@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from companion.core.errors import BoatError
 from mission_tools.errors import MissionToolsError
-from sitl.run.operator import SailError
+from sitl.run.station_commands import RunError
 
 Figure = float | int | str | bool | None
 Figures = dict[str, Figure]
@@ -69,7 +69,7 @@ def attempt(task: Task, trial: Trial) -> TrialResult:
     began_s = time.process_time()
     try:
         result = task(trial)
-    except SailError as error:
+    except RunError as error:
         result = TrialResult(number=trial.number, ended="refused", why=str(error))
     except (BoatError, MissionToolsError) as error:
         result = TrialResult(number=trial.number, ended="error", why=str(error))

@@ -47,7 +47,7 @@ class Backend:
         if left == right:
             raise ConfigError(f"--left {left} and --right {right}: expected two different servo outputs")
         self.world = World(scenario)
-        self.world.moor()
+        self.world.hold_position()
         self._is_moored = True
         self._has_rested = False  # both outputs have been in the middle
         self.steps = 0
@@ -76,7 +76,7 @@ class Backend:
         self._frame = packet.frame
         if self._is_moored and self._is_driven(packet):
             self._is_moored = False
-            self.world.cast_off()
+            self.world.release()
         if not self._is_moored:
             self.world.hardware.motors.write(packet.share(self._left), packet.share(self._right))
         self._advance(1.0 / packet.rate_hz)
@@ -93,7 +93,7 @@ class Backend:
     def _begin_anew(self) -> None:
         self.restarts += 1
         self.world = World(self._scenario)
-        self.world.moor()
+        self.world.hold_position()
         self._is_moored, self._has_rested = True, False
         self._range_m, self._heard_s = self._silence_m(), -math.inf
 

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from companion.core.geo import Point
 from mission_tools.drawing.draw import save_picture
-from sitl.run.sail import Result, Sailing
+from sitl.run.mission_run import MissionRun, Result
 from sitl.world.world import Truth
 
 _DRAWN = ("north_m", "east_m", "north_m_s", "east_m_s")
@@ -42,21 +42,21 @@ def print_table(result: Result, console: Console) -> None:
     console.print(table)
 
 
-def draw(sailing: Sailing, result: Result, path: Path, clearance_m: float = 0.0) -> None:
+def draw(mission_run: MissionRun, result: Result, path: Path, clearance_m: float = 0.0) -> None:
     """Chart, plan and true track, coloured by speed.
 
     Raises:
         OSError: the file cannot be written.
     """
-    rows = sailing.recorder.rows
+    rows = mission_run.recorder.rows
     rows = rows[:: max(1, len(rows) // _MAX_DRAWN)]
     north_m, east_m, north_m_s, east_m_s = (rows[:, Truth._fields.index(name)] for name in _DRAWN)
     track = [Point(*at) for at in zip(north_m.tolist(), east_m.tolist(), strict=True)]
-    scenario = sailing.scenario
+    scenario = mission_run.scenario
     save_picture(
         path,
         scenario.chart,
-        sailing.planned,
+        mission_run.planned,
         track,
         title=scenario.title,
         subtitle=f"{result.path_length_m:.4g} m sailed in {result.time_s:.0f} s, "

@@ -144,13 +144,13 @@ def _cross_track(axes: Axes, record: RunRecord) -> None:
 
 
 def _heading_error(axes: Axes, record: RunRecord) -> None:
-    beliefs, truth = record.beliefs, record.truth
-    heading = _at_beliefs(record, np.unwrap(truth["heading_rad"]))
-    wanted = _degrees(beliefs["demand_heading_rad"] - heading)
-    believed = _degrees(beliefs["heading_rad"] - heading)
+    estimates, truth = record.estimates, record.truth
+    heading = _at_estimates(record, np.unwrap(truth["heading_rad"]))
+    wanted = _degrees(estimates["demand_heading_rad"] - heading)
+    believed = _degrees(estimates["heading_rad"] - heading)
     axes.axhline(0.0, color="#999999", linewidth=0.8)
-    axes.plot(beliefs["time_s"], wanted, color=PLANNED, linewidth=1.0, label="demand − truth")
-    axes.plot(beliefs["time_s"], believed, color=BELIEVED, linewidth=1.0, label="estimate − truth")
+    axes.plot(estimates["time_s"], wanted, color=PLANNED, linewidth=1.0, label="demand − truth")
+    axes.plot(estimates["time_s"], believed, color=BELIEVED, linewidth=1.0, label="estimate − truth")
 
 
 def _speed(axes: Axes, record: RunRecord) -> None:
@@ -166,14 +166,16 @@ def _speed(axes: Axes, record: RunRecord) -> None:
         linewidth=1.0,
         label="through water",
     )
-    beliefs = record.beliefs
-    axes.plot(beliefs["time_s"], beliefs["demand_speed_m_s"], color=PLANNED, linewidth=1.0, label="demand")
+    estimates = record.estimates
+    axes.plot(
+        estimates["time_s"], estimates["demand_speed_m_s"], color=PLANNED, linewidth=1.0, label="demand"
+    )
 
 
 def _commands(axes: Axes, record: RunRecord) -> None:
-    beliefs = record.beliefs
-    axes.plot(beliefs["time_s"], beliefs["left"], color=LEFT, linewidth=0.9, label="left")
-    axes.plot(beliefs["time_s"], beliefs["right"], color=RIGHT, linewidth=0.9, label="right")
+    estimates = record.estimates
+    axes.plot(estimates["time_s"], estimates["left"], color=LEFT, linewidth=0.9, label="left")
+    axes.plot(estimates["time_s"], estimates["right"], color=RIGHT, linewidth=0.9, label="right")
     axes.set_ylim(-1.08, 1.08)
 
 
@@ -191,27 +193,31 @@ def _thrust(axes: Axes, record: RunRecord) -> None:
 
 def _current(axes: Axes, record: RunRecord) -> None:
     """The true current, and the set that the boat estimates: the current with the leeway in it."""
-    every, truth, beliefs = _every(record), record.truth, record.beliefs
+    every, truth, estimates = _every(record), record.truth, record.estimates
     for word, colour in (("north", "#31688e"), ("east", "#8a4f7d")):
         true = truth[f"current_{word}_m_s"][::every]
         axes.plot(
             truth["time_s"][::every], true, color=colour, linewidth=1.6, alpha=0.55, label=f"current, {word}"
         )
         axes.plot(
-            beliefs["time_s"], beliefs[f"current_{word}_m_s"], color=colour, linewidth=1.1, linestyle="--",
-            label=f"set as estimated, {word}",
-        )  # fmt: skip
+            estimates["time_s"],
+            estimates[f"current_{word}_m_s"],
+            color=colour,
+            linewidth=1.1,
+            linestyle="--",
+            label=f"current as estimated, {word}",
+        )
 
 
 def _position_error(axes: Axes, record: RunRecord) -> None:
-    beliefs = record.beliefs
-    north = beliefs["north_m"] - _at_beliefs(record, record.truth["north_m"])
-    east = beliefs["east_m"] - _at_beliefs(record, record.truth["east_m"])
-    two_sigma = 2.0 * math.sqrt(2.0) * beliefs["position_sigma_m"]
+    estimates = record.estimates
+    north = estimates["north_m"] - _at_estimates(record, record.truth["north_m"])
+    east = estimates["east_m"] - _at_estimates(record, record.truth["east_m"])
+    two_sigma = 2.0 * math.sqrt(2.0) * estimates["position_sigma_m"]
     axes.fill_between(
-        beliefs["time_s"], 0.0, two_sigma, color=BELIEVED, alpha=0.25, linewidth=0, label="2 σ as estimated"
+        estimates["time_s"], 0.0, two_sigma, color=BELIEVED, alpha=0.25, linewidth=0, label="2 σ as estimated"
     )
-    axes.plot(beliefs["time_s"], np.hypot(north, east), color=SAILED, linewidth=1.2, label="error")
+    axes.plot(estimates["time_s"], np.hypot(north, east), color=SAILED, linewidth=1.2, label="error")
     axes.set_ylim(bottom=0.0)
 
 
@@ -295,11 +301,11 @@ def fault_spans(record: RunRecord) -> list[tuple[float, float, str]]:
 
 def brakes(record: RunRecord) -> list[tuple[float, float]]:
     """Begin and end of each time that both motors went astern while the boat moved ahead."""
-    times = record.beliefs["time_s"]
+    times = record.estimates["time_s"]
     if not len(times):
         return []
-    ahead_m_s = _at_beliefs(record, record.truth["surge_m_s"])
-    astern = np.maximum(record.beliefs["left"], record.beliefs["right"]) < -_ASTERN
+    ahead_m_s = _at_estimates(record, record.truth["surge_m_s"])
+    astern = np.maximum(record.estimates["left"], record.estimates["right"]) < -_ASTERN
     flags = np.concatenate(([False], astern & (ahead_m_s > _MOVING_M_S), [False])).astype(np.int8)
     begins, ends = np.flatnonzero(np.diff(flags) == 1), np.flatnonzero(np.diff(flags) == -1) - 1
     found: list[tuple[float, float]] = []
@@ -313,7 +319,7 @@ def brakes(record: RunRecord) -> list[tuple[float, float]]:
 
 def _spans(record: RunRecord) -> list[tuple[float, float, str]]:
     """Begin, end and name of each mode."""
-    times, modes = record.beliefs["time_s"], record.beliefs["mode"]
+    times, modes = record.estimates["time_s"], record.estimates["mode"]
     if not len(times):
         return []
     changes = [0, *(np.flatnonzero(np.diff(modes)) + 1).tolist(), len(times) - 1]
@@ -328,9 +334,9 @@ def _every(record: RunRecord) -> int:
     return max(1, len(record.legs) // _MOST_DRAWN)
 
 
-def _at_beliefs(record: RunRecord, column: Numbers) -> Numbers:
-    """A column of the truth at the times of the beliefs."""
-    return np.interp(record.beliefs["time_s"], record.truth["time_s"], column)
+def _at_estimates(record: RunRecord, column: Numbers) -> Numbers:
+    """A column of the truth at the times of the estimates."""
+    return np.interp(record.estimates["time_s"], record.truth["time_s"], column)
 
 
 def _degrees(angle_rad: Numbers) -> Numbers:

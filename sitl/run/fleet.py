@@ -12,8 +12,8 @@ from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
 from companion.core.geo import Point
 from sitl.radio.bridge import Bridge
-from sitl.run.craft import Berth, Craft
 from sitl.run.serve import stretched
+from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
 from sitl.scenarios.scenario import Scenario
 
 MOST_BOATS = 200
@@ -42,23 +42,23 @@ def fleet(scenario: Scenario, count: int) -> list[Scenario]:
     ]
 
 
-def moor(
+def start_fleet(
     scenarios: Sequence[Scenario],
     links: Sequence[Sequence[LinkConfig]],
     clock: Clock,
-    berths: Sequence[Berth],
+    boat_options: Sequence[BoatOptions],
     speedup: float = 1.0,
-) -> list[Craft]:
+) -> list[SimulatedBoat]:
     """The boats with their links. Those without a link of their own are reached through the first.
 
     Raises:
         ConfigError, LinkError: a url that cannot be read, or that the system refuses.
         StorageError: a state folder cannot be used.
     """
-    crafts: list[Craft] = []
+    boats: list[SimulatedBoat] = []
     bridges: list[Bridge] = []
     try:
-        for scenario, own, berth in reversed(list(zip(scenarios, links, berths, strict=True))):
+        for scenario, own, options in reversed(list(zip(scenarios, links, boat_options, strict=True))):
             is_first = scenario is scenarios[0]
             shared = tuple(partial(bridge.port, 0) for bridge in bridges) if is_first else ()
             if not is_first and not own:
@@ -66,12 +66,12 @@ def moor(
                 shared = (partial(bridges[-1].port, 1),)
             own_config = stretched(scenario.vehicle, speedup)
             sailed = dataclasses.replace(scenario, vehicle=own_config)
-            crafts.insert(0, Craft(sailed, own, clock, dataclasses.replace(berth, ports=shared)))
+            boats.insert(0, SimulatedBoat(sailed, own, clock, dataclasses.replace(options, ports=shared)))
     except Exception:
-        for craft in crafts:
-            craft.close()
+        for boat in boats:
+            boat.close()
         raise
-    return crafts
+    return boats
 
 
 def _with_identity(scenario: Scenario, system_id: int) -> Scenario:

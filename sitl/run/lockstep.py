@@ -36,7 +36,7 @@ class Lockstep:
         near, far = memory_pair("station")
         self._near: MemoryLink | None = near
         self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
-        self._program = Program(self.world, self._build, _let_go)
+        self._program = Program(self.world, self._build, _close_boat)
 
     @property
     def boat(self) -> Boat:
@@ -71,6 +71,6 @@ class Lockstep:
         self.boat.close()
 
 
-def _let_go(boat: Boat) -> None:
+def _close_boat(boat: Boat) -> None:
     boat.channels.close()
     boat.endpoint.close()

@@ -1,4 +1,4 @@
-"""The boat's program on its simulated computer: it runs while there is power, and begins anew after that."""
+"""The boat's program on its simulated computer. It restarts when the power returns."""
 
 from collections.abc import Callable
 
@@ -7,21 +7,32 @@ from sitl.world.world import World
 
 
 class Program:
-    """One `Boat` after another over the same world.
+    """One `Boat` after another in the same world.
 
-    build: makes a boat from what survives a power cut. let_go: takes its links and threads from one that is
-    no more; nothing is stored on the way, as nothing is when the power goes. host_load: the share of a tick
-    that the program takes on the host, reported as the boat's own load unless the simulated one is higher.
+    build: makes a boat from what survives a power cut. close_program: closes the links and threads of a boat
+    after a power cut, without storing anything. host_load: the share of a tick that the program takes on the
+    host, reported as the boat's own load unless the simulated one is higher.
     """
 
-    __slots__ = ("_boots", "_build", "_computer", "_is_running", "_let_go", "_world", "boat", "host_load")
+    __slots__ = (
+        "_boots",
+        "_build",
+        "_close_program",
+        "_computer",
+        "_is_running",
+        "_world",
+        "boat",
+        "host_load",
+    )
 
-    def __init__(self, world: World, build: Callable[[], Boat], let_go: Callable[[Boat], None]) -> None:
+    def __init__(
+        self, world: World, build: Callable[[], Boat], close_program: Callable[[Boat], None]
+    ) -> None:
         self.boat = build()
         self._world = world
         self._computer = world.electronics.computer
         self._build = build
-        self._let_go = let_go
+        self._close_program = close_program
         self._boots = self._computer.boots
         self._is_running = True
         self.host_load = 0.0
@@ -50,4 +61,4 @@ class Program:
     def _end(self) -> None:
         if self._is_running:
             self._is_running = False
-            self._let_go(self.boat)
+            self._close_program(self.boat)

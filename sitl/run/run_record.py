@@ -14,8 +14,8 @@ from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.output_file import output_file
 from mission_tools.maps.chart import Area, Chart, Feature, build_chart
-from sitl.reports.estimate_overlay import Estimate
-from sitl.run.sail import Result, Sailing
+from sitl.run.estimate_recorder import Estimate
+from sitl.run.mission_run import MissionRun, Result
 from sitl.run.timeline import Event
 from sitl.world.world import Truth
 
@@ -25,7 +25,7 @@ Numbers = NDArray[np.float64]
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class RunRecord:
-    """What a report needs of a run. truth and beliefs: columns by name, a row a tick or a tenth of a second.
+    """The data of a run for reports. truth and estimates: columns by name, by tick and by tenth of a second.
 
     echoes: shape (n, 3), time, north and east. planned: the mission's points.
     """
@@ -38,13 +38,13 @@ class RunRecord:
     events: tuple[Event, ...]
     truth: dict[str, Numbers]
     legs: NDArray[np.int64]
-    beliefs: dict[str, Numbers]
+    estimates: dict[str, Numbers]
     echoes: Numbers
 
     @classmethod
-    def of(cls, sailing: Sailing, result: Result) -> Self:
+    def of(cls, mission_run: MissionRun, result: Result) -> Self:
         """The record of a run that has ended."""
-        scenario = sailing.scenario
+        scenario = mission_run.scenario
         return cls(
             result=dataclasses.asdict(result),
             settings={
@@ -62,12 +62,12 @@ class RunRecord:
             },
             chart=scenario.chart,
             clearance_m=scenario.route.clearance_m or 0.0,
-            planned=tuple(sailing.planned),
-            events=tuple(sailing.timeline.events),
-            truth=_columns(sailing.recorder.rows, Truth._fields),
-            legs=sailing.recorder.legs,
-            beliefs=_columns(sailing.beliefs.rows, Estimate._fields),
-            echoes=sailing.beliefs.echoes,
+            planned=tuple(mission_run.planned),
+            events=tuple(mission_run.timeline.events),
+            truth=_columns(mission_run.recorder.rows, Truth._fields),
+            legs=mission_run.recorder.legs,
+            estimates=_columns(mission_run.estimates.rows, Estimate._fields),
+            echoes=mission_run.estimates.echoes,
         )
 
     @property
@@ -90,7 +90,7 @@ class RunRecord:
             "planned": self.planned,
             "events": self.events,
             "truth": list(self.truth),
-            "beliefs": list(self.beliefs),
+            "estimates": list(self.estimates),
         }
         with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
             np.savez_compressed(
@@ -98,7 +98,7 @@ class RunRecord:
                 rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),
                 truth=np.column_stack(list(self.truth.values())),
                 legs=self.legs,
-                beliefs=np.column_stack(list(self.beliefs.values())),
+                estimates=np.column_stack(list(self.estimates.values())),
                 echoes=self.echoes,
             )
 
@@ -121,7 +121,7 @@ def load_record(path: Path) -> RunRecord:
                 events=tuple(Event(*event) for event in rest["events"]),
                 truth=_columns(arrays["truth"], rest["truth"]),
                 legs=arrays["legs"],
-                beliefs=_columns(arrays["beliefs"], rest["beliefs"]),
+                estimates=_columns(arrays["estimates"], rest["estimates"]),
                 echoes=arrays["echoes"],
             )
     except FileNotFoundError:

@@ -8,8 +8,8 @@ from companion.app.clock import Clock
 from companion.app.runner import Runner
 from companion.boat import TICK_S
 from companion.config.boat_config import BoatConfig
-from sitl.run.craft import Craft
-from sitl.run.pace import Pace
+from sitl.run.simulated_boat import SimulatedBoat
+from sitl.run.speed_monitor import SpeedMonitor
 
 PHASES = round(1.0 / TICK_S)  # what boats do more seldom than once a second is of no weight
 RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
@@ -21,16 +21,16 @@ class Server:
 
     def __init__(
         self,
-        crafts: Sequence[Craft],
+        boats: Sequence[SimulatedBoat],
         clock: Clock,
         speedup: float = 1.0,
         report: Callable[[str], None] = lambda line: None,
     ) -> None:
         """crafts: at least one. report: called with one line if the host cannot keep up with `speedup`."""
-        self.crafts = tuple(crafts)
+        self.boats = tuple(boats)
         self._clock = clock
-        self._pace = Pace(speedup, report)
-        self._by_fileno: dict[int, Craft] = {}
+        self._pace = SpeedMonitor(speedup, report)
+        self._by_fileno: dict[int, SimulatedBoat] = {}
         self._runner = Runner(
             clock,
             TICK_S / speedup,
@@ -38,10 +38,10 @@ class Server:
             self._receive,
             self._filenos,
             skip_missed=False,
-            has_more=lambda: any(craft.has_more for craft in self.crafts),
+            has_more=lambda: any(boat.has_more for boat in self.boats),
         )
-        for craft in self.crafts:
-            craft.time_ticks(self._runner)
+        for boat in self.boats:
+            boat.time_ticks(self._runner)
 
     @property
     def load(self) -> float:
@@ -51,40 +51,40 @@ class Server:
     @property
     def wants_restart(self) -> bool:
         """Whether a boat that is alone has been asked to begin anew; of several, each does so by itself."""
-        return len(self.crafts) == 1 and self.crafts[0].boat.wants_restart
+        return len(self.boats) == 1 and self.boats[0].boat.wants_restart
 
     def run(self, should_stop: Callable[[], bool]) -> None:
         """Run until told to stop, or until the boat `wants_restart`; then close everything."""
         try:
             self._runner.run(lambda: should_stop() or self.wants_restart)
         finally:
-            for craft in self.crafts:
-                craft.close()
+            for boat in self.boats:
+                boat.close()
 
     def _step(self, number: int) -> None:
-        for craft in self.crafts if number >= PHASES else self._begun(number):
-            craft.step(self._runner, len(self.crafts))
+        for boat in self.boats if number >= PHASES else self._begun(number):
+            boat.step(self._runner, len(self.boats))
         self._pace.tick(self._clock.now_s(), TICK_S)
 
-    def _begun(self, number: int) -> list[Craft]:
+    def _begun(self, number: int) -> list[SimulatedBoat]:
         """One boat more every tick, so that what each does once a second is not done by all in the same."""
-        return [craft for place, craft in enumerate(self.crafts) if place % PHASES <= number]
+        return [boat for place, boat in enumerate(self.boats) if place % PHASES <= number]
 
     def _filenos(self) -> list[int]:
-        if len(self.crafts) == 1:
-            return self.crafts[0].filenos()
-        self._by_fileno = {number: craft for craft in self.crafts for number in craft.filenos()}
+        if len(self.boats) == 1:
+            return self.boats[0].filenos()
+        self._by_fileno = {number: boat for boat in self.boats for number in boat.filenos()}
         return sorted(self._by_fileno)
 
     def _receive(self, ready: Collection[int]) -> int:
-        if len(self.crafts) == 1:
-            return self.crafts[0].receive(ready)
+        if len(self.boats) == 1:
+            return self.boats[0].receive(ready)
         heard = {self._by_fileno[number] for number in ready if number in self._by_fileno}
-        taken = sum(craft.receive(ready) for craft in self.crafts if craft in heard or craft.has_more)
+        taken = sum(boat.receive(ready) for boat in self.boats if boat in heard or boat.has_more)
         if taken:
             # What one boat has passed on to another over memory is answered before the next tick, too
-            for craft in (*self.crafts, self.crafts[0]):
-                craft.receive((MEMORY,))
+            for boat in (*self.boats, self.boats[0]):
+                boat.receive((MEMORY,))
         return taken
 
 

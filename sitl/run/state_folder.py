@@ -19,7 +19,7 @@ class StateInUseError(BoatError):
     exit_code = 2
 
 
-def usual_folder(source: str, seed: int, port: int | None) -> Path | None:
+def default_folder(source: str, seed: int, port: int | None) -> Path | None:
     """The folder of a scenario and a TCP port (None: no TCP) under $XDG_STATE_HOME.
 
     Boats side by side differ by their ports. Port 0 means another one at every start: None, as nothing would

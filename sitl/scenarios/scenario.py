@@ -81,7 +81,7 @@ class Tree(Section, frozen=True):
     vehicle: Table = field(default_factory=dict)
 
 
-class Dice(msgspec.Struct, frozen=True):
+class RandomSource(msgspec.Struct, frozen=True):
     """What a random world is drawn from; everything else is looked at afterwards."""
 
     random: RandomWater | None = None
@@ -200,7 +200,7 @@ def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:
 
 def _drawn(layers: Sequence[Layer]) -> list[Layer]:
     """The random world that the layers ask for, if they ask for one."""
-    dice = decode(layers, Dice)
+    dice = decode(layers, RandomSource)
     if dice.random is None:
         return []
     try:

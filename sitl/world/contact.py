@@ -105,7 +105,7 @@ class Contact:
             for attempt in range(1, _ATTEMPTS + 1):
                 push_north = push_east = 0.0
                 for touch in touches:
-                    blow(vessel, touch, current_north_m_s, current_east_m_s)
+                    apply_contact(vessel, touch, current_north_m_s, current_east_m_s)
                     push_north += touch.normal_ahead * vessel.cos - touch.normal_starboard * vessel.sin
                     push_east += touch.normal_ahead * vessel.sin + touch.normal_starboard * vessel.cos
                 push_m = attempt * _PUSH * self._lever_m
@@ -255,7 +255,7 @@ def _touch(ahead_m: float, starboard_m: float, normal_ahead: float, normal_starb
     return Touch(ahead_m, starboard_m, normal_ahead / size, normal_starboard / size)
 
 
-def blow(vessel: Vessel, touch: Touch, current_north_m_s: float, current_east_m_s: float) -> None:
+def apply_contact(vessel: Vessel, touch: Touch, current_north_m_s: float, current_east_m_s: float) -> None:
     """Take by friction some of the speed over ground along the shore, then all of that into it."""
     m11, m22, m33 = vessel.inertia
     along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin

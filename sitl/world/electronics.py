@@ -1,4 +1,4 @@
-"""Everything aboard that takes current and may fail: sensors, motor inputs, computer; and how they fail."""
+"""The electronics aboard: sensors, motor inputs and computer, and their faults."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -8,25 +8,19 @@ from companion.hal.interfaces import Hardware
 from sitl.run.simulated_hardware import SimMotors
 from sitl.scenarios.scenario import Scenario
 from sitl.world.computer import Clocked, Computer
-from sitl.world.faults.hull_parameters import HullParameters
 from sitl.world.faults.injection import Injection
-from sitl.world.faults.parameters import FaultParameters
 from sitl.world.faults.parts import (
-    ClockPart,
-    ComputerPart,
-    CpuPart,
-    DiskPart,
-    GyroPart,
     LeakPart,
-    LinkPart,
-    MotorPart,
     Part,
-    SensorPart,
     Shaft,
-    ThermometerPart,
+    computer_parts,
+    motor_part,
+    sensor_part,
+    thermometer_part,
 )
 from sitl.world.faults.schedule import Faults
 from sitl.world.movers import Movers
+from sitl.world.parameters import fault_hooks, hull_hooks
 from sitl.world.sensors import SimBattery, SimCompass, SimGnss, SimHull, SimRc, SimSonar
 from sitl.world.shore import Shore
 
@@ -35,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Electronics:
-    """What is between the water and the boat's program."""
+    """The hardware of the boat's program, with its faults."""
 
     __slots__ = (
         "_battery",
@@ -59,7 +53,7 @@ class Electronics:
         right: Shaft,
         parameter_hooks: Sequence[ParameterHook] = (),
     ) -> None:
-        """left and right: what the motors turn. knobs: parameters of the world around."""
+        """left and right: the thrusters. parameter_hooks: further simulation parameters."""
         sensors, seed = scenario.sensors, scenario.seed
         self.motors = SimMotors()
         fitted = scenario.vehicle.parts
@@ -81,27 +75,23 @@ class Electronics:
             drivers.append(self.rc)
         self.computer = Computer(drivers)
         parts: dict[str, Part] = {
-            "gnss": SensorPart(self._gnss, seed),
-            "compass": SensorPart(self._compass, seed),
-            "gyro": GyroPart(self._compass, seed),
-            "battery": SensorPart(self._battery, seed),
-            "motor_left": MotorPart(left),
-            "motor_right": MotorPart(right),
-            "link": LinkPart(self.computer),
-            "computer": ComputerPart(self.computer, self.motors),
-            "cpu": CpuPart(self.computer),
-            "clock": ClockPart(self.computer),
-            "disk": DiskPart(self.computer),
+            "gnss": sensor_part(self._gnss, seed),
+            "compass": sensor_part(self._compass, seed),
+            "gyro": sensor_part(self._compass, seed, "gyro_fault"),
+            "battery": sensor_part(self._battery, seed),
+            "motor_left": motor_part(left),
+            "motor_right": motor_part(right),
+            **computer_parts(self.computer, self.motors),
         }
         if self._sonar is not None:
-            parts["sonar"] = SensorPart(self._sonar, seed)
+            parts["sonar"] = sensor_part(self._sonar, seed)
         if self.rc is not None:
-            parts["rc"] = SensorPart(self.rc, seed)
-        hull_hooks: tuple[ParameterHook, ...] = ()
+            parts["rc"] = sensor_part(self.rc, seed)
+        own_hooks: list[ParameterHook] = []
         if self._hull is not None:
             leak = LeakPart(self._hull)
-            parts["leak"], parts["thermometer"] = leak, ThermometerPart(self._hull)
-            hull_hooks = HullParameters(self._hull, leak, sensors.hull).parameter_hooks
+            parts["leak"], parts["thermometer"] = leak, thermometer_part(self._hull)
+            own_hooks += hull_hooks(self._hull, leak, sensors.hull)
         self.faults = Faults(parts, scenario.faults)
         injection = Injection(self.faults)
         self.hardware = Hardware(
@@ -112,31 +102,31 @@ class Electronics:
             self._battery,
             faults=injection,
             parameter_hooks=(
-                *FaultParameters(self.faults, injection, scenario.frame).parameter_hooks,
-                *hull_hooks,
+                *fault_hooks(self.faults, injection, scenario.frame),
+                *own_hooks,
                 *parameter_hooks,
             ),
             hull=self._hull,
             rc=self.rc,
         )
 
-    def sense(self, truth: "Truth", wave_m: float = 0.0) -> None:
-        """Let what is due fail or be well again, then sample what is due. wave_m: the waves' height."""
+    def sample(self, truth: "Truth", wave_m: float = 0.0) -> None:
+        """Apply faults that are due, then sample sensors that are due. wave_m: the waves' height."""
         now_s = truth.time_s
         self.faults.now_s = now_s
         if now_s >= self.faults.due_s:
             self.faults.step()
         if now_s >= self._compass.due_s:
-            self._compass.sense(
+            self._compass.sample(
                 now_s, truth.heading_rad, truth.yaw_rate_rad_s, truth.current_a, truth.surge_m_s
             )
         if now_s >= self._gnss.due_s:
-            self._gnss.sense(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
+            self._gnss.sample(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
         if self._sonar is not None and now_s >= self._sonar.due_s:
-            self._sonar.sense(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
+            self._sonar.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
         if self.rc is not None and now_s >= self.rc.due_s:
-            self.rc.sense(now_s, truth.north_m, truth.east_m)
+            self.rc.sample(now_s, truth.north_m, truth.east_m)
         if self._hull is not None and now_s >= self._hull.due_s:
-            self._hull.sense(now_s)
+            self._hull.sample(now_s)
         if now_s >= self._battery.due_s:
-            self._battery.sense(now_s, truth.voltage_v, truth.current_a)
+            self._battery.sample(now_s, truth.voltage_v, truth.current_a)

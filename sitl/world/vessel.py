@@ -114,7 +114,7 @@ class Vessel:
         sway_m_s = flow_north_m_s * self.sin - flow_east_m_s * self.cos
         self.move(surge_m_s, sway_m_s, 0.0)
 
-    def feel(self, north_m_s: float, east_m_s: float) -> None:
+    def enter_current(self, north_m_s: float, east_m_s: float) -> None:
         """The hull has made way through the water to where the current is stronger by this much over ground.
 
         A floating body displaces its own mass, so that the pressure which accelerates the water accelerates

@@ -22,10 +22,9 @@ from sitl.world.environment import Current, Waves, Wind
 from sitl.world.hull import LONGEST_STEP_S
 from sitl.world.movers import Movers
 from sitl.world.pack import Pack
+from sitl.world.parameters import tide_hooks, wind_hooks
 from sitl.world.shore import Shore
-from sitl.world.tide_parameters import TideParameters
 from sitl.world.vessel import Vessel
-from sitl.world.wind_parameters import WindParameters
 from sitl.world.windage import Windage
 
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
@@ -103,15 +102,15 @@ class World:
             self._thrusters.left,
             self._thrusters.right,
             (
-                *WindParameters(scenario.environment, self.wind).parameter_hooks,
-                *TideParameters(self._current, self._turn_tide).parameter_hooks,
+                *wind_hooks(scenario.environment, self.wind),
+                *tide_hooks(self._current, self._turn_tide),
             ),
         )
         self.hardware = self.electronics.hardware
         self._motors = self.electronics.motors
         self._since_tick, self._since_s, self._dt_s = 0, 0.0, math.nan
         self.truth = self._observe(0.0)
-        self.electronics.sense(self.truth, self.waves.height_m)
+        self.electronics.sample(self.truth, self.waves.height_m)
 
     @property
     def time_s(self) -> float:
@@ -128,13 +127,13 @@ class World:
         """Charge taken from the pack since it was full."""
         return self._pack.used_mah
 
-    def moor(self) -> None:
+    def hold_position(self) -> None:
         """Hold the boat where it is, at rest over ground; time, water, wind and sensors go on."""
         self._is_moored = True
         self._vessel.hold(self._flow_n, self._flow_e)
         self.truth = self._observe(self.time_s)
 
-    def cast_off(self) -> None:
+    def release(self) -> None:
         """Let the boat go, if it is moored."""
         self._is_moored = False
 
@@ -184,7 +183,7 @@ class World:
         if pack.voltage_v < self._brownout_v or self._dark_until_s > 0.0:
             self._feed_computer(time_s)
         self.truth = truth = self._observe(time_s)
-        self.electronics.sense(truth, self.waves.height_m)
+        self.electronics.sample(truth, self.waves.height_m)
         return truth
 
     def _feed_computer(self, time_s: float) -> None:
@@ -216,7 +215,7 @@ class World:
             was_north_m_s, was_east_m_s = self._current.at(
                 north_m - dt_s * vessel.water_north_m_s, east_m - dt_s * vessel.water_east_m_s, time_s
             )
-            vessel.feel(north_m_s - was_north_m_s, east_m_s - was_east_m_s)
+            vessel.enter_current(north_m_s - was_north_m_s, east_m_s - was_east_m_s)
             self._current_n, self._current_e = north_m_s, east_m_s
         if waves.is_calm:
             self._flow_n, self._flow_e = self._current_n, self._current_e
@@ -224,7 +223,7 @@ class World:
         turning = waves.yaw_rate_rad_s
         waves.step(time_s, vessel.north_m, vessel.east_m, vessel.cos, vessel.sin)
         self._flow_n, self._flow_e = self._current_n + waves.north_m_s, self._current_e + waves.east_m_s
-        self._thrusters.dip(waves.stern_m)
+        self._thrusters.set_immersion(waves.stern_m)
         return vessel.inertia[2] * (waves.yaw_rate_rad_s - turning) / dt_s
 
     def _wind_force(self) -> tuple[float, float, float]:

@@ -6,7 +6,7 @@ import random
 import pytest
 from boat_rig import Rig, waypoint
 
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.missions import plan_mission, wire_items
 from sitl.scenarios.scenario import load_scenario
 
@@ -72,7 +72,7 @@ def test_a_plan_that_knows_the_shore_is_sailed_as_if_there_were_no_avoidance(sou
     for enable in (0, 3):
         scenario = load_scenario(source, [f"vehicle.avoidance.enable={enable}"])
         mission, _ = plan_mission(scenario)
-        result = Sailing(scenario, wire_items(mission)).run(timeout_s=120.0 if source == "pool" else 330.0)
+        result = MissionRun(scenario, wire_items(mission)).run(timeout_s=120.0 if source == "pool" else 330.0)
         assert result.completed
         assert result.groundings == 0
         figures.append((result.path_length_m, result.time_s))

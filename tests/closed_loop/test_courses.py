@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from sitl.run.sail import Result, Sailing
+from sitl.run.mission_run import MissionRun, Result
 from sitl.scenarios.courses import overshoots_m
 from sitl.scenarios.missions import plan_mission, wire_items
 
@@ -18,14 +18,14 @@ HULL_HALF_BEAM_M = 0.05  # the pool boat's
 
 def sailed(course: list[tuple[float, float]], *settings: str) -> Result:
     items = [HOME_ITEM, *[waypoint(north_m, east_m) for north_m, east_m in course]]
-    return Sailing(scenario("open", *settings), items).run()
+    return MissionRun(scenario("open", *settings), items).run()
 
 
-def underway(course: list[tuple[float, float]], *settings: str) -> Sailing:
+def underway(course: list[tuple[float, float]], *settings: str) -> MissionRun:
     items = [HOME_ITEM, *[waypoint(north_m, east_m) for north_m, east_m in course]]
-    sailing = Sailing(scenario("open", *settings), items)
-    assert sailing.run().completed
-    return sailing
+    mission_run = MissionRun(scenario("open", *settings), items)
+    assert mission_run.run().completed
+    return mission_run
 
 
 @pytest.mark.parametrize("current_m_s", [0.0, 0.5])
@@ -46,31 +46,33 @@ def test_the_cross_track_error_stays_below_half_a_metre(
 def test_the_pools_cases_reach_their_goals_without_touching(case: str) -> None:
     pool = scenario("pool", case=case)
     mission, _ = plan_mission(pool)
-    sailing = Sailing(pool, wire_items(mission))
-    result = sailing.run()
+    mission_run = MissionRun(pool, wire_items(mission))
+    result = mission_run.run()
     assert result.completed
     assert result.waypoints_reached == result.waypoints
     assert result.groundings == 0
     assert result.min_clearance_m is not None
     assert result.min_clearance_m > HULL_HALF_BEAM_M
-    goal, truth = pool.route.goal, sailing.lockstep.world.truth
+    goal, truth = pool.route.goal, mission_run.lockstep.world.truth
     assert goal is not None
     assert math.hypot(truth.north_m - goal.north_m, truth.east_m - goal.east_m) < 0.1
 
 
 @pytest.mark.parametrize("current_to_deg", [22.5, 45.0])
 def test_a_current_oblique_to_both_legs_does_not_set_the_boat_over_a_corner(current_to_deg: float) -> None:
-    sailing = underway(ZIGZAG, "environment.current_m_s=0.7", f"environment.current_to_deg={current_to_deg}")
-    over_m = overshoots_m(sailing.recorder, sailing.planned)
+    mission_run = underway(
+        ZIGZAG, "environment.current_m_s=0.7", f"environment.current_to_deg={current_to_deg}"
+    )
+    over_m = overshoots_m(mission_run.recorder, mission_run.planned)
     assert len(over_m) == 5
     assert max(over_m) < 0.8
 
 
 def test_water_almost_as_fast_as_the_boat_lets_it_down_onto_each_corner() -> None:
     """No fillet fits there: the boat turns its bow up before the corner, and does not come round again."""
-    sailing = underway(ZIGZAG, "environment.current_m_s=1.7", "environment.current_to_deg=45.0")
-    assert sailing.lockstep.world.time_s < 200.0
-    assert max(overshoots_m(sailing.recorder, sailing.planned)) < 1.0
+    mission_run = underway(ZIGZAG, "environment.current_m_s=1.7", "environment.current_to_deg=45.0")
+    assert mission_run.lockstep.world.time_s < 200.0
+    assert max(overshoots_m(mission_run.recorder, mission_run.planned)) < 1.0
 
 
 @pytest.mark.parametrize(("course", "most_s"), [(ZIGZAG, 165.0), (SQUARE, 108.0)], ids=["zigzag", "square"])
@@ -80,8 +82,8 @@ def test_corners_are_sailed_with_way_on(course: list[tuple[float, float]], most_
 
 
 def test_a_boat_that_starts_at_rest_abeam_to_a_current_is_not_carried_far_off_its_leg() -> None:
-    sailing = underway([(60.0, 0.0)], "environment.current_m_s=1.0", "environment.current_to_deg=90.0")
-    assert np.abs(sailing.recorder.cross_track_m(sailing.planned)).max() < 2.2
+    mission_run = underway([(60.0, 0.0)], "environment.current_m_s=1.0", "environment.current_to_deg=90.0")
+    assert np.abs(mission_run.recorder.cross_track_m(mission_run.planned)).max() < 2.2
 
 
 def test_one_seed_is_one_voyage_to_the_last_bit() -> None:

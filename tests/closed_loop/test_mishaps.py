@@ -3,30 +3,30 @@
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from sitl.run.sail import Result, Sailing
+from sitl.run.mission_run import MissionRun, Result
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 
 
-def sail(fault: str, *settings: str, linger_s: float = 0.0) -> tuple[Sailing, Result]:
+def sail(fault: str, *settings: str, linger_s: float = 0.0) -> tuple[MissionRun, Result]:
     """Forty metres out and sixty across, with a fault."""
     items = [HOME_ITEM, waypoint(40.0, 0.0), waypoint(40.0, 60.0)]
-    sailing = Sailing(scenario("open", *CURRENT, f"faults=[{{{fault}}}]", *settings), items)
-    return sailing, sailing.run(linger_s=linger_s)
+    mission_run = MissionRun(scenario("open", *CURRENT, f"faults=[{{{fault}}}]", *settings), items)
+    return mission_run, mission_run.run(linger_s=linger_s)
 
 
-def said(sailing: Sailing) -> list[str]:
-    return [event.text for event in sailing.timeline.events if event.kind == "text"]
+def said(mission_run: MissionRun) -> list[str]:
+    return [event.text for event in mission_run.timeline.events if event.kind == "text"]
 
 
 @pytest.mark.parametrize("at_s", [15.0, 15.06, 15.12, 15.18])
 @pytest.mark.parametrize("size", [2.0, 4.0])
 def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, at_s: float) -> None:
-    sailing, result = sail(f"what='clock', kind='wrong', size={size}, at_s={at_s}")
+    mission_run, result = sail(f"what='clock', kind='wrong', size={size}, at_s={at_s}")
     assert result.completed
     assert result.cross_track_max_m is not None
     assert result.cross_track_max_m < 4.3
-    nav = sailing.lockstep.boat.nav
+    nav = mission_run.lockstep.boat.nav
     assert nav is not None
     assert not nav.faults
 
@@ -34,16 +34,16 @@ def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, a
 def test_a_battery_monitor_that_talks_nonsense_ends_no_mission() -> None:
     deaf = ("battery_low_v=0.0", "battery_critical_v=0.0", "range_action=0")
     settings = [f"vehicle.failsafe.{setting}" for setting in deaf]
-    sailing, result = sail("what='battery', kind='garbage', at_s=25.0", *settings)
-    assert result.completed, said(sailing)
+    mission_run, result = sail("what='battery', kind='garbage', at_s=25.0", *settings)
+    assert result.completed, said(mission_run)
 
 
 def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_it() -> None:
     slow = ("environment.current_m_s=0.2",)
-    sailing, result = sail("what='motor_left', at_s=15.0", *slow, linger_s=60.0)
+    mission_run, result = sail("what='motor_left', at_s=15.0", *slow, linger_s=60.0)
     assert not result.completed
-    assert any("Left motor does not pull" in text for text in said(sailing))
-    rows = sailing.recorder.rows
+    assert any("Left motor does not pull" in text for text in said(mission_run))
+    rows = mission_run.recorder.rows
     late = rows[rows[:, 0] > 60.0]
     adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
     assert adrift_m > 12.0
@@ -52,29 +52,29 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_station(seed: int) -> None:
-    sailing, result = sail("what='compass', at_s=30.0", f"seed={seed}", linger_s=60.0)
-    assert result.completed, said(sailing)
-    assert any("Compass lost" in text for text in said(sailing))
-    assert said(sailing).count("Failsafe: Heading lost") <= 2, "it does not come and go on station"
-    rows = sailing.recorder.rows
+    mission_run, result = sail("what='compass', at_s=30.0", f"seed={seed}", linger_s=60.0)
+    assert result.completed, said(mission_run)
+    assert any("Compass lost" in text for text in said(mission_run))
+    assert said(mission_run).count("Failsafe: Heading lost") <= 2, "it does not come and go on station"
+    rows = mission_run.recorder.rows
     late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
     assert abs(late[:, 1] - late[0, 1]).max() < 3.0
     assert abs(late[:, 2] - late[0, 2]).max() < 3.0
 
 
 def test_a_boat_that_loses_its_heading_in_a_corner_finds_it_again_and_stays() -> None:
-    sailing, _ = sail("what='compass', at_s=15.0", linger_s=60.0)
-    texts = said(sailing)
+    mission_run, _ = sail("what='compass', at_s=15.0", linger_s=60.0)
+    texts = said(mission_run)
     assert "Failsafe: Heading lost" in texts
     assert "Failsafe over: heading known again" in texts
-    assert sailing.lockstep.boat.vehicle.mode.name == "LOITER"
-    rows = sailing.recorder.rows
+    assert mission_run.lockstep.boat.vehicle.mode.name == "LOITER"
+    rows = mission_run.recorder.rows
     late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
     assert abs(late[:, 1] - late[0, 1]).max() < 6.0  # adrift it would be twenty
     assert abs(late[:, 2] - late[0, 2]).max() < 6.0
 
 
 def test_a_sonar_that_talks_nonsense_is_not_believed_and_ends_no_mission() -> None:
-    sailing, result = sail("what='sonar', kind='garbage', at_s=15.0")
-    assert result.completed, said(sailing)
-    assert any("Sonar lost" in text for text in said(sailing))
+    mission_run, result = sail("what='sonar', kind='garbage', at_s=15.0")
+    assert result.completed, said(mission_run)
+    assert any("Sonar lost" in text for text in said(mission_run))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.missions import plan_mission, wire_items
 from sitl.scenarios.scenario import load_scenario
 
@@ -12,7 +12,7 @@ def test_the_lake_is_crossed_without_coming_nearer_to_the_shore_than_asked(seed:
     scenario = load_scenario("lake", [f"seed={seed}"])
     mission, planned = plan_mission(scenario)
     assert planned.min_clearance_m >= 4.6
-    result = Sailing(scenario, wire_items(mission)).run()
+    result = MissionRun(scenario, wire_items(mission)).run()
     assert result.completed
     assert result.min_clearance_m is not None
     assert result.min_clearance_m >= 4.0

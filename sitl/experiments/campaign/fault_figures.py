@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from companion.core.state import EstimateFault
-from sitl.reports.estimate_overlay import Estimate
-from sitl.run.sail import Sailing
+from sitl.run.estimate_recorder import Estimate
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.courses import off_path_m
 from sitl.world.world import Truth
 
@@ -24,7 +24,7 @@ _LOST: Final = int(EstimateFault.POSITION_LOST)
 _NAMES: Final = ("notice_s", "given_up_s", "astray_m", "astray_share", "off_plan_m")
 
 
-def fault_figures(sailing: Sailing) -> dict[str, float | None]:
+def fault_figures(mission_run: MissionRun) -> dict[str, float | None]:
     """The figures of a run with one fault of the receiver or the compass; nothing for any other.
 
     notice_s: from the fault to the estimate's saying so. given_up_s: to the position's being given up.
@@ -32,12 +32,12 @@ def fault_figures(sailing: Sailing) -> dict[str, float | None]:
     astray_share: what is more than a metre of that, over the way sailed meanwhile. off_plan_m: how far the
     boat was from its planned line at most, since the fault began, while it sailed along it. None: never.
     """
-    faults = sailing.scenario.faults
+    faults = mission_run.scenario.faults
     if len(faults) != 1 or faults[0].what not in _BITS:
         return {}
     fault, out = faults[0], dict[str, float | None].fromkeys(_NAMES)
-    beliefs, truth = sailing.beliefs.rows, sailing.recorder.rows
-    since = beliefs[beliefs[:, 0] >= fault.at_s]
+    estimates, truth = mission_run.estimates.rows, mission_run.recorder.rows
+    since = estimates[estimates[:, 0] >= fault.at_s]
     if not len(since) or not len(truth) or truth[0, 0] > fault.at_s:
         return out
     bits = since[:, Estimate._fields.index("faults")].astype(int)
@@ -47,25 +47,25 @@ def fault_figures(sailing: Sailing) -> dict[str, float | None]:
     given_up_s = out["given_up_s"]
     ends_s = min(fault.ends_s, math.inf if given_up_s is None else fault.at_s + given_up_s)
     _go_astray(out, since[since[:, 0] < ends_s], truth)
-    sailed = sailing.recorder.legs >= 0
+    sailed = mission_run.recorder.legs >= 0
     late = truth[sailed, 0] >= fault.at_s
-    off = off_path_m(sailing.recorder, sailing.planned)[late]
+    off = off_path_m(mission_run.recorder, mission_run.planned)[late]
     out["off_plan_m"] = float(off.max()) if len(off) else None
     return out
 
 
 def _go_astray(
     out: dict[str, float | None],
-    beliefs: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
+    estimates: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
     truth: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
 ) -> None:
     place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
     believed = slice(Estimate._fields.index("north_m"), Estimate._fields.index("east_m") + 1)
-    rows = np.minimum(np.searchsorted(truth[:, 0], beliefs[:, 0] - 1e-6), len(truth) - 1)
+    rows = np.minimum(np.searchsorted(truth[:, 0], estimates[:, 0] - 1e-6), len(truth) - 1)
     if not len(rows):
         return
     at = truth[rows, place]
-    error_m = np.hypot(*(beliefs[:, believed] - at).T)
+    error_m = np.hypot(*(estimates[:, believed] - at).T)
     way_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))
     grown_m = error_m - error_m[0]
     out["astray_m"] = float(grown_m.max())

@@ -3,7 +3,7 @@
 from typing import Final
 
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.world.world import Truth
 
 NEEDED: Final = 0.3  # of command: from here on a motor's thrust matters
@@ -22,7 +22,7 @@ _NAMED: Final = {_PREFIX + one.text: one for one in HYPOTHESES}
 _FOUND: Final = ("motor does not pull, right", "right does not pull", "is reversed: turned round")
 
 
-def motor_figures(sailing: Sailing) -> dict[str, int | float | None]:
+def motor_figures(mission_run: MissionRun) -> dict[str, int | float | None]:
     """motor_alarms: how often a motor that works was said to fail, failsafes and trials together.
 
     For runs with one fault of a motor that some hypothesis is about, also: motor_needed_s, from the fault to
@@ -30,19 +30,19 @@ def motor_figures(sailing: Sailing) -> dict[str, int | float | None]:
     never); motor_named, 1 where that was within IN_TIME_S and of the right side and kind. A fault of a motor
     that is never needed, or ends the run at once, has no motor_named.
     """
-    faults = [fault for fault in sailing.scenario.faults if fault.what in _SIDES]
-    events = sailing.timeline.events
+    faults = [fault for fault in mission_run.scenario.faults if fault.what in _SIDES]
+    events = mission_run.timeline.events
     said = [(event.time_s, event.text) for event in events if event.kind == "text"]
     if not faults:
-        return {"motor_alarms": sum(_accuses(text) for _, text in said)}
+        return {"motor_alarms": sum(_reports_fault(text) for _, text in said)}
     fault = faults[0]
-    alarms = sum(_accuses(text) for time_s, text in said if time_s < fault.at_s)
+    alarms = sum(_reports_fault(text) for time_s, text in said if time_s < fault.at_s)
     accusations = [(time_s, _NAMED[text]) for time_s, text in said if time_s >= fault.at_s and text in _NAMED]
     is_left = _SIDES[fault.what]
     alarms += sum(one.is_left is not is_left for _, one in accusations)
     out: dict[str, int | float | None] = {"motor_alarms": alarms}
     kind = _FAULTS.get(fault.kind)
-    rows = sailing.recorder.rows
+    rows = mission_run.recorder.rows
     command = rows[:, Truth._fields.index("left_command" if is_left else "right_command")]
     needed = rows[(rows[:, 0] >= fault.at_s) & (abs(command) >= NEEDED), 0]
     if kind is None or not len(needed):
@@ -57,5 +57,5 @@ def motor_figures(sailing: Sailing) -> dict[str, int | float | None]:
     return out
 
 
-def _accuses(text: str) -> bool:
+def _reports_fault(text: str) -> bool:
     return text in _NAMED or any(words in text for words in _FOUND)

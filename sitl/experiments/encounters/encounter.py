@@ -22,7 +22,7 @@ from sitl.experiments.encounters.obstacles import (
     still_obstacles,
 )
 from sitl.experiments.trial import Trial, TrialResult
-from sitl.run.sail import Result, Sailing
+from sitl.run.mission_run import MissionRun, Result
 from sitl.scenarios.layers import COMMAND_LINE, Layer
 from sitl.scenarios.missions import wire_items
 from sitl.scenarios.scenario import Scenario, load_scenario
@@ -74,7 +74,7 @@ def run_encounter(trial: Trial) -> TrialResult:
     the duration without an obstacle.
 
     Raises:
-        SailError: the boat did not arm or start.
+        RunError: the boat did not arm or start.
     """
     encounter = Encounter(**trial.factors)
     alone_s, track = _alone(encounter.current_m_s, trial.seed, msgspec.json.encode(trial.settings))
@@ -84,10 +84,10 @@ def run_encounter(trial: Trial) -> TrialResult:
     else:
         tree = still_obstacles(encounter.kind, trial.seed)
     scenario = _scenario(encounter.current_m_s, trial.seed, trial.settings, tree)
-    sailing, result = _sail(scenario)
-    touches = sailing.lockstep.world.groundings
-    texts = [event.text for event in sailing.timeline.events if event.kind == "text"]
-    is_helpless = touches and encounter.speed_m_s and not could_evade(scenario, sailing.recorder.rows)
+    mission_run, result = _sail(scenario)
+    touches = mission_run.lockstep.world.groundings
+    texts = [event.text for event in mission_run.timeline.events if event.kind == "text"]
+    is_helpless = touches and encounter.speed_m_s and not could_evade(scenario, mission_run.recorder.rows)
     return TrialResult(
         number=trial.number,
         ended="completed" if result.completed else "not completed",
@@ -109,18 +109,18 @@ def _scenario(current_m_s: float, seed: int, settings: dict[str, Any], tree: Tre
     return load_scenario("open", over=[layer, Layer(COMMAND_LINE, settings)])
 
 
-def _sail(scenario: Scenario) -> tuple[Sailing, Result]:
+def _sail(scenario: Scenario) -> tuple[MissionRun, Result]:
     leg = [scenario.frame.to_global(Point(north_m, 0.0)) for north_m in (0.0, LEG_M)]
-    sailing = Sailing(scenario, wire_items(mission_along(leg)))
-    return sailing, sailing.run(timeout_s=MOST_S)
+    mission_run = MissionRun(scenario, wire_items(mission_along(leg)))
+    return mission_run, mission_run.run(timeout_s=MOST_S)
 
 
 @cache
 def _alone(current_m_s: float, seed: int, settings: bytes) -> tuple[float, tuple[tuple[float, Point], ...]]:
     """The run without an obstacle: its duration, and the boat's position by time. settings: JSON."""
-    sailing, result = _sail(_scenario(current_m_s, seed, msgspec.json.decode(settings), {}))
+    mission_run, result = _sail(_scenario(current_m_s, seed, msgspec.json.decode(settings), {}))
     fields = [Truth._fields.index(name) for name in ("time_s", "north_m", "east_m")]
-    rows = sailing.recorder.rows[:, fields].tolist()
+    rows = mission_run.recorder.rows[:, fields].tolist()
     return result.time_s, tuple((time_s, Point(north_m, east_m)) for time_s, north_m, east_m in rows)
 
 

@@ -39,7 +39,7 @@ def could_evade(scenario: Scenario, rows: Rows) -> bool:
     movers = Movers(scenario.movers)
     grounded = rows[:, Truth._fields.index("grounded")] > 0.0
     truths = [Truth(*row) for row in rows[: int(grounded.argmax())].tolist()]
-    heard_s = next((truth.time_s for truth in truths if _hears(scenario, movers, truth)), math.inf)
+    heard_s = next((truth.time_s for truth in truths if _detects(scenario, movers, truth)), math.inf)
     acts = next((truth for truth in truths if truth.time_s >= heard_s + _REACTION_S), None)
     if acts is None:
         return False
@@ -49,7 +49,7 @@ def could_evade(scenario: Scenario, rows: Rows) -> bool:
     )
 
 
-def _hears(scenario: Scenario, movers: Movers, truth: Truth) -> bool:
+def _detects(scenario: Scenario, movers: Movers, truth: Truth) -> bool:
     """Whether a ping straight at some mover would be answered."""
     sonar = scenario.sensors.sonar
     for east_m, north_m, radius_m in movers.positions_m(truth.time_s):

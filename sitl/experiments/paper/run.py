@@ -18,8 +18,8 @@ from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.shore_steering import HeadingPid, OnOff, ShoreSteering
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.lockstep import Lockstep
-from sitl.run.operator import BOOT_S, Orders
 from sitl.run.recorder import Recorder
+from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.scenarios.missions import wire_items
 
 GRID_CELL_M = 0.08  # the paper gives none; about the boat's beam and the plan's clearance
@@ -60,7 +60,7 @@ def run_paper_trial(trial: Trial) -> TrialResult:
     """Simulate from boot to the goal, or for MOST_S. The figures are a row of runs.csv, from ground truth.
 
     Raises:
-        SailError: the boat did not arm or change mode.
+        RunError: the boat did not arm or change mode.
     """
     case, method = trial.case, Method(trial.factors["method"])
     scenario = conditions(case, trial.seed)
@@ -74,7 +74,7 @@ def run_paper_trial(trial: Trial) -> TrialResult:
             lockstep.station.boat.system, deg_to_e7(origin.lat_deg), deg_to_e7(origin.lon_deg), 0
         )
     )
-    orders = Orders(lockstep, lockstep.step)
+    orders = StationCommands(lockstep, lockstep.step)
     orders.until_armable()
     steering: ShoreSteering | None = None
     if method in (Method.LOS, Method.EXACT):

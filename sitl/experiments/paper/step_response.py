@@ -12,7 +12,7 @@ from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from sitl.experiments.paper.shore_steering import HeadingPid
 from sitl.run.lockstep import Lockstep
-from sitl.run.operator import Orders
+from sitl.run.station_commands import StationCommands
 from sitl.scenarios.scenario import Scenario, load_scenario
 
 GAIN_SETS = ((3.0, 2.0, 3.0), (4.0, 1.0, 5.0), (4.5, 2.3, 1.0))
@@ -62,7 +62,7 @@ def step_responses(seed: int = 1) -> list[StepResponse]:
     """One response for each gain set: the pool boat on open water.
 
     Raises:
-        SailError: the boat did not arm or change mode.
+        RunError: the boat did not arm or change mode.
     """
     scenario = load_scenario("open", ("boat.model=pool", f"seed={seed}"))
     return [_respond(scenario, gains) for gains in GAIN_SETS]
@@ -76,7 +76,7 @@ def _respond(scenario: Scenario, gains: tuple[float, float, float]) -> StepRespo
     law = HeadingPid(scenario)
     station = lockstep.station
     station.listen_to(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED)
-    orders = Orders(lockstep, lockstep.step)
+    orders = StationCommands(lockstep, lockstep.step)
     orders.until_armable()
     orders.wait(lambda: "LOCAL_POSITION_NED" in station.latest, 10.0, "the boat sent no position")
     orders.change_mode(Mode.GUIDED)

@@ -145,7 +145,7 @@ class Thrusters:
         """What both motors draw from the pack."""
         return self.left.current_a + self.right.current_a
 
-    def dip(self, above_m: float) -> None:
+    def set_immersion(self, above_m: float) -> None:
         """The water stands so much higher over the shafts than at rest. Near the surface they suck air.
 
         The share of thrust that is left falls from 1 at a depth of 1.3 radii to 0 where the disc is out of

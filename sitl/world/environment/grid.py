@@ -48,10 +48,10 @@ class Grid:
         row, up = _piece(self._norths_m, north_m)
         column, right = _piece(self._easts_m, east_m)
         north_m_s = east_m_s = 0.0
-        for i, in_time in ((when, 1.0 - later), (when + 1, later)):
+        for i, output_at in ((when, 1.0 - later), (when + 1, later)):
             for j, in_north in ((row, 1.0 - up), (row + 1, up)):
                 for k, in_east in ((column, 1.0 - right), (column + 1, right)):
-                    weight = in_time * in_north * in_east
+                    weight = output_at * in_north * in_east
                     if weight > 0.0:
                         north, east = self._velocities[i][j][k]
                         north_m_s += weight * north

@@ -32,9 +32,9 @@ class Wind:
         self._drive = math.sqrt(1.0 - self._keep * self._keep)
         self._along, self._across = self._random.gauss(0.0, 1.0), self._random.gauss(0.0, 1.0)
         self._next = 0
-        self.blow(environment.wind_m_s, math.radians(environment.wind_from_deg), environment.gust_m_s)
+        self.set_wind(environment.wind_m_s, math.radians(environment.wind_from_deg), environment.gust_m_s)
 
-    def blow(self, mean_m_s: float, from_rad: float, gust_m_s: float = 0.0) -> None:
+    def set_wind(self, mean_m_s: float, from_rad: float, gust_m_s: float = 0.0) -> None:
         """Let another wind blow from now on: its mean, where from (clockwise from north), and its peaks.
 
         Peaks below the mean are no gusts at all.

@@ -1,6 +1,10 @@
-"""What a fault does to each part of the boat. A part has one fault at a time, or None when it is well."""
+"""What a fault does to each part of the boat.
+
+A part is a function that applies a fault from now on, or None to end it. It has one fault at a time.
+"""
 
 import math
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from sitl.radio.channel import WHOLE, Quality
@@ -18,177 +22,116 @@ from sitl.world.sensors import (
     generator,
 )
 
-
-class Part(Protocol):
-    """Something that can fail."""
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
-        """Have this fault from now on, or none."""
+Part = Callable[[FaultSetting | None, float], None]
 
 
 class Shaft(Protocol):
-    """A thruster, as far as faults reach it: the gain of its command, and how much weed hangs on it, 0..1."""
+    """The gain of a thruster's command, and the weed on its propeller, 0..1."""
 
     gain: float
     weed: float
 
 
-class SensorPart:
-    """A sensor whose own file knows what a fault does to it."""
+def sensor_part(
+    sensor: SimGnss | SimCompass | SimSonar | SimBattery | SimRc, seed: int, name: str = "fault"
+) -> Part:
+    """A sensor that simulates its faults itself, by the attribute of this name."""
 
-    def __init__(self, sensor: SimGnss | SimCompass | SimSonar | SimBattery | SimRc, seed: int) -> None:
-        self._sensor: Any = sensor
-        self._seed = seed
+    def apply(fault: FaultSetting | None, now_s: float) -> None:
+        value: SensorFault[Any] | None = None
+        if fault is not None:
+            numbers = generator(seed, f"fault/{fault.what}/{fault.kind}")
+            value = SensorFault(fault.kind, fault.amount, math.radians(fault.towards_deg), now_s, numbers)
+        setattr(sensor, name, value)
 
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
-        """Have this fault from now on, or none."""
-        self._sensor.fault = sensor_fault(fault, now_s, self._seed)
-
-
-class GyroPart:
-    """The gyro that sits with the compass and fails apart from it."""
-
-    def __init__(self, compass: SimCompass, seed: int) -> None:
-        self._compass = compass
-        self._seed = seed
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
-        """Have this fault from now on, or none."""
-        self._compass.gyro_fault = sensor_fault(fault, now_s, self._seed)
-
-
-def sensor_fault(fault: FaultSetting | None, now_s: float, seed: int) -> "SensorFault[Any] | None":
-    """A fault as sensors know it, with random numbers of its own."""
-    if fault is None:
-        return None
-    numbers = generator(seed, f"fault/{fault.what}/{fault.kind}")
-    return SensorFault(fault.kind, fault.amount, math.radians(fault.towards_deg), now_s, numbers)
+    return apply
 
 
 class LeakPart:
-    """The hull's probe for water. is_wet: what it says when it is well, as a parameter may have it."""
+    """The water probe in the hull. It is wet by a fault or by a parameter."""
 
     def __init__(self, hull: SimHull) -> None:
         self._hull = hull
-        self._fault: FaultSetting | None = None
+        self._kind = ""
         self._is_wet = False
 
-    def soak(self, is_wet: bool) -> None:
-        """From now on there is water in the hull, or none."""
-        self._is_wet = is_wet
-        self._say()
+    def set_wet(self, value: float) -> None:
+        """Set by the parameter: 1 is water in the hull."""
+        self._is_wet = value == 1.0
+        self._update()
 
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Have this fault from now on, or none."""
-        self._fault = fault
-        self._say()
+    def __call__(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
+        """Apply a fault."""
+        self._kind = "" if fault is None else fault.kind
+        self._update()
 
-    def _say(self) -> None:
-        kind = "" if self._fault is None else self._fault.kind
-        self._hull.is_wet = None if kind == "off" else bool(kind) or self._is_wet
+    def _update(self) -> None:
+        self._hull.is_wet = None if self._kind == "off" else bool(self._kind) or self._is_wet
 
 
-class ThermometerPart:
-    """The hull's thermometer, and how hot it gets in there."""
+def thermometer_part(hull: SimHull) -> Part:
+    """The hull's thermometer, and the heat in the hull."""
 
-    def __init__(self, hull: SimHull) -> None:
-        self._hull = hull
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
-        """Have this fault from now on, or none."""
+    def apply(fault: FaultSetting | None, now_s: float) -> None:
         kind, size = ("", 0.0) if fault is None else (fault.kind, fault.amount)
-        self._hull.hears_heat = kind != "off"
-        self._hull.offset_c = size if kind == "wrong" else 0.0
-        self._hull.warm(size / 60.0 if kind == "hot" else 0.0, now_s)
+        hull.hears_heat = kind != "off"
+        hull.offset_c = size if kind == "wrong" else 0.0
+        hull.set_warming(size / 60.0 if kind == "hot" else 0.0, now_s)
+
+    return apply
 
 
-class MotorPart:
+def motor_part(shaft: Shaft) -> Part:
     """One motor with its propeller."""
 
-    def __init__(self, shaft: Shaft) -> None:
-        self._shaft = shaft
+    def apply(fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG001
+        shaft.gain, shaft.weed = 1.0, 0.0
+        if fault is None:
+            return
+        match fault.kind:
+            case "off" | "intermittent":
+                shaft.gain = 0.0
+            case "wrong" | "slow":
+                shaft.gain = fault.amount
+            case _:
+                shaft.weed = fault.amount
 
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Have this fault from now on, or none."""
-        gain, weed = 1.0, 0.0
+    return apply
+
+
+def computer_parts(computer: Computer, motors: SimMotors) -> dict[str, Part]:
+    """The computer's power, speed, clock and disk, and all its links as one radio carries them."""
+
+    def power(fault: FaultSetting | None, now_s: float) -> None:
         if fault is not None:
-            match fault.kind:
-                case "off" | "intermittent":
-                    gain = 0.0
-                case "wrong" | "slow":
-                    gain = fault.amount
-                case _:
-                    weed = fault.amount
-        self._shaft.gain, self._shaft.weed = gain, weed
+            computer.lose_power()
+            motors.stop()
+        elif not computer.has_power:
+            computer.begin(now_s)
+
+    def cpu(fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG001
+        computer.load = 0.0 if fault is None else fault.amount
+
+    def clock(fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG001
+        if fault is not None:  # a monotonic clock jumps ahead; only a restart sets it back
+            computer.set_clock_offset(computer.clock_offset_s + fault.amount)
+
+    def disk(fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG001
+        computer.disk_is_full = fault is not None
+
+    def link(fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG001
+        computer.link_quality = WHOLE if fault is None else _link_quality(fault)
+
+    return {"link": link, "computer": power, "cpu": cpu, "clock": clock, "disk": disk}
 
 
-class ComputerPart:
-    """The computer's power. Without it the motors stop; with it back, the program begins."""
-
-    def __init__(self, computer: Computer, motors: SimMotors) -> None:
-        self._computer = computer
-        self._motors = motors
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:
-        """Lose power, or have it again."""
-        if fault is not None:
-            self._computer.lose_power()
-            self._motors.stop()
-        elif not self._computer.has_power:
-            self._computer.begin(now_s)
-
-
-class CpuPart:
-    """The computer's speed."""
-
-    def __init__(self, computer: Computer) -> None:
-        self._computer = computer
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Be too slow for the program, or fast enough."""
-        self._computer.load = 0.0 if fault is None else fault.amount
-
-
-class ClockPart:
-    """The computer's clock. It is monotonic: it may leap ahead, and nothing sets it back but a new start."""
-
-    def __init__(self, computer: Computer) -> None:
-        self._computer = computer
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Leap ahead."""
-        if fault is not None:
-            self._computer.set_clock_offset(self._computer.clock_offset_s + fault.amount)
-
-
-class DiskPart:
-    """The medium that the boat stores on."""
-
-    def __init__(self, computer: Computer) -> None:
-        self._computer = computer
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Be full, or have room again."""
-        self._computer.disk_is_full = fault is not None
-
-
-class LinkPart:
-    """All links of the boat at once, as one radio carries them."""
-
-    def __init__(self, computer: Computer) -> None:
-        self._computer = computer
-
-    def suffer(self, fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG002
-        """Carry as badly as the fault says, on top of what the scenario's links do."""
-        quality = WHOLE
-        if fault is not None:
-            match fault.kind:
-                case "slow":
-                    quality = Quality(bandwidth_bytes_s=fault.amount)
-                case "delayed":
-                    quality = Quality(delay_s=fault.amount)
-                case "lossy":
-                    quality = Quality(loss=fault.amount)
-                case _:
-                    quality = Quality(loss=1.0)
-        self._computer.link_quality = quality
+def _link_quality(fault: FaultSetting) -> Quality:
+    match fault.kind:
+        case "slow":
+            return Quality(bandwidth_bytes_s=fault.amount)
+        case "delayed":
+            return Quality(delay_s=fault.amount)
+        case "lossy":
+            return Quality(loss=fault.amount)
+        case _:
+            return Quality(loss=1.0)

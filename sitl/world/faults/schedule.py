@@ -1,21 +1,23 @@
-"""Which fault is when: by schedule, and by whoever begins or ends one while the boat sails."""
+"""The faults of one boat over time: scheduled, or begun and ended during the run."""
 
 import heapq
 import math
 from collections.abc import Mapping, Sequence
 
+import msgspec
+
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.parts import Part
 from sitl.world.sensors import TIME_SLACK_S
 
-# Parts that nobody samples are switched on and off from here
+# Parts without sampling: intermittent faults are switched here
 _SWITCHED = frozenset(("motor_left", "motor_right", "link", "leak"))
 
 
 class Faults:
-    """The faults of one boat. A part has one at a time: a later one takes the place of an earlier one.
+    """The faults of one boat. A part has one fault at a time; a later one replaces it.
 
-    `step` is to be called whenever `due_s` has come; now_s is kept up to date by whoever owns them.
+    The owner keeps now_s up to date and calls `step` when `due_s` has come.
     """
 
     __slots__ = ("_events", "_order", "_parts", "active", "due_s", "now_s")
@@ -32,11 +34,11 @@ class Faults:
 
     @property
     def parts(self) -> frozenset[str]:
-        """What this boat has that can fail."""
+        """The parts of this boat that can fail."""
         return frozenset(self._parts)
 
     def step(self) -> None:
-        """Begin and end what is due."""
+        """Begin and end faults that are due."""
         now_s = self.now_s
         while self._events and now_s + TIME_SLACK_S >= self._events[0][0]:
             at_s, _, fault = heapq.heappop(self._events)
@@ -50,35 +52,27 @@ class Faults:
         self._look_ahead()
 
     def begin(self, fault: FaultSetting) -> None:
-        """Let a part fail now, whatever the fault's own begin says.
+        """Begin a fault now; its own at_s is ignored.
 
         Raises:
             KeyError: this boat has no such part.
         """
-        begun = FaultSetting(
-            what=fault.what,
-            kind=fault.kind,
-            at_s=self.now_s,
-            for_s=fault.for_s,
-            size=fault.size,
-            towards_deg=fault.towards_deg,
-        )
-        self._start(begun)
+        self._start(msgspec.structs.replace(fault, at_s=self.now_s))
 
     def end(self, what: str) -> None:
-        """Let a part be well again.
+        """End the fault of a part.
 
         Raises:
             KeyError: this boat has no such part.
         """
-        self._parts[what].suffer(None, self.now_s)
+        self._parts[what](None, self.now_s)
         self.active.pop(what, None)
 
     def _start(self, fault: FaultSetting) -> None:
         part, now_s = self._parts[fault.what], self.now_s
         if fault.what in self.active:
-            part.suffer(None, now_s)
-        part.suffer(fault, now_s)
+            part(None, now_s)
+        part(fault, now_s)
         self.active[fault.what] = fault
         if fault.ends_s < math.inf:
             self._plan(fault.ends_s, fault)
@@ -87,7 +81,7 @@ class Faults:
 
     def _toggle(self, fault: FaultSetting) -> None:
         halves = round((self.now_s - fault.at_s) / (0.5 * fault.amount))
-        self._parts[fault.what].suffer(fault if halves % 2 == 0 else None, self.now_s)
+        self._parts[fault.what](fault if halves % 2 == 0 else None, self.now_s)
         self._plan(fault.at_s + (halves + 1) * 0.5 * fault.amount, fault)
 
     def _plan(self, at_s: float, fault: FaultSetting) -> None:

@@ -38,7 +38,7 @@ class SimBattery:
         self._sampled: BatteryReading | None = None
         self._count, self.due_s = 0, 0.0
 
-    def sense(self, now_s: float, voltage_v: float, current_a: float) -> None:
+    def sample(self, now_s: float, voltage_v: float, current_a: float) -> None:
         """Sample when due."""
         if now_s < self.due_s:
             return
@@ -53,11 +53,11 @@ class SimBattery:
         if self.fault is None:
             self._latest = self._sampled = reading
         else:
-            spoilt = self._spoilt(reading, self.fault, now_s)
+            spoilt = self._with_fault(reading, self.fault, now_s)
             if spoilt is not None:
                 self._latest = spoilt
 
-    def _spoilt(
+    def _with_fault(
         self, reading: BatteryReading, fault: SensorFault[BatteryReading], now_s: float
     ) -> BatteryReading | None:
         replace = msgspec.structs.replace
@@ -71,7 +71,7 @@ class SimBattery:
             case "wrong":
                 return replace(reading, voltage_v=max(0.0, reading.voltage_v + fault.size))
             case _:
-                return fault.in_time(reading, now_s)
+                return fault.output_at(reading, now_s)
 
     def read(self) -> BatteryReading | None:
         """The latest reading."""

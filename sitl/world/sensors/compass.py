@@ -80,7 +80,7 @@ class SimCompass:
         self._slow_due_s = 0.0
         self._count, self.due_s = 0, 0.0
 
-    def sense(
+    def sample(
         self,
         now_s: float,
         heading_rad: float,
@@ -114,7 +114,7 @@ class SimCompass:
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading
         else:
-            spoilt = self._spoilt(reading, now_s)
+            spoilt = self._with_fault(reading, now_s)
             if spoilt is not None:
                 self._latest = spoilt
 
@@ -126,7 +126,7 @@ class SimCompass:
             + self._motor_rad_per_a * motor_current_a * sin(heading_rad - self._motor_at_rad)
         )
 
-    def _spoilt(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
+    def _with_fault(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
         spoilt: HeadingReading | None = reading
         if self.gyro_fault is not None:
             spoilt = self._spoil_rate(reading, self.gyro_fault)
@@ -165,7 +165,7 @@ class SimCompass:
                 off_rad = math.radians(fault.size) * (now_s - fault.since_s)
                 return replace(reading, heading_rad=wrap_pi(heading_rad + off_rad))
             case _:
-                return fault.in_time(reading, now_s)
+                return fault.output_at(reading, now_s)
 
     def read(self) -> HeadingReading | None:
         """The latest reading."""

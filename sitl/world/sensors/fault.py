@@ -44,7 +44,7 @@ class SensorFault(Generic[R]):
         held = self.held = self.held or sampled or reading
         return held
 
-    def in_time(self, reading: R, now_s: float) -> R | None:
+    def output_at(self, reading: R, now_s: float) -> R | None:
         """What the sensor puts out at this sample's time; None for nothing."""
         match self.kind:
             case "off":

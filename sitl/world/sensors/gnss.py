@@ -91,7 +91,7 @@ class SimGnss:
         if shore is not None and settings.multipath_m:
             self._multipath = _Multipath(settings, shore, generator(seed, "gnss.multipath"))
 
-    def sense(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
+    def sample(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
         """Sample when due; deliver what has travelled long enough."""
         if now_s < self.due_s:
             return
@@ -110,7 +110,7 @@ class SimGnss:
         if self.fault is None:
             self._sampled = fix
         elif fix is not None:
-            fix = self._spoilt(fix, self.fault, now_s)
+            fix = self._with_fault(fix, self.fault, now_s)
         if fix is not None:
             settings, under_way = self._settings, self._under_way
             arrives_s = now_s + settings.latency_s + settings.jitter_s * self._delays.random() - TIME_SLACK_S
@@ -140,7 +140,7 @@ class SimGnss:
             time_of_day_s=(EPOCH_UNIX_S % DAY_S + now_s) % DAY_S,
         )
 
-    def _spoilt(self, fix: GnssFix, fault: SensorFault[GnssFix], now_s: float) -> GnssFix | None:
+    def _with_fault(self, fix: GnssFix, fault: SensorFault[GnssFix], now_s: float) -> GnssFix | None:
         """What the fault makes of a fix. A receiver that is fooled is as sure of itself as ever."""
         replace, since_s = msgspec.structs.replace, now_s - fault.since_s
         match fault.kind:
@@ -177,7 +177,7 @@ class SimGnss:
                     east_m_s=None,
                 )
             case _:
-                late = fault.in_time(fix, now_s)
+                late = fault.output_at(fix, now_s)
                 # What the receiver itself holds back bears the time of day at which it comes out.
                 return None if late is None else replace(late, time_of_day_s=fix.time_of_day_s)
 

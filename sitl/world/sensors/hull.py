@@ -41,7 +41,7 @@ class SimHull:
         self._temperature_c = settings.temperature_c
         self._latest: HullReading | None = None
 
-    def warm(self, warming_c_s: float, now_s: float) -> None:
+    def set_warming(self, warming_c_s: float, now_s: float) -> None:
         """Get hotter by so much a second from now on; with 0 be as cool as before."""
         self.warming_c_s, self._hot_since_s = warming_c_s, now_s
 
@@ -49,7 +49,7 @@ class SimHull:
         """From now on it is so warm in there."""
         self._temperature_c = temperature_c
 
-    def sense(self, now_s: float) -> None:
+    def sample(self, now_s: float) -> None:
         """Sample when due."""
         if now_s < self.due_s:
             return

@@ -52,7 +52,7 @@ class SimRc:
         """Move sticks and switches, none switches the transmitter off, until the scenario's next step."""
         self._channels_us = channels_us
 
-    def sense(self, now_s: float, north_m: float, east_m: float) -> None:
+    def sample(self, now_s: float, north_m: float, east_m: float) -> None:
         """Put out a frame when one is due, if it arrives."""
         if now_s < self.due_s:
             return
@@ -76,7 +76,7 @@ class SimRc:
         reading = RcReading(now_s + self.clock_offset_s, channels_us, quality <= 0.0, quality, rssi_dbm)
         if self.fault is None:
             self._latest = self._sampled = reading
-        elif (spoilt := self._spoilt(reading, self.fault, now_s)) is not None:
+        elif (spoilt := self._with_fault(reading, self.fault, now_s)) is not None:
             self._latest = spoilt
 
     def _quality(self, off_m: float) -> float:
@@ -86,7 +86,9 @@ class SimRc:
             return settings.quality
         return settings.quality * max(2.0 - 2.0 * off_m / settings.range_m, 0.0)
 
-    def _spoilt(self, reading: RcReading, fault: SensorFault[RcReading], now_s: float) -> RcReading | None:
+    def _with_fault(
+        self, reading: RcReading, fault: SensorFault[RcReading], now_s: float
+    ) -> RcReading | None:
         replace = msgspec.structs.replace
         match fault.kind:
             case "stuck":
@@ -103,7 +105,7 @@ class SimRc:
             case "failsafe":
                 return replace(reading, is_failsafe=True, quality=0.0)
             case _:
-                return fault.in_time(reading, now_s)
+                return fault.output_at(reading, now_s)
 
     def read(self) -> RcReading | None:
         """The latest frame."""

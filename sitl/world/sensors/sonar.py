@@ -64,7 +64,7 @@ class SimSonar:
         self._last_range_m: float | None = None
         self._count, self.due_s = 0, 0.0
 
-    def sense(
+    def sample(
         self, now_s: float, north_m: float, east_m: float, heading_rad: float, wave_m: float = 0.0
     ) -> None:
         """Ping when due. wave_m: the height of the waves."""
@@ -89,7 +89,7 @@ class SimSonar:
             self._last_range_m = heard_m
             self._pings.append(ping)
         else:
-            spoilt = self._spoilt(ping, self.fault, now_s)
+            spoilt = self._with_fault(ping, self.fault, now_s)
             if spoilt is not None:
                 self._pings.append(spoilt)
 
@@ -112,7 +112,7 @@ class SimSonar:
             return settings.min_range_m + where * (settings.max_range_m - settings.min_range_m)
         return heard_m
 
-    def _spoilt(
+    def _with_fault(
         self, ping: SonarReading, fault: SensorFault[SonarReading], now_s: float
     ) -> SonarReading | None:
         replace = msgspec.structs.replace
@@ -129,7 +129,7 @@ class SimSonar:
                 off_m = ping.range_m + fault.size
                 return replace(ping, range_m=min(max(off_m, ping.min_range_m), ping.max_range_m))
             case _:
-                return fault.in_time(ping, now_s)
+                return fault.output_at(ping, now_s)
 
     def read(self) -> list[SonarReading]:
         """The pings since the last call, oldest first."""

@@ -10,7 +10,7 @@ import pytest
 from companion.core.geo import LatLon
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import upload as upload_cli
-from mission_tools.cli.arguments import position, with_start_told_apart
+from mission_tools.cli.arguments import position, with_start_position_option
 from mission_tools.errors import UsageError
 from mission_tools.mission.mission import Command
 from mission_tools.mission.plan_file import load_mission
@@ -210,7 +210,7 @@ def test_help_teaches_by_example(program: object, capsys: pytest.CaptureFixture[
     ],
 )
 def test_start_with_a_position_names_a_place(typed: list[str], meant: list[str]) -> None:
-    assert with_start_told_apart(typed) == meant
+    assert with_start_position_option(typed) == meant
 
 
 def test_southern_and_western_positions_are_read() -> None:

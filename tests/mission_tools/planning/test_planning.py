@@ -259,12 +259,12 @@ def test_a_margin_is_kept_on_top_of_the_clearance_where_there_is_room() -> None:
     ],
 )
 def test_where_a_passage_is_narrow_the_margin_gives_way_and_a_note_says_so(
-    gap_m: float, kept_m: float, said: str
+    gap_m: float, required_m: float, said: str
 ) -> None:
     half = 0.5 * gap_m
     chart = basin(raft(-5, half, 5, 51), raft(-5, -51, 5, -half))
     found = plan(chart, Point(0, -40), Point(0, 40), PlanSettings(4.0, cell_m=0.1, margin_m=0.6))
-    assert_keeps_clear(chart, found, kept_m)
+    assert_keeps_clear(chart, found, required_m)
     assert [note for note in found.notes if said in note]
 
 

@@ -35,7 +35,7 @@ def frames(mav: dialect.MAVLink, count: int) -> list[bytes]:
 def test_pymavlink_takes_what_is_sealed() -> None:
     plain = b"".join(frames(boat(None), 5))
     theirs = boat()
-    sealed = stream().seal(plain)
+    sealed = stream().sign(plain)
     assert len(sealed) == 5
     assert len(theirs.parse_buffer(b"".join(sealed))) == 5
     assert theirs.signing.goodsig_count == 5
@@ -43,9 +43,9 @@ def test_pymavlink_takes_what_is_sealed() -> None:
 
 def test_what_is_no_whole_frame_is_not_sealed() -> None:
     (plain,) = frames(boat(None), 1)
-    assert stream().seal(plain[:-1]) == []
-    assert stream().seal(b"\xfe" + plain) == []
-    assert len(stream().seal(plain + plain[:-1])) == 1
+    assert stream().sign(plain[:-1]) == []
+    assert stream().sign(b"\xfe" + plain) == []
+    assert len(stream().sign(plain + plain[:-1])) == 1
 
 
 def test_what_was_signed_comes_in_as_it_was_before() -> None:
@@ -97,8 +97,8 @@ def test_why_nothing_comes_in_is_told(peer: dialect.MAVLink, told: str) -> None:
     mine = stream()
     opened = mine.open(b"".join(frames(peer, 3)))
     assert len(opened) == (0 if told else 3)
-    assert told in mine.complaint()
-    assert bool(mine.complaint()) is bool(told)
+    assert told in mine.warning()
+    assert bool(mine.warning()) is bool(told)
 
 
 def test_a_replay_does_not_come_in() -> None:
@@ -110,4 +110,4 @@ def test_a_replay_does_not_come_in() -> None:
 
 
 def test_silence_is_no_reason_to_complain() -> None:
-    assert stream().complaint() == ""
+    assert stream().warning() == ""

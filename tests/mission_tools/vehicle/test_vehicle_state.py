@@ -51,12 +51,12 @@ def test_a_long_text_is_put_together_from_its_chunks() -> None:
     state = VehicleState()
     for text in ("a" * 50, "b" * 50, "end"):
         state.handle("STATUSTEXT", 1, {"severity": 3, "text": text, "id": 9}, 1.0)
-    assert state.last_complaint(0.0) == "a" * 50 + "b" * 50 + "end"
+    assert state.last_warning(0.0) == "a" * 50 + "b" * 50 + "end"
 
 
 def test_the_last_complaint_is_a_warning_or_worse_and_not_older_than_asked() -> None:
     state = VehicleState()
     for at_s, severity, text in ((1.0, 3, "old"), (2.0, 4, "Arm: no fix"), (3.0, 6, "hello")):
         state.handle("STATUSTEXT", 1, {"severity": severity, "text": text}, at_s)
-    assert state.last_complaint(1.5) == "Arm: no fix"
-    assert state.last_complaint(2.5) == ""
+    assert state.last_warning(1.5) == "Arm: no fix"
+    assert state.last_warning(2.5) == ""

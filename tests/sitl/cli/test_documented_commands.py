@@ -33,7 +33,7 @@ PROGRAMS: dict[str, Callable[[list[str]], int]] = {
 COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-upload|mission-check|make demo)\b.*)$")
 # Where each command of the emulator goes to work: everything before that is done here
 AT_WORK = {
-    "serve": "sitl.cli.serve.moor",
+    "serve": "sitl.cli.serve.start_fleet",
     "sail": "sitl.cli.sail._run",
     "campaign": "sitl.cli.campaign.ResultLog",
     "encounters": "sitl.cli.encounters.run_trials",

@@ -6,7 +6,7 @@ import pytest
 from required_figures import REQUIRED
 
 from sitl.__main__ import run_program
-from sitl.cli.arguments import with_json_told_apart
+from sitl.cli.arguments import with_json_file_option
 from sitl.world.world import Truth
 
 EXTRA = {"scenario", "seed", "completed", "groundings", "waypoints"}
@@ -128,4 +128,4 @@ def test_wrong_input_is_exit_code_two_in_one_line(
     ],
 )
 def test_json_with_a_file_is_told_from_json_without(given: list[str], told: list[str]) -> None:
-    assert with_json_told_apart(given) == told
+    assert with_json_file_option(given) == told

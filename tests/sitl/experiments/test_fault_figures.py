@@ -3,13 +3,13 @@
 from boat_rig import HOME_ITEM, scenario, waypoint
 
 from sitl.experiments.campaign.fault_figures import fault_figures
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 
 
 def figures(*settings: str) -> dict[str, float | None]:
-    sailing = Sailing(scenario("open", *settings), [HOME_ITEM, waypoint(60.0, 0.0)])
-    sailing.run(timeout_s=50.0)
-    return fault_figures(sailing)
+    mission_run = MissionRun(scenario("open", *settings), [HOME_ITEM, waypoint(60.0, 0.0)])
+    mission_run.run(timeout_s=50.0)
+    return fault_figures(mission_run)
 
 
 def test_a_leap_of_the_receiver_shows_in_the_time_to_notice_and_leads_nobody_off_the_plan() -> None:

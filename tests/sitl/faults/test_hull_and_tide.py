@@ -8,11 +8,11 @@ from boat_rig import Rig, waypoint
 from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HullReading
 from sitl.world.faults.catalogue import FaultSetting
-from sitl.world.faults.parts import LeakPart, ThermometerPart
+from sitl.world.faults.parts import LeakPart, thermometer_part
 from sitl.world.sensors import HullSensorSettings, SimHull
 
 
-def sailing(*settings: str) -> Rig:
+def mission_run(*settings: str) -> Rig:
     """A boat on a long leg."""
     return Rig("open", *settings).sail(waypoint(500.0, 0.0))
 
@@ -23,14 +23,14 @@ def set_parameter(rig: Rig, name: str, value: float) -> None:
 
 
 def reading(hull: SimHull, now_s: float) -> HullReading:
-    hull.sense(now_s)
+    hull.sample(now_s)
     latest = hull.read()
     assert latest is not None
     return latest
 
 
 def test_water_in_the_hull_by_schedule_sends_the_boat_home() -> None:
-    rig = sailing('faults=[{what="leak", kind="wet", at_s=30.0}]')
+    rig = mission_run('faults=[{what="leak", kind="wet", at_s=30.0}]')
     rig.until(lambda: rig.world.time_s > 30.0, 30.0)
     assert rig.mode == "AUTO"
     rig.run(4.0)
@@ -39,7 +39,7 @@ def test_water_in_the_hull_by_schedule_sends_the_boat_home() -> None:
 
 
 def test_water_by_parameter_comes_and_goes() -> None:
-    rig = sailing()
+    rig = mission_run()
     set_parameter(rig, "SIM_LEAK", 1.0)
     rig.run(4.0)
     assert rig.mode == "RTL"
@@ -49,13 +49,13 @@ def test_water_by_parameter_comes_and_goes() -> None:
 
 
 def test_water_that_only_splashes_the_probe_does_not_end_the_mission() -> None:
-    rig = sailing('faults=[{what="leak", kind="intermittent", at_s=10.0, size=2.0}]')
+    rig = mission_run('faults=[{what="leak", kind="intermittent", at_s=10.0, size=2.0}]')
     rig.run(40.0)
     assert rig.mode == "AUTO"
 
 
 def test_heat_that_grows_sends_the_boat_home_once_it_is_too_hot() -> None:
-    rig = sailing('faults=[{what="thermometer", kind="hot", at_s=20.0, size=120.0}]')
+    rig = mission_run('faults=[{what="thermometer", kind="hot", at_s=20.0, size=120.0}]')
     rig.until(lambda: rig.mode == "RTL", 90.0)
     # 40 °C, 2 °C a second from 20 s on: 85 °C at 42.5 s, and ten seconds of patience
     assert rig.world.time_s == pytest.approx(52.5, abs=2.5)
@@ -63,7 +63,7 @@ def test_heat_that_grows_sends_the_boat_home_once_it_is_too_hot() -> None:
 
 
 def test_heat_by_parameter_is_noticed_and_over_when_it_is_cool_again() -> None:
-    rig = sailing()
+    rig = mission_run()
     set_parameter(rig, "SIM_HULL_TEMP", 95.0)
     rig.run(13.0)
     assert (rig.mode, "Failsafe: Too hot: 95 C" in rig.peer.texts) == ("RTL", True)
@@ -74,7 +74,7 @@ def test_heat_by_parameter_is_noticed_and_over_when_it_is_cool_again() -> None:
 
 @pytest.mark.parametrize("what", ["leak", "thermometer"])
 def test_a_hull_sensor_that_is_silent_is_no_alarm(what: str) -> None:
-    rig = sailing(f'faults=[{{what="{what}", kind="off", at_s=5.0}}]')
+    rig = mission_run(f'faults=[{{what="{what}", kind="off", at_s=5.0}}]')
     rig.run(30.0)
     assert rig.mode == "AUTO"
     hull = rig.boat.sensors.hull
@@ -91,23 +91,23 @@ def test_a_boat_without_a_hull_sensor_has_neither_its_faults_nor_its_parameters(
 
 def test_the_thermometer_warms_to_its_limit_and_is_cool_again_at_once() -> None:
     hull = SimHull(HullSensorSettings(temperature_c=30.0))
-    part = ThermometerPart(hull)
-    part.suffer(FaultSetting("thermometer", "hot", size=60.0), 10.0)
+    part = thermometer_part(hull)
+    part(FaultSetting("thermometer", "hot", size=60.0), 10.0)
     assert reading(hull, 40.0) == HullReading(40.0, False, 60.0)
     assert reading(hull, 400.0).temperature_c == 110.0
-    part.suffer(None, 401.0)
+    part(None, 401.0)
     assert reading(hull, 402.0).temperature_c == 30.0
-    part.suffer(FaultSetting("thermometer", "wrong", size=-12.0), 403.0)
+    part(FaultSetting("thermometer", "wrong", size=-12.0), 403.0)
     assert reading(hull, 404.0).temperature_c == 18.0
 
 
 def test_a_fault_that_ends_leaves_the_water_that_a_parameter_has_let_in() -> None:
     hull = SimHull(HullSensorSettings())
     part = LeakPart(hull)
-    part.soak(True)
-    part.suffer(FaultSetting("leak", "off"), 0.0)
+    part.set_wet(1.0)
+    part(FaultSetting("leak", "off"), 0.0)
     assert reading(hull, 0.0).is_wet is None
-    part.suffer(None, 1.0)
+    part(None, 1.0)
     assert reading(hull, 2.0).is_wet is True
 
 

@@ -22,8 +22,8 @@ from sitl.reports.labels import label, labelled
 from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
 from sitl.reports.run_pictures import brakes, draw_panels, draw_track_chart, fault_spans
+from sitl.run.mission_run import MissionRun
 from sitl.run.run_record import RunRecord, load_record
-from sitl.run.sail import Sailing
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 
@@ -33,8 +33,8 @@ def record() -> RunRecord:
     fault = 'faults=[{what="compass", kind="wrong", size=3.0, at_s=6.0, for_s=2.0}]'
     water = "water=[[-30,-30],[60,-30],[60,60],[-30,60]]"
     rock = f'map={{{water}, obstacles=[{{name="Rock", circle={{centre=[3,10],radius_m=1}}}}]}}'
-    sailing = Sailing(scenario("open", fault, rock, "environment.current_m_s=0.2"), ITEMS)
-    return RunRecord.of(sailing, sailing.run())
+    mission_run = MissionRun(scenario("open", fault, rock, "environment.current_m_s=0.2"), ITEMS)
+    return RunRecord.of(mission_run, mission_run.run())
 
 
 def test_a_record_reads_back_as_it_was_saved(record: RunRecord, tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_a_record_reads_back_as_it_was_saved(record: RunRecord, tmp_path: Path) 
     for name, column in record.truth.items():
         assert np.array_equal(again.truth[name], column), name
     assert np.array_equal(
-        again.beliefs["current_north_m_s"], record.beliefs["current_north_m_s"], equal_nan=True
+        again.estimates["current_north_m_s"], record.estimates["current_north_m_s"], equal_nan=True
     )
     assert np.array_equal(again.echoes, record.echoes)
     assert again.chart.water.symmetric_difference(record.chart.water).area < 1e-2
@@ -238,9 +238,9 @@ def braked(record: RunRecord, astern: list[tuple[int, int]], surge_m_s: float = 
     command = np.full(rows, 0.5)
     for begin, end in astern:
         command[begin:end] = -1.0
-    beliefs = {**record.beliefs, "time_s": times, "left": command, "right": command}
+    estimates = {**record.estimates, "time_s": times, "left": command, "right": command}
     truth = {**record.truth, "time_s": times, "surge_m_s": np.full(rows, surge_m_s)}
-    return dataclasses.replace(record, beliefs=beliefs, truth=truth)
+    return dataclasses.replace(record, estimates=estimates, truth=truth)
 
 
 def test_charts_show_where_the_boat_braked(record: RunRecord) -> None:
@@ -248,7 +248,7 @@ def test_charts_show_where_the_boat_braked(record: RunRecord) -> None:
     assert brakes(braked(record, [])) == []
     assert brakes(braked(record, [(20, 30)], surge_m_s=-0.2)) == []  # it goes astern: that is no brake
     one_motor = braked(record, [(20, 30)])
-    one_motor.beliefs["right"] = np.full(100, 0.5)
+    one_motor.estimates["right"] = np.full(100, 0.5)
     assert brakes(one_motor) == []
 
 

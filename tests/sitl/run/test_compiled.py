@@ -14,7 +14,7 @@ from compiled.modules import libraries
 from sitl.cli.arguments import scenario_from
 from sitl.scenarios.courses import course_mission
 from sitl.scenarios.missions import wire_items
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 
 SETTINGS = (
     ["environment.current_m_s=0.4"],
@@ -25,7 +25,7 @@ print(len(libraries()))
 for settings in SETTINGS:
     scenario = scenario_from("open", settings, None, 3, None)
     items = wire_items(course_mission("zigzag", scenario.frame, scenario.start))
-    print(Sailing(scenario, items).run(40.0).state_hash)
+    print(MissionRun(scenario, items).run(40.0).state_hash)
 """
 
 

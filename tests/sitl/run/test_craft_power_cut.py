@@ -13,16 +13,16 @@ from companion.app.runner import Runner
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from sitl.run.craft import Berth, Craft
+from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
 
 CUT = 'faults=[{what="computer", at_s=2, for_s=3}]'
 
 
-def live(craft: Craft, clock: FakeClock, seconds: float) -> None:
+def live(simulated: SimulatedBoat, clock: FakeClock, seconds: float) -> None:
     """Let the boat live, without waiting for anybody."""
     runner = Runner(clock, 0.02, lambda _: None, lambda _: None, list)
     for _ in range(round(seconds / 0.02)):
-        craft.step(runner)
+        simulated.step(runner)
 
 
 def heard(station: socket.socket) -> set[str]:
@@ -37,51 +37,51 @@ def heard(station: socket.socket) -> set[str]:
 
 def test_the_port_is_silent_without_power_and_the_same_one_after_it() -> None:
     clock = FakeClock()
-    craft = Craft(scenario("open", CUT), ["udpin:127.0.0.1:0"], clock)
-    port = craft.port_names[0]
+    simulated = SimulatedBoat(scenario("open", CUT), ["udpin:127.0.0.1:0"], clock)
+    port = simulated.port_names[0]
     number = int(port.rsplit(":", 1)[1])
     hello = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
-    before = craft.boat
+    before = simulated.boat
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.connect(("127.0.0.1", number))
         station.send(hello)
-        live(craft, clock, 1.5)
+        live(simulated, clock, 1.5)
         assert "HEARTBEAT" in heard(station)
-        live(craft, clock, 1.0)
+        live(simulated, clock, 1.0)
         heard(station)
-        live(craft, clock, 2.0)
+        live(simulated, clock, 2.0)
         assert heard(station) == set()
-        live(craft, clock, 1.0)
+        live(simulated, clock, 1.0)
         station.send(hello)
-        live(craft, clock, 1.0)
+        live(simulated, clock, 1.0)
         assert "HEARTBEAT" in heard(station)
-    assert craft.boat is not before
-    assert craft.port_names == [port]
-    craft.close()
+    assert simulated.boat is not before
+    assert simulated.port_names == [port]
+    simulated.close()
 
 
 def test_files_survive_the_power_cut_and_a_full_disk_refuses_new_ones(tmp_path: Path) -> None:
     faults = 'faults=[{what="computer", at_s=2, for_s=1}, {what="disk", at_s=4}]'
     clock = FakeClock()
-    craft = Craft(scenario("open", faults), [], clock, Berth(state_folder=str(tmp_path)))
-    craft.boat.parameters.set("WP_RADIUS", 3.25)
-    live(craft, clock, 4.5)
-    assert craft.boat.parameters.config.guidance.waypoint_radius_m == 3.25
-    craft.boat.parameters.set("WP_RADIUS", 3.5)
-    craft.close()
-    assert os.strerror(errno.ENOSPC) in craft.boat.parameters.poll_saves()[-1].error
+    simulated = SimulatedBoat(scenario("open", faults), [], clock, BoatOptions(state_folder=str(tmp_path)))
+    simulated.boat.parameters.set("WP_RADIUS", 3.25)
+    live(simulated, clock, 4.5)
+    assert simulated.boat.parameters.config.guidance.waypoint_radius_m == 3.25
+    simulated.boat.parameters.set("WP_RADIUS", 3.5)
+    simulated.close()
+    assert os.strerror(errno.ENOSPC) in simulated.boat.parameters.poll_saves()[-1].error
     assert "WP_RADIUS 3.25" in (tmp_path / "params.parm").read_text(encoding="ascii")
 
 
 @pytest.mark.parametrize("loss", [0.0, 1.0])
 def test_the_scenarios_link_is_between_the_ports_and_the_boat(loss: float) -> None:
     clock = FakeClock()
-    craft = Craft(scenario("open", f"link.loss={loss}"), ["udpin:127.0.0.1:0"], clock)
-    number = int(craft.port_names[0].rsplit(":", 1)[1])
+    simulated = SimulatedBoat(scenario("open", f"link.loss={loss}"), ["udpin:127.0.0.1:0"], clock)
+    number = int(simulated.port_names[0].rsplit(":", 1)[1])
     hello = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.connect(("127.0.0.1", number))
         station.send(hello)
-        live(craft, clock, 1.5)
+        live(simulated, clock, 1.5)
         assert ("HEARTBEAT" in heard(station)) is (loss == 0.0)
-    craft.close()
+    simulated.close()

@@ -17,9 +17,9 @@ from companion.core.modes import Mode
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
-from sitl.run.craft import Berth
-from sitl.run.fleet import fleet, moor
+from sitl.run.fleet import fleet, start_fleet
 from sitl.run.serve import PHASES, Server
+from sitl.run.simulated_boat import BoatOptions
 from sitl.scenarios.scenario import Scenario
 
 
@@ -46,31 +46,31 @@ def test_a_pool_too_small_for_the_fleet_is_said() -> None:
 
 def test_every_boat_sails_in_its_own_water() -> None:
     boats, clock = fleet(scenario("open"), 5), FakeClock()
-    crafts = moor(boats, [[]] * 5, clock, [Berth()] * 5)
-    for number, craft in enumerate(crafts):
-        craft.boat.vehicle.mode = Mode.MANUAL
-        craft.world.hardware.motors.write(0.1 * number, 0.1 * number)
-    Server(crafts, clock).run(lambda: clock.time_s >= 0.5)
-    assert all(craft.world.tick > 20 for craft in crafts)
+    simulated_boats = start_fleet(boats, [[]] * 5, clock, [BoatOptions()] * 5)
+    for number, simulated in enumerate(simulated_boats):
+        simulated.boat.vehicle.mode = Mode.MANUAL
+        simulated.world.hardware.motors.write(0.1 * number, 0.1 * number)
+    Server(simulated_boats, clock).run(lambda: clock.time_s >= 0.5)
+    assert all(simulated.world.tick > 20 for simulated in simulated_boats)
 
 
 def test_boats_begin_one_after_the_other_within_the_first_second(monkeypatch: pytest.MonkeyPatch) -> None:
     assert PHASES * TICK_S == 1.0
     monkeypatch.setattr("sitl.run.serve.PHASES", 3)
     boats, clock = fleet(scenario("open"), 5), FakeClock()
-    crafts = moor(boats, [[]] * 5, clock, [Berth()] * 5)
-    Server(crafts, clock).run(lambda: clock.time_s >= 0.5)
-    first = crafts[0].world.tick
-    assert [first - craft.world.tick for craft in crafts] == [0, 1, 2, 0, 1]
+    simulated_boats = start_fleet(boats, [[]] * 5, clock, [BoatOptions()] * 5)
+    Server(simulated_boats, clock).run(lambda: clock.time_s >= 0.5)
+    first = simulated_boats[0].world.tick
+    assert [first - simulated.world.tick for simulated in simulated_boats] == [0, 1, 2, 0, 1]
 
 
 def test_a_boats_load_is_its_share_of_what_all_take() -> None:
     boats, clock = fleet(scenario("open"), 3), FakeClock()
-    crafts = moor(boats, [[]] * 3, clock, [Berth()] * 3)
-    server = Server(crafts, clock)
+    simulated_boats = start_fleet(boats, [[]] * 3, clock, [BoatOptions()] * 3)
+    server = Server(simulated_boats, clock)
     server._runner.load = 1.5
     server._step(10)
-    assert [craft.boat.load for craft in crafts] == [0.5] * 3
+    assert [simulated.boat.load for simulated in simulated_boats] == [0.5] * 3
     server.run(lambda: True)
 
 
@@ -80,10 +80,10 @@ class OnePort:
     def __init__(self, boats: list[Scenario]) -> None:
         links = [[LinkConfig(url="udpin:127.0.0.1:0")], *([[]] * (len(boats) - 1))]
         self.clock = FakeClock()
-        self.crafts = moor(boats, links, self.clock, [Berth()] * len(boats))
-        self.server = Server(self.crafts, self.clock)
+        self.simulated_boats = start_fleet(boats, links, self.clock, [BoatOptions()] * len(boats))
+        self.server = Server(self.simulated_boats, self.clock)
         self.heard: set[tuple[str, int]] = set()
-        self._at = ("127.0.0.1", int(self.crafts[0].port_names[0].rsplit(":", 1)[1]))
+        self._at = ("127.0.0.1", int(self.simulated_boats[0].port_names[0].rsplit(":", 1)[1]))
         self._encoder, self._decoder = Encoder(Address(255, 190)), Decoder(datagram=True)
         self._station = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._station.setblocking(False)
@@ -109,8 +109,8 @@ class OnePort:
 
     def answering(self) -> set[int]:
         """Who answers when asked."""
-        for craft in self.crafts:
-            system = craft.boat.parameters.config.identity.system_id
+        for simulated in self.simulated_boats:
+            system = simulated.boat.parameters.config.identity.system_id
             self.send(dialect.MAVLink_param_request_read_message(system, 1, b"HDG_KP", -1))
         self.run(0.4)
         return {system for name, system in self.heard if name == "PARAM_VALUE"}
@@ -143,8 +143,8 @@ def test_one_port_reaches_every_boat_again_once_its_power_is_back(
     assert fleet_.answering() == left
     fleet_.run(2.0)
     assert fleet_.answering() == {1, 2, 3}
-    assert len(fleet_.crafts[0].boat.channels.open) == 3  # links that have ended are forgotten
-    assert len(fleet_.crafts[1].boat.channels.open) == 1
+    assert len(fleet_.simulated_boats[0].boat.channels.open) == 3  # links that have ended are forgotten
+    assert len(fleet_.simulated_boats[1].boat.channels.open) == 1
     fleet_.close()
 
 

@@ -2,21 +2,21 @@
 
 from boat_rig import HOME_ITEM, scenario, waypoint
 
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 
 LOST = "Failsafe: Operator lost for 5 s"
 
 
 def texts(fault: str = "", silent_s: float | None = None) -> list[str]:
     settings = [f"faults=[{{{fault}}}]"] if fault else []
-    sailing = Sailing(scenario("open", *settings), [HOME_ITEM, waypoint(80.0, 0.0)])
+    mission_run = MissionRun(scenario("open", *settings), [HOME_ITEM, waypoint(80.0, 0.0)])
 
     def tell(now_s: float, _: int) -> None:
         if silent_s is not None and now_s > silent_s:
-            sailing.lockstep.station.has_operator = False
+            mission_run.lockstep.station.has_operator = False
 
-    sailing.run(timeout_s=60.0, tell=tell, linger_s=30.0)
-    return sailing.lockstep.station.texts
+    mission_run.run(timeout_s=60.0, tell=tell, linger_s=30.0)
+    return mission_run.lockstep.station.texts
 
 
 def test_an_operator_that_is_heard_is_not_missed() -> None:

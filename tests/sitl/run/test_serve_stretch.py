@@ -12,9 +12,9 @@ from companion.core.errors import LinkError
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from sitl.run.craft import Berth, Craft
-from sitl.run.pace import Pace
 from sitl.run.serve import Server, stretched
+from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
+from sitl.run.speed_monitor import SpeedMonitor
 
 
 @pytest.mark.parametrize("speedup", [0.5, 1.0, 10.0])
@@ -35,10 +35,10 @@ def test_the_timers_that_wait_for_stations_are_stretched_and_nothing_else_is(spe
 @pytest.mark.parametrize("speedup", [1.0, 20.0])
 def test_the_water_moves_speedup_times_as_fast_as_the_clock(speedup: float) -> None:
     clock = FakeClock()
-    craft = Craft(scenario("open"), [], clock, Berth(record=True))
-    Server([craft], clock, speedup).run(lambda: clock.time_s >= 2.0)
-    assert craft.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
-    assert len(craft.recorder) == craft.world.tick
+    simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(record=True))
+    Server([simulated], clock, speedup).run(lambda: clock.time_s >= 2.0)
+    assert simulated.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
+    assert len(simulated.recorder) == simulated.world.tick
 
 
 class BusyHost(FakeClock):
@@ -50,9 +50,9 @@ class BusyHost(FakeClock):
         return self.time_s
 
 
-def texts_of(crafts: list[Craft], serve: Callable[[], object]) -> set[str]:
+def texts_of(simulated_boats: list[SimulatedBoat], serve: Callable[[], object]) -> set[str]:
     """What the first boat says on its UDP link meanwhile."""
-    address = ("127.0.0.1", int(crafts[0].port_names[0].rsplit(":", 1)[1]))
+    address = ("127.0.0.1", int(simulated_boats[0].port_names[0].rsplit(":", 1)[1]))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.setblocking(False)
         heartbeat = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
@@ -70,17 +70,17 @@ def texts_of(crafts: list[Craft], serve: Callable[[], object]) -> set[str]:
 @pytest.mark.parametrize("speedup", [1.0, 24.0])
 def test_on_a_host_that_cannot_keep_up_time_stretches_and_the_boat_is_not_overloaded(speedup: float) -> None:
     clock, lines = BusyHost(), list[str]()
-    craft = Craft(scenario("open"), ["udpin:127.0.0.1:0"], clock)
-    server = Server([craft], clock, speedup, lines.append)
+    simulated = SimulatedBoat(scenario("open"), ["udpin:127.0.0.1:0"], clock)
+    server = Server([simulated], clock, speedup, lines.append)
 
     def is_over() -> bool:
-        if craft.world.time_s >= 4.0 and not craft.boat.vehicle.armed:
-            craft.boat.vehicle.arm(force=True)  # only then are failsafes on watch
-        return craft.world.time_s >= 12.0
+        if simulated.world.time_s >= 4.0 and not simulated.boat.vehicle.armed:
+            simulated.boat.vehicle.arm(force=True)  # only then are failsafes on watch
+        return simulated.world.time_s >= 12.0
 
-    texts = texts_of([craft], lambda: server.run(is_over))
+    texts = texts_of([simulated], lambda: server.run(is_over))
     assert server.load > 1.0
-    assert craft.boat.load <= 1.0
+    assert simulated.boat.load <= 1.0
     assert texts
     assert not [text for text in texts if "overloaded" in text]
     assert clock.time_s > 12.0 / speedup
@@ -90,15 +90,15 @@ def test_on_a_host_that_cannot_keep_up_time_stretches_and_the_boat_is_not_overlo
 
 def test_on_a_host_that_keeps_up_nothing_is_said() -> None:
     clock, lines = FakeClock(), list[str]()
-    craft = Craft(scenario("open"), [], clock)
-    Server([craft], clock, 5.0, lines.append).run(lambda: clock.time_s >= 12.0)
+    simulated = SimulatedBoat(scenario("open"), [], clock)
+    Server([simulated], clock, 5.0, lines.append).run(lambda: clock.time_s >= 12.0)
     assert lines == []
 
 
 @pytest.mark.parametrize(("share", "is_said"), [(0.79, True), (0.81, False)])
 def test_a_host_a_fifth_too_slow_is_reported_once(share: float, is_said: bool) -> None:
     lines = list[str]()
-    pace = Pace(2.0, lines.append)
+    pace = SpeedMonitor(2.0, lines.append)
     for tick in range(2000):
         pace.tick(tick * 0.01 / share, 0.02)
     assert len(lines) == is_said
@@ -106,15 +106,15 @@ def test_a_host_a_fifth_too_slow_is_reported_once(share: float, is_said: bool) -
 
 def test_without_a_file_to_write_no_trajectory_grows() -> None:
     clock = FakeClock()
-    craft = Craft(scenario("open"), [], clock)
-    Server([craft], clock).run(lambda: clock.time_s >= 1.0)
-    assert len(craft.recorder) == 0
+    simulated = SimulatedBoat(scenario("open"), [], clock)
+    Server([simulated], clock).run(lambda: clock.time_s >= 1.0)
+    assert len(simulated.recorder) == 0
 
 
 def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterwards() -> None:
     clock = FakeClock()
-    craft = Craft(scenario("open"), ["udpin:127.0.0.1:0"], clock)
-    number = int(craft.port_names[0].rsplit(":", 1)[1])
+    simulated = SimulatedBoat(scenario("open"), ["udpin:127.0.0.1:0"], clock)
+    number = int(simulated.port_names[0].rsplit(":", 1)[1])
     assert number > 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.settimeout(MOMENT_S)
@@ -123,12 +123,12 @@ def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterward
             encoder.encode(dialect.MAVLink_param_request_read_message(1, 1, b"HDG_KP", -1)),
             ("127.0.0.1", number),
         )
-        craft.boat.step(0.0)
-        craft.boat.step(0.02)
+        simulated.boat.step(0.0)
+        simulated.boat.step(0.02)
         names = set()
         while "PARAM_VALUE" not in names:
             names |= {r.message.get_type() for r in Decoder(datagram=True).feed(station.recv(2048))}
-    Server([craft], clock).run(lambda: True)
+    Server([simulated], clock).run(lambda: True)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
         again.bind(("127.0.0.1", number))
 
@@ -139,4 +139,4 @@ def test_a_port_that_is_taken_is_named() -> None:
         taken.listen()
         url = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
         with pytest.raises(LinkError, match=url):
-            Craft(scenario("open"), [url], FakeClock())
+            SimulatedBoat(scenario("open"), [url], FakeClock())

@@ -9,9 +9,9 @@ from fake_clock import FakeClock
 
 from companion.core.errors import StorageError
 from companion.core.modes import Mode
-from sitl.run.craft import Berth, Craft
 from sitl.run.serve import Server
-from sitl.run.state_folder import StateInUseError, hold, usual_folder
+from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
+from sitl.run.state_folder import StateInUseError, default_folder, hold
 
 
 @pytest.fixture(autouse=True)
@@ -23,21 +23,21 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_the_usual_folder_is_that_of_scenario_and_port(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the XDG base directory specification: $XDG_STATE_HOME, or ~/.local/state where that is not set."""
-    assert usual_folder("lake", 1, 5760) == home / ".local/state/mavboat/lake-5760"
-    assert usual_folder("lake", 1, 5770) == home / ".local/state/mavboat/lake-5770"
-    assert usual_folder("lake", 1, None) == home / ".local/state/mavboat/lake-udp"
+    assert default_folder("lake", 1, 5760) == home / ".local/state/mavboat/lake-5760"
+    assert default_folder("lake", 1, 5770) == home / ".local/state/mavboat/lake-5770"
+    assert default_folder("lake", 1, None) == home / ".local/state/mavboat/lake-udp"
     monkeypatch.setenv("XDG_STATE_HOME", str(home / "elsewhere"))
-    assert usual_folder("lake", 1, 5760) == home / "elsewhere/mavboat/lake-5760"
+    assert default_folder("lake", 1, 5760) == home / "elsewhere/mavboat/lake-5760"
 
 
 def test_other_water_is_another_folder(home: Path) -> None:
     sources = [("lake", 1), ("pool", 1), ("random", 1), ("random", 2), ("lake.toml", 1), ("b/lake.toml", 1)]
-    assert len({usual_folder(source, seed, 5760) for source, seed in sources}) == len(sources)
-    assert usual_folder("lake", 1, 5760) == usual_folder("lake", 2, 5760)
+    assert len({default_folder(source, seed, 5760) for source, seed in sources}) == len(sources)
+    assert default_folder("lake", 1, 5760) == default_folder("lake", 2, 5760)
 
 
 def test_a_port_that_changes_with_every_start_has_no_folder() -> None:
-    assert usual_folder("lake", 1, 0) is None
+    assert default_folder("lake", 1, 0) is None
 
 
 def test_one_folder_is_for_one_emulator_at_a_time(tmp_path: Path) -> None:
@@ -57,9 +57,9 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
 def sail(folder: Path, *, is_cut: bool) -> None:
     """A boat that is under way with a mission when its program ends: by the power, or as it should."""
     clock = FakeClock()
-    craft = Craft(scenario("open"), [], clock, Berth(state_folder=str(folder)))
-    server = Server([craft], clock)
-    vehicle = craft.boat.vehicle
+    simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(folder)))
+    server = Server([simulated], clock)
+    vehicle = simulated.boat.vehicle
 
     def begin() -> bool:
         if clock.time_s > 4.0 and not vehicle.armed:
@@ -70,7 +70,7 @@ def sail(folder: Path, *, is_cut: bool) -> None:
 
     if is_cut:
         server._runner.run(begin)
-        craft._storage.close()
+        simulated._storage.close()
     else:
         server.run(begin)
     assert vehicle.armed
@@ -81,16 +81,16 @@ def test_only_a_power_cut_leaves_a_voyage_to_take_up(tmp_path: Path, is_cut: boo
     """After a regular end the emulated boat lies at its start again, and has nothing to take up."""
     sail(tmp_path, is_cut=is_cut)
     clock = FakeClock()
-    craft = Craft(scenario("open"), [], clock, Berth(state_folder=str(tmp_path)))
-    assert bool(craft.boat.resume._offer) is is_cut
-    Server([craft], clock).run(lambda: True)
+    simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(tmp_path)))
+    assert bool(simulated.boat.resume._offer) is is_cut
+    Server([simulated], clock).run(lambda: True)
 
 
 def test_parameters_outlive_a_regular_end(tmp_path: Path) -> None:
     clock = FakeClock()
-    craft = Craft(scenario("open"), [], clock, Berth(state_folder=str(tmp_path)))
-    craft._storage.save("params.parm", b"WP_RADIUS 3.25\n")
-    Server([craft], clock).run(lambda: True)
-    again = Craft(scenario("open"), [], clock, Berth(state_folder=str(tmp_path)))
+    simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(tmp_path)))
+    simulated._storage.save("params.parm", b"WP_RADIUS 3.25\n")
+    Server([simulated], clock).run(lambda: True)
+    again = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(tmp_path)))
     assert again.boat.parameters.config.guidance.waypoint_radius_m == 3.25
     Server([again], clock).run(lambda: True)

@@ -3,9 +3,9 @@ import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
 from companion.core.modes import Mode
-from sitl.reports.estimate_overlay import EVERY_S, Estimate
+from sitl.run.estimate_recorder import EVERY_S, Estimate
 from sitl.run.lockstep import Lockstep
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.run.timeline import MOST_EVENTS, Timeline
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
@@ -15,9 +15,9 @@ WALLED = (
 
 
 def test_a_run_says_when_the_boat_was_armed_changed_its_mode_and_reached_its_waypoints() -> None:
-    sailing = Sailing(scenario("open"), ITEMS)
-    sailing.run()
-    told = [(event.kind, event.text) for event in sailing.timeline.events if event.kind != "text"]
+    mission_run = MissionRun(scenario("open"), ITEMS)
+    mission_run.run()
+    told = [(event.kind, event.text) for event in mission_run.timeline.events if event.kind != "text"]
     assert told == [
         ("mode", "HOLD"),
         ("arming", "armed"),
@@ -26,9 +26,9 @@ def test_a_run_says_when_the_boat_was_armed_changed_its_mode_and_reached_its_way
         ("mode", "LOITER"),
         ("waypoint", "item 2 reached"),
     ]
-    times = [event.time_s for event in sailing.timeline.events]
+    times = [event.time_s for event in mission_run.timeline.events]
     assert times == sorted(times)
-    assert "Mission complete" in [event.text for event in sailing.timeline.events]
+    assert "Mission complete" in [event.text for event in mission_run.timeline.events]
 
 
 def test_faults_are_told_when_they_begin_and_when_they_are_over() -> None:
@@ -76,13 +76,13 @@ def test_a_full_timeline_takes_no_more() -> None:
 
 
 def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> None:
-    sailing = Sailing(scenario("open", "environment.current_m_s=0.3"), ITEMS)
-    result = sailing.run()
-    rows = sailing.beliefs.rows
+    mission_run = MissionRun(scenario("open", "environment.current_m_s=0.3"), ITEMS)
+    result = mission_run.run()
+    rows = mission_run.estimates.rows
     column = {name: rows[:, index] for index, name in enumerate(Estimate._fields)}
     assert len(rows) == pytest.approx(result.time_s / EVERY_S, abs=3)
     assert np.allclose(np.diff(column["time_s"]), EVERY_S)
-    truth = {round(row[0], 3): row for row in sailing.recorder.rows.tolist()}
+    truth = {round(row[0], 3): row for row in mission_run.recorder.rows.tolist()}
     for time_s, north_m in zip(column["time_s"], column["north_m"], strict=True):
         assert truth[round(time_s, 3)][1] == pytest.approx(north_m, abs=2.0)
     assert column["armed"].all()
@@ -92,18 +92,18 @@ def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> Non
 
 def test_echoes_lie_where_the_boat_took_them_to_be() -> None:
     lockstep = Lockstep(scenario("open", WALLED, "boat.heading_deg=0", "boat.start=[0.0, 3.0]"))
-    sailing = Sailing(lockstep.world.scenario, ITEMS)
+    mission_run = MissionRun(lockstep.world.scenario, ITEMS)
     for _ in range(300):
         lockstep.step()
-        sailing.beliefs.tick(lockstep.boat, lockstep.time_s)
-    north_m, east_m = sailing.beliefs.echoes[:, 1], sailing.beliefs.echoes[:, 2]
+        mission_run.estimates.tick(lockstep.boat, lockstep.time_s)
+    north_m, east_m = mission_run.estimates.echoes[:, 1], mission_run.estimates.echoes[:, 2]
     assert len(north_m) > 10
     rock = np.abs(np.hypot(north_m - 6.0, east_m) - 1.0)
     assert np.median(rock) < 1.0
 
 
 def test_a_boat_that_has_left_its_mission_is_watched_for_as_long_as_was_asked() -> None:
-    short, long = Sailing(scenario("open"), ITEMS), Sailing(scenario("open"), ITEMS)
+    short, long = MissionRun(scenario("open"), ITEMS), MissionRun(scenario("open"), ITEMS)
     ended, watched = short.run(), long.run(linger_s=10.0)
     assert watched.sim_seconds == pytest.approx(ended.sim_seconds + 10.0, abs=0.1)
     assert watched.time_s == pytest.approx(ended.time_s)

@@ -12,7 +12,7 @@ from companion.core.geo import LatLon, LocalFrame
 from companion.estimation import estimator, gnss_update, water_speed, yaw_model
 from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.drive import Thruster
 from sitl.world.sensors import (
@@ -42,7 +42,7 @@ def arrivals(
     out: list[tuple[float, GnssFix]] = []
     for tick in range(round(seconds / DT_S)):
         now_s = tick * DT_S
-        gnss.sense(now_s, speed_m_s * now_s, 0.0, speed_m_s, 0.0)
+        gnss.sample(now_s, speed_m_s * now_s, 0.0, speed_m_s, 0.0)
         fix = gnss.read()
         if fix is not None and (not out or fix is not out[-1][1]):
             out.append((now_s + clock_offset_s, fix))
@@ -128,7 +128,7 @@ def reading(
     settings: CompassSettings, heading_rad: float, rate: float, surge: float, added: float = 0.0
 ) -> HeadingReading:
     compass = SimCompass(settings, 1, added)
-    compass.sense(0.0, heading_rad, rate, 0.0, surge)
+    compass.sample(0.0, heading_rad, rate, 0.0, surge)
     heard = compass.read()
     assert heard is not None
     return heard
@@ -173,7 +173,7 @@ def test_the_ranger_looks_where_its_servo_is_and_says_where_it_should_be() -> No
         sonar, before = SimSonar(settings, shore, 1), -100
         out: dict[tuple[int, bool], float | None] = {}
         for tick in range(300):
-            sonar.sense(tick * DT_S, 0.0, 0.0, 0.0)
+            sonar.sample(tick * DT_S, 0.0, 0.0, 0.0)
             for ping in sonar.read():
                 bearing = round(math.degrees(ping.bearing_rad))
                 out[bearing, bearing > before] = ping.range_m
@@ -195,4 +195,4 @@ def test_the_ranger_looks_where_its_servo_is_and_says_where_it_should_be() -> No
 def test_a_run_waits_for_its_first_position_however_late_it_comes(latency_s: float) -> None:
     settings = [f"sensors.gnss.latency_s={latency_s}", "sensors.gnss.jitter_s=0.0"]
     items = [HOME_ITEM, waypoint(10.0, 0.0)]
-    assert Sailing(boat_scenario("open", *settings), items).run(timeout_s=60.0).completed
+    assert MissionRun(boat_scenario("open", *settings), items).run(timeout_s=60.0).completed

@@ -32,7 +32,7 @@ def gnss_deviation_m(east_m: float, shore: Shore) -> float:
     gnss = SimGnss(settings, FRAME, 1, shore)
     errors = []
     for second in range(10_000):
-        gnss.sense(float(second), 0.0, east_m, 0.0, 0.0)
+        gnss.sample(float(second), 0.0, east_m, 0.0, 0.0)
         fix = gnss.read()
         if fix is not None:
             errors.append(FRAME.to_local(fix.position).east_m - east_m)
@@ -52,7 +52,7 @@ def deviations_deg(motor_current_a: float = 0.0, **iron: float) -> list[float]:
     for heading_deg in range(0, 360, 10):
         compass = SimCompass(CompassSettings(**NO_NOISE, **iron), 1)
         heading_rad = math.radians(heading_deg)
-        compass.sense(0.0, heading_rad, 0.0, motor_current_a)
+        compass.sample(0.0, heading_rad, 0.0, motor_current_a)
         reading = compass.read()
         assert reading is not None
         out.append(math.degrees(math.remainder(reading.heading_rad - heading_rad, 2.0 * math.pi)))
@@ -82,7 +82,7 @@ def test_the_gyros_bias_wanders_as_far_in_a_minute_as_it_should() -> None:
     for seed in range(200):
         compass = SimCompass(CompassSettings(rate_hz=5.0, **NO_NOISE, gyro_walk_deg_s=0.5), seed)
         for sample in range(301):
-            compass.sense(sample * 0.2, 0.0, 0.0)
+            compass.sample(sample * 0.2, 0.0, 0.0)
         reading = compass.read()
         assert reading is not None
         assert reading.yaw_rate_rad_s is not None
@@ -94,7 +94,7 @@ def ranges(settings: SonarSettings, heading_deg: float = 0.0, wave_m: float = 0.
     sonar = SimSonar(settings, BASIN, 1)
     out: list[float | None] = []
     for ping in range(5_000):
-        sonar.sense(ping * settings.ping_s, 0.0, 0.0, math.radians(heading_deg), wave_m)
+        sonar.sample(ping * settings.ping_s, 0.0, 0.0, math.radians(heading_deg), wave_m)
         out += [heard.range_m for heard in sonar.read()]
     return out
 
@@ -114,7 +114,7 @@ def test_a_wall_that_mirrors_hides_what_is_behind_it() -> None:
     walls = Shore(build_chart("walls", FRAME, chart.water - tilted - shapely.box(-3, 3, 3, 3.1), ()), 4.0)
     settings = SonarSettings(sweep_deg=0.0, cone_deg=0.0, noise_m=0.0, specular_deg=10.0)
     sonar = SimSonar(settings, walls, 1)
-    sonar.sense(0.0, 0.0, 0.0, 0.0)
+    sonar.sample(0.0, 0.0, 0.0, 0.0)
     assert [ping.range_m for ping in sonar.read()] == [None]
 
 
@@ -140,7 +140,7 @@ def test_the_battery_monitor_has_the_noise_and_the_gain_asked_for() -> None:
     battery = SimBattery(10.0, settings, 1)
     heard = []
     for sample in range(5000):
-        battery.sense(sample * 0.1, 12.0, 3.0)
+        battery.sample(sample * 0.1, 12.0, 3.0)
         reading = battery.read()
         assert reading is not None
         assert reading.current_a is not None

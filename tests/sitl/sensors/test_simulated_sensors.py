@@ -32,7 +32,7 @@ def fixes(settings: GnssSettings, seconds: float, seed: int = 1) -> list[GnssFix
     gnss = SimGnss(settings, FRAME, seed)
     out: list[GnssFix] = []
     for tick in range(round(seconds / DT_S)):
-        gnss.sense(tick * DT_S, 100.0, -50.0, 1.5, -0.5)
+        gnss.sample(tick * DT_S, 100.0, -50.0, 1.5, -0.5)
         fix = gnss.read()
         if fix is not None and (not out or fix is not out[-1]):
             out.append(fix)
@@ -43,7 +43,7 @@ def headings(settings: CompassSettings, seconds: float, seed: int = 1) -> list[H
     compass = SimCompass(settings, seed)
     out = []
     for tick in range(round(seconds / DT_S)):
-        compass.sense(tick * DT_S, 1.0, 0.2)
+        compass.sample(tick * DT_S, 1.0, 0.2)
         reading = compass.read()
         assert reading is not None
         out.append(reading)
@@ -56,7 +56,7 @@ def pings(
     sonar = SimSonar(settings, BASIN, seed)
     out: list[SonarReading] = []
     for tick in range(round(seconds / DT_S)):
-        sonar.sense(tick * DT_S, 0.0, 0.0, heading_rad)
+        sonar.sample(tick * DT_S, 0.0, 0.0, heading_rad)
         out.extend(sonar.read())
     return out
 
@@ -75,7 +75,7 @@ def test_fixes_come_at_their_rate_and_arrive_late_by_the_latency() -> None:
     gnss = SimGnss(GnssSettings(rate_hz=5.0, latency_s=0.1, jitter_s=0.0), FRAME, 1, assumed_latency_s=0.1)
     arrivals: dict[float, float] = {}
     for tick in range(101):
-        gnss.sense(tick * DT_S, 0.0, 0.0, 0.0, 0.0)
+        gnss.sample(tick * DT_S, 0.0, 0.0, 0.0, 0.0)
         fix = gnss.read()
         if fix is not None:
             arrivals.setdefault(fix.time_s, tick * DT_S)
@@ -175,7 +175,7 @@ def test_sonar_noise_stays_within_the_parts_range() -> None:
 def test_unread_pings_do_not_pile_up() -> None:
     sonar = SimSonar(SonarSettings(), BASIN, 1)
     for tick in range(10_000):
-        sonar.sense(tick * DT_S, 0.0, 0.0, 0.0)
+        sonar.sample(tick * DT_S, 0.0, 0.0, 0.0)
     assert len(sonar.read()) == 64
     assert sonar.read() == []
 

@@ -143,10 +143,10 @@ def test_the_same_seed_gives_the_same_gusts_and_another_one_others() -> None:
 def test_another_wind_can_be_made_to_blow_at_run_time() -> None:
     water = World(load_scenario("open"))
     assert water.wind.is_calm
-    water.wind.blow(6.0, math.pi)
+    water.wind.set_wind(6.0, math.pi)
     for _ in range(100):
         water.step(DT_S)
     assert water.truth.wind_north_m_s == pytest.approx(6.0)
     assert water.truth.north_m_s > 0.0
-    water.wind.blow(0.0, 0.0)
+    water.wind.set_wind(0.0, 0.0)
     assert water.wind.is_calm

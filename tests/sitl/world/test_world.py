@@ -93,7 +93,7 @@ def test_the_monitor_reads_the_pack_at_its_own_rate() -> None:
     as_part: Battery = monitor
     times = set()
     for tick in range(50):
-        monitor.sense(tick * DT_S, 12.0, 1.0)
+        monitor.sample(tick * DT_S, 12.0, 1.0)
         reading = as_part.read()
         assert reading is not None
         times.add(reading.time_s)

@@ -12,12 +12,12 @@ UPLOAD_S = 60.0
 ANSWER_S = 5.0
 
 
-class SailError(BoatError):
+class RunError(BoatError):
     """The run ended before it should, or the boat did not do as ordered; the message says what and why."""
 
 
-class Orders:
-    """Orders given by the lockstep's station. step: advances the run by one tick."""
+class StationCommands:
+    """Commands of the lockstep's station. step: advances the run by one tick."""
 
     def __init__(self, lockstep: Lockstep, step: Callable[[], None]) -> None:
         self._lockstep = lockstep
@@ -27,32 +27,32 @@ class Orders:
         """Let time pass until something is so.
 
         Raises:
-            SailError: it was not within limit_s.
+            RunError: it was not within limit_s.
         """
         deadline_s = self._lockstep.time_s + limit_s
         while not is_so():
             if self._lockstep.time_s > deadline_s:
-                raise SailError(f"{failure} within {limit_s:g} simulated seconds")
+                raise RunError(f"{failure} within {limit_s:g} simulated seconds")
             self._step()
 
     def command(self, number: int, *params: float, what: str) -> None:
         """Send a command until it is accepted.
 
         Raises:
-            SailError: it was refused, or not answered.
+            RunError: it was refused, or not answered.
         """
         station = self._lockstep.station
         station.command(number, *params)
         self.wait(lambda: station.answer(number) is not None, ANSWER_S, f"{what} was not answered")
         if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
             said = station.texts[-1] if station.texts else "it did not say why"
-            raise SailError(f"the boat refused {what}: {said}")
+            raise RunError(f"the boat refused {what}: {said}")
 
     def until_armable(self) -> None:
         """Wait for the boat to say that it may be armed and has a position, which arming does not need.
 
         Raises:
-            SailError: it never does.
+            RunError: it never does.
         """
         self.wait(self._is_armable, BOOT_S, "the boat did not become armable")
 
@@ -60,19 +60,19 @@ class Orders:
         """Give the boat a mission, or another list.
 
         Raises:
-            SailError: it was refused, or did not end.
+            RunError: it was refused, or did not end.
         """
         station = self._lockstep.station
         station.upload(items, self._lockstep.time_s, kind)
         self.wait(lambda: station.uploaded is not None, UPLOAD_S, "the upload did not end")
         if not station.uploaded:
-            raise SailError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
+            raise RunError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
 
     def arm(self) -> None:
         """Let the motors turn.
 
         Raises:
-            SailError: the boat refused.
+            RunError: the boat refused.
         """
         self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
 
@@ -80,7 +80,7 @@ class Orders:
         """Sail the mission.
 
         Raises:
-            SailError: the boat refused.
+            RunError: the boat refused.
         """
         self.command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
 
@@ -88,7 +88,7 @@ class Orders:
         """Enter a mode by its Rover number.
 
         Raises:
-            SailError: the boat refused.
+            RunError: the boat refused.
         """
         flag = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         self.command(dialect.MAV_CMD_DO_SET_MODE, flag, float(number), what=f"mode {number}")

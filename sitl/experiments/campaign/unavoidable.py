@@ -23,7 +23,7 @@ import shapely
 from numpy.typing import NDArray
 
 from sitl.experiments.campaign.hull_speed import one_motor_speed_m_s, top_speed_m_s
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import Scenario
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.pack import Pack
@@ -45,9 +45,9 @@ Mask = NDArray[np.bool_]
 Rows = NDArray[np.float64]
 
 
-def inevitable(sailing: Sailing) -> str:
+def unavoidable_cause(mission_run: MissionRun) -> str:
     """Why the run's first touch could not be helped, in words; "" if it could, or if there was none."""
-    scenario, rows = sailing.scenario, sailing.recorder.rows
+    scenario, rows = mission_run.scenario, mission_run.recorder.rows
     aground = rows[:, Truth._fields.index("grounded")] > 0.0
     if len(scenario.faults) != 1 or not aground.any():
         return ""
@@ -58,16 +58,16 @@ def inevitable(sailing: Sailing) -> str:
     after_s = touch_s - fault.at_s
     if fault.what in _MOTORS and fault.kind in _TREACHEROUS and after_s < _RECOGNISED_S:
         return f"no time: {after_s:.0f} s after the fault"
-    speed_m_s = left_speed_m_s(fault, scenario)
+    speed_m_s = remaining_speed_m_s(fault, scenario)
     if not speed_m_s < _top_speed_m_s(scenario):
         return ""
-    if survives(scenario, rows, fault, speed_m_s, touch_s):
+    if has_way_clear(scenario, rows, fault, speed_m_s, touch_s):
         return ""
     what = "no power" if speed_m_s == 0.0 else f"one motor: {speed_m_s:.2f} m/s"
     return f"{what}, in a set of {math.hypot(*_current_m_s(scenario, row)):.2f} m/s"
 
 
-def left_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
+def remaining_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
     """Speed through the water that a fault leaves."""
     if fault.what == "computer":
         return 0.0
@@ -85,7 +85,9 @@ def _top_speed_m_s(scenario: Scenario) -> float:
     return top_speed_m_s(scenario.hull, scenario.thrusters, Pack(scenario.battery).supply_v)
 
 
-def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: float, until_s: float) -> bool:
+def has_way_clear(
+    scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: float, until_s: float
+) -> bool:
     """Whether some way stays clear until HORIZON_S after until_s, when the boat touched."""
     if speed_m_s == 0.0:  # without power there is one way only, and that is the one that it went
         return until_s > fault.ends_s + _RESTART_S
@@ -93,7 +95,7 @@ def survives(scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: flo
     if not len(since):
         return False
     place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
-    reach = _Reach(scenario.chart.navigable.buffer(-0.5 * scenario.hull.beam_m), since[0, place])
+    reach = _ReachableSet(scenario.chart.navigable.buffer(-0.5 * scenario.hull.beam_m), since[0, place])
     over_s, at_s = fault.ends_s, float(since[0, 0])
     every = max(1, round(STEP_S / (since[1, 0] - since[0, 0]))) if len(since) > 1 else 1
     north_m_s = east_m_s = 0.0
@@ -130,7 +132,7 @@ def _current_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
     return float(current[0] + share * past[0]), float(current[1] + share * past[1])
 
 
-class _Reach:
+class _ReachableSet:
     """The places that can have been reached, as a mask that moves with the set over the fixed shore."""
 
     def __init__(self, water: shapely.Geometry, at: Rows) -> None:

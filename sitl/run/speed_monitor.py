@@ -10,7 +10,7 @@ WINDOW_S = 5.0  # of wall-clock time; shorter pauses of a busy host even out
 SLOW_SHARE = 0.8  # of the speed asked for; above it the voyage takes at most a quarter longer
 
 
-class Pace:
+class SpeedMonitor:
     """Compares simulated time with the clock, window by window, and calls `report` at most once."""
 
     def __init__(self, speedup: float, report: Callable[[str], None]) -> None:

@@ -7,8 +7,8 @@ import pytest
 from boat_rig import scenario
 from numpy.typing import NDArray
 
-from sitl.experiments.campaign.inevitable import inevitable, left_speed_m_s, survives
-from sitl.run.sail import Sailing
+from sitl.experiments.campaign.unavoidable import has_way_clear, remaining_speed_m_s, unavoidable_cause
+from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import Scenario
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.world import Truth
@@ -60,23 +60,23 @@ def test_one_motor_gets_round_a_rock_but_not_off_a_lee_shore(
 ) -> None:
     rows = drift(current_m_s, 60.0 / current_m_s + 2.0)
     place, until_s = water(island), float(rows[-1, 0])
-    speed_m_s = left_speed_m_s(DEAD, place)
+    speed_m_s = remaining_speed_m_s(DEAD, place)
     assert 0.2 < speed_m_s < 0.8
-    assert survives(place, rows, DEAD, speed_m_s, until_s) is is_avoidable
+    assert has_way_clear(place, rows, DEAD, speed_m_s, until_s) is is_avoidable
 
 
 def test_a_fault_that_is_found_out_too_late_leaves_no_way() -> None:
     place = water(ROCK)
     rows = drift(1.0, 20.0, north_m=44.0)
-    assert not survives(place, rows, DEAD, left_speed_m_s(DEAD, place), float(rows[-1, 0]))
+    assert not has_way_clear(place, rows, DEAD, remaining_speed_m_s(DEAD, place), float(rows[-1, 0]))
 
 
 def test_without_power_the_boat_goes_where_it_went_and_after_that_where_it_likes() -> None:
     place = water(ROCK)
     rows = drift(1.0, 60.0)
     short, long = (FaultSetting(what="computer", at_s=10.0, for_s=for_s) for for_s in (20.0, 50.0))
-    assert survives(place, rows, short, 0.0, float(rows[-1, 0]))
-    assert not survives(place, rows, long, 0.0, float(rows[-1, 0]))
+    assert has_way_clear(place, rows, short, 0.0, float(rows[-1, 0]))
+    assert not has_way_clear(place, rows, long, 0.0, float(rows[-1, 0]))
 
 
 @pytest.mark.parametrize(
@@ -91,8 +91,8 @@ def test_without_power_the_boat_goes_where_it_went_and_after_that_where_it_likes
 )
 def test_only_a_motor_without_thrust_counts_as_none(kind: str, size: float | None, is_whole: bool) -> None:
     place = water(ROCK)
-    speed_m_s = left_speed_m_s(FaultSetting(what="motor_right", kind=kind, size=size), place)
-    whole_m_s = left_speed_m_s(FaultSetting(what="gyro"), place)
+    speed_m_s = remaining_speed_m_s(FaultSetting(what="motor_right", kind=kind, size=size), place)
+    whole_m_s = remaining_speed_m_s(FaultSetting(what="gyro"), place)
     assert (speed_m_s == whole_m_s) is is_whole
 
 
@@ -101,19 +101,21 @@ def test_who_touches_before_a_reversed_motor_can_be_recognised_had_no_time(
     at_s: float, is_inevitable: bool
 ) -> None:
     fault = FaultSetting(what="motor_left", kind="wrong", at_s=at_s)
-    sailing = Sailing(dataclasses.replace(water(BAR), faults=(fault,)), [])
+    mission_run = MissionRun(dataclasses.replace(water(BAR), faults=(fault,)), [])
     aground = STILL._replace(time_s=60.0, grounded=True)
-    sailing.recorder.record(aground)
-    assert (inevitable(sailing) == f"no time: {60.0 - at_s:.0f} s after the fault") is is_inevitable
+    mission_run.recorder.record(aground)
+    assert (
+        unavoidable_cause(mission_run) == f"no time: {60.0 - at_s:.0f} s after the fault"
+    ) is is_inevitable
 
 
 def test_what_a_fault_leaves_is_the_hulls_and_not_what_the_boat_is_told() -> None:
     lake, told = scenario("open"), scenario("open", "vehicle.handling.top_speed_m_s=1.0")
-    assert left_speed_m_s(DEAD, told) == left_speed_m_s(DEAD, lake)
+    assert remaining_speed_m_s(DEAD, told) == remaining_speed_m_s(DEAD, lake)
     heavy = scenario("open", "hull.surge_quadratic=1.2", "hull.surge_linear=0.8")
     gyro = FaultSetting(what="gyro", at_s=10.0)
-    assert left_speed_m_s(gyro, heavy) < 0.8 * left_speed_m_s(gyro, lake)
-    assert left_speed_m_s(gyro, lake) == pytest.approx(3.05, abs=0.05)
-    assert 0.05 < left_speed_m_s(DEAD, lake) / left_speed_m_s(gyro, lake) < 0.2
+    assert remaining_speed_m_s(gyro, heavy) < 0.8 * remaining_speed_m_s(gyro, lake)
+    assert remaining_speed_m_s(gyro, lake) == pytest.approx(3.05, abs=0.05)
+    assert 0.05 < remaining_speed_m_s(DEAD, lake) / remaining_speed_m_s(gyro, lake) < 0.2
     slick = scenario("open", "thrusters.propeller.astern_share=0.9")
-    assert left_speed_m_s(DEAD, slick) != pytest.approx(left_speed_m_s(DEAD, lake), rel=0.01)
+    assert remaining_speed_m_s(DEAD, slick) != pytest.approx(remaining_speed_m_s(DEAD, lake), rel=0.01)

@@ -29,7 +29,7 @@ from sitl.world.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Berth:
+class BoatOptions:
     """How a boat is kept. ports: opens links besides those with a url, to other boats of the same process.
 
     unix_offset_s: what to add to the clock for today's date, where links are signed.
@@ -42,11 +42,15 @@ class Berth:
     ports: tuple[Callable[[], Port], ...] = ()
 
 
-class Craft:
+class SimulatedBoat:
     """One boat. `step` is one tick of its program and its water, `receive` what its links have to say."""
 
     def __init__(
-        self, scenario: Scenario, links: Sequence[str | LinkConfig], clock: Clock, berth: Berth | None = None
+        self,
+        scenario: Scenario,
+        links: Sequence[str | LinkConfig],
+        clock: Clock,
+        options: BoatOptions | None = None,
     ) -> None:
         """Open the ports.
 
@@ -54,7 +58,7 @@ class Craft:
             ConfigError, LinkError: a url that cannot be read, or that the system refuses.
             StorageError: the folder cannot be used.
         """
-        self._berth = berth = berth or Berth()
+        self._options = options = options or BoatOptions()
         self.recorder = (
             Recorder()
         )  # of the truth, where it was asked for: it grows for as long as the boat runs
@@ -66,10 +70,10 @@ class Craft:
         self._logbook: Logbook | None = None
         computer = self.world.electronics.computer
         self._air = Air(scenario.link, scenario.seed, computer, lambda: self.world.time_s)
-        self._storage = _open_storage(berth.state_folder, computer)
+        self._storage = _open_storage(options.state_folder, computer)
         with ExitStack() as undo:
             undo.callback(self._storage.close)
-            self._program = Program(self.world, self._build, self._let_go)
+            self._program = Program(self.world, self._build, self._close_boat)
             undo.pop_all()
         self.port_names = [link.url for link in self._links]
 
@@ -86,8 +90,8 @@ class Craft:
     def step(self, runner: Runner, boats: int = 1) -> None:
         """One tick. boats: how many share the runner; each one's computer would have only itself to run."""
         boat = self.boat
-        if self._berth.unix_offset_s:  # the simulated receiver has a day of its own, and stations live today
-            boat.signing.stamps.follow(timestamp_at(self._clock.now_s() + self._berth.unix_offset_s))
+        if self._options.unix_offset_s:  # the simulated receiver has a date of its own
+            boat.signing.stamps.follow(timestamp_at(self._clock.now_s() + self._options.unix_offset_s))
         # A host that cannot keep up stretches the emulator's time; the emulated computer does not overrun
         self._program.host_load = min(runner.load / boats, 1.0)
         self._program.step()
@@ -96,7 +100,7 @@ class Craft:
         if self._status is not None and self._program.is_running:
             self._status.tick(self.world.time_s, runner.ticks, runner.load)
         truth = self.world.step(TICK_S)
-        if self._berth.record:
+        if self._options.record:
             self.recorder.record(truth, NO_LEG)
 
     def time_ticks(self, runner: Runner) -> None:
@@ -138,15 +142,15 @@ class Craft:
                 for port in ports
                 if isinstance(port, ConfiguredPort)
             ]
-            self._logbook = logbook = open_log(self._config, self._berth.state_folder)
-            own_ports = [*aired, *(open_port() for open_port in self._berth.ports)]
+            self._logbook = logbook = open_log(self._config, self._options.state_folder)
+            own_ports = [*aired, *(open_port() for open_port in self._options.ports)]
             boat = Boat(self._config, self.world.hardware, own_ports, self._storage, logbook=logbook)
             undo.pop_all()
-        if self._berth.status_path is not None:
-            self._status = StatusFile(self._berth.status_path, boat.channels)
+        if self._options.status_path is not None:
+            self._status = StatusFile(self._options.status_path, boat.channels)
         return boat
 
-    def _let_go(self, boat: Boat) -> None:
+    def _close_boat(self, boat: Boat) -> None:
         boat.channels.close()
         boat.endpoint.close()
         if self._logbook is not None:

@@ -44,7 +44,7 @@ _FIELDS = len(Estimate._fields)
 Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
-class EstimateOverlay:
+class EstimateRecorder:
     """One row a tenth of a second, and every echo of the sonar where the boat took it to be."""
 
     __slots__ = ("_echoes", "_frame", "_next_s", "_numbers", "_origin", "_ping_s", "_shift")
@@ -75,11 +75,11 @@ class EstimateOverlay:
                 self._echoes.extend((now_s, north_m, east_m))
         if now_s + 1e-9 >= self._next_s:
             self._next_s = now_s + EVERY_S
-            self._numbers.extend(_belief(boat, self._shift, now_s))
+            self._numbers.extend(_estimate(boat, self._shift, now_s))
 
     @property
     def rows(self) -> Rows:
-        """A copy, shape (rows, fields of Belief)."""
+        """A copy, shape (rows, fields of Estimate)."""
         return np.array(self._numbers, dtype=np.float64).reshape(-1, _FIELDS)
 
     @property
@@ -88,7 +88,7 @@ class EstimateOverlay:
         return np.array(self._echoes, dtype=np.float64).reshape(-1, 3)
 
 
-def _belief(boat: Boat, shift: Point, now_s: float) -> Estimate:
+def _estimate(boat: Boat, shift: Point, now_s: float) -> Estimate:
     nav, demand, command, vehicle = boat.nav, boat.steering.demand, boat.command, boat.vehicle
     return Estimate(
         now_s,

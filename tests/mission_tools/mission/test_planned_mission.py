@@ -13,7 +13,7 @@ from mission_tools.mission.areas import Areas
 from mission_tools.mission.check import check_mission
 from mission_tools.mission.mission import Command, Fence, FenceCircle, FencePolygon, Mission, MissionItem
 from mission_tools.mission.plan_file import save_mission
-from mission_tools.mission.proposal import MissionFile, PlanOptions, Proposal, Water
+from mission_tools.mission.planned_mission import MissionFile, PlannedMission, PlanOptions, Water
 
 POND = LatLon(50.0, -1.2)
 START, GOAL = Point(0.0, 0.0), Point(200.0, 0.0)
@@ -25,8 +25,8 @@ def open_source(origin: LatLon = POND, start: Point | None = START, goal: Point 
     return Source(chart, RouteDefaults(start=start, goal=goal, clearance_m=4.0))
 
 
-def first_point(proposal: Proposal) -> Point:
-    return proposal.points[0]
+def first_point(planned: PlannedMission) -> Point:
+    return planned.points[0]
 
 
 # Where the route starts
@@ -38,10 +38,10 @@ def test_under_way_a_scenarios_route_starts_at_the_boat() -> None:
     assert water.wants_position
     assert not water.needs_position
     at = Point(190.0, 3.0)
-    proposal = water.propose(source.chart.frame.to_global(at))
-    assert distance_m(first_point(proposal), at) < 0.02
-    assert proposal.plan is not None
-    assert proposal.plan.length_m == pytest.approx(distance_m(at, GOAL), abs=0.1)
+    planned = water.prepare(source.chart.frame.to_global(at))
+    assert distance_m(first_point(planned), at) < 0.02
+    assert planned.plan is not None
+    assert planned.plan.length_m == pytest.approx(distance_m(at, GOAL), abs=0.1)
 
 
 @pytest.mark.parametrize(("off_m", "from_scenario"), [(3.9, True), (4.1, False)])
@@ -50,7 +50,7 @@ def test_a_boat_within_the_clearance_of_the_scenarios_start_has_not_left_it(
 ) -> None:
     source = open_source()
     here = source.chart.frame.to_global(Point(0.0, off_m))
-    start = first_point(Water("sea", source, PlanOptions()).propose(here))
+    start = first_point(Water("sea", source, PlanOptions()).prepare(here))
     expected = START if from_scenario else Point(0.0, off_m)
     assert distance_m(start, expected) < 0.02
 
@@ -60,25 +60,25 @@ def test_a_start_that_was_named_goes_before_the_boat() -> None:
     to_global = source.chart.frame.to_global
     water = Water("sea", source, PlanOptions(start_at=to_global(Point(50.0, 50.0))))
     assert not water.wants_position
-    assert distance_m(first_point(water.propose(to_global(Point(9.0, 9.0)))), Point(50.0, 50.0)) < 0.02
+    assert distance_m(first_point(water.prepare(to_global(Point(9.0, 9.0)))), Point(50.0, 50.0)) < 0.02
 
 
 def test_without_a_boat_the_scenarios_start_is_the_start_and_without_either_there_is_none() -> None:
-    assert distance_m(first_point(Water("sea", open_source(), PlanOptions()).propose()), START) < 0.02
+    assert distance_m(first_point(Water("sea", open_source(), PlanOptions()).prepare()), START) < 0.02
     bare = Water("sea", open_source(start=None), PlanOptions())
     assert bare.needs_position
     with pytest.raises(UsageError, match="no start: add --start-at"):
-        bare.propose()
+        bare.prepare()
 
 
 # A fence of exclusions alone on a mission that is ready
 
 
-def proposed(tmp_path: Path, fence: Fence, *points: Point) -> Proposal:
+def proposed(tmp_path: Path, fence: Fence, *points: Point) -> PlannedMission:
     to_global = LocalFrame(POND).to_global
     mission = Mission(tuple(MissionItem.at(to_global(point)) for point in points), to_global(points[0]))
     save_mission(mission, tmp_path / "m.plan")
-    return MissionFile(tmp_path / "m.plan", mission, PlanOptions(), Areas(fence, fence_name="f")).propose()
+    return MissionFile(tmp_path / "m.plan", mission, PlanOptions(), Areas(fence, fence_name="f")).prepare()
 
 
 @pytest.mark.parametrize("length_m", [6_700.0, 45_000.0, 150_000.0])
@@ -125,9 +125,9 @@ def test_two_waypoints_half_a_world_apart_are_not() -> None:
 def test_a_goal_beyond_the_antimeridian_is_near() -> None:
     source = open_source(LatLon(-17.0, 179.9995), goal=None)
     water = Water("sea", source, PlanOptions(goal=LatLon(-17.0, -179.9995)))
-    proposal = water.propose()
-    assert proposal.plan is not None
-    assert proposal.plan.length_m == pytest.approx(106.5, abs=0.5)
+    planned = water.prepare()
+    assert planned.plan is not None
+    assert planned.plan.length_m == pytest.approx(106.5, abs=0.5)
 
 
 @pytest.mark.parametrize(("lat_deg", "lon_deg"), [(-17.0, 177.9), (-17.0, -177.9), (-14.9, 180.0)])

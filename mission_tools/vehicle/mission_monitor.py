@@ -1,6 +1,6 @@
-"""A mission under way, as seen from outside: how far it has come, and whether it has ended well or badly.
+"""Monitors a running mission from outside: its progress, and whether it completed or failed.
 
-No link and no clock in here: the vehicle's state and the time are handed in.
+It has no link and no clock: the state of the vehicle and the time are arguments.
 """
 
 import math
@@ -20,7 +20,7 @@ STEADY_AFTER_S = 2.0  # before this the mean speed says nothing
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where the voyage stands. `waypoint` is the one sailed to, from 1; eta_s is NaN while unknown."""
+    """The state of the mission. `waypoint` is the target, counted from 1; eta_s is NaN while unknown."""
 
     waypoint: int
     waypoints: int
@@ -40,7 +40,7 @@ class TrackPoint:
     speed_m_s: float
 
 
-class Voyage:
+class MissionMonitor:
     """Follows one mission. `first_seq`: sequence number of the mission's first item, 1 where 0 is home."""
 
     def __init__(self, mission: Mission, now_s: float, *, first_seq: int = 1) -> None:
@@ -59,7 +59,7 @@ class Voyage:
 
     @classmethod
     def of(cls, state: VehicleState, mission: Mission, now_s: float) -> Self:
-        """The voyage of a vehicle that counts its items as this state's vehicle does."""
+        """A monitor that counts items as the vehicle of this state does."""
         return cls(mission, now_s, first_seq=1 if state.is_ardupilot else 0)
 
     @property
@@ -122,7 +122,7 @@ class Voyage:
 
     def _raise_if_ended(self, state: VehicleState, progress: Progress) -> None:
         at = f"on the way to waypoint {progress.waypoint} of {progress.waypoints}"
-        text = state.last_complaint(self._began_s)
+        text = state.last_warning(self._began_s)
         because = f" ({text})" if text else ""
         if not state.armed:
             raise VehicleError(f"the boat disarmed {at}{because}")

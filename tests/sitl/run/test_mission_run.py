@@ -6,8 +6,8 @@ from required_figures import REQUIRED
 
 from companion.core.geo import LatLon
 from companion.mavlink.items import MissionItem
-from sitl.run.operator import SailError
-from sitl.run.sail import Sailing
+from sitl.run.mission_run import MissionRun
+from sitl.run.station_commands import RunError
 from sitl.scenarios.missions import fence_along, plan_mission, wire_items
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
@@ -15,8 +15,8 @@ ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 
 def test_a_run_is_measured_against_the_truth() -> None:
     told: list[tuple[float, int]] = []
-    sailing = Sailing(scenario("open"), ITEMS)
-    result = sailing.run(tell=lambda time_s, seq: told.append((time_s, seq)))
+    mission_run = MissionRun(scenario("open"), ITEMS)
+    result = mission_run.run(tell=lambda time_s, seq: told.append((time_s, seq)))
     assert result.completed
     assert (result.waypoints, result.waypoints_reached) == (2, 2)
     assert result.planned_length_m == pytest.approx(40.0, abs=1.0)
@@ -32,56 +32,56 @@ def test_a_run_is_measured_against_the_truth() -> None:
 
 def test_the_time_that_a_mission_waits_at_its_places_counts_towards_its_limit() -> None:
     stay = dataclasses.replace(waypoint(5.0, 0.0), param1=120.0)
-    result = Sailing(scenario("open"), [HOME_ITEM, stay]).run()
+    result = MissionRun(scenario("open"), [HOME_ITEM, stay]).run()
     assert result.completed
     assert result.time_s > 120.0
 
 
 def test_a_mission_that_takes_too_long_is_not_completed_and_says_where_it_was() -> None:
-    sailing = Sailing(scenario("open"), [HOME_ITEM, waypoint(200.0, 0.0)])
-    result = sailing.run(timeout_s=5.0)
+    mission_run = MissionRun(scenario("open"), [HOME_ITEM, waypoint(200.0, 0.0)])
+    result = mission_run.run(timeout_s=5.0)
     assert not result.completed
     assert result.waypoints_reached == 0
     assert result.final_mode == "AUTO"
-    assert sailing.ending().startswith("at item 1 of 1 in AUTO; the boat said: ")
+    assert mission_run.ending().startswith("at item 1 of 1 in AUTO; the boat said: ")
 
 
 def test_the_way_home_belongs_to_the_mission_that_asks_for_it() -> None:
-    sailing = Sailing(scenario("open"), [*ITEMS, MissionItem(frame=2, command=20)])
-    result = sailing.run()
-    truth = sailing.lockstep.world.truth
+    mission_run = MissionRun(scenario("open"), [*ITEMS, MissionItem(frame=2, command=20)])
+    result = mission_run.run()
+    truth = mission_run.lockstep.world.truth
     assert result.completed
     assert result.final_mode == "RTL"
     assert (truth.north_m**2 + truth.east_m**2) ** 0.5 < 4.0
 
 
 def test_a_mission_that_the_boat_refuses_is_told_in_its_words() -> None:
-    with pytest.raises(SailError, match="command 84"):
-        Sailing(scenario("open"), [HOME_ITEM, waypoint(20.0, 0.0, command=84)]).run()
+    with pytest.raises(RunError, match="command 84"):
+        MissionRun(scenario("open"), [HOME_ITEM, waypoint(20.0, 0.0, command=84)]).run()
 
 
 def test_a_boat_that_cannot_be_armed_is_not_waited_for_for_ever() -> None:
     settings = ("vehicle.arming.battery_min_v=50.0",)
-    with pytest.raises(SailError, match="armable within 60 simulated seconds"):
-        Sailing(scenario("open", *settings), ITEMS).run()
+    with pytest.raises(RunError, match="armable within 60 simulated seconds"):
+        MissionRun(scenario("open", *settings), ITEMS).run()
 
 
 def test_a_start_that_is_refused_is_told_with_its_reason() -> None:
-    with pytest.raises(SailError, match="refused the start of the mission: AUTO: no mission"):
-        Sailing(scenario("open"), [HOME_ITEM]).run()
+    with pytest.raises(RunError, match="refused the start of the mission: AUTO: no mission"):
+        MissionRun(scenario("open"), [HOME_ITEM]).run()
 
 
 def test_a_result_names_every_figure_that_was_asked_for() -> None:
-    names = {field.name for field in dataclasses.fields(Sailing(scenario("open"), ITEMS).run())}
+    names = {field.name for field in dataclasses.fields(MissionRun(scenario("open"), ITEMS).run())}
     assert names >= REQUIRED
 
 
 def test_the_outline_of_the_water_goes_aboard_as_a_fence_before_the_mission() -> None:
     pond = scenario("lake")
     fence = fence_along(pond)
-    sailing = Sailing(pond, wire_items(plan_mission(pond)[0]), fence=fence)
-    sailing.run(timeout_s=1.0)
-    assert sailing.lockstep.boat.vehicle.fence.is_active
+    mission_run = MissionRun(pond, wire_items(plan_mission(pond)[0]), fence=fence)
+    mission_run.run(timeout_s=1.0)
+    assert mission_run.lockstep.boat.vehicle.fence.is_active
     rings = [item.param1 for item in fence]
     assert all(count >= 3 for count in rings)
     inside = [item for item in fence if item.command == 5001]

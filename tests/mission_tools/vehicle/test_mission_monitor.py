@@ -1,4 +1,4 @@
-"""A voyage seen from outside: when it has ended, and how."""
+"""A monitor seen from outside: when it has ended, and how."""
 
 import math
 
@@ -9,8 +9,8 @@ from mission_tools.errors import VehicleError
 from mission_tools.mission.mission import Command, Mission, MissionItem
 from mission_tools.mission.route import mission_along
 from mission_tools.vehicle.follow import describe
+from mission_tools.vehicle.mission_monitor import STALL_S, MissionMonitor
 from mission_tools.vehicle.state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
-from mission_tools.vehicle.voyage import STALL_S, Voyage
 from mission_tools.wording import distance, duration
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
@@ -28,9 +28,9 @@ def sailing(north_m: float, current_item: int = 2, **more: object) -> VehicleSta
 
 
 def test_progress_counts_waypoints_and_the_way_along_all_legs() -> None:
-    voyage = Voyage(MISSION, now_s=0.0)
-    assert voyage.update(sailing(0.0, 1), 0.0).left_m == pytest.approx(300.0, abs=0.1)
-    progress = voyage.update(sailing(150.0, 3), 75.0)
+    monitor = MissionMonitor(MISSION, now_s=0.0)
+    assert monitor.update(sailing(0.0, 1), 0.0).left_m == pytest.approx(300.0, abs=0.1)
+    progress = monitor.update(sailing(150.0, 3), 75.0)
     assert (progress.waypoint, progress.waypoints) == (2, 3)
     assert progress.left_m == pytest.approx(150.0, abs=0.1)
     assert progress.eta_s == pytest.approx(75.0, rel=0.01)
@@ -38,25 +38,25 @@ def test_progress_counts_waypoints_and_the_way_along_all_legs() -> None:
 
 
 def test_the_end_is_the_last_waypoint_reached_whatever_the_mode_is_then() -> None:
-    voyage = Voyage(MISSION, now_s=0.0)
-    assert not voyage.update(sailing(299.0, 4, reached_item=3), 1.0).finished
-    ended = voyage.update(sailing(300.0, 4, reached_item=4, custom_mode=4, armed=False), 2.0)
+    monitor = MissionMonitor(MISSION, now_s=0.0)
+    assert not monitor.update(sailing(299.0, 4, reached_item=3), 1.0).finished
+    ended = monitor.update(sailing(300.0, 4, reached_item=4, custom_mode=4, armed=False), 2.0)
     assert ended.finished
     assert ended.left_m == 0.0
 
 
 def test_a_completed_mission_state_ends_the_voyage_only_after_an_active_one() -> None:
-    stale = Voyage(MISSION, now_s=0.0)
+    stale = MissionMonitor(MISSION, now_s=0.0)
     assert not stale.update(sailing(0.0, mission_state=MISSION_COMPLETE), 0.0).finished
-    voyage = Voyage(MISSION, now_s=0.0)
-    voyage.update(sailing(0.0), 0.0)
-    assert voyage.update(sailing(300.0, mission_state=MISSION_COMPLETE), 1.0).finished
+    monitor = MissionMonitor(MISSION, now_s=0.0)
+    monitor.update(sailing(0.0), 0.0)
+    assert monitor.update(sailing(300.0, mission_state=MISSION_COMPLETE), 1.0).finished
 
 
 def test_items_of_other_autopilots_count_from_zero() -> None:
-    voyage = Voyage.of(VehicleState(autopilot=12), MISSION, 0.0)
-    assert not voyage.update(sailing(299.0, 3, autopilot=12, reached_item=2), 0.0).finished
-    assert voyage.update(sailing(300.0, 3, autopilot=12, reached_item=3), 0.0).finished
+    monitor = MissionMonitor.of(VehicleState(autopilot=12), MISSION, 0.0)
+    assert not monitor.update(sailing(299.0, 3, autopilot=12, reached_item=2), 0.0).finished
+    assert monitor.update(sailing(300.0, 3, autopilot=12, reached_item=3), 0.0).finished
 
 
 @pytest.mark.parametrize(
@@ -70,65 +70,65 @@ def test_items_of_other_autopilots_count_from_zero() -> None:
 def test_leaving_auto_or_disarming_ends_the_voyage_with_the_vehicles_reason(
     change: dict[str, object], said: str
 ) -> None:
-    voyage = Voyage(MISSION, now_s=10.0)
-    voyage.update(sailing(110.0, 3), 11.0)
+    monitor = MissionMonitor(MISSION, now_s=10.0)
+    monitor.update(sailing(110.0, 3), 11.0)
     state = sailing(120.0, 3, **change)
     state.texts.append((9.0, 2, "an old story"))
     state.texts.append((11.5, 4, "GCS lost"))
     state.texts.append((11.6, 6, "just a note"))
     with pytest.raises(VehicleError, match=said) as raised:
-        voyage.update(state, 12.0)
+        monitor.update(state, 12.0)
     assert raised.value.exit_code == 1
 
 
 def test_a_boat_that_makes_no_progress_is_given_up_after_the_stall_time_and_not_before() -> None:
-    voyage = Voyage(MISSION, now_s=0.0)
+    monitor = MissionMonitor(MISSION, now_s=0.0)
     for tick in range(int(STALL_S)):
-        voyage.update(sailing(50.0 + 0.005 * (tick % 2)), float(tick))
+        monitor.update(sailing(50.0 + 0.005 * (tick % 2)), float(tick))
     with pytest.raises(
         VehicleError, match=r"no progress for 60 s on the way to waypoint 1 of 3, 2.*m before"
     ):
-        voyage.update(sailing(50.0), STALL_S + 1.0)
+        monitor.update(sailing(50.0), STALL_S + 1.0)
 
 
 def test_the_slowest_boat_that_moves_is_not_stuck() -> None:
-    voyage = Voyage(MISSION, now_s=0.0)
+    monitor = MissionMonitor(MISSION, now_s=0.0)
     for tick in range(1000):
-        assert not voyage.update(sailing(0.002 * tick), float(tick)).finished
+        assert not monitor.update(sailing(0.002 * tick), float(tick)).finished
 
 
 def test_waiting_at_a_waypoint_is_not_being_stuck() -> None:
     hold = MissionItem.at(PATH[1], Command.NAV_WAYPOINT, (120.0, 0.0, 0.0, 0.0))
-    voyage = Voyage(Mission((hold, *MISSION.items[2:]), PATH[0]), now_s=0.0)
-    voyage.update(sailing(100.0, 1), 0.0)
-    voyage.update(sailing(100.0, 1), 150.0)
+    monitor = MissionMonitor(Mission((hold, *MISSION.items[2:]), PATH[0]), now_s=0.0)
+    monitor.update(sailing(100.0, 1), 0.0)
+    monitor.update(sailing(100.0, 1), 150.0)
     with pytest.raises(VehicleError, match="no progress for 180 s"):
-        voyage.update(sailing(100.0, 1), 181.0)
+        monitor.update(sailing(100.0, 1), 181.0)
 
 
 def test_the_track_keeps_every_new_place_once_and_measures_it() -> None:
-    voyage = Voyage(MISSION, now_s=5.0)
-    assert voyage.duration_s == 0.0
+    monitor = MissionMonitor(MISSION, now_s=5.0)
+    assert monitor.duration_s == 0.0
     for time_s, north_m in ((5.0, 0.0), (5.1, 0.0), (6.0, 30.0), (7.0, 40.0)):
-        voyage.update(sailing(north_m, boat_time_s=100.0 + 10.0 * time_s), time_s)
-    assert [point.time_s for point in voyage.track] == [150.0, 160.0, 170.0]
-    assert voyage.duration_s == 20.0
-    assert voyage.track_length_m == pytest.approx(40.0, abs=0.01)
+        monitor.update(sailing(north_m, boat_time_s=100.0 + 10.0 * time_s), time_s)
+    assert [point.time_s for point in monitor.track] == [150.0, 160.0, 170.0]
+    assert monitor.duration_s == 20.0
+    assert monitor.track_length_m == pytest.approx(40.0, abs=0.01)
 
 
 def test_a_boat_without_a_clock_is_timed_by_ours() -> None:
-    voyage = Voyage(MISSION, now_s=5.0)
+    monitor = MissionMonitor(MISSION, now_s=5.0)
     for time_s, north_m in ((5.0, 0.0), (6.0, 30.0)):
-        voyage.update(sailing(north_m), time_s)
-    assert voyage.duration_s == 1.0
+        monitor.update(sailing(north_m), time_s)
+    assert monitor.duration_s == 1.0
 
 
 def test_progress_is_said_in_one_line() -> None:
-    voyage = Voyage(MISSION, now_s=0.0)
-    first = voyage.update(sailing(0.0, speed_m_s=1.5), 0.0)
+    monitor = MissionMonitor(MISSION, now_s=0.0)
+    first = monitor.update(sailing(0.0, speed_m_s=1.5), 0.0)
     assert math.isnan(first.eta_s)
     assert describe(first) == "waypoint 1 of 3: 300 m left at 1.50 m/s"
-    later = voyage.update(sailing(100.0, 3, speed_m_s=2.0), 50.0)
+    later = monitor.update(sailing(100.0, 3, speed_m_s=2.0), 50.0)
     assert describe(later) == "waypoint 2 of 3: 200 m left at 2.00 m/s, 1 min 40 s to go"
 
 

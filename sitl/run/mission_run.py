@@ -13,10 +13,10 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.steps import Wait, Waypoint
 from companion.vehicle.vehicle import Vehicle
-from sitl.reports.estimate_overlay import EstimateOverlay
+from sitl.run.estimate_recorder import EstimateRecorder
 from sitl.run.lockstep import Lockstep
-from sitl.run.operator import BOOT_S, Orders
 from sitl.run.recorder import NO_LEG, Recorder
+from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.scenarios.scenario import Scenario
 
@@ -46,8 +46,8 @@ class Result:
     state_hash: str
 
 
-class Sailing:
-    """A run under way. `recorder` holds the truth of every tick since the mission began, `beliefs` what the
+class MissionRun:
+    """A run under way. `recorder` holds the truth of every tick since the mission began, `estimates` what the
     boat believed meanwhile, `timeline` what happened since boot.
     """
 
@@ -63,7 +63,7 @@ class Sailing:
         self.items = tuple(items)
         self._fence = tuple(fence)
         self.recorder = Recorder()
-        self.beliefs = EstimateOverlay(scenario.frame)
+        self.estimates = EstimateRecorder(scenario.frame)
         self.timeline = Timeline()
         self.planned: list[Point] = []
         self.lockstep = Lockstep(scenario, logbook=logbook)
@@ -84,7 +84,7 @@ class Sailing:
         tell: called about once a simulated second with the time and the current item.
 
         Raises:
-            SailError: the boat never became armable, refused the mission or the arming, or could not start.
+            RunError: the boat never became armable, refused the mission or the arming, or could not start.
         """
         began_s = time.process_time()
         self._prepare()
@@ -120,7 +120,7 @@ class Sailing:
 
     def _prepare(self) -> None:
         lockstep = self.lockstep
-        orders = Orders(lockstep, self._step)
+        orders = StationCommands(lockstep, self._step)
         orders.until_armable()
         if self._fence:
             orders.upload(self._fence, MissionType.FENCE)
@@ -157,7 +157,7 @@ class Sailing:
             self._step()
             seq = boat.vehicle.progress.current_seq
             record(world.truth, legs.get(seq, NO_LEG) if math.isnan(ended_s) else NO_LEG)
-            self.beliefs.tick(boat, world.time_s)
+            self.estimates.tick(boat, world.time_s)
             if tell is not None and world.tick % ticks_per_second == 0:
                 tell(lockstep.time_s, seq)
         for _ in range(ticks_per_second):  # let the last telegrams arrive

@@ -15,7 +15,7 @@ NEAREST_CELLS = 400
 
 
 @dataclass(frozen=True, slots=True)
-class Doors:
+class EntryCells:
     """The cells by which a place joins the grid: for each region the nearest at the end of a clear leg.
 
     is_relaxed: the leg there may be nearer to a shore than the clearance.
@@ -36,30 +36,30 @@ class FreeWater:
         self._regions: NDArray[np.int32] = ndimage.label(grid.free)[0]
         self._rows, self._columns = np.nonzero(grid.free)
 
-    def doors_from_start(self, start: Point) -> Doors:
+    def entry_from_start(self, start: Point) -> EntryCells:
         """Ways into the grid from the start; relaxed where it is nearer to a shore than the clearance.
 
         Raises:
             StartBlocked: on land, outside, kept out of, or shut in.
         """
-        here_m = self._afloat(start, "start", StartBlocked)
+        here_m = self._checked_clearance_m(start, "start", StartBlocked)
         if here_m >= self._clearance_m:
-            return self._doors(start, "start", StartBlocked, self._clearance_m)
-        return self._doors(start, "start", StartBlocked, 0.0)
+            return self._entry_cells(start, "start", StartBlocked, self._clearance_m)
+        return self._entry_cells(start, "start", StartBlocked, 0.0)
 
-    def doors_to_stop(self, stop: Point, name: str) -> Doors:
+    def entry_to_stop(self, stop: Point, name: str) -> EntryCells:
         """Ways from the grid to the goal or a via point; `name` says which it is.
 
         Raises:
             GoalBlocked: on land, outside, kept out of, nearer to a shore than the clearance, or shut in.
         """
-        here_m = self._afloat(stop, name, GoalBlocked)
+        here_m = self._checked_clearance_m(stop, name, GoalBlocked)
         if here_m < self._clearance_m:
             raise GoalBlocked(
                 f"{name} {self._at(stop)} is {here_m:.1f} m from {self._chart.nearest_feature(stop)}, nearer "
                 f"than the clearance of {self._clearance_m:g} m: {self._nearest_free(stop)}"
             )
-        return self._doors(stop, name, GoalBlocked, self._clearance_m)
+        return self._entry_cells(stop, name, GoalBlocked, self._clearance_m)
 
     def no_route(self, start: Point, goal: Point) -> str:
         """What to say when no region holds both."""
@@ -69,14 +69,16 @@ class FreeWater:
             f"choose a smaller clearance, or another goal"
         )
 
-    def _afloat(self, point: Point, name: str, blocked: type[NoRouteError]) -> float:
+    def _checked_clearance_m(self, point: Point, name: str, blocked: type[NoRouteError]) -> float:
         """How far the point is from a shore."""
         where = self._chart.obstruction(point)
         if where is not None:
             raise blocked(f"{name} {self._at(point)} lies {where}: {self._nearest_free(point)}")
         return self._chart.clearance_m(point)
 
-    def _doors(self, point: Point, name: str, blocked: type[NoRouteError], clearance_m: float) -> Doors:
+    def _entry_cells(
+        self, point: Point, name: str, blocked: type[NoRouteError], clearance_m: float
+    ) -> EntryCells:
         cells: dict[int, int] = {}
         for cell in self._nearest_cells(point):
             region = int(self._regions.flat[cell])
@@ -87,7 +89,7 @@ class FreeWater:
                 f"{name} {self._at(point)} is shut in: no straight way out keeps the clearance of "
                 f"{self._clearance_m:g} m: {self._nearest_free(point)}"
             )
-        return Doors(cells, is_relaxed=clearance_m < self._clearance_m)
+        return EntryCells(cells, is_relaxed=clearance_m < self._clearance_m)
 
     def _nearest_cells(self, point: Point) -> list[int]:
         """The nearest free cells, nearest first."""

@@ -34,7 +34,7 @@ class PlanOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
+class PlannedMission:
     """A mission, and how it was come by: the plan is None for a mission that was read from a file.
 
     notes: what a person should know.
@@ -53,7 +53,7 @@ class Proposal:
         return tuple(self.chart.frame.to_local(place) for place in places)
 
 
-def open_source(text: str, wishes: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | Water":
+def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | Water":
     """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
 
     Raises:
@@ -62,11 +62,11 @@ def open_source(text: str, wishes: PlanOptions, areas: Areas = NO_AREAS) -> "Mis
     """
     path = Path(text)
     if path.suffix in MISSION_SUFFIXES:
-        return MissionFile(path, load_mission(path), wishes, areas)
+        return MissionFile(path, load_mission(path), options, areas)
     source = load_source(text)
-    if wishes.case is not None:
-        source = source.with_case(wishes.case)
-    return Water(text, source, wishes, areas)
+    if options.case is not None:
+        source = source.with_case(options.case)
+    return Water(text, source, options, areas)
 
 
 class MissionFile:
@@ -78,52 +78,52 @@ class MissionFile:
         self,
         path: Path,
         mission: Mission,
-        wishes: PlanOptions,
+        options: PlanOptions,
         areas: Areas = NO_AREAS,
     ) -> None:
-        given = replace(wishes, speed_m_s=None)
+        given = replace(options, speed_m_s=None)
         if given != PlanOptions():
             names = [name for name in given.__slots__ if getattr(given, name) is not None]
-            options = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
-            raise UsageError(f"{path} is a mission already: {options} would plan one; leave that out")
+            flags = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
+            raise UsageError(f"{path} is a mission already: {flags} would plan one; leave that out")
         self._name = path.name
-        self._mission = with_speed(areas.over(mission), wishes.speed_m_s)
+        self._mission = with_speed(areas.over(mission), options.speed_m_s)
         self._areas = areas
 
-    def propose(self, here: LatLon | None = None) -> Proposal:
+    def prepare(self, here: LatLon | None = None) -> PlannedMission:
         """The mission as it was read, on a chart without shores; notes say where it leaves a given fence."""
         mission = self._mission
         origin = next(iter(mission.places), mission.home or here or LatLon(0.0, 0.0))
         chart = _within(build_chart(self._name, LocalFrame(origin), None, ()), self._areas)
         leaves = () if chart.is_open and not chart.features else in_the_way(mission, chart, 0.0)
-        return Proposal(self._name, mission, chart, notes=tuple(map(str, leaves)))
+        return PlannedMission(self._name, mission, chart, notes=tuple(map(str, leaves)))
 
 
 class Water:
     """A map, to plan on from a start to a goal."""
 
-    def __init__(self, text: str, source: Source, wishes: PlanOptions, areas: Areas = NO_AREAS) -> None:
+    def __init__(self, text: str, source: Source, options: PlanOptions, areas: Areas = NO_AREAS) -> None:
         self._chart = _within(source.chart, areas)
         self._areas = areas
-        self._wishes = wishes
+        self._wishes = options
         self._settings = PlanSettings.from_route(
             source.route,
-            clearance_m=wishes.clearance_m,
-            cell_m=wishes.cell_m,
-            heuristic=wishes.heuristic,
-            smooth=wishes.smooth,
+            clearance_m=options.clearance_m,
+            cell_m=options.cell_m,
+            heuristic=options.heuristic,
+            smooth=options.smooth,
         )
         if source.route.margin_m is None:
             margin_m = min(MOST_MARGIN_M, MARGIN_SHARE * self._settings.clearance_m)
             self._settings = replace(self._settings, margin_m=margin_m)
-        self._named_start = self._local("--start-at", wishes.start_at) if wishes.start_at else None
+        self._named_start = self._local("--start-at", options.start_at) if options.start_at else None
         self._usual_start = source.route.start
-        goal = self._local("--goal", wishes.goal) if wishes.goal else source.route.goal
+        goal = self._local("--goal", options.goal) if options.goal else source.route.goal
         if goal is None:
             raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
         self._goal = goal
         # The points in between belong to the scenario's own goal.
-        self._via: Sequence[Point] = () if wishes.goal else source.route.via
+        self._via: Sequence[Point] = () if options.goal else source.route.via
 
     @property
     def wants_position(self) -> bool:
@@ -135,7 +135,7 @@ class Water:
         """Whether there is no start but the boat's position."""
         return self._named_start is None and self._usual_start is None
 
-    def propose(self, here: LatLon | None = None) -> Proposal:
+    def prepare(self, here: LatLon | None = None) -> PlannedMission:
         """Plan a route; `here` is where the boat is, used where no start was named.
 
         Raises:
@@ -146,7 +146,7 @@ class Water:
         found = plan(self._chart, start, self._goal, self._settings, self._via)
         places = [self._chart.frame.to_global(point) for point in found.points]
         mission = self._areas.over(mission_along(places, self._wishes.speed_m_s))
-        return Proposal(self._chart.name, mission, self._chart, found, found.notes)
+        return PlannedMission(self._chart.name, mission, self._chart, found, found.notes)
 
     def _start_of(self, here: LatLon | None) -> Point:
         """The boat's place, or the scenario's start where that is not known or as good as the same.
