@@ -32,7 +32,7 @@ from rich.table import Table
 
 from companion.core.geo import LatLon, Point, distance_m
 from mission_tools.cli.arguments import position
-from mission_tools.drawing.draw import save_picture
+from mission_tools.drawing.draw import draw_picture, save_figure
 from mission_tools.errors import MissionToolsError
 from mission_tools.maps import Chart, Source, load_source
 from mission_tools.planning.planner import PlanSettings
@@ -261,8 +261,7 @@ def _draw(chart: Chart, route: list[Point], voyage: Voyage, figures: dict[str, A
         "{off_rms_m:.2f} m RMS off the line"
     )
     every = max(1, len(voyage.track) // DRAWN_POINTS)
-    save_picture(
-        picture,
+    figure = draw_picture(
         chart,
         route,
         voyage.track[::every],
@@ -270,6 +269,7 @@ def _draw(chart: Chart, route: list[Point], voyage: Voyage, figures: dict[str, A
         subtitle=subtitle.format(**figures),
         clearance_m=figures["clearance_m"],
     )
+    save_figure(picture, figure)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,12 @@
-"""Charts, plans and tracks as pictures, drawn like a small nautical chart.
+"""Charts, plans and tracks as pictures in the style of a nautical chart.
 
-Axes are east and north in metres of the chart's frame. Everything is drawn on figures handed in or made here;
-no state outside them is touched.
+Axes are east and north in metres of the chart's frame.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import shapely
@@ -16,21 +14,15 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Outline
-from matplotlib.text import Annotation
-from matplotlib.transforms import Bbox
 from shapely.geometry import MultiPolygon, Polygon
-from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point
 from companion.core.output_file import output_file
+from mission_tools.drawing.features import LAND_EDGE, arrange_names, draw_feature, fill
 from mission_tools.drawing.legend import (
     BAND,
     HALO,
     INK,
-    KEEP_OUT,
-    KEEP_OUT_TINT,
     PAPER,
     PLAN_STYLE,
     PLANNED,
@@ -42,17 +34,15 @@ from mission_tools.drawing.legend import (
     draw_scale_bar,
 )
 from mission_tools.drawing.view import view_of
-from mission_tools.maps.chart import KEPT_OUT, Chart, Feature
+from mission_tools.maps.chart import Chart
 
-LAND, LAND_EDGE, ISLAND, STRUCTURE = "#efe6cf", "#a8966c", "#dfe3bd", "#8d6e4f"
-WATER = "#b7daeb"
+LAND, WATER = "#efe6cf", "#b7daeb"
 WIDTH_IN, HEIGHT_IN = 12.8, 9.6  # of a picture; 125 pixels an inch
 LEFT_IN, BOTTOM_IN = 0.576, 0.432  # where its map begins
 MAP_WIDTH_IN, MAP_HEIGHT_IN = 11.84, 8.208
 LEGEND_IN = 3.1  # beside a narrow map
 NARROW_IN = WIDTH_IN - LEFT_IN - LEGEND_IN - 2.0  # a map narrower than this would have more land than water
 LEAST_MAP_IN = 3.4  # room for scale bar and north arrow
-NAMES = 6  # the layer of features' names
 TINTS = ((0.006, "#c0dfee"), (0.014, "#c9e4f0"), (0.026, "#d1e8f3"), (0.042, "#d9ecf6"))
 
 
@@ -63,14 +53,14 @@ def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequen
     """
     axes.set_facecolor(WATER if chart.is_open else LAND)
     if not chart.is_open:
-        _fill(axes, chart.water, facecolor=WATER, edgecolor="none", zorder=1)
+        fill(axes, chart.water, facecolor=WATER, edgecolor="none", zorder=1)
     if clearance_m > 0.0 and not chart.shores.is_empty:
         band = chart.shores.buffer(clearance_m, quad_segs=6).intersection(chart.water)
-        _fill(axes, band, facecolor=BAND, edgecolor="none", zorder=2)
+        fill(axes, band, facecolor=BAND, edgecolor="none", zorder=2)
     if not chart.is_open:
-        _fill(axes, chart.water, facecolor="none", edgecolor=LAND_EDGE, linewidth=1.1, zorder=4)
+        fill(axes, chart.water, facecolor="none", edgecolor=LAND_EDGE, linewidth=1.1, zorder=4)
     for feature in chart.features:
-        _draw_feature(axes, chart, feature, route)
+        draw_feature(axes, chart, feature, route)
 
 
 def draw_route(axes: Axes, route: Sequence[Point]) -> None:
@@ -115,31 +105,12 @@ def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
         )  # fmt: skip
 
 
-def save_picture(
-    path: Path,
-    chart: Chart,
-    route: Sequence[Point] | None = None,
-    track: Sequence[Point] | None = None,
-    *,
-    title: str = "",
-    subtitle: str = "",
-    clearance_m: float = 0.0,
-    speeds_m_s: Sequence[float] | None = None,
-) -> None:
-    """Write one picture, 1200 pixels high; the suffix of path chooses the format.
+def save_figure(path: Path, figure: Figure) -> None:
+    """Write a figure; the suffix of path chooses the format.
 
     Raises:
         OutputError: the file cannot be written.
     """
-    figure = draw_picture(
-        chart,
-        route,
-        track,
-        title=title,
-        subtitle=subtitle,
-        clearance_m=clearance_m,
-        speeds_m_s=speeds_m_s,
-    )
     with output_file(path) as aside:
         figure.savefig(aside)
 
@@ -154,7 +125,7 @@ def draw_picture(
     clearance_m: float = 0.0,
     speeds_m_s: Sequence[float] | None = None,
 ) -> Figure:
-    """One picture of 1600 × 1200 pixels, with its cartouche; a narrow chart's is narrower.
+    """One picture of 1600 × 1200 pixels, with a legend; a narrow chart's is narrower.
 
     route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
     view is the whole chart, or the surroundings of route and track where those are far smaller.
@@ -229,116 +200,12 @@ def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
     return [point.east_m for point in points], [point.north_m for point in points]
 
 
-def _fill(axes: Axes, shape: BaseGeometry, **style: Any) -> None:  # noqa: ANN401 (matplotlib's own)
-    for part in shapely.get_parts(shape):
-        if isinstance(part, Polygon) and not part.is_empty:
-            rings = [part.exterior, *part.interiors]
-            outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2]) for ring in rings))
-            axes.add_patch(PathPatch(outline, **style))
-
-
 def _draw_tints(axes: Axes, chart: Chart, width_m: float) -> None:
     """Tints that grow lighter from the shore, as on printed lake maps; decoration, not depths."""
     if chart.is_open:
         return
     for share, tint in TINTS:
-        _fill(axes, chart.water.buffer(-share * width_m), facecolor=tint, edgecolor="none", zorder=1.5)
-
-
-def _draw_feature(axes: Axes, chart: Chart, feature: Feature, route: Sequence[Point]) -> None:
-    if feature.kind == "landmark":
-        _draw_landmark(axes, chart, feature)
-    elif feature.kind in KEPT_OUT:
-        afloat = feature.shape.intersection(chart.water)
-        tint: dict[str, Any] = {
-            "facecolor": KEEP_OUT_TINT,
-            "edgecolor": KEEP_OUT,
-            "hatch": "///",
-        }
-        _fill(axes, afloat, alpha=0.45, linewidth=0, zorder=3, **tint)
-        _fill(axes, afloat, facecolor="none", edgecolor=KEEP_OUT, linewidth=1.2, linestyle="--", zorder=5)
-        _name(axes, feature, color=KEEP_OUT, fontstyle="italic")
-    elif feature.kind == "island":
-        _fill(axes, feature.shape, facecolor=ISLAND, edgecolor=LAND_EDGE, linewidth=1.0, zorder=5)
-        _name(axes, feature, fontstyle="italic")
-    elif feature.kind != "water":
-        _fill(axes, feature.shape, facecolor=STRUCTURE, edgecolor="#4e3b28", linewidth=1.0, zorder=5)
-        _name_beside(axes, feature, route)
-
-
-def _name(axes: Axes, feature: Feature, **style: Any) -> None:  # noqa: ANN401 (matplotlib's own)
-    """In the middle of the thing."""
-    style = {"color": INK, "fontsize": 9.0, "ha": "center", "va": "center", **style}
-    at = feature.shape.centroid
-    axes.text(at.x, at.y, feature.name, path_effects=HALO, zorder=NAMES, clip_on=True, **style)
-
-
-def _name_beside(axes: Axes, feature: Feature, route: Sequence[Point]) -> None:
-    """To the right or left of a small thing, on the side that is farther from the route."""
-    west, south, east, north = feature.shape.bounds
-    reach_m = 2.0 * (east - west)
-    middle = 0.5 * (south + north)
-    sides = {"left": (east + reach_m, east, 6), "right": (west - reach_m, west, -6)}
-
-    def room_m(alignment: str) -> float:
-        at = Point(middle, sides[alignment][0])
-        return min(
-            (distance_m(at, point) for point in _dense(route)), default=1.0 if alignment == "left" else 0.0
-        )
-
-    alignment = max(sides, key=room_m)
-    _, edge, offset = sides[alignment]
-    axes.annotate(
-        feature.name, (edge, middle), xytext=(offset, 0), textcoords="offset points", ha=alignment,
-        va="center", fontsize=8.0, color=INK, path_effects=HALO, zorder=NAMES, annotation_clip=True,
-    )  # fmt: skip
-
-
-def arrange_names(axes: Axes) -> None:
-    """Move names that the frame would cut; where names overlap, show only the first.
-
-    Start, Goal and numbers always stay. The layout of the figure must be final.
-    """
-    taken: list[Bbox] = []
-    frame = axes.get_window_extent()
-    for text in axes.texts:
-        if isinstance(text, Annotation) and text.zorder == NAMES:
-            _keep_inside(text, frame)
-    for text in sorted(axes.texts, key=lambda text: text.zorder == NAMES):
-        box = text.get_window_extent()
-        if text.zorder == NAMES and box.count_overlaps(taken):
-            text.set_visible(False)
-        else:
-            taken.append(box)
-
-
-def _keep_inside(name: Annotation, frame: Bbox) -> None:
-    """Put a name that the frame would cut on the other side of its thing."""
-    box = name.get_window_extent()
-    if box.x1 > frame.x1 or box.x0 < frame.x0:
-        offset, _ = name.get_position()
-        name.set_position((-offset, 0.0))
-        name.set_horizontalalignment("right" if name.get_horizontalalignment() == "left" else "left")
-
-
-def _dense(route: Sequence[Point]) -> list[Point]:
-    return [
-        Point(a.north_m + k / 32 * (b.north_m - a.north_m), a.east_m + k / 32 * (b.east_m - a.east_m))
-        for a, b in pairwise(route)
-        for k in range(33)
-    ]
-
-
-def _draw_landmark(axes: Axes, chart: Chart, feature: Feature) -> None:
-    """A small square with its name on the landward side."""
-    at = feature.shape.centroid
-    is_west = at.x < 0.5 * (chart.water.bounds[0] + chart.water.bounds[2])
-    axes.plot(at.x, at.y, "s", ms=6, mfc=INK, mec="white", mew=0.8, zorder=6)
-    axes.annotate(
-        feature.name, (at.x, at.y), xytext=(-8 if is_west else 8, 0), textcoords="offset points",
-        ha="right" if is_west else "left", va="center", fontsize=9.0, fontweight="bold", color=INK,
-        path_effects=HALO, zorder=NAMES, annotation_clip=True,
-    )  # fmt: skip
+        fill(axes, chart.water.buffer(-share * width_m), facecolor=tint, edgecolor="none", zorder=1.5)
 
 
 def _draw_water_name(

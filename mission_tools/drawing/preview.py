@@ -31,7 +31,7 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
     Raises:
         OutputError: the file cannot be written.
     """
-    from mission_tools.drawing.draw import save_picture  # noqa: PLC0415 - matplotlib takes a second to import
+    from mission_tools.drawing.draw import draw_picture, save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 
     track = monitor.track if monitor is not None else []
     points, plan = planned.points, planned.plan
@@ -41,8 +41,7 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
         subtitle += f", clearance {clearance_m:g} m"
     if monitor is not None and track:
         subtitle += f"; {distance(monitor.track_length_m)} sailed in {duration(monitor.duration_s)}"
-    save_picture(
-        path,
+    figure = draw_picture(
         planned.chart,
         points,
         track=[planned.chart.frame.to_local(point.place) for point in track] or None,
@@ -51,3 +50,4 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
         subtitle=subtitle,
         clearance_m=clearance_m,
     )
+    save_figure(path, figure)

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from companion.core.geo import Point
-from mission_tools.drawing.draw import save_picture
+from mission_tools.drawing.draw import draw_picture, save_figure
 from sitl.run.mission_run import MissionRun, Result
 from sitl.world.world import Truth
 
@@ -53,8 +53,7 @@ def draw(mission_run: MissionRun, result: Result, path: Path, clearance_m: float
     north_m, east_m, north_m_s, east_m_s = (rows[:, Truth._fields.index(name)] for name in _DRAWN)
     track = [Point(*at) for at in zip(north_m.tolist(), east_m.tolist(), strict=True)]
     scenario = mission_run.scenario
-    save_picture(
-        path,
+    figure = draw_picture(
         scenario.chart,
         mission_run.planned,
         track,
@@ -64,6 +63,7 @@ def draw(mission_run: MissionRun, result: Result, path: Path, clearance_m: float
         clearance_m=clearance_m,
         speeds_m_s=np.hypot(north_m_s, east_m_s).tolist(),
     )
+    save_figure(path, figure)
 
 
 def _metres(value: float | None) -> str:

@@ -2,32 +2,32 @@
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from companion.core.modes import Mode
 from mission_tools.drawing.draw import draw_chart, draw_picture
 from mission_tools.drawing.legend import HALO, INK, PAPER, PLANNED, SAILED
-from sitl.run.run_record import RunRecord
-from sitl.run.timeline import OVER
-
-Numbers = NDArray[np.float64]
+from sitl.reports.run_series import (
+    at_estimates,
+    brakes,
+    cross_track_errors_m,
+    fault_spans,
+    mode_spans,
+    wrapped_deg,
+)
+from sitl.run.run_record import Numbers, RunRecord
 
 LEFT, RIGHT = "#b5651d", "#2a7f62"
-BELIEVED = "#d08a2e"
+ESTIMATED = "#d08a2e"
+_SIDES = (("left", LEFT), ("right", RIGHT))
 _MODE_TINTS = ("#eef3f7", "#f7f0e2", "#eaf3ea", "#f6e9ee", "#eeeaf6")
 _MOST_DRAWN = 4000
 _MAP_ASPECT = 1.3
 _FAULT = "#b3261e"
 _BRAKE = "#e07a1f"
-_ASTERN = 0.1  # of full command: less is the dead band of a boat that keeps its place
-_MOVING_M_S = 0.1
-_ONE_BRAKE_S = 1.0  # motors that go astern again within this go on with the same brake
 
 
 def draw_track_chart(record: RunRecord) -> Figure:
@@ -57,7 +57,7 @@ def draw_panels(record: RunRecord) -> Figure:
         ("speed, m/s", _speed),
         ("command", _commands),
         ("thrust, N", _thrust),
-        ("carried by water\nand wind, m/s", _current),
+        ("current, m/s", _current),
         ("position error\nof the estimate, m", _position_error),
         ("pack", _pack),
     ]
@@ -84,8 +84,8 @@ def draw_panels(record: RunRecord) -> Figure:
             axes.spines[side].set_visible(False)
     _mark_brakes(columns[2], record)
     _mark_brakes(columns[3], record)
-    _name_modes(columns[0], record)
-    _name_faults(columns[0], record)
+    _name_spans(columns[0], mode_spans(record), 1.0, INK)
+    _name_spans(columns[0], fault_spans(record), 0.0, _FAULT)
     columns[-1].set_xlabel("time since boot, s", fontsize=9.5)
     times = record.truth["time_s"]
     columns[-1].set_xlim(times[0], max(times[-1], times[0] + 1.0))
@@ -122,115 +122,78 @@ def draw_sonar_map(record: RunRecord) -> Figure | None:
     return figure
 
 
-def cross_track_m(record: RunRecord) -> Numbers:
-    """Signed distance to the line of the leg being sailed, starboard positive; NaN without a leg."""
-    out = np.full(len(record.legs), np.nan)
-    if len(record.planned) < 2:
-        return out
-    points = np.asarray(record.planned, dtype=np.float64)
-    sailed = record.legs >= 0
-    legs = record.legs[sailed]
-    start, along = points[legs], points[legs + 1] - points[legs]
-    off = np.column_stack((record.truth["north_m"], record.truth["east_m"]))[sailed] - start
-    length = np.hypot(*along.T)
-    out[sailed] = (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]) / np.where(length > 0.0, length, np.nan)
-    return out
+def _line(
+    axes: Axes, times: Numbers, values: Numbers, colour: str, label: str = "", width: float = 1.1
+) -> None:
+    """A line with at most about _MOST_DRAWN points."""
+    every = max(1, len(times) // _MOST_DRAWN)
+    axes.plot(times[::every], values[::every], color=colour, linewidth=width, label=label)
 
 
 def _cross_track(axes: Axes, record: RunRecord) -> None:
-    every = _every(record)
     axes.axhline(0.0, color="#999999", linewidth=0.8)
-    axes.plot(record.truth["time_s"][::every], cross_track_m(record)[::every], color=SAILED, linewidth=1.2)
+    _line(axes, record.truth["time_s"], cross_track_errors_m(record), SAILED)
 
 
 def _heading_error(axes: Axes, record: RunRecord) -> None:
-    estimates, truth = record.estimates, record.truth
-    heading = _at_estimates(record, np.unwrap(truth["heading_rad"]))
-    wanted = _degrees(estimates["demand_heading_rad"] - heading)
-    believed = _degrees(estimates["heading_rad"] - heading)
+    estimates = record.estimates
+    heading = at_estimates(record, np.unwrap(record.truth["heading_rad"]))
     axes.axhline(0.0, color="#999999", linewidth=0.8)
-    axes.plot(estimates["time_s"], wanted, color=PLANNED, linewidth=1.0, label="demand − truth")
-    axes.plot(estimates["time_s"], believed, color=BELIEVED, linewidth=1.0, label="estimate − truth")
+    for name, colour, label in (
+        ("demand_heading_rad", PLANNED, "demand"),
+        ("heading_rad", ESTIMATED, "estimate"),
+    ):
+        _line(axes, estimates["time_s"], wrapped_deg(estimates[name] - heading), colour, f"{label} − truth")
 
 
 def _speed(axes: Axes, record: RunRecord) -> None:
-    every, truth = _every(record), record.truth
+    truth, estimates = record.truth, record.estimates
     over_ground = np.hypot(truth["north_m_s"], truth["east_m_s"])
-    axes.plot(
-        truth["time_s"][::every], over_ground[::every], color=SAILED, linewidth=1.3, label="over ground"
-    )
-    axes.plot(
-        truth["time_s"][::every],
-        truth["surge_m_s"][::every],
-        color="#7fa6c4",
-        linewidth=1.0,
-        label="through water",
-    )
-    estimates = record.estimates
-    axes.plot(
-        estimates["time_s"], estimates["demand_speed_m_s"], color=PLANNED, linewidth=1.0, label="demand"
-    )
+    _line(axes, truth["time_s"], over_ground, SAILED, "over ground")
+    _line(axes, truth["time_s"], truth["surge_m_s"], "#7fa6c4", "through water")
+    _line(axes, estimates["time_s"], estimates["demand_speed_m_s"], PLANNED, "demand")
 
 
 def _commands(axes: Axes, record: RunRecord) -> None:
-    estimates = record.estimates
-    axes.plot(estimates["time_s"], estimates["left"], color=LEFT, linewidth=0.9, label="left")
-    axes.plot(estimates["time_s"], estimates["right"], color=RIGHT, linewidth=0.9, label="right")
+    for side, colour in _SIDES:
+        _line(axes, record.estimates["time_s"], record.estimates[side], colour, side, 0.9)
     axes.set_ylim(-1.08, 1.08)
 
 
 def _thrust(axes: Axes, record: RunRecord) -> None:
-    every, truth = _every(record), record.truth
-    for side, colour in (("left", LEFT), ("right", RIGHT)):
-        axes.plot(
-            truth["time_s"][::every],
-            truth[f"{side}_thrust_n"][::every],
-            color=colour,
-            linewidth=0.9,
-            label=side,
-        )
+    for side, colour in _SIDES:
+        _line(axes, record.truth["time_s"], record.truth[f"{side}_thrust_n"], colour, side, 0.9)
 
 
 def _current(axes: Axes, record: RunRecord) -> None:
-    """The true current, and the set that the boat estimates: the current with the leeway in it."""
-    every, truth, estimates = _every(record), record.truth, record.estimates
-    for word, colour in (("north", "#31688e"), ("east", "#8a4f7d")):
-        true = truth[f"current_{word}_m_s"][::every]
-        axes.plot(
-            truth["time_s"][::every], true, color=colour, linewidth=1.6, alpha=0.55, label=f"current, {word}"
-        )
-        axes.plot(
-            estimates["time_s"],
-            estimates[f"current_{word}_m_s"],
-            color=colour,
-            linewidth=1.1,
-            linestyle="--",
-            label=f"current as estimated, {word}",
-        )
+    """The true current, and the boat's estimate of it, which includes the leeway."""
+    for word, true_colour, colour in (("north", "#98b3c6", "#31688e"), ("east", "#c4a6bc", "#8a4f7d")):
+        name = f"current_{word}_m_s"
+        _line(axes, record.truth["time_s"], record.truth[name], true_colour, word, 1.6)
+        _line(axes, record.estimates["time_s"], record.estimates[name], colour, f"{word}, estimated")
 
 
 def _position_error(axes: Axes, record: RunRecord) -> None:
     estimates = record.estimates
-    north = estimates["north_m"] - _at_estimates(record, record.truth["north_m"])
-    east = estimates["east_m"] - _at_estimates(record, record.truth["east_m"])
+    north = estimates["north_m"] - at_estimates(record, record.truth["north_m"])
+    east = estimates["east_m"] - at_estimates(record, record.truth["east_m"])
     two_sigma = 2.0 * math.sqrt(2.0) * estimates["position_sigma_m"]
     axes.fill_between(
-        estimates["time_s"], 0.0, two_sigma, color=BELIEVED, alpha=0.25, linewidth=0, label="2 σ as estimated"
+        estimates["time_s"], 0.0, two_sigma, color=ESTIMATED, alpha=0.25, linewidth=0, label="2 σ, estimated"
     )
-    axes.plot(estimates["time_s"], np.hypot(north, east), color=SAILED, linewidth=1.2, label="error")
+    _line(axes, estimates["time_s"], np.hypot(north, east), SAILED, "error")
     axes.set_ylim(bottom=0.0)
 
 
 def _pack(axes: Axes, record: RunRecord) -> None:
-    every, truth = _every(record), record.truth
-    axes.plot(truth["time_s"][::every], truth["voltage_v"][::every], color=SAILED, linewidth=1.1, label="V")
-    axes.plot(truth["time_s"][::every], truth["current_a"][::every], color=LEFT, linewidth=0.9, label="A")
+    for name, colour, label in (("voltage_v", SAILED, "V"), ("current_a", LEFT, "A")):
+        _line(axes, record.truth["time_s"], record.truth[name], colour, label)
     axes.set_ylim(bottom=0.0)
 
 
 def _modes(axes: Axes, record: RunRecord) -> None:
     """Bands of the modes and of faults, and a line at each waypoint."""
-    for number, (begin_s, end_s, _) in enumerate(_spans(record)):
+    for number, (begin_s, end_s, _) in enumerate(mode_spans(record)):
         axes.axvspan(begin_s, end_s, color=_MODE_TINTS[number % len(_MODE_TINTS)], zorder=0, linewidth=0)
     for begin_s, end_s, _ in fault_spans(record):
         axes.axvspan(begin_s, end_s, color=_FAULT, alpha=0.09, zorder=0.5, linewidth=0)
@@ -240,19 +203,11 @@ def _modes(axes: Axes, record: RunRecord) -> None:
             axes.axvline(event.time_s, color="#9a9482", linewidth=0.7, linestyle="-", alpha=0.6)
 
 
-def _name_modes(axes: Axes, record: RunRecord) -> None:
-    for begin_s, _, name in _spans(record):
+def _name_spans(axes: Axes, spans: list[tuple[float, float, str]], height: float, colour: str) -> None:
+    for begin_s, _, name in spans:
         axes.annotate(
-            name, (begin_s, 1.0), xycoords=("data", "axes fraction"), xytext=(3, 3),
-            textcoords="offset points", fontsize=8.5, color=INK, annotation_clip=True,
-        )  # fmt: skip
-
-
-def _name_faults(axes: Axes, record: RunRecord) -> None:
-    for begin_s, _, name in fault_spans(record):
-        axes.annotate(
-            name, (begin_s, 0.0), xycoords=("data", "axes fraction"), xytext=(3, 3),
-            textcoords="offset points", fontsize=8.5, color=_FAULT, annotation_clip=True,
+            name, (begin_s, height), xycoords=("data", "axes fraction"), xytext=(3, 3),
+            textcoords="offset points", fontsize=8.5, color=colour, annotation_clip=True,
         )  # fmt: skip
 
 
@@ -281,64 +236,3 @@ def _mark_track(axes: Axes, record: RunRecord) -> None:
             name, at, xytext=(9, 6), textcoords="offset points", fontsize=9, color=_FAULT, path_effects=HALO,
             zorder=16, annotation_clip=True,
         )  # fmt: skip
-
-
-def fault_spans(record: RunRecord) -> list[tuple[float, float, str]]:
-    """Begin, end and name of each fault; one that lasts ends with the run."""
-    open_since: dict[str, float] = {}
-    spans = []
-    for event in record.events:
-        if event.kind == "fault":
-            name = event.text.removesuffix(OVER)
-            if name == event.text:
-                open_since[name] = event.time_s
-            elif name in open_since:
-                spans.append((open_since.pop(name), event.time_s, name))
-    end_s = float(record.truth["time_s"][-1]) if len(record.truth["time_s"]) else 0.0
-    spans += [(begin_s, max(end_s, begin_s), name) for name, begin_s in open_since.items()]
-    return sorted(spans)
-
-
-def brakes(record: RunRecord) -> list[tuple[float, float]]:
-    """Begin and end of each time that both motors went astern while the boat moved ahead."""
-    times = record.estimates["time_s"]
-    if not len(times):
-        return []
-    ahead_m_s = _at_estimates(record, record.truth["surge_m_s"])
-    astern = np.maximum(record.estimates["left"], record.estimates["right"]) < -_ASTERN
-    flags = np.concatenate(([False], astern & (ahead_m_s > _MOVING_M_S), [False])).astype(np.int8)
-    begins, ends = np.flatnonzero(np.diff(flags) == 1), np.flatnonzero(np.diff(flags) == -1) - 1
-    found: list[tuple[float, float]] = []
-    for begin_s, end_s in zip(times[begins].tolist(), times[ends].tolist(), strict=True):
-        if found and begin_s - found[-1][1] < _ONE_BRAKE_S:
-            found[-1] = found[-1][0], end_s
-        else:
-            found.append((begin_s, end_s))
-    return found
-
-
-def _spans(record: RunRecord) -> list[tuple[float, float, str]]:
-    """Begin, end and name of each mode."""
-    times, modes = record.estimates["time_s"], record.estimates["mode"]
-    if not len(times):
-        return []
-    changes = [0, *(np.flatnonzero(np.diff(modes)) + 1).tolist(), len(times) - 1]
-    return [
-        (float(times[a]), float(times[b]), Mode(int(modes[a])).name)
-        for a, b in pairwise(changes)
-        if b > a or len(changes) == 2
-    ]
-
-
-def _every(record: RunRecord) -> int:
-    return max(1, len(record.legs) // _MOST_DRAWN)
-
-
-def _at_estimates(record: RunRecord, column: Numbers) -> Numbers:
-    """A column of the truth at the times of the estimates."""
-    return np.interp(record.estimates["time_s"], record.truth["time_s"], column)
-
-
-def _degrees(angle_rad: Numbers) -> Numbers:
-    wrapped: Numbers = np.degrees(np.mod(angle_rad + math.pi, 2.0 * math.pi) - math.pi)
-    return wrapped

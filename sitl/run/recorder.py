@@ -78,24 +78,7 @@ class Recorder:
         Raises:
             ValueError: a recorded leg is not in the plan.
         """
-        legs = self.legs
-        sailed = legs >= 0
-        if not sailed.any():
-            return np.empty(0)
-        if int(legs.max()) > len(planned) - 2:
-            raise ValueError(f"leg {int(legs.max())} was recorded, but the plan has {len(planned)} points")
-        points = np.asarray(planned, dtype=np.float64)
-        at = self.rows[sailed, _PLACE]
-        start = points[legs[sailed]]
-        along = points[legs[sailed] + 1] - start
-        off = at - start
-        length = np.hypot(along[:, 0], along[:, 1])
-        cross = along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]
-        # On a leg without length the only error there is is the distance to its point.
-        out: np.ndarray[tuple[int], np.dtype[np.float64]] = np.where(
-            length > 0.0, cross / np.where(length > 0.0, length, 1.0), np.hypot(off[:, 0], off[:, 1])
-        )
-        return out
+        return cross_track_m(self.rows[:, _PLACE], self.legs, planned)
 
     def metrics(self, planned: Sequence[Point], shore: Shore, sailed: int | None = None) -> TrackMetrics:
         """The figures of the run so far. sailed: only the first so many ticks count for time and length.
@@ -138,3 +121,30 @@ class Recorder:
                 numbers = [f"{value:.6f}" for value in row]
                 numbers[_GROUNDED] = str(int(row[_GROUNDED]))
                 writer.writerow((*numbers, leg))
+
+
+def cross_track_m(
+    at: Rows, legs: "np.ndarray[tuple[int], np.dtype[np.int64]]", planned: Sequence[Point]
+) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+    """Signed distance to the line of the leg at each tick that has one; starboard is positive.
+
+    at: north and east of every tick; legs: its leg, negative for none.
+
+    Raises:
+        ValueError: a leg is not in the plan.
+    """
+    sailed = legs >= 0
+    if not sailed.any():
+        return np.empty(0)
+    if int(legs.max()) > len(planned) - 2:
+        raise ValueError(f"leg {int(legs.max())} was recorded, but the plan has {len(planned)} points")
+    points = np.asarray(planned, dtype=np.float64)
+    start = points[legs[sailed]]
+    along, off = points[legs[sailed] + 1] - start, at[sailed] - start
+    length = np.hypot(along[:, 0], along[:, 1])
+    cross = along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]
+    # On a leg without length the error is the distance to its point
+    out: np.ndarray[tuple[int], np.dtype[np.float64]] = np.where(
+        length > 0.0, cross / np.where(length > 0.0, length, 1.0), np.hypot(off[:, 0], off[:, 1])
+    )
+    return out

@@ -9,8 +9,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from companion.core.geo import Point
-from companion.core.output_file import output_file
-from mission_tools.drawing.draw import arrange_names, draw_chart
+from mission_tools.drawing.draw import draw_chart, save_figure
+from mission_tools.drawing.features import arrange_names
 from mission_tools.drawing.legend import INK, PAPER
 from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.run import planned
@@ -158,5 +158,4 @@ def _save(figure: Figure, path: Path, title: str) -> None:
     figure.draw_without_rendering()  # names are arranged by where the layout has put the axes
     for axes in figure.axes:
         arrange_names(axes)
-    with output_file(path) as aside:
-        figure.savefig(aside)
+    save_figure(path, figure)

@@ -9,7 +9,7 @@ import shapely
 from matplotlib.figure import Figure
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from mission_tools.drawing.draw import draw_chart, draw_picture, draw_track, save_picture
+from mission_tools.drawing.draw import draw_chart, draw_picture, draw_track, save_figure
 from mission_tools.maps import Chart, Feature, build_chart, load_geojson
 from mission_tools.planning.planner import plan
 
@@ -40,7 +40,7 @@ def test_a_picture_has_1600_by_1200_pixels_and_what_is_added_shows(pond: Chart, 
     seen: list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]] = []
     for name, shown in variants.items():
         file = tmp_path / f"{name}.png"
-        save_picture(file, pond, **shown)  # type: ignore[arg-type]
+        save_figure(file, draw_picture(pond, **shown))  # type: ignore[arg-type]
         image = pixels(file)
         assert image.shape[:2] == (1200, 1600)
         assert all(np.abs(image - other).max() > 0.1 for other in seen), name
@@ -50,18 +50,20 @@ def test_a_picture_has_1600_by_1200_pixels_and_what_is_added_shows(pond: Chart, 
 def test_open_water_and_a_pool_of_a_metre_can_be_drawn_too(tmp_path: Path) -> None:
     frame = LocalFrame(ORIGIN)
     sea = build_chart("Sea", frame, None, ())
-    save_picture(tmp_path / "sea.png", sea)
-    save_picture(tmp_path / "leg.png", sea, [Point(0.0, 0.0), Point(200.0, 0.0)], clearance_m=2.0)
+    save_figure(tmp_path / "sea.png", draw_picture(sea))
+    save_figure(
+        tmp_path / "leg.png", draw_picture(sea, [Point(0.0, 0.0), Point(200.0, 0.0)], clearance_m=2.0)
+    )
     box = Feature("Box", "obstacle", shapely.box(0.4, 1.0, 0.6, 1.3))
     pool = build_chart("Pool", frame, shapely.box(-0.05, -0.05, 1.175, 2.45), [box])
-    save_picture(tmp_path / "pool.png", pool, clearance_m=0.06)
+    save_figure(tmp_path / "pool.png", draw_picture(pool, clearance_m=0.06))
     assert all((tmp_path / name).stat().st_size > 10_000 for name in ("sea.png", "leg.png", "pool.png"))
 
 
 def test_the_view_closes_in_on_a_route_far_smaller_than_the_water(pond: Chart, tmp_path: Path) -> None:
     near = [Point(-120.0, -40.0), Point(-120.0, -10.0)]
-    save_picture(tmp_path / "near.png", pond, track=near)
-    save_picture(tmp_path / "far.png", pond, track=TRACK)
+    save_figure(tmp_path / "near.png", draw_picture(pond, track=near))
+    save_figure(tmp_path / "far.png", draw_picture(pond, track=TRACK))
     land = np.array([0xEF, 0xE6, 0xCF], dtype=np.float32) / 255.0
 
     def land_share(file: str) -> float:
@@ -78,7 +80,7 @@ def pool() -> Chart:
 
 
 def test_the_picture_of_a_narrow_pool_shows_pool_and_no_beach(tmp_path: Path) -> None:
-    save_picture(tmp_path / "pool.png", pool(), [Point(0.2, 0.2), Point(2.2, 1.0)])
+    save_figure(tmp_path / "pool.png", draw_picture(pool(), [Point(0.2, 0.2), Point(2.2, 1.0)]))
     image = pixels(tmp_path / "pool.png")[..., :3]
     land = np.array([0xEF, 0xE6, 0xCF], dtype=np.float32) / 255.0
     assert float((np.abs(image - land).max(axis=2) < 0.02).mean()) < 0.15

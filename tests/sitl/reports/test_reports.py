@@ -21,7 +21,8 @@ from sitl.reports.campaign_pictures import draw_expectation
 from sitl.reports.labels import label, labelled
 from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
-from sitl.reports.run_pictures import brakes, draw_panels, draw_track_chart, fault_spans
+from sitl.reports.run_pictures import draw_panels, draw_track_chart
+from sitl.reports.run_series import brakes, fault_spans
 from sitl.run.mission_run import MissionRun
 from sitl.run.run_record import RunRecord, load_record
 
