@@ -22,8 +22,6 @@ class Air:
     is_perfect: but for faults they are as good as their drivers.
     """
 
-    __slots__ = ("_faulty", "_joined", "_links", "_outages", "_own", "_seed", "computer", "is_perfect", "now")
-
     def __init__(
         self, settings: LinkSettings, seed: int, computer: Computer, now: Callable[[], float]
     ) -> None:
@@ -56,8 +54,6 @@ class Air:
 
 class AirLink:
     """Satisfies `companion.hal.interfaces.Link` over another link."""
-
-    __slots__ = ("_air", "_inward", "_link", "_outward")
 
     def __init__(self, link: Link, air: Air) -> None:
         self._link = link

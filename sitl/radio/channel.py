@@ -56,8 +56,6 @@ WHOLE = Quality()
 class Channel:
     """One direction of a link. A change of its quality holds for what is sent from then on."""
 
-    __slots__ = ("_free_s", "_in_flight", "_random", "_sent", "quality")
-
     def __init__(self, quality: Quality, seed: int) -> None:
         self.quality = quality
         self._random = random.Random(seed)

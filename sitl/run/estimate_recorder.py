@@ -47,8 +47,6 @@ Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 class EstimateRecorder:
     """One row a tenth of a second, and every echo of the sonar where the boat took it to be."""
 
-    __slots__ = ("_echoes", "_frame", "_next_s", "_numbers", "_origin", "_ping_s", "_shift")
-
     def __init__(self, frame: LocalFrame) -> None:
         """Start empty. frame: the scenario's, in which everything is kept."""
         self._frame = frame

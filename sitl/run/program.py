@@ -14,17 +14,6 @@ class Program:
     host, reported as the boat's own load unless the simulated one is higher.
     """
 
-    __slots__ = (
-        "_boots",
-        "_build",
-        "_close_program",
-        "_computer",
-        "_is_running",
-        "_world",
-        "boat",
-        "host_load",
-    )
-
     def __init__(
         self, world: World, build: Callable[[], Boat], close_program: Callable[[Boat], None]
     ) -> None:

@@ -42,10 +42,7 @@ class TrackMetrics:
 class Recorder:
     """Keeps every tick in memory, number by number: 8 bytes each, some 20 MB an hour at 50 Hz."""
 
-    __slots__ = ("_legs", "_numbers")
-
     def __init__(self) -> None:
-        """Start empty."""
         self._numbers = array("d")
         self._legs = array("q")
 

@@ -14,10 +14,7 @@ __all__ = ["SimBattery", "SimMotors"]
 class SimMotors:
     """Two motor inputs that keep the last command, as an H-bridge does."""
 
-    __slots__ = ("left", "right")
-
     def __init__(self) -> None:
-        """Start stopped."""
         self.left = self.right = 0.0
 
     def write(self, left: float, right: float) -> None:

@@ -23,20 +23,7 @@ class Event(NamedTuple):
 class Timeline:
     """Watches a lockstep run, tick by tick, and writes down what changes. Full, it only counts."""
 
-    __slots__ = (
-        "_armed",
-        "_faults",
-        "_grounded",
-        "_mode",
-        "_reached",
-        "_texts",
-        "events",
-        "late_commands",
-        "touched",
-    )
-
     def __init__(self) -> None:
-        """Start empty."""
         self.events: list[Event] = []
         self.touched: list[str] = []  # what the hull has touched, in order, each once
         self.late_commands = 0  # ticks on which a motor was driven though the boat was not armed

@@ -25,8 +25,6 @@ class Computer:
     load: share of a tick that the boat's program needs on this computer, apart from what it costs the host.
     """
 
-    __slots__ = ("_drivers", "boots", "clock_offset_s", "disk_is_full", "has_power", "link_quality", "load")
-
     def __init__(self, drivers: Sequence[Clocked] = ()) -> None:
         """Running, at time zero."""
         self._drivers = drivers

@@ -41,19 +41,6 @@ class Contact:
     shore holds the hull, and no room is left.
     """
 
-    __slots__ = (
-        "_corners",
-        "_has_cast_off",
-        "_hold_n",
-        "_lever_m",
-        "_movers",
-        "_radius_m",
-        "_shore",
-        "is_stuck",
-        "is_watchful",
-        "room_m",
-    )
-
     def __init__(self, hull: VesselParameters, shore: Shore, movers: Movers, hold_n: float) -> None:
         """The shore must be able to answer for the hull's length."""
         half, side = 0.5 * hull.length_m, 0.5 * hull.beam_m

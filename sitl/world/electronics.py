@@ -31,19 +31,6 @@ if TYPE_CHECKING:
 class Electronics:
     """The hardware of the boat's program, with its faults."""
 
-    __slots__ = (
-        "_battery",
-        "_compass",
-        "_gnss",
-        "_hull",
-        "_sonar",
-        "computer",
-        "faults",
-        "hardware",
-        "motors",
-        "rc",
-    )
-
     def __init__(
         self,
         scenario: Scenario,

@@ -46,8 +46,6 @@ class MoverSettings(Section, frozen=True):
 class Mover:
     """One of them."""
 
-    __slots__ = ("_corners", "_passed_m", "settings")
-
     def __init__(self, settings: MoverSettings) -> None:
         self.settings = settings
         corners = [settings.start, *settings.waypoints]
@@ -76,8 +74,6 @@ class Mover:
 
 class Movers:
     """All of them."""
-
-    __slots__ = ("_movers",)
 
     def __init__(self, settings: Sequence[MoverSettings]) -> None:
         self._movers = tuple(Mover(one) for one in settings)

@@ -17,8 +17,6 @@ _RISE = 2.0  # how much more of it there is when empty, of what there is when fu
 class Pack:
     """The pack's state: the charge taken out, and voltage and current at its terminals."""
 
-    __slots__ = ("_capacity_c", "_parameters", "_used_c", "current_a", "supply_v", "voltage_v")
-
     def __init__(self, parameters: BatteryParameters) -> None:
         """Start with the given charge, loaded by the electronics."""
         self._parameters = parameters

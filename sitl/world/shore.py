@@ -30,8 +30,6 @@ class Shore:
     reach_m is the longest ray or step that will be asked for.
     """
 
-    __slots__ = ("_cells", "_reach_m", "_segments", "_tree")
-
     def __init__(self, chart: Chart, reach_m: float) -> None:
         """Index the edge of the chart's water. Areas to keep out of are water like any other."""
         self._reach_m = reach_m

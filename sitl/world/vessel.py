@@ -51,13 +51,6 @@ class Vessel:
     (water_north_m_s, water_east_m_s); heading_rad grows without wrapping, cos and sin are its own.
     """
 
-    __slots__ = (
-        "_bend_r", "_bend_u", "_bend_v", "_crossflow", "_half_strips_m", "_is_fresh", "_m11", "_m22", "_m33",
-        "_munk", "_nr", "_nrr", "_skeg", "_skeg_arm", "_xu", "_xuu", "_yv",
-        "cos", "east_m", "heading_rad", "north_m", "sin", "surge_m_s", "sway_m_s", "water_east_m_s",
-        "water_north_m_s", "yaw_rate_rad_s",
-    )  # fmt: skip
-
     def __init__(
         self,
         parameters: VesselParameters,

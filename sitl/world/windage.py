@@ -29,8 +29,6 @@ AIR_KG_M3 = 1.225
 class Windage:
     """The force of air on one hull."""
 
-    __slots__ = ("_lever_m", "_n", "_x", "_y")
-
     def __init__(self, parameters: WindageParameters, length_m: float) -> None:
         half = 0.5 * AIR_KG_M3
         self._x = half * parameters.frontal_drag * parameters.frontal_area_m2

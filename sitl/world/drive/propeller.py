@@ -55,8 +55,6 @@ class Propeller:
     astern, astern_nn takes the place of thrust_nn.
     """
 
-    __slots__ = ("astern_nn", "thrust_nn", "thrust_nu", "torque_nn", "torque_nu")
-
     def __init__(self, parameters: PropellerParameters) -> None:
         area = WATER_KG_M3 * parameters.diameter_m**3
         turned = _PER_RADIAN * _PER_RADIAN * parameters.diameter_m

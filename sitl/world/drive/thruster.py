@@ -33,13 +33,7 @@ class Thruster:
     is in the water.
     """
 
-    __slots__ = (
-        "_brake", "_constants", "_friction_nm", "_propeller", "_stall_nm_per_v",
-        "current_a", "gain", "grip", "motor_a", "speed_rad_s", "thrust_n", "weed",
-    )  # fmt: skip
-
     def __init__(self, parameters: ThrusterParameters) -> None:
-        """Start at rest."""
         motor, bridge = parameters.motor, parameters.bridge
         conductance = 1.0 / (motor.resistance_ohm + bridge.resistance_ohm)
         self._brake, self._propeller = bridge.brake, Propeller(parameters.propeller)
@@ -120,10 +114,7 @@ class Thruster:
 class Thrusters:
     """The pair."""
 
-    __slots__ = ("_arm_m", "_depth_m", "_tip_m", "left", "right")
-
     def __init__(self, parameters: ThrusterParameters) -> None:
-        """Start at rest."""
         self._arm_m = 0.5 * parameters.apart_m
         self._depth_m, self._tip_m = parameters.propeller.depth_m, 0.5 * parameters.propeller.diameter_m
         self.left = Thruster(parameters)

@@ -15,8 +15,6 @@ from sitl.world.environment.settings import Environment, Gyre, River, Tide
 class Current:
     """All of it. is_uniform: one velocity, the same everywhere and always."""
 
-    __slots__ = ("_east_m_s", "_grid", "_gyre", "_north_m_s", "_river", "_tide", "_uniform", "is_uniform")
-
     def __init__(self, environment: Environment) -> None:
         """Read the file, if there is one.
 

@@ -30,8 +30,6 @@ class Grid:
     In between they are linear. velocities[i][j][k] is (north, east) at times_s[i], norths_m[j], easts_m[k].
     """
 
-    __slots__ = ("_easts_m", "_norths_m", "_times_s", "_velocities")
-
     def __init__(
         self,
         times_s: list[float],

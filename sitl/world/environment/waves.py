@@ -47,11 +47,6 @@ class Waves:
     stern_m: how much higher the water stands at the stern than the hull's own waterline there.
     """
 
-    __slots__ = (
-        "_components", "_half_m", "drift_east_m_s", "drift_north_m_s", "east_m_s", "heave_m", "height_m",
-        "is_calm", "north_m_s", "stern_m", "yaw_rate_rad_s",
-    )  # fmt: skip
-
     def __init__(self, environment: Environment, length_m: float, seed: int) -> None:
         """length_m: the hull's."""
         self.height_m = environment.wave_height_m

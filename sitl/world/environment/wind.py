@@ -20,11 +20,6 @@ LATERAL = 0.8  # deviation across the wind, of that along it: 1.9 to 2.4 in the 
 class Wind:
     """The air's velocity over ground, where it blows *to*: north_m_s, east_m_s. Still air has is_calm."""
 
-    __slots__ = (
-        "_across", "_along", "_deviation_m_s", "_drive", "_from_rad", "_keep", "_mean_m_s", "_next",
-        "_random", "east_m_s", "is_calm", "north_m_s",
-    )  # fmt: skip
-
     def __init__(self, environment: Environment, seed: int) -> None:
         """Start with gusts in their steady state."""
         self._random = generator(seed, "wind")

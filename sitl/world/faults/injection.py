@@ -32,8 +32,6 @@ _SILENCE_S = 10.0  # a link that was switched off by a station could not be told
 class Injection:
     """Satisfies `companion.hal.interfaces.FaultInjector`."""
 
-    __slots__ = ("_faults", "is_enabled")
-
     def __init__(self, faults: Faults) -> None:
         self.is_enabled = True
         self._faults = faults

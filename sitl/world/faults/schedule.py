@@ -20,8 +20,6 @@ class Faults:
     The owner keeps now_s up to date and calls `step` when `due_s` has come.
     """
 
-    __slots__ = ("_events", "_order", "_parts", "active", "due_s", "now_s")
-
     def __init__(self, parts: Mapping[str, Part], planned: Sequence[FaultSetting] = ()) -> None:
         self.active: dict[str, FaultSetting] = {}
         self.due_s = math.inf

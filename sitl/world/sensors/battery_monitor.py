@@ -13,21 +13,7 @@ _PERFECT = BatteryMonitorSettings()
 class SimBattery:
     """The monitor of the simulated pack."""
 
-    __slots__ = (
-        "_count",
-        "_is_noisy",
-        "_latest",
-        "_random",
-        "_rate_hz",
-        "_sampled",
-        "_settings",
-        "clock_offset_s",
-        "due_s",
-        "fault",
-    )
-
     def __init__(self, rate_hz: float, settings: BatteryMonitorSettings = _PERFECT, seed: int = 0) -> None:
-        """Start without a reading."""
         self.fault: SensorFault[BatteryReading] | None = None
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         self._rate_hz = rate_hz

@@ -17,34 +17,6 @@ _SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not
 class SimCompass:
     """Compass and gyro, read once per period. They fail apart: `fault` is the compass's."""
 
-    __slots__ = (
-        "_bias_rad",
-        "_count",
-        "_deviation_rad",
-        "_gyro_bias",
-        "_gyro_noise",
-        "_gyro_scale",
-        "_gyro_walk",
-        "_hard_at_rad",
-        "_hard_rad",
-        "_is_magnetic",
-        "_latest",
-        "_motor_at_rad",
-        "_motor_rad_per_a",
-        "_noise_rad",
-        "_random",
-        "_rate_hz",
-        "_sampled",
-        "_slow_due_s",
-        "_soft_at_rad",
-        "_soft_rad",
-        "_tilt_rad_s2_m",
-        "clock_offset_s",
-        "due_s",
-        "fault",
-        "gyro_fault",
-    )
-
     def __init__(self, settings: CompassSettings, seed: int, correction_rad: float = 0.0) -> None:
         """Start without a reading. correction_rad: what the boat's configuration adds to every heading."""
         self.fault: SensorFault[HeadingReading] | None = None

@@ -25,8 +25,6 @@ class SensorFault(Generic[R]):
     says, and bearing_rad is a direction over ground.
     """
 
-    __slots__ = ("_seen", "_under_way", "bearing_rad", "held", "kind", "random", "since_s", "size")
-
     def __init__(
         self, kind: str, size: float, bearing_rad: float, since_s: float, numbers: random.Random
     ) -> None:

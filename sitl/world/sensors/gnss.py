@@ -33,29 +33,6 @@ _STATED_ALONE = (1.2, 0.1)
 class SimGnss:
     """The receiver: a queue of fixes on their way, and the latest that has arrived."""
 
-    __slots__ = (
-        "_accuracy_m",
-        "_assumed_latency_s",
-        "_clock",
-        "_count",
-        "_delays",
-        "_drive_m",
-        "_frame",
-        "_keep",
-        "_latest",
-        "_multipath",
-        "_next_s",
-        "_random",
-        "_sampled",
-        "_settings",
-        "_under_way",
-        "_wander_e",
-        "_wander_n",
-        "clock_offset_s",
-        "due_s",
-        "fault",
-    )
-
     def __init__(
         self,
         settings: GnssSettings,
@@ -212,8 +189,6 @@ def stated_accuracy_m(fix_type: int, hdop: float) -> float:
 
 class _Multipath:
     """Reflections off the shore: a wander whose deviation grows towards the water's edge."""
-
-    __slots__ = ("_drive", "_east", "_keep", "_north", "_random", "_reach_m", "_shore", "_size_m")
 
     def __init__(self, settings: GnssSettings, shore: Shore, numbers: random.Random) -> None:
         self._shore, self._random = shore, numbers

@@ -17,20 +17,7 @@ class SimHull:
     warming_c_s: how fast it gets hotter, up to HOTTEST_C; hears_heat: False for a thermometer that is silent.
     """
 
-    __slots__ = (
-        "_hot_since_s",
-        "_latest",
-        "_temperature_c",
-        "clock_offset_s",
-        "due_s",
-        "hears_heat",
-        "is_wet",
-        "offset_c",
-        "warming_c_s",
-    )
-
     def __init__(self, settings: HullSensorSettings) -> None:
-        """Start without a reading."""
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         self.due_s = 0.0
         self.is_wet: bool | None = False

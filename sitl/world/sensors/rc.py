@@ -20,21 +20,6 @@ class SimRc:
     is out of range it says so.
     """
 
-    __slots__ = (
-        "_channels_us",
-        "_count",
-        "_east_m",
-        "_latest",
-        "_next",
-        "_north_m",
-        "_random",
-        "_sampled",
-        "_settings",
-        "clock_offset_s",
-        "due_s",
-        "fault",
-    )
-
     def __init__(self, settings: RcSettings, seed: int, north_m: float = 0.0, east_m: float = 0.0) -> None:
         """Start without a frame, all in the middle. north_m, east_m: where the hand stands."""
         self._north_m, self._east_m = north_m, east_m

@@ -29,27 +29,9 @@ class MovingObstacles(Protocol):
 class SimSonar:
     """The swept ranger. Its cone is a fan of three rays of which the nearest echo counts."""
 
-    __slots__ = (
-        "_count",
-        "_fan_rad",
-        "_grazing",
-        "_last_range_m",
-        "_movers",
-        "_pings",
-        "_random",
-        "_servo",
-        "_settings",
-        "_shore",
-        "_swing",
-        "clock_offset_s",
-        "due_s",
-        "fault",
-    )
-
     def __init__(
         self, settings: SonarSettings, shore: Shore, seed: int, movers: MovingObstacles | None = None
     ) -> None:
-        """Start at the sweep's port end."""
         self.fault: SensorFault[SonarReading] | None = None
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         self._settings = settings
@@ -153,8 +135,6 @@ class SimSonar:
 
 class _Servo:
     """It starts for a new bearing after a dead time and turns at an even rate."""
-
-    __slots__ = ("_aim_rad", "_before_rad", "_dead_s", "_here_rad", "_rate_rad_s", "_told_s")
 
     def __init__(self, settings: SonarSettings, bearing_rad: float) -> None:
         """Stand at a bearing."""
