@@ -1,4 +1,4 @@
-"""What a lockstep run orders of its boat, over the air, and waits for."""
+"""Commands of the lockstep's station, which wait for the boat's answer."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,22 +13,18 @@ ANSWER_S = 5.0
 
 
 class RunError(BoatError):
-    """The run ended before it should, or the boat did not do as ordered; the message says what and why."""
+    """The boat refused a command or did not reach a state in time; the message says what and why."""
 
 
 class StationCommands:
-    """Commands of the lockstep's station. step: advances the run by one tick."""
+    """Commands over MAVLink. step: advances the run by one tick. Every method may raise a RunError."""
 
     def __init__(self, lockstep: Lockstep, step: Callable[[], None]) -> None:
         self._lockstep = lockstep
         self._step = step
 
     def wait(self, is_so: Callable[[], bool], limit_s: float, failure: str) -> None:
-        """Let time pass until something is so.
-
-        Raises:
-            RunError: it was not within limit_s.
-        """
+        """Step until a condition holds, for at most limit_s."""
         deadline_s = self._lockstep.time_s + limit_s
         while not is_so():
             if self._lockstep.time_s > deadline_s:
@@ -36,11 +32,7 @@ class StationCommands:
             self._step()
 
     def command(self, number: int, *params: float, what: str) -> None:
-        """Send a command until it is accepted.
-
-        Raises:
-            RunError: it was refused, or not answered.
-        """
+        """Send a command and wait until it is accepted."""
         station = self._lockstep.station
         station.command(number, *params)
         self.wait(lambda: station.answer(number) is not None, ANSWER_S, f"{what} was not answered")
@@ -49,19 +41,11 @@ class StationCommands:
             raise RunError(f"the boat refused {what}: {said}")
 
     def until_armable(self) -> None:
-        """Wait for the boat to say that it may be armed and has a position, which arming does not need.
-
-        Raises:
-            RunError: it never does.
-        """
+        """Wait until the boat reports that it may be armed and has a position, which arming does not need."""
         self.wait(self._is_armable, BOOT_S, "the boat did not become armable")
 
     def upload(self, items: Sequence[MissionItem], kind: MissionType = MissionType.MISSION) -> None:
-        """Give the boat a mission, or another list.
-
-        Raises:
-            RunError: it was refused, or did not end.
-        """
+        """Upload a mission, or another list."""
         station = self._lockstep.station
         station.upload(items, self._lockstep.time_s, kind)
         self.wait(lambda: station.uploaded is not None, UPLOAD_S, "the upload did not end")
@@ -69,27 +53,15 @@ class StationCommands:
             raise RunError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
 
     def arm(self) -> None:
-        """Let the motors turn.
-
-        Raises:
-            RunError: the boat refused.
-        """
+        """Arm the motors."""
         self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
 
     def start_mission(self) -> None:
-        """Sail the mission.
-
-        Raises:
-            RunError: the boat refused.
-        """
+        """Start the mission."""
         self.command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
 
     def change_mode(self, number: int) -> None:
-        """Enter a mode by its Rover number.
-
-        Raises:
-            RunError: the boat refused.
-        """
+        """Enter a mode by its Rover number."""
         flag = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         self.command(dialect.MAV_CMD_DO_SET_MODE, flag, float(number), what=f"mode {number}")
 
