@@ -34,7 +34,7 @@ def stated(pattern: str) -> float:
 
 BRIDGE_A = stated(r"drives both motors \| (\d+) A per motor")
 STALL_A = stated(r"stall current below (\d+) A each")
-FUSE_A = stated(r"a (\d+) A fuse next to it")
+FUSE_A = stated(r"a (\d+) A fuse beside it")
 SHUNT_A = stated(r"up to ([\d.]+) A with its 0.1 Ω shunt")
 
 
