@@ -86,7 +86,7 @@ def test_both_motors_stalled_blow_no_fuse() -> None:
 def test_full_ahead_is_within_the_shunt() -> None:
     speed_m_s, current_a = at(1.0)
     assert current_a < SHUNT_A
-    assert speed_m_s == pytest.approx(stated(r"It makes ([\d.]+) m/s at full throttle"), abs=0.05)
+    assert speed_m_s == pytest.approx(stated(r"This boat reaches ([\d.]+) m/s at full throttle"), abs=0.05)
     assert current_a == pytest.approx(
         stated(r"full ahead at 1.6 m/s, with Pi and servo \| ([\d.]+) A"), abs=0.1
     )
@@ -101,4 +101,4 @@ def test_the_example_cruises_as_this_boat_does() -> None:
     assert config.parts.battery.shunt_ohm * SHUNT_A == pytest.approx(0.32)
     speed_m_s, current_a = at(config.speed.cruise_throttle)
     assert speed_m_s == pytest.approx(config.speed.cruise_m_s, abs=0.05)
-    assert current_a == pytest.approx(stated(r"cruises at 1.2 m/s on ([\d.]+) A"), abs=0.1)
+    assert current_a == pytest.approx(stated(r"cruises at 1.2 m/s with ([\d.]+) A"), abs=0.1)
