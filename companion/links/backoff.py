@@ -1,8 +1,8 @@
-"""When to try again what has just failed."""
+"""Growing delay between retries."""
 
 
 class Backoff:
-    """Waiting times that double from first_s to longest_s. Time is handed in."""
+    """Delays that double from first_s to longest_s. Time is an argument."""
 
     __slots__ = ("_delay_s", "_due_s", "_first_s", "_longest_s")
 
@@ -13,17 +13,17 @@ class Backoff:
         self._due_s = float("-inf")
 
     def is_due(self, now_s: float) -> bool:
-        """Whether the next try may start."""
+        """Whether the next attempt is due."""
         return now_s >= self._due_s
 
     def failed(self, now_s: float = 0.0) -> float:
-        """Put the next try off, twice as far as the last time; returns the wait in seconds."""
+        """Schedule the next attempt; returns the delay in seconds."""
         delay_s = self._delay_s
         self._due_s = now_s + delay_s
         self._delay_s = min(2.0 * delay_s, self._longest_s)
         return delay_s
 
     def succeeded(self) -> None:
-        """Start again with the shortest wait."""
+        """Reset to the shortest delay."""
         self._delay_s = self._first_s
         self._due_s = float("-inf")

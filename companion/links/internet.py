@@ -7,14 +7,14 @@ from companion.core.errors import LinkError
 
 
 class SocketAddress(NamedTuple):
-    """An address that the system understands: IPv4 (host, port) or IPv6 with flow and scope."""
+    """A resolved address: IPv4 (host, port) or IPv6 with flow and scope."""
 
     family: int
     sockaddr: tuple[str, int] | tuple[str, int, int, int]
 
 
 def resolve(kind: str, host: str, port: int) -> SocketAddress:
-    """Look a host up, IPv4 first. An empty host means every local address.
+    """Resolve a host, IPv4 preferred. An empty host means all local addresses.
 
     Raises:
         LinkError: names kind, host and port.
@@ -30,5 +30,5 @@ def resolve(kind: str, host: str, port: int) -> SocketAddress:
 
 
 def show(host: str, port: int) -> str:
-    """Host and port as people write them."""
+    """Host and port as text."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -1,4 +1,4 @@
-"""Links that never leave the process: lockstep runs and tests."""
+"""Links within the process, for lockstep runs and tests."""
 
 from collections import deque
 
@@ -8,10 +8,9 @@ _QUEUE_FRAMES = 4096
 
 
 class MemoryLink:
-    """One end of a pair. What one end sends, the other receives, chunk by chunk and in order.
+    """One end of a pair. Chunks sent at one end are received at the other, in order.
 
-    Like a UDP socket, a full end drops what comes next. Closing one end ends the other as soon as it has
-    handed over what was under way.
+    A full end drops further chunks, like a UDP socket. Closing one end closes the other once it is drained.
     """
 
     __slots__ = (
@@ -58,7 +57,7 @@ class MemoryLink:
         return self._is_closed or (self._has_ended and not self._arrived)
 
     def receive(self) -> list[bytes]:
-        """Everything that the other end has sent since the last call."""
+        """Chunks sent by the other end since the last call."""
         if not self._arrived:
             return []
         chunks = list(self._arrived)
@@ -66,7 +65,7 @@ class MemoryLink:
         return chunks
 
     def send(self, data: bytes) -> bool:
-        """Hand one frame to the other end; False if that is closed or full."""
+        """Send a frame to the other end; False if that is closed or full."""
         peer = self._peer
         if peer is None or peer._is_closed or self._is_closed or len(peer._arrived) >= peer._queue_frames:
             return False
@@ -74,7 +73,7 @@ class MemoryLink:
         return True
 
     def fileno(self) -> int:
-        """−1: there is nothing to wait on."""
+        """−1: nothing to wait on."""
         return -1
 
     def close(self) -> None:
@@ -88,7 +87,7 @@ class MemoryLink:
 def memory_pair(
     name: str = "memory", is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES, host: str = ""
 ) -> tuple[MemoryLink, MemoryLink]:
-    """Two ends joined together. host: what the near end gives as the far one's address."""
+    """Two connected ends. host: reported by the near end as the far address."""
     near = MemoryLink(f"{name}:a", is_datagram, queue_frames, host)
     far = MemoryLink(f"{name}:b", is_datagram, queue_frames)
     near._peer, far._peer = far, near
@@ -96,7 +95,7 @@ def memory_pair(
 
 
 class MemoryPort:
-    """Satisfies `companion.hal.interfaces.Port`: hands out the links that were put in with `offer`."""
+    """Satisfies `companion.hal.interfaces.Port` for links added with `offer`."""
 
     def __init__(self, *links: Link, name: str = "memory") -> None:
         self._name = name
@@ -110,24 +109,24 @@ class MemoryPort:
         return self._name
 
     def offer(self, link: Link) -> None:
-        """Let the next `accept` return this link; a port that is closed closes it."""
+        """Add a link for the next `accept`; a closed port closes it."""
         if self._is_closed:
             link.close()
         else:
             self._offered.append(link)
 
     def accept(self) -> list[Link]:
-        """The links offered since the last call."""
+        """Links added since the last call."""
         fresh, self._offered = self._offered, []
         self._links += fresh
         return fresh
 
     def fileno(self) -> int:
-        """−1: there is nothing to wait on."""
+        """−1: nothing to wait on."""
         return -1
 
     def close(self) -> None:
-        """Close every link that was offered. May be called twice."""
+        """Close all links. May be called twice."""
         self._is_closed = True
         for link in (*self._links, *self._offered):
             link.close()

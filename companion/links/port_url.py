@@ -1,4 +1,4 @@
-"""Port urls, the forms that people know from ground stations, and the ports they stand for.
+"""Port urls, in the forms used by ground stations, and their ports.
 
     udpout:HOST:PORT        send to one station; also its broadcast address
     udpin:HOST:PORT         wait for stations (also udp:HOST:PORT)
@@ -6,7 +6,7 @@
     tcpout:HOST:PORT        connect to a server (also tcp:HOST:PORT)
     serial:DEVICE:BAUD      a radio or UART (also DEVICE,BAUD or DEVICE:BAUD)
 
-`kind://…` is taken as well, an IPv6 host stands in brackets, and the host of a waiting port may be empty.
+`kind://…` is accepted as well, an IPv6 host is in brackets, and the host of a waiting port may be empty.
 """
 
 from collections.abc import Callable
@@ -33,7 +33,7 @@ _FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcpin:HOST:PORT, tcpout:HOST:PORT o
 
 @dataclass(frozen=True, slots=True)
 class PortUrl:
-    """A port url taken apart. `place` is the host or the device, `number` the port or the baud rate."""
+    """A parsed port url. `place`: host or device, `number`: port or baud rate."""
 
     kind: str
     place: str
@@ -41,10 +41,10 @@ class PortUrl:
 
 
 def parse_port_url(url: str) -> PortUrl:
-    """Take a url apart.
+    """Parse a url.
 
     Raises:
-        ConfigError: names the url and what is expected.
+        ConfigError: names the url and the expected form.
     """
     text = url.strip()
     if text.startswith("/"):
@@ -67,15 +67,14 @@ def open_port(
     queue_bytes: int | None = None,
     is_call: Callable[[bytes], bool] = bool,
 ) -> Port:
-    """Open the port that a url stands for. `now` is the boat's clock, in seconds.
+    """Open the port of a url. `now` is the boat's clock, in seconds.
 
-    queue_bytes: how much may wait in a stream for a far side that is slow; None: as its driver sees fit.
-    is_call: whether a datagram of an address not heard before makes a link; any that is not empty, unless
-    given.
+    queue_bytes: output queue of a stream; None: the driver's default. is_call: whether a datagram from a new
+    address creates a link; default: any non-empty one.
 
     Raises:
-        ConfigError: the url cannot be read.
-        LinkError: the system refuses.
+        ConfigError: the url is invalid.
+        LinkError: the port cannot be opened.
     """
     parsed = parse_port_url(url)
     queue = {} if queue_bytes is None else {"queue_bytes": queue_bytes}

@@ -1,4 +1,4 @@
-"""MAVLink, or any other bytes, over a serial line: a radio, a USB adapter, the Pi's own UART."""
+"""A serial line: a radio, a USB adapter, the Pi's UART."""
 
 import contextlib
 import os
@@ -17,13 +17,12 @@ from companion.links.stream import StreamLink
 _QUEUE_BYTES = 8192
 _VMIN, _VTIME = 1, 0
 
-# What a device that is pulled out while it is set up may raise; termios.error is no OSError, and pyserial
-# lets it through.
+# Errors of a device unplugged during set-up; termios.error is not an OSError, and pyserial passes it on.
 _REFUSALS = (serial.SerialException, termios.error, ValueError, OSError)
 
 
 class LineFormat(NamedTuple):
-    """How bytes are framed on the wire. With a parity, bytes that arrive with a wrong one are dropped."""
+    """Framing on the wire. With a parity, bytes with a parity error are dropped."""
 
     parity: str = serial.PARITY_NONE
     stop_bits: int = serial.STOPBITS_ONE
@@ -36,10 +35,10 @@ LINE_8E2 = LineFormat(serial.PARITY_EVEN, serial.STOPBITS_TWO)
 class SerialPort:
     """`serial:DEVICE:BAUD`: one link at a time, and a new one when the device is plugged in again.
 
-    pyserial sets the line up; bytes then move through the descriptor itself, which never blocks.
+    pyserial configures the line; data is moved through the descriptor, which never blocks.
 
     Raises:
-        LinkError: the device is not there, not ours to open, or in use by another program.
+        LinkError: the device is missing, not accessible, or in use.
     """
 
     def __init__(
@@ -67,7 +66,7 @@ class SerialPort:
         return self._name
 
     def accept(self) -> list[Link]:
-        """The link at first, and a new one after each time the device has come back."""
+        """The first link, and a new one after each reconnection."""
         if self._link.is_closed and not self._is_closed:
             now_s = self._now()
             if self._backoff.is_due(now_s):
@@ -82,11 +81,11 @@ class SerialPort:
         return fresh
 
     def fileno(self) -> int:
-        """−1: a device that comes back is looked for by `accept`."""
+        """−1: `accept` polls for the device."""
         return -1
 
     def close(self) -> None:
-        """Let the device go. May be called twice."""
+        """Close the device. May be called twice."""
         self._is_closed = True
         self._link.close()
 
@@ -114,7 +113,7 @@ class SerialPort:
     def _set_up(self, line: serial.Serial) -> int:
         descriptor: int = line.fileno()
         os.set_blocking(descriptor, False)
-        # With VMIN 1 an idle line says "try again" and only an unplugged one reads as ended.
+        # With VMIN 1 an idle line returns EAGAIN, and only an unplugged one end of file.
         attributes = termios.tcgetattr(descriptor)
         attributes[6][termios.VMIN], attributes[6][termios.VTIME] = _VMIN, _VTIME
         if self._line.parity != serial.PARITY_NONE:
@@ -125,7 +124,7 @@ class SerialPort:
     def _reason(self, error: Exception) -> str:
         try:
             mode = os.stat(self._device).st_mode
-        except OSError:  # it may vanish at any moment
+        except OSError:  # it may be unplugged
             return f"there is no device {self._device}; is it plugged in?"
         if not stat.S_ISCHR(mode):
             return f"{self._device} is not a serial device"

@@ -1,20 +1,19 @@
-"""A link over a descriptor that carries a stream of bytes: a TCP connection or a serial line."""
+"""A byte-stream link over a descriptor: a TCP connection or a serial line."""
 
 import contextlib
 import os
 from collections.abc import Callable
 
 _CHUNK_BYTES = 4096
-_CHUNKS_PER_CALL = 16  # so that a flooding station cannot hold the boat's tick
+_CHUNKS_PER_CALL = 16  # limit against flooding stations
 
 
 class StreamLink:
     """Satisfies `companion.hal.interfaces.Link` over a non-blocking descriptor.
 
-    What the far side is too slow to take waits in a queue of at most queue_bytes; a frame that does not fit
-    is dropped whole, so the stream never holds half a frame. The queue drains on every `receive` and `send`.
-    End of stream closes the link, also when the far side has closed only its sending half: a station that
-    will never speak again is as good as gone.
+    Output waits in a queue of at most queue_bytes; a frame that does not fit is dropped whole, so the stream
+    never has partial frames. The queue drains on every `receive` and `send`. End of stream closes the link,
+    even if the far side closed only its sending half: a silent station is useless.
     """
 
     __slots__ = (
@@ -42,31 +41,31 @@ class StreamLink:
         self._release = release
         self._queue_bytes = queue_bytes
         self._pending = bytearray()
-        self._is_broken = False  # sending failed; what has arrived may still be read
+        self._is_broken = False  # sending failed; received data may still be read
         self.dropped_frames = 0
 
     @property
     def name(self) -> str:
-        """Who is at the far end."""
+        """The far end."""
         return self._name
 
     @property
     def host(self) -> str:
-        """The far side's numeric address, empty on a serial line."""
+        """Numeric address of the far side, empty on a serial line."""
         return self._host
 
     @property
     def is_datagram(self) -> bool:
-        """False: chunks are cut anywhere."""
+        """False: chunk boundaries are arbitrary."""
         return False
 
     @property
     def is_closed(self) -> bool:
-        """True after `close`, or after the far side has gone and everything it said was handed over."""
+        """True after `close`, or once the far side is gone and all data was read."""
         return self._descriptor < 0
 
     def receive(self) -> list[bytes]:
-        """What has arrived, 64 KiB at most a call."""
+        """Received data, at most 64 KiB per call."""
         chunks: list[bytes] = []
         has_ended = False
         while self._descriptor >= 0 and len(chunks) < _CHUNKS_PER_CALL:
@@ -91,7 +90,7 @@ class StreamLink:
         return chunks
 
     def send(self, data: bytes) -> bool:
-        """Send or queue one frame whole; False if it was dropped whole."""
+        """Send or queue a frame whole; False if it was dropped."""
         if self._pending:
             self._drain()
         is_full = bool(self._pending) and len(self._pending) + len(data) > self._queue_bytes
@@ -107,11 +106,11 @@ class StreamLink:
         return self._descriptor
 
     def close(self) -> None:
-        """Let the descriptor go. May be called twice."""
+        """Close the descriptor. May be called twice."""
         if self._descriptor >= 0:
             self._descriptor = -1
             self._pending.clear()
-            with contextlib.suppress(OSError):  # a device that was pulled out may refuse even that
+            with contextlib.suppress(OSError):  # an unplugged device may fail to close
                 self._release()
 
     def _drain(self) -> None:

@@ -1,4 +1,4 @@
-"""MAVLink over TCP: a server for many stations, and a client that comes back."""
+"""TCP links: a server for stations, and a reconnecting client."""
 
 import select
 import socket
@@ -10,18 +10,17 @@ from companion.links.backoff import Backoff
 from companion.links.internet import resolve, show
 from companion.links.stream import StreamLink
 
-MAX_CLIENTS = 128  # a bound on descriptors; which links stay is decided by `router/admission.py`
+MAX_CLIENTS = 128  # limit of descriptors; `router/admission.py` selects the links that stay
 _QUEUE_BYTES = 256 * 1024
 _CONNECT_TIMEOUT_S = 5.0
 _ACCEPTS_PER_CALL = 16
-_BACKLOG = 128  # a station is not turned away by the system because strangers called in the same moment
+_BACKLOG = 128  # stations are not rejected because of simultaneous strangers
 
 
 class TcpInPort:
-    """`tcpin:HOST:PORT`: listens, and every client is a link.
+    """`tcpin:HOST:PORT`: listens; every client is a link.
 
-    Port 0 lets the system choose; `name` shows the choice. Beyond max_clients at a time, newcomers are
-    turned away.
+    With port 0 the system chooses; `name` shows the choice. Clients beyond max_clients are rejected.
 
     Raises:
         LinkError: the address is in use or not ours.
@@ -33,7 +32,7 @@ class TcpInPort:
         address = resolve("tcpin", host, port)
         self._socket = socket.socket(address.family, socket.SOCK_STREAM)
         self._socket.setblocking(False)
-        # A boat that restarts takes its port back at once, though old connections linger in TIME_WAIT.
+        # Reuse the port after a restart, despite connections in TIME_WAIT.
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             self._socket.bind(address.sockaddr)
@@ -53,12 +52,12 @@ class TcpInPort:
         return self._name
 
     def accept(self) -> list[Link]:
-        """Links to the clients that have connected since the last call."""
+        """Links to the clients connected since the last call."""
         fresh: list[Link] = []
         for _ in range(_ACCEPTS_PER_CALL):
             try:
                 connection, _ = self._socket.accept()
-            except OSError:  # nobody there, gone again, or out of descriptors
+            except OSError:  # none waiting, gone again, or out of descriptors
                 break
             self._links = [link for link in self._links if not link.is_closed]
             link = _link_over(connection, self._queue_bytes)
@@ -74,7 +73,7 @@ class TcpInPort:
         return self._socket.fileno()
 
     def close(self) -> None:
-        """Stop listening and close every link. May be called twice."""
+        """Stop listening and close all links. May be called twice."""
         self._socket.close()
         for link in self._links:
             link.close()
@@ -82,12 +81,12 @@ class TcpInPort:
 
 
 class TcpOutPort:
-    """`tcpout:HOST:PORT`: connects, and connects again with growing waits whenever the server is gone.
+    """`tcpout:HOST:PORT`: connects, and reconnects with growing delays.
 
-    Every connection is a new link. `accept` drives the attempts, none of which blocks.
+    Every connection is a new link. `accept` makes the attempts, without blocking.
 
     Raises:
-        LinkError: the host is not known.
+        LinkError: the host is unknown.
     """
 
     def __init__(
@@ -109,7 +108,7 @@ class TcpOutPort:
         return self._name
 
     def accept(self) -> list[Link]:
-        """A new link whenever a connection has come about."""
+        """A new link for each connection."""
         now_s = self._now()
         if self._link is not None:
             if not self._link.is_closed:
@@ -127,11 +126,11 @@ class TcpOutPort:
         return [] if self._link is None else [self._link]
 
     def fileno(self) -> int:
-        """−1: a connection under way is looked after by `accept`."""
+        """−1: `accept` polls the connection."""
         return -1
 
     def close(self) -> None:
-        """Hang up and dial no more. May be called twice."""
+        """Close the connection and stop. May be called twice."""
         self._is_closed = True
         if self._dialling is not None:
             self._dialling.close()
@@ -144,9 +143,7 @@ class TcpOutPort:
         connection.setblocking(False)
         self._give_up_s = now_s + _CONNECT_TIMEOUT_S
         self._dialling = connection
-        connection.connect_ex(
-            self._address.sockaddr
-        )  # what it says comes again as SO_ERROR or a lack of peer
+        connection.connect_ex(self._address.sockaddr)  # errors are reported by SO_ERROR
 
     def _finish_dialling(self, connection: socket.socket, now_s: float) -> StreamLink | None:
         poll = select.poll()
@@ -167,14 +164,14 @@ class TcpOutPort:
 
 
 def _link_over(connection: socket.socket, queue_bytes: int) -> StreamLink | None:
-    """A link over a connected socket; None if its far side has gone already."""
+    """A link over a connected socket; None if the far side is already gone."""
     try:
         peer = connection.getpeername()
         if peer == connection.getsockname():
-            return None  # dialling a free local port can, by chance, meet itself
+            return None  # a connection to a free local port may connect to itself
         connection.setblocking(False)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        # A station that lost its radio is noticed within about half a minute.
+        # A lost station is detected within half a minute.
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 10)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 5)

@@ -1,4 +1,4 @@
-"""MAVLink over UDP: to one fixed station, or to whichever stations call."""
+"""UDP links: to one fixed station, or to all stations that call."""
 
 import contextlib
 import errno
@@ -11,27 +11,26 @@ from companion.hal.interfaces import Link
 from companion.links.internet import SocketAddress, resolve, show
 
 PEER_IDLE_S = 60.0
-MAX_PEERS = 256  # a bound on memory; which links stay is decided by `router/admission.py`
+MAX_PEERS = 256  # limit of memory; `router/admission.py` selects the links that stay
 _DATAGRAM_BYTES = 65535
-_DATAGRAM_OVERHEAD_BYTES = 64  # of memory: a queue of empty datagrams would be as long as one likes
-_DATAGRAMS_PER_CALL = 32  # so that a flooding station cannot hold the boat's tick
-_DATAGRAMS_PER_ROUND = 256  # of one socket, while each of its links is asked once
-_QUEUE_BYTES = 128 * 1024  # of one peer; when it is full the oldest datagrams go
-_SOURCE_OFFSET = 10_000  # from destination port to source port: beyond what stations listen on, 14550 …
-_SOURCE_PORTS = 256  # tried from there on: as many as there are MAVLink systems
+_DATAGRAM_OVERHEAD_BYTES = 64  # memory per datagram, against empty ones
+_DATAGRAMS_PER_CALL = 32  # limit against flooding stations
+_DATAGRAMS_PER_ROUND = 256  # per socket, while each link is read once
+_QUEUE_BYTES = 128 * 1024  # per peer; the oldest datagrams are dropped
+_SOURCE_OFFSET = 10_000  # from destination to source port: beyond the ports of stations, 14550 …
+_SOURCE_PORTS = 256  # tried from there: as many as MAVLink systems
 _PORTS = 65_536
-_SYSTEM_QUEUE_BYTES = 4 << 20  # asked for; a bridge between fast links must get over a pause of its computer
+_SYSTEM_QUEUE_BYTES = 4 << 20  # requested; covers pauses of the computer on fast links
 
 
 class UdpOutPort:
-    """`udpout:HOST:PORT`: one link to one destination, from one source port for life.
+    """`udpout:HOST:PORT`: one link to one destination, from a constant source port.
 
-    The socket is never connected: the boat may start before its network does, and a station that is not
-    there yet must not turn into an error. Only datagrams of that host and port are taken, unless the
-    destination is a broadcast address.
+    The socket is not connected: the boat may start before the network, and a missing station must not be an
+    error. Only datagrams of that host and port are accepted, unless the destination is a broadcast address.
 
     Raises:
-        LinkError: the host is not known.
+        LinkError: the host is unknown.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -47,7 +46,7 @@ class UdpOutPort:
 
     @property
     def source_port(self) -> int:
-        """Where answers arrive."""
+        """The source port."""
         return self._link.source_port
 
     def accept(self) -> list[Link]:
@@ -56,7 +55,7 @@ class UdpOutPort:
         return fresh
 
     def fileno(self) -> int:
-        """−1: no second link will come."""
+        """−1: there is only one link."""
         return -1
 
     def close(self) -> None:
@@ -77,7 +76,7 @@ class _UdpOutLink:
         self._destination = address.sockaddr
         self._takes_any_source = False
         self.is_closed = False
-        self.strangers = 0  # datagrams from somebody else
+        self.strangers = 0  # datagrams from other sources
 
     @property
     def source_port(self) -> int:
@@ -93,7 +92,7 @@ class _UdpOutLink:
             except OSError:
                 if self.is_closed:
                     break
-                continue  # a reported ICMP refusal; the next datagram may be good
+                continue  # a reported ICMP error; continue
             if not (self._takes_any_source or source[:2] == self._destination[:2]):
                 self.strangers += 1
             elif data:
@@ -104,7 +103,7 @@ class _UdpOutLink:
         try:
             self._socket.sendto(data, self._destination)
         except OSError as error:
-            # The kernel knows which addresses are broadcast: it refuses the first datagram to one.
+            # The kernel refuses the first datagram to a broadcast address.
             if error.errno == errno.EACCES and not self._takes_any_source and not self.is_closed:
                 self._takes_any_source = True
                 self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
@@ -121,10 +120,10 @@ class _UdpOutLink:
 
 
 def _bind_source(udp: socket.socket, destination_port: int) -> None:
-    """Take the same source port at every start, where it is free.
+    """Bind the same source port at every start, if it is free.
 
-    A station remembers where frames came from and goes on answering there: after a restart from another port
-    it would send everything twice. Boats of one computer that call the same station get successive ports.
+    A station remembers the source of frames; after a restart from another port it would send everything
+    twice. Boats on one computer that call the same station get consecutive ports.
     """
     first = destination_port + _SOURCE_OFFSET
     first -= 0 if first + _SOURCE_PORTS <= _PORTS else 2 * _SOURCE_OFFSET
@@ -136,11 +135,11 @@ def _bind_source(udp: socket.socket, destination_port: int) -> None:
 
 
 class UdpInPort:
-    """`udpin:HOST:PORT`: every address that calls here becomes a link.
+    """`udpin:HOST:PORT`: every address that calls becomes a link.
 
-    is_call: whether the first datagram of an address calls for a link; others are dropped and leave no trace.
-    A peer that is silent for idle_s is forgotten; beyond max_peers at a time, newcomers are not heard.
-    Port 0 lets the system choose; `name` shows the choice.
+    is_call: whether the first datagram of an address creates a link; others are dropped. A peer that is
+    silent for idle_s is removed; beyond max_peers, new ones are ignored. With port 0 the system chooses;
+    `name` shows the choice.
 
     Raises:
         LinkError: the address is in use or not ours.
@@ -180,7 +179,7 @@ class UdpInPort:
         return self._name
 
     def accept(self) -> list[Link]:
-        """Links to the peers that have called for the first time; idle ones are closed."""
+        """Links to new peers; idle ones are closed."""
         self._pump()
         oldest_s = self._now() - self._idle_s
         for peer in [peer for peer in self._peers.values() if peer.heard_s < oldest_s]:
@@ -189,7 +188,7 @@ class UdpInPort:
         return fresh
 
     def fileno(self) -> int:
-        """The socket that all peers share, −1 once closed."""
+        """The shared socket, −1 once closed."""
         return self._socket.fileno()
 
     def close(self) -> None:
@@ -199,7 +198,7 @@ class UdpInPort:
         self._socket.close()
 
     def _pump(self) -> None:
-        """Sort what has arrived by sender. The links take turns at it, so that a round has a bound."""
+        """Sort received datagrams by sender, with a limit per round."""
         for _ in range(max(_DATAGRAMS_PER_ROUND // (len(self._peers) + 1), 1)):
             try:
                 data, source = self._socket.recvfrom(_DATAGRAM_BYTES)

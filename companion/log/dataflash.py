@@ -1,8 +1,8 @@
-"""ArduPilot's self-describing log format, as bytes: a file says itself how its records lie and what they are.
+"""Encoder of ArduPilot's self-describing log format.
 
-A record is A3 95, the number of its kind, then its fields, little-endian and packed. FMT records define the
-kinds, FMTU gives each field a unit and a multiplier by letters, and UNIT and MULT say what the letters stand
-for (ArduPilot developer documentation, "Understanding and modifying log messages").
+A record is A3 95, its type number, then its fields, little-endian and packed. FMT records define the types,
+FMTU gives units and multipliers by letters, and UNIT and MULT define the letters (ArduPilot developer
+documentation, "Understanding and modifying log messages").
 """
 
 from collections.abc import Callable, Sequence
@@ -31,13 +31,13 @@ MULTIPLIERS: Final = {
 
 
 class RecordKind:
-    """One kind of record.
+    """One type of record.
 
-    codes: one letter a field, as in _CODES. units, multipliers: one letter a field, as in UNITS and
-    MULTIPLIERS. `pack` takes the fields' raw values in order and gives the record's bytes.
+    codes: one letter per field, as in _CODES. units, multipliers: one letter per field, as in UNITS and
+    MULTIPLIERS. `pack` takes the raw values in order and returns the record.
 
     Raises:
-        ValueError: the parts do not fit together or into the FMT record; names the kind.
+        ValueError: inconsistent, or too long for the FMT record; names the type.
         struct.error: (from `pack`) a value that does not fit its field.
     """
 
@@ -71,7 +71,7 @@ FMTU: Final = RecordKind(131, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 
 
 
 def file_header(kinds: Sequence[RecordKind]) -> bytes:
-    """What a log file begins with: the definition of every kind of record in it."""
+    """The start of a log file: the definitions of all record types."""
     every = (FMT, UNIT, MULT, FMTU, *kinds)
     parts = [
         FMT.pack(k.number, k.size_bytes, k.name.encode(), k.codes.encode(), k.columns.encode()) for k in every

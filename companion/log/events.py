@@ -1,4 +1,4 @@
-"""What has changed since the last look, as log records: mode, arming, home, items, failsafes."""
+"""Log records of changes: mode, arming, home, items, failsafes."""
 
 from collections.abc import Callable, Iterator, Sequence
 from operator import attrgetter
@@ -28,7 +28,7 @@ _VERSION: Final = tuple(int(part) for part in __version__.split(".")[:3])
 
 
 class EventWatch:
-    """Remembers what the log has last said. A new one has said nothing yet, so it reports everything."""
+    """Remembers the logged state. A new one reports everything."""
 
     def __init__(self) -> None:
         self._mode: Mode | None = None
@@ -40,7 +40,7 @@ class EventWatch:
         self._errors: set[int] = set()
 
     def has_news(self, vehicle: Vehicle) -> bool:
-        """Whether `changes` has anything to say; asked every tick."""
+        """Whether `changes` has records; called every tick."""
         progress = vehicle.progress
         return (
             vehicle.mode is not self._mode
@@ -51,7 +51,7 @@ class EventWatch:
         )
 
     def changes(self, now: Snapshot, items: Callable[[], Sequence[MissionItem]]) -> Iterator[bytes]:
-        """What a tick may bring."""
+        """Changes that are logged at once."""
         vehicle = now.vehicle
         if vehicle.mode is not self._mode:
             self._mode = vehicle.mode
@@ -74,7 +74,7 @@ class EventWatch:
                 yield command(r.MISE.pack, time_us(now.now_s), held, seq)
 
     def slow_changes(self, now: Snapshot) -> Iterator[bytes]:
-        """What need not be seen within a tick."""
+        """Changes that are logged less often."""
         us = time_us(now.now_s)
         if now.command.reason != self._reason:
             self._reason = now.command.reason
@@ -104,7 +104,7 @@ def _errors(now: Snapshot) -> Iterator[int]:
 
 
 def introduction(us: int) -> Iterator[bytes]:
-    """Who writes this log. Readers take the names of modes from the build type and the word Rover."""
+    """Identification of the log. Readers take mode names from the build type and the word Rover."""
     major, minor, patch = _VERSION
     name = f"mavboat {__version__}"
     yield r.VER.pack(us, 0, 0, major, minor, patch, 255, 0, name.encode(), 0, _ROVER)
@@ -112,26 +112,26 @@ def introduction(us: int) -> Iterator[bytes]:
 
 
 def parameters(us: int, held: Parameters) -> Iterator[bytes]:
-    """Every parameter with its default."""
+    """All parameters with their defaults."""
     for row in held.rows:
         yield r.PARM.pack(us, row.name.encode("ascii"), held.value(row), held.default(row))
 
 
 def changed_parameters(us: int, held: Parameters, before: BoatConfig, after: BoatConfig) -> Iterator[bytes]:
-    """The parameters that differ between two configurations, as they now are."""
+    """The parameters that differ between two configurations."""
     for row in held.rows:
         if row.path and (value := attrgetter(row.path))(before) != value(after):
             yield r.PARM.pack(us, row.name.encode("ascii"), held.value(row), held.default(row))
 
 
 def mission(us: int, items: Sequence[MissionItem]) -> Iterator[bytes]:
-    """Every item that the boat holds."""
+    """All stored items."""
     for seq in range(len(items)):
         yield command(r.CMD.pack, us, items, seq)
 
 
 def command(pack: Callable[..., bytes], us: int, items: Sequence[MissionItem], seq: int) -> bytes:
-    """One item of a mission."""
+    """One mission item."""
     item = items[seq]
     return pack(
         us, len(items), seq, item.command, item.param1, item.param2, item.param3, item.param4, item.x, item.y,

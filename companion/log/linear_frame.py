@@ -1,14 +1,14 @@
-"""Local metres to 1e7 degrees, cheaply enough for every record."""
+"""Fast conversion of local metres to 1e7 degrees."""
 
 from companion.core.geo import LocalFrame, Point, longitude_difference_deg
 
-_REACH_M = 50.0  # what is left out is 0.2 mm at 50 m and 50° of latitude; 1e-7 degrees are 11 mm
+_REACH_M = 50.0  # the linearisation error is 0.2 mm at 50 m and 50° of latitude; 1e-7 degrees are 11 mm
 _STEP_M = 50.0
 _HALF_TURN_E7 = 1_800_000_000
 
 
 class LinearFrame:
-    """A LocalFrame made linear about a place near the boat, which is chosen anew as the boat moves on."""
+    """A LocalFrame linearised around a place near the boat, which moves with it."""
 
     __slots__ = ("_anchor", "_frame", "_lat_e7", "_lat_per_m", "_lon_e7", "_lon_per_m")
 
@@ -17,7 +17,7 @@ class LinearFrame:
         self._lay(here)
 
     def is_of(self, frame: LocalFrame) -> bool:
-        """Whether it stands for this frame."""
+        """Whether it belongs to this frame."""
         return self._frame is frame
 
     def to_e7(self, north_m: float, east_m: float) -> tuple[int, int]:

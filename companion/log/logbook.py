@@ -1,4 +1,4 @@
-"""All that the boat writes down: its own log, and telemetry logs of its links."""
+"""All logs of the boat: the onboard log, and telemetry logs of its links."""
 
 import re
 from pathlib import Path
@@ -17,9 +17,9 @@ _MOST_TELEMETRY_LOGS: Final = 16  # open at a time
 
 
 class Logbook:
-    """Where logs go, and who writes them there.
+    """The destination and writer of the logs.
 
-    onboard is put in by the boat. Without a store there are no files to list or download.
+    onboard is set by the boat. Without a store there are no files to list or download.
     """
 
     def __init__(
@@ -39,21 +39,21 @@ class Logbook:
         self._clock_us = 0
 
     def note(self, notice: StatusText) -> None:
-        """A line that stations are told."""
+        """Log a status text."""
         if self.onboard is not None:
             self.onboard.note(notice)
 
     def tick(self, now_s: float, take_snapshot: TakeSnapshot, channels: Channels) -> None:
-        """Log the tick. look: takes stock of the boat; asked only when something is due."""
+        """Log the tick. take_snapshot: the state of the boat; called only if something is due."""
         if self.onboard is not None:
             self.onboard.tick(now_s, take_snapshot, channels)
         for log in self._telemetry.values():
             log.tick(now_s)
 
     def follow(self, channels: Channels, time_s: float) -> None:
-        """Before links are heard: the time for their frames, and a log for each new one.
+        """Before links are read: set the time of their frames, and open a log for each new one.
 
-        time_s: seconds since 1970, or since boot while the date is not known.
+        time_s: Unix time, or since boot if unknown.
         """
         store = self._telemetry_store
         if store is None:
@@ -70,7 +70,7 @@ class Logbook:
                 channels.open[number].tap = log.add
 
     def close(self) -> None:
-        """Complete every log and wait until it is written. May be called twice."""
+        """Complete all logs and wait until they are written. May be called twice."""
         if self.onboard is not None:
             self.onboard.close()
         for log in self._telemetry.values():
@@ -85,7 +85,7 @@ class Logbook:
 
 
 def open_logbook(folder: Path, *, quota_mb: float, min_free_mb: float, keeps_telemetry: bool) -> Logbook:
-    """A logbook in a folder of its own below `folder`, written by a thread of its own.
+    """A logbook in a subfolder of `folder`, written in a thread.
 
     Raises:
         StorageError: the folder cannot be used.

@@ -1,7 +1,7 @@
-"""The boat's own log: begins when the boat is armed, ends a while after it is disarmed.
+"""The onboard log: from arming until a while after disarming.
 
-A tick encodes what is due into a block in memory. Blocks go to the sink, which never waits; what it cannot
-take is lost and counted, and the count is in the log.
+A tick encodes what is due into a block in memory. Blocks go to the sink, which never waits; lost ones are
+counted in the log.
 """
 
 import logging
@@ -31,9 +31,9 @@ from companion.vehicle.vehicle import Vehicle
 logger = logging.getLogger(__name__)
 
 _BLOCK_BYTES: Final = 4096
-_FLUSH_S: Final = 1.0  # a power cut costs no more than this and what the sink has not yet flushed
-_BACKLOG_RECORDS: Final = 50  # parameters and mission items with one sample of the motion
-_LINES_BEFORE: Final = 20  # of what was said before the log began
+_FLUSH_S: Final = 1.0  # limit of the loss by a power cut, besides what the sink has not flushed
+_BACKLOG_RECORDS: Final = 50  # parameters and items per motion sample
+_LINES_BEFORE: Final = 20  # status texts from before the log
 _SLACK_S: Final = 1e-6
 _MB: Final = 1e6
 
@@ -41,7 +41,7 @@ TakeSnapshot = Callable[[], Snapshot]
 
 
 class OnboardLog:
-    """Writes one log after the other. Nothing here raises or waits."""
+    """Writes logs one after the other. Never raises or waits."""
 
     def __init__(
         self,
@@ -50,18 +50,18 @@ class OnboardLog:
         items: Callable[[], Sequence[MissionItem]],
         vehicle: Vehicle,
     ) -> None:
-        """items: the mission that the boat holds."""
+        """items: the stored mission."""
         self.is_writing = False
-        self.dropped = 0  # records that the sink could not take, in all logs
-        self.faults = 0  # ticks whose values could not be encoded: a defect of ours, see the program's log
-        self.timing: TickCount | None = None  # the real-time loop's, where there is one
+        self.dropped = 0  # records not taken by the sink
+        self.faults = 0  # ticks that could not be encoded: our defects, see the program's log
+        self.timing: TickCount | None = None  # of the real-time loop, if any
         self._sink = sink
         self._parameters = parameters
         self._items = items
         self._vehicle = vehicle
         self._status_texts: list[StatusText] = []
         self._said_before: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
-        self._has_failed = False  # no new attempt until the boat is armed anew
+        self._has_failed = False  # no new attempt until the next arming
         self._end_s = -1.0
         self._block: list[bytes] = []
         self._block_bytes = 0
@@ -85,21 +85,21 @@ class OnboardLog:
         self._late = self._ticks = 0
 
     def note(self, notice: StatusText) -> None:
-        """A line that stations are told; it is stamped with the latest tick's time."""
+        """Log a status text, stamped with the latest tick."""
         if self.is_writing:
             self._add(samples.text(self._now_us, notice.text))
         else:
             self._said_before.append((self._now_us, notice.text))
 
     def take_status_texts(self) -> Sequence[StatusText]:
-        """Lines for the operator since the last call."""
+        """Messages to the operator since the last call."""
         if not self._status_texts:
             return ()
         status_texts, self._status_texts = self._status_texts, []
         return status_texts
 
     def tick(self, now_s: float, take_snapshot: TakeSnapshot, channels: Channels) -> None:
-        """Log what is due. look: takes stock of the boat, at a tenth of the ticks or fewer."""
+        """Log what is due. take_snapshot: the state of the boat, called at a tenth of the ticks or fewer."""
         try:
             self._tick(now_s, take_snapshot, channels)
         except (struct.error, OverflowError, ValueError):
@@ -112,7 +112,7 @@ class OnboardLog:
         return time_us(self._now_s)
 
     def close(self) -> None:
-        """The boat's program ends."""
+        """Complete the log."""
         if self.is_writing:
             self._end(0.0)
 
@@ -136,7 +136,7 @@ class OnboardLog:
             self._do_due(take_snapshot(), channels)
 
     def _do_due(self, now: Snapshot, channels: Channels) -> None:
-        """Sample, go on with the backlog, and hand over what has come together."""
+        """Sample, continue the backlog, and write full blocks."""
         if self._sink.fault:
             self._fail(self._sink.fault)
             return
@@ -153,7 +153,7 @@ class OnboardLog:
             self._hand_over(now.unix_s)
             self._flush_due_s = now_s + _FLUSH_S
             if self._log_bytes > 0.5 * setting.quota_mb * _MB:
-                self._end(now.unix_s)  # the next tick begins another, so that old ones can make room
+                self._end(now.unix_s)  # the next tick begins another, so that old ones can be removed
 
     def _begin(self) -> None:
         self._begin_anew()
@@ -226,7 +226,7 @@ class OnboardLog:
         self._look_for_lists(now)
 
     def _look_for_lists(self, now: Snapshot) -> None:
-        """Parameters or a mission that have changed go to the log over the following ticks."""
+        """Add changed parameters or a changed mission to the backlog."""
         before, self._config = self._config, now.config
         if before is not None and before is not now.config:
             changed = events.changed_parameters(self._now_us, self._parameters, before, now.config)
@@ -249,13 +249,13 @@ class OnboardLog:
             self._blocks += 1
             self._log_bytes += len(block)
         elif self._blocks == 0:
-            # without its definitions a log cannot be read
+            # a log without its definitions is useless
             self._fail(self._sink.fault or "the write queue is full")
         else:
             self.dropped += count
 
 
 def _next(due_s: float, now_s: float, rate_hz: float) -> float:
-    """When a sample is due again. What was missed is not made up for."""
+    """The next due time; missed samples are skipped."""
     due_s += 1.0 / rate_hz
     return due_s if due_s > now_s else now_s + 1.0 / rate_hz

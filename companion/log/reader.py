@@ -1,4 +1,4 @@
-"""Reads a log for a download without ever waiting: the worker reads ahead, what is there is handed out."""
+"""Non-blocking reader of a log for downloads: the worker reads ahead."""
 
 import logging
 from functools import partial
@@ -13,7 +13,7 @@ BLOCK_BYTES = 65536
 
 
 class LogReader:
-    """One file of the store, of which a few blocks are held."""
+    """One file of the store, with a few blocks in memory."""
 
     def __init__(self, store: LogStore, worker: Worker, name: str) -> None:
         self.name = name
@@ -23,7 +23,7 @@ class LogReader:
         self._asked: set[int] = set()
 
     def piece(self, offset: int, count: int) -> bytes | None:
-        """Up to count bytes from an offset, fewer at the end of the file; None while they are being read."""
+        """Up to count bytes from an offset, fewer at the end; None while they are being read."""
         number, at = divmod(offset, BLOCK_BYTES)
         self._ask(number)
         self._ask(number + 1)
@@ -37,7 +37,7 @@ class LogReader:
         return None if rest is None else piece + rest
 
     def refresh(self) -> None:
-        """The file may have grown: read its end anew."""
+        """Read the end again: the file may have grown."""
         for number in list(self._blocks):
             if len(self._blocks[number]) < BLOCK_BYTES:
                 del self._blocks[number]

@@ -1,6 +1,6 @@
-"""Every kind of record in the boat's log, by ArduPilot Rover's names where the meaning is the same.
+"""Record types of the onboard log, with ArduPilot Rover's names where the meaning is the same.
 
-docs/logs.md says what each field holds on this boat.
+docs/logs.md describes the fields.
 """
 
 from typing import Final
@@ -11,7 +11,7 @@ _PID = ("QfffffffffB", "TimeUS,Tar,Act,Err,P,I,D,FF,Dmod,SRate,Limit")
 _COMMAND = ("QHHHffffLLfB", "TimeUS,CTot,CNum,CId,Prm1,Prm2,Prm3,Prm4,Lat,Lng,Alt,Frame")
 _OUTPUTS = "TimeUS," + ",".join(f"C{number}" for number in range(1, 15))
 
-# What the boat does
+# State
 ATT: Final = RecordKind(
     1, "ATT", "QffffffB", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw,AEKF", "sddddhh-", "F000000-"
 )
@@ -21,7 +21,7 @@ XKF1: Final = RecordKind(
     "s#ddhnnnnmmmkkkm", "F-BBB0000000BBBB",
 )  # fmt: skip
 BOAT: Final = RecordKind(4, "BOAT", "Qfffff", "TimeUS,Surge,Sway,YawRate,PosAge,HdgAge", "snnkss", "F00000")
-EST: Final = RecordKind(11, "EST", "QfffH", "TimeUS,SetN,SetE,PosSD,Flt", "snnm-", "F000-")
+EST: Final = RecordKind(11, "EST", "QfffH", "TimeUS,CurN,CurE,PosSD,Flt", "snnm-", "F000-")
 AVD: Final = RecordKind(12, "AVD", "QBffBf", "TimeUS,Stg,Lim,dR0,Mov,Cls", "s-nm-n", "F-00-0")
 PIDS: Final = RecordKind(5, "PIDS", *_PID, "sddd-------", "F000-------")
 PIDA: Final = RecordKind(6, "PIDA", *_PID, "snnn-------", "F000-------")
@@ -37,7 +37,7 @@ THR: Final = RecordKind(
 )  # fmt: skip
 RCOU: Final = RecordKind(10, "RCOU", "Q" + 14 * "H", _OUTPUTS, "s" + 14 * "Y", "F" + 14 * "-")
 
-# What the sensors say
+# Sensors
 GPS: Final = RecordKind(
     20, "GPS", "QBBIHBcLLeffffB", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ,Yaw,U",
     "s#-s-S-DUmnhnh-", "F--C-0BGGB0000-",
@@ -56,7 +56,7 @@ BAT: Final = RecordKind(
 RCIN: Final = RecordKind(25, "RCIN", "Q" + 14 * "H", _OUTPUTS, "s" + 14 * "Y", "F" + 14 * "-")
 RSSI: Final = RecordKind(26, "RSSI", "Qff", "TimeUS,RXRSSI,RXLQ", "s-%", "F--")
 
-# What happens
+# Events
 MODE: Final = RecordKind(30, "MODE", "QMBB", "TimeUS,Mode,ModeNum,Rsn", "s---", "F---")
 MSG: Final = RecordKind(31, "MSG", "QZ", "TimeUS,Message", "s-", "F-")
 EV: Final = RecordKind(32, "EV", "QB", "TimeUS,Id", "s-", "F-")
@@ -72,7 +72,7 @@ VER: Final = RecordKind(
     39, "VER", "QBHBBBBIZHB", "TimeUS,BT,BST,Maj,Min,Pat,FWT,GH,FWS,APJ,BU", "s----------", "F----------"
 )  # fmt: skip
 
-# How the computer does
+# Computer
 PM: Final = RecordKind(
     40, "PM", "QHHHIIHHIIIIII", "TimeUS,LR,NLon,NL,MaxT,Mem,Load,ErrL,IntE,ErrC,SPIC,I2CC,I2CI,Ex",
     "sz--sb%------s", "F---F0A------F",

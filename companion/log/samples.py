@@ -1,4 +1,4 @@
-"""A tick's knowledge as log records. Angles become degrees here, as ArduPilot logs them."""
+"""Encodes a tick as log records. Angles are converted to degrees, as in ArduPilot's logs."""
 
 import math
 from collections.abc import Iterator
@@ -26,12 +26,12 @@ def _degrees(heading_rad: float) -> float:
 
 
 def time_us(time_s: float) -> int:
-    """A time since boot as records carry it."""
+    """A time since boot as in records."""
     return max(round(time_s * 1e6), 0)
 
 
 def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
-    """How the boat moves and is steered. linear: for the frame of now, None while there is none."""
+    """Motion and steering. linear: for the present frame, None without one."""
     us, nav, demand, command = time_us(now.now_s), now.nav, now.demand, now.command
     left, right = command.left, command.right
     pulses = round(1500.0 + 500.0 * left), round(1500.0 + 500.0 * right)
@@ -64,8 +64,8 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
 
 
 def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
-    """What lies around, and what is done about it: dR0 is the paper's equation 1, to the nearest thing; Cls
-    how fast the nearest one that moves approaches. Nothing while there is nothing.
+    """Obstacles and avoidance: dR0 is the paper's equation 1, to the nearest obstacle; Cls the closing speed
+    of the nearest mover. Nothing without obstacles.
     """
     perception, avoidance = now.perception, now.avoidance
     if perception is None or avoidance is None or perception.is_empty:
@@ -84,7 +84,7 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
 
 
 def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int) -> Iterator[bytes]:
-    """The loops while they are closed."""
+    """The closed loops."""
     if (pid := now.heading_pid) is not None:
         wanted, actual = demand.heading_rad, nav.heading_rad
         error_deg = wrap_pi(wanted - actual) * _DEG
@@ -105,7 +105,7 @@ def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int)
 
 
 def gnss(fix: GnssFix) -> Iterator[bytes]:
-    """A fix, at its own time; week and time of week tie the whole log to the date."""
+    """A fix, at its own time; week and time of week give the date of the log."""
     week, ms = 0, 0
     if fix.unix_time_s is not None:
         weeks, seconds = divmod(fix.unix_time_s - _GPS_EPOCH_S + _LEAP_S, _WEEK_S)
@@ -126,12 +126,12 @@ def gnss(fix: GnssFix) -> Iterator[bytes]:
 
 
 def _cents(value: float, most: int) -> int:
-    """Hundredths, limited to what the field holds; what is not finite is the most."""
+    """Hundredths, limited to the field; the maximum if not finite."""
     return round(clamp(value * 100.0, -most, most)) if math.isfinite(value) else most
 
 
 def sonar(ping: SonarReading) -> Iterator[bytes]:
-    """A ping, at its own time: RFND in eighths of a turn as ArduPilot has it, SONR with its bearing."""
+    """A ping, at its own time: RFND in eighths of a turn as in ArduPilot, SONR with its bearing."""
     us = time_us(ping.time_s)
     eighth = round(wrap_two_pi(ping.bearing_rad) / (math.pi / 4.0)) % 8
     is_clear = ping.range_m is None
@@ -141,7 +141,7 @@ def sonar(ping: SonarReading) -> Iterator[bytes]:
 
 
 def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:
-    """The pack, at the reading's time. RemPct counts charge, as Rover's does."""
+    """The pack, at the reading's time. RemPct is from the counted charge, as in Rover."""
     current_a = _NAN if reading.current_a is None else reading.current_a
     left_percent = round(clamp(100.0 * (1.0 - consumed_mah / capacity_mah), 0.0, 100.0))
     return r.BAT.pack(
@@ -151,7 +151,7 @@ def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -
 
 
 def radio(reading: RcReading) -> Iterator[bytes]:
-    """What the transmitter's receiver says, at its own time; the signal where it is known."""
+    """The RC channels, at their own time; the signal if known."""
     us = time_us(reading.time_s)
     pulses = [min(max(pulse_us, 0), 0xFFFF) for pulse_us in reading.channels_us[:_LOGGED_CHANNELS]]
     yield r.RCIN.pack(us, *pulses, *[0] * (_LOGGED_CHANNELS - len(pulses)))
@@ -161,7 +161,7 @@ def radio(reading: RcReading) -> Iterator[bytes]:
 
 
 def text(us: int, line: str) -> Iterator[bytes]:
-    """A line for the operator; a long one in several records."""
+    """A status text; a long one in several records."""
     raw = line.encode("ascii", errors="replace")
     for start in range(0, max(len(raw), 1), 64):
         yield r.MSG.pack(us, raw[start : start + 64])

@@ -1,4 +1,4 @@
-"""Where a log's blocks go: a numbered file, written by the worker."""
+"""Destination of log blocks: a numbered file, written by the worker."""
 
 import contextlib
 import logging
@@ -14,7 +14,7 @@ from companion.log.worker import Worker
 
 logger = logging.getLogger(__name__)
 
-_SYNC_EVERY = 4  # blocks: what a power cut may cost, against the wear of the medium
+_SYNC_EVERY = 4  # blocks: loss by a power cut against wear
 
 
 class Sink(Protocol):
@@ -22,41 +22,41 @@ class Sink(Protocol):
 
     @property
     def fault(self) -> str:
-        """Why the present log is no longer written; empty while all is well."""
+        """Why the present log has failed, or empty."""
 
     @property
     def room_bytes(self) -> int:
-        """How many bytes could be handed over now."""
+        """Bytes that can be taken now."""
 
     def begin(self) -> bool:
-        """Begin a new log. False when that cannot be asked for now."""
+        """Begin a new log. False if not possible now."""
 
     def write(self, block: bytes, unix_s: float) -> bool:
-        """Hand over a block; False when it is lost. unix_s: the date, 0 where it is not known."""
+        """Write a block; False if it is lost. unix_s: Unix time, 0 if unknown."""
 
     def end(self) -> None:
-        """The log is complete."""
+        """Complete the log."""
 
     def close(self) -> None:
-        """No more logs. May be called twice."""
+        """Close the sink. May be called twice."""
 
 
 class FileSink:
-    """Files in the store, written and flushed by the worker; nothing here waits for the medium."""
+    """Files in the store, written and flushed by the worker; never waits."""
 
     def __init__(self, store: LogStore, worker: Worker, suffix: str = ".bin") -> None:
         self.fault = ""
         self._store = store
         self._worker = worker
         self._suffix = suffix
-        self._file: BinaryIO | None = None  # this and what follows belongs to the worker
+        self._file: BinaryIO | None = None  # owned by the worker, like the following
         self._name = ""
         self._size_bytes = 0
         self._unsynced = 0
 
     @property
     def room_bytes(self) -> int:
-        """What the worker's queue has left."""
+        """Room in the worker's queue."""
         return self._worker.room_bytes
 
     def begin(self) -> bool:
@@ -73,7 +73,7 @@ class FileSink:
         self._worker.submit(self._close)
 
     def close(self) -> None:
-        """Queue the end of the file, if it has not ended; the worker's own end waits for it."""
+        """Queue the end of the file, if necessary; closing the worker waits for it."""
         self._worker.submit(self._close)
 
     def _open(self) -> None:
@@ -89,7 +89,7 @@ class FileSink:
             return
         try:
             rest = memoryview(block)
-            while rest:  # a medium that is nearly full takes a part, then refuses
+            while rest:  # a full medium may take a part
                 rest = rest[self._file.write(rest) :]
             self._size_bytes += len(block)
             self._store.grew(self._name, self._size_bytes, unix_s)
@@ -125,7 +125,7 @@ class FileSink:
 
 
 class SingleFile:
-    """One file of a given name, written at once: for lockstep runs. A second log follows the first in it.
+    """One file, written immediately: for lockstep runs. A second log is appended.
 
     Raises:
         StorageError: the file cannot be written.
@@ -143,7 +143,7 @@ class SingleFile:
             raise StorageError(f"{path}: cannot be written: {error.strerror}") from None
 
     def begin(self) -> bool:
-        """Go on."""
+        """No effect."""
         return True
 
     def write(self, block: bytes, unix_s: float) -> bool:  # noqa: ARG002
@@ -151,15 +151,15 @@ class SingleFile:
         return self._attempt(lambda: self._file.write(block))
 
     def end(self) -> None:
-        """What has been written is complete."""
+        """Flush."""
         self._attempt(self._file.flush)
 
     def close(self) -> None:
-        """No more comes. May be called twice."""
+        """Close the file. May be called twice."""
         self._attempt(self._file.close)
 
     def _attempt(self, work: Callable[[], object]) -> bool:
-        """Do something with the file. After a fault it is let go, and nothing more is written."""
+        """Use the file; after an error it is closed."""
         if self.fault:
             return False
         try:

@@ -1,7 +1,7 @@
-"""The folder of logs: numbered files, the oldest removed first when together they grow too large.
+"""The folder of logs: numbered files; the oldest are removed when they grow too large.
 
-What there is stands in `files`, which is replaced whole and may be read from any thread without touching the
-medium. Everything else reads or writes the medium and belongs on the log's worker.
+`files` is replaced as a whole and may be read from any thread. All other methods access the medium and run in
+the log's worker.
 """
 
 import logging
@@ -18,11 +18,11 @@ logger = logging.getLogger(__name__)
 _NAME = re.compile(r"(\d{5,9})(?:-[\w.-]{1,60})?\.(bin|tlog)", re.ASCII)
 _LAST = "LASTLOG.TXT"
 _MB = 1_000_000
-_EARLIEST_S = 1.0e9  # a date before 2001 is no date: the computer's clock was not set
+_EARLIEST_S = 1.0e9  # an earlier date means that the computer's clock was not set
 
 
 class LogFile(NamedTuple):
-    """One file. unix_s is when it was last written, 0 where the date was not known."""
+    """One file. unix_s: time of the last write, 0 if unknown."""
 
     number: int
     name: str
@@ -31,15 +31,15 @@ class LogFile(NamedTuple):
 
     @property
     def is_onboard_log(self) -> bool:
-        """Whether it is the boat's own log; the others are telemetry logs."""
+        """Whether it is an onboard log; the others are telemetry logs."""
         return self.name.endswith(".bin")
 
 
 class LogStore:
-    """Numbers are never used twice, also when files have been erased: LASTLOG.TXT remembers.
+    """Numbers are never reused, even after erasing: LASTLOG.TXT stores the last.
 
     Raises:
-        StorageError: the folder cannot be made or listed.
+        StorageError: the folder cannot be created or listed.
     """
 
     def __init__(self, folder: Path, quota_mb: float, min_free_mb: float = 0.0) -> None:
@@ -57,7 +57,7 @@ class LogStore:
 
     @property
     def logs(self) -> tuple[LogFile, ...]:
-        """The boat's own logs, oldest first."""
+        """The onboard logs, oldest first."""
         return tuple(file for file in self.files if file.is_onboard_log)
 
     def find(self, name: str) -> LogFile | None:
@@ -65,10 +65,10 @@ class LogStore:
         return next((file for file in self.files if file.name == name), None)
 
     def open(self, name: str) -> BinaryIO:
-        """Open a file of the list for reading.
+        """Open a listed file for reading.
 
         Raises:
-            StorageError: there is none of this name, or it cannot be read.
+            StorageError: no such file, or it cannot be read.
         """
         if self.find(name) is None:
             raise StorageError(f"{name}: no such log")
@@ -78,7 +78,7 @@ class LogStore:
             raise StorageError(f"{name}: cannot be read: {error.strerror}") from None
 
     def create(self, suffix: str) -> tuple[str, BinaryIO]:
-        """Begin a file, after making room for it: its name and where to write. `finish` ends it.
+        """Make room and create a file; returns its name and the open file. `finish` ends it.
 
         Raises:
             OSError: the medium is full or refuses.
@@ -100,14 +100,14 @@ class LogStore:
         return name, file
 
     def grew(self, name: str, size_bytes: int, unix_s: float) -> None:
-        """Note what has been written. unix_s: the date, 0 where it is not known."""
+        """Update size and time. unix_s: Unix time, 0 if unknown."""
         self.files = tuple(
             file._replace(size_bytes=size_bytes, unix_s=unix_s) if file.name == name else file
             for file in self.files
         )
 
     def date(self, name: str) -> None:
-        """Give a file the date that the boat knows, which its computer may not.
+        """Set a file's date from the boat's time; the computer's may be wrong.
 
         Raises:
             OSError: the medium refuses.
@@ -116,17 +116,17 @@ class LogStore:
             os.utime(self.folder / name, (file.unix_s, file.unix_s))
 
     def finish(self, name: str) -> None:
-        """A file is written no more, and may be removed when room is needed."""
+        """A file is complete and may be removed."""
         self._open.discard(name)
 
     def drop_empty(self, name: str) -> None:
-        """Remove a file into which nothing could be written."""
+        """Remove an empty file after an error."""
         file = self.find(name)
         if file is not None and not file.size_bytes:
             self._remove(file)
 
     def make_room(self) -> None:
-        """Remove the oldest files until the rest is within the quota; never one that is being written."""
+        """Remove the oldest files until the quota is met, except open ones."""
         excess = sum(file.size_bytes for file in self.files) - self._quota_bytes
         for file in self.files:
             if excess <= 0.0:
@@ -135,7 +135,7 @@ class LogStore:
                 excess -= file.size_bytes
 
     def erase(self) -> None:
-        """Remove every file but those being written."""
+        """Remove all files except open ones."""
         for file in self.files:
             self._remove(file)
 

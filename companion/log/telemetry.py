@@ -1,7 +1,7 @@
-"""Telemetry logs: every frame of a link, both ways, in the `.tlog` form that ground stations replay.
+"""Telemetry logs: all frames of a link in `.tlog` format.
 
-Each frame stands behind its time as 8 bytes, microseconds since 1970, big-endian (the form of QGroundControl
-and MAVProxy). The channel takes signatures off and leaves out a frame that carries a signing key.
+Each frame follows its time as 8 bytes, microseconds since 1970, big-endian (as in QGroundControl and
+MAVProxy). The channel removes signatures and omits frames with a signing key.
 """
 
 from collections.abc import Callable
@@ -21,8 +21,8 @@ class TelemetryLog:
     __slots__ = ("_block", "_clock_us", "_due_s", "_sink", "dropped")
 
     def __init__(self, sink: Sink, clock_us: Callable[[], int]) -> None:
-        """clock_us: microseconds since 1970, or since boot while the date is not known."""
-        self.dropped = 0  # blocks of some frames
+        """clock_us: microseconds since 1970, or since boot if unknown."""
+        self.dropped = 0  # blocks
         self._sink = sink
         self._clock_us = clock_us
         self._block = bytearray()
@@ -30,19 +30,19 @@ class TelemetryLog:
         sink.begin()
 
     def add(self, frame: bytes) -> None:
-        """Log one frame, whichever way it goes, as the channel lets it out: without signature or key."""
+        """Log one frame."""
         if len(self._block) > _BLOCK_BYTES:
             self._hand_over()
         self._block += _STAMP.pack(self._clock_us()) + frame
 
     def tick(self, now_s: float) -> None:
-        """Once in a while everything goes to the medium."""
+        """Flush periodically."""
         if now_s >= self._due_s and self._block:
             self._due_s = now_s + _FLUSH_S
             self._hand_over()
 
     def close(self) -> None:
-        """The link has gone."""
+        """The link has closed."""
         self._hand_over()
         self._sink.end()
 

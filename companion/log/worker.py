@@ -1,4 +1,4 @@
-"""Work on files, done elsewhere: the control loop hands over jobs and never waits for a medium."""
+"""Worker for file access: the control loop submits jobs and never waits."""
 
 import logging
 import threading
@@ -15,35 +15,35 @@ _MOST_JOBS = 4096
 
 
 class Worker(Protocol):
-    """Does jobs one after the other, in the order of their submission."""
+    """Runs jobs in order."""
 
     @property
     def room_bytes(self) -> int:
-        """How many more bytes may wait."""
+        """Bytes that may still be queued."""
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:
-        """Take a job that holds this many bytes; False, and nothing happens, when too many wait already."""
+        """Queue a job of this size; False if too much is queued."""
 
     def close(self) -> None:
-        """Do what has been submitted, then no more. May be called twice."""
+        """Finish the queue. May be called twice."""
 
 
 class InlineWorker:
-    """Does each job at once: for lockstep, where the loop's time does not pass meanwhile, and for tests."""
+    """Runs each job at once: for lockstep runs and tests."""
 
     room_bytes = _MOST_BYTES
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:  # noqa: ARG002
-        """Do it."""
+        """Run it."""
         _do(job)
         return True
 
     def close(self) -> None:
-        """Nothing waits."""
+        """No effect."""
 
 
 class ThreadWorker:
-    """A thread of its own. Only one other thread may submit."""
+    """A thread. Only one other thread may submit."""
 
     def __init__(self, most_bytes: int = _MOST_BYTES, most_jobs: int = _MOST_JOBS) -> None:
         self._most_bytes = most_bytes
@@ -59,7 +59,7 @@ class ThreadWorker:
 
     @property
     def room_bytes(self) -> int:
-        """How many more bytes may wait."""
+        """Bytes that may still be queued."""
         return self._most_bytes - (self._taken_bytes - self._done_bytes)
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:
@@ -72,7 +72,7 @@ class ThreadWorker:
         return True
 
     def close(self) -> None:
-        """Let the queue run empty and the thread end."""
+        """Finish the queue and the thread."""
         if not self._is_closing:
             self._is_closing = True
             self._waiting.release()

@@ -1,6 +1,6 @@
-"""Bytes to messages and back, per link, without I/O.
+"""Encoding and decoding of messages, per link, without I/O.
 
-Nothing that arrives can raise: what is no frame is skipped and counted.
+Received data never raises: invalid bytes are skipped and counted.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ __all__ = ["Counters", "Decoder", "Encoder", "Received"]
 
 
 class Received(NamedTuple):
-    """A message, who sent it, and its frame as it came (to be passed on or logged unaltered)."""
+    """A message, its sender, and its original frame."""
 
     message: Message
     sender: Address
@@ -24,7 +24,7 @@ class Received(NamedTuple):
 
 
 class Encoder:
-    """Turns one component's messages into MAVLink 2 frames for one link, numbered in its own sequence."""
+    """Encodes a component's messages as MAVLink 2 frames for one link, with its own sequence."""
 
     __slots__ = ("_sequence", "address", "counters")
 
@@ -37,7 +37,7 @@ class Encoder:
         """One frame.
 
         Raises:
-            struct.error: a field's value does not fit its type.
+            struct.error: a value does not fit its field.
         """
         layout = LAYOUTS[message.get_msgId()]
         data = build_frame(self.address, self._sequence, layout, layout.pack(message))
@@ -48,10 +48,10 @@ class Encoder:
 
 
 class Decoder:
-    """Finds the messages of the dialect in what a link hands over; others are counted and left out.
+    """Decodes the messages of the dialect; others are counted and skipped.
 
-    datagram: each chunk stands for itself, and nothing is kept of it. Otherwise the chunks are pieces of one
-    stream, of which at most one unfinished frame is kept.
+    datagram: chunks are independent. Otherwise they are parts of a stream, of which at most one incomplete
+    frame is kept.
     """
 
     __slots__ = ("_finder",)
@@ -61,11 +61,11 @@ class Decoder:
 
     @property
     def counters(self) -> Counters:
-        """What has come so far."""
+        """Statistics."""
         return self._finder.counters
 
     def feed(self, data: bytes) -> list[Received]:
-        """The messages that these bytes complete, oldest first. Never raises."""
+        """The messages completed by these bytes, oldest first. Never raises."""
         return [
             Received(frame.layout.unpack(frame.payload), frame.sender, frame.data)
             for frame in self._finder.feed(data)

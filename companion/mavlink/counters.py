@@ -1,15 +1,14 @@
-"""What one link has carried, in numbers."""
+"""Link statistics."""
 
 from dataclasses import dataclass
 
 
 @dataclass(slots=True)
 class Counters:
-    """What went over one link.
+    """Statistics of one link.
 
-    bad_frames counts places where bytes were skipped that were no frame, bad_crc among them; unknown counts
-    frames of messages that the dialect does not have; lost is what the senders' sequence numbers say is
-    missing.
+    bad_frames: places where invalid bytes were skipped, bad_crc among them; unknown: frames of messages not
+    in the dialect; lost: gaps in sequence numbers.
     """
 
     bytes_in: int = 0

@@ -1,4 +1,4 @@
-"""The one place that imports the generated dialect: its module, its message type and its CRC."""
+"""The only import of the generated dialect: module, message type and CRC."""
 
 from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias
@@ -15,10 +15,10 @@ class Message(Protocol):
     """A message of the dialect. Its fields are attributes, named as in the MAVLink definition."""
 
     def get_type(self) -> str:
-        """The message's name, such as `HEARTBEAT`."""
+        """The name, such as `HEARTBEAT`."""
 
     def get_msgId(self) -> int:  # noqa: N802
-        """The message's number. (`id` is something else where a message has a field of that name.)"""
+        """The message number. (`id` may be a field.)"""
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
         """A field's value."""

@@ -1,14 +1,13 @@
-"""Finds the frames in what a link hands over, without unpacking them.
+"""Finds frames in received bytes without unpacking them.
 
-A frame of the dialect is believed by its CRC. A message that the dialect does not have carries no CRC that
-could be checked; it is believed where the structure holds: its end is the next frame's magic byte or the end
-of what has come, no frame of the dialect begins inside it, and it does not lie in what was refused before.
-After a flaw the search goes on from the byte behind the bad magic byte.
+A frame of the dialect is accepted by its CRC. An unknown message has no verifiable CRC; it is accepted if its
+structure is consistent: it ends at the next magic byte or at the end of the data, contains no frame of the
+dialect, and does not overlap rejected data. After an invalid frame the search continues one byte after its
+magic byte.
 
-The cost is linear in the bytes, whatever they are. Bytes without a magic byte are skipped by memchr, and so
-are runs of one magic byte, which are no header. Each other place that is examined and turns out to be no
-frame counts as a wasted look. A caller that must not be held up limits frames and wasted looks (`find`); the
-search goes on where it stopped.
+The cost is linear in the number of bytes. Bytes without a magic byte are skipped by memchr, as are runs of
+one magic byte, which cannot be a header. Every other rejected position counts as a wasted check. The caller
+can limit frames and wasted checks (`find`); the search then continues at the next call.
 """
 
 import re
@@ -30,21 +29,21 @@ _MAGIC = (MAGIC_V2, MAGIC_V1)
 _V1, _V2 = bytes((MAGIC_V1,)), bytes((MAGIC_V2,))
 _next_magic = re.compile(rb"[\xfd\xfe]").search
 
-# Inside a run of one magic byte there is no header: FD FD FD has incompatibility flags that do not exist, and
-# six times FE is a DEBUG message of 254 bytes, which has 9. Only the last bytes of a run may begin one.
+# A run of one magic byte contains no header: FD FD FD has unknown incompatibility flags, and six times FE is
+# a DEBUG message of 254 bytes, which has 9. Only the last bytes of a run may begin one.
 _RUN_V1, _RUN_V2 = 6 * _V1, 3 * _V2
 _run_of = re.compile(rb"\xfd+|\xfe+").match
 
 NO_LIMIT = 1 << 62
-_LATE = 128  # a sequence number that jumps this far ahead is one that comes late, or twice
-_MAX_SENDERS = 256  # of whose sequence numbers are kept: a flood of addresses must not fill the memory
+_LATE = 128  # a larger jump of the sequence number is a late or repeated frame
+_MAX_SENDERS = 256  # with known sequence numbers
 
 
 class FrameFinder:
     """Frames of one link, oldest first.
 
-    datagram: each chunk stands for itself, and nothing is kept of it once it was searched. Otherwise the
-    chunks are pieces of one stream, of which at most one unfinished frame is kept.
+    datagram: chunks are independent. Otherwise they are parts of a stream, of which at most one incomplete
+    frame is kept.
     """
 
     __slots__ = (
@@ -61,20 +60,20 @@ class FrameFinder:
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self.datagram = datagram
         self.counters = Counters() if counters is None else counters
-        self.wasted_checks = 0  # places that were examined since the link began, and were no frame
+        self.wasted_checks = 0  # rejected positions since the link opened
         self.is_behind = False  # the last `find` stopped at its limit
         self._rest = b""
-        self._position = 0  # of the rest's first byte since the link began
-        self._blamed_to = -1  # bytes before this position have been counted as one flaw or another
+        self._position = 0  # of the first kept byte, since the link opened
+        self._blamed_to = -1  # bytes before this position have been counted as invalid
         self._last_sequence: OrderedDict[Address, int] = OrderedDict()
 
     def feed(self, data: bytes) -> list[Frame]:
-        """The frames that these bytes complete. Never raises."""
+        """The frames completed by these bytes. Never raises."""
         self.put(data)
         return self.find()
 
     def put(self, data: bytes) -> None:
-        """Bytes have arrived. What is left of an earlier datagram is given up."""
+        """Add received bytes. The rest of an earlier datagram is dropped."""
         self.counters.bytes_in += len(data)
         if not self._rest:
             self._rest = data
@@ -86,10 +85,9 @@ class FrameFinder:
             self._rest += data
 
     def find(self, most_frames: int = NO_LIMIT, most_wasted_looks: int = NO_LIMIT) -> list[Frame]:
-        """The frames in what was put in, as far as the limits go. Never raises.
+        """The frames in the added bytes, within the limits. Never raises.
 
-        An unknown message is searched to its end, which may exceed the limit by as many looks as it claims
-        bytes.
+        An unknown message is scanned to its end, which may exceed the limit.
         """
         found: list[Frame] = []
         data = self._rest
@@ -109,7 +107,7 @@ class FrameFinder:
             if self.wasted_checks >= last_look or len(found) >= most_frames:
                 self.is_behind = True
                 break
-            self.wasted_checks += 1  # taken back if it was not
+            self.wasted_checks += 1  # corrected below for a frame
             run = _RUN_V2 if at == next_v2 else _RUN_V1
             if data.startswith(run, at) and (match := _run_of(data, at)) is not None:
                 begin, at = at, match.end() - len(run) + 1
@@ -135,11 +133,11 @@ class FrameFinder:
         return found
 
     def _end_datagram(self) -> None:
-        """What a cut frame claimed beyond its datagram says nothing of the next one."""
+        """A truncated frame does not affect the next datagram."""
         self._blamed_to = min(self._blamed_to, self._position)
 
     def _believe(self, data: bytes, at: int) -> Frame | Flaw:
-        """A frame of an unknown message where the structure holds."""
+        """A frame of an unknown message with a consistent structure."""
         if self._position + at < self._blamed_to:
             return Flaw.UNKNOWN
         frame = read_unknown(data, at)
@@ -153,7 +151,7 @@ class FrameFinder:
             if isinstance(inner, Frame):
                 return Flaw.UNKNOWN
             if inner is Flaw.INCOMPLETE:
-                frame = inner  # what looked like an end may be the middle of a frame that we do know
+                frame = inner  # may be the middle of a known frame
             magic = _next_magic(data, magic.start() + 1, end)
         return frame
 
@@ -175,7 +173,7 @@ class FrameFinder:
             senders[frame.sender] = frame.sequence
 
     def _refuse(self, flaw: Flaw, begin: int, end: int) -> None:
-        """Count a bad frame, unless its magic byte lies within one that has been counted."""
+        """Count an invalid frame, unless its magic byte is within one already counted."""
         if self._position + begin < self._blamed_to:
             return
         if flaw is Flaw.UNKNOWN:
@@ -186,7 +184,7 @@ class FrameFinder:
         self._blamed_to = self._position + (begin + 1 if flaw is Flaw.HEADER else end)
 
     def _blame(self, begin: int, end: int) -> None:
-        """Count a run of bytes without a magic byte, unless it goes on from what has been counted."""
+        """Count a run of bytes without a magic byte, unless it continues counted ones."""
         if self._position + begin > self._blamed_to:
             self.counters.bad_frames += 1
         self._blamed_to = max(self._blamed_to, self._position + end)

@@ -1,10 +1,10 @@
-"""One frame at one place of some bytes: header, length and CRC, MAVLink 1 and 2.
+"""Parsing of one frame at one position: header, length and CRC, MAVLink 1 and 2.
 
     v1: FE len seq sys comp id8 payload crc16
     v2: FD len incompat compat seq sys comp id24 payload crc16 [signature, 13 bytes]
 
-A frame is believed only once its CRC fits; until then its length byte is a claim. What can be refused from
-the header alone is refused at once, so that a stray magic byte seldom holds back the frames behind it.
+A frame is accepted by its CRC; until then its length is unverified. Headers are checked first, so that a
+stray magic byte seldom delays the frames after it.
 """
 
 from enum import Enum
@@ -30,9 +30,9 @@ _read_header_v2 = _HEADER_V2.unpack_from
 
 
 class Frame(Struct, frozen=True, gc=False):
-    """A frame whose CRC fits, or one of a message that the dialect does not have: then layout is None.
+    """A frame with a valid CRC, or of an unknown message (layout None).
 
-    data is all of it, as it came; payload may be cut or longer than the layout.
+    data: the whole frame; payload may be shorter or longer than the layout.
     """
 
     message_id: int
@@ -44,7 +44,7 @@ class Frame(Struct, frozen=True, gc=False):
 
 
 class Flaw(Enum):
-    """Why there is no frame at a place."""
+    """Why there is no frame at a position."""
 
     INCOMPLETE = "more bytes are claimed than there are"
     HEADER = "the header cannot be one of ours"
@@ -53,7 +53,7 @@ class Flaw(Enum):
 
 
 def claimed_length(data: bytes, at: int) -> int:
-    """How long the frame at this magic byte says it is, 1 where even that is missing."""
+    """Frame length by its header, 1 if that is incomplete."""
     if at + 3 > len(data):
         return 1
     if data[at] == MAGIC_V1:
@@ -62,24 +62,24 @@ def claimed_length(data: bytes, at: int) -> int:
 
 
 def read_frame(data: bytes, at: int) -> Frame | Flaw:
-    """The frame whose magic byte is at `at`, or what is wrong with it. Never raises."""
+    """The frame with its magic byte at `at`, or its flaw. Never raises."""
     return _read_v2(data, at) if data[at] == MAGIC_V2 else _read_v1(data, at)
 
 
 def begins_with_frame(data: bytes) -> bool:
-    """Whether some bytes begin with a frame of the dialect, as a station's datagram does."""
+    """Whether the bytes begin with a frame of the dialect."""
     return data[:1] in _MAGICS and isinstance(read_frame(data, 0), Frame)
 
 
 def message_id_of(frame: bytes) -> int:
-    """The number of the message in a whole, unflawed frame."""
+    """Message number of a valid frame."""
     return int.from_bytes(frame[7:10], "little") if frame[0] == MAGIC_V2 else frame[5]
 
 
 def _read_v2(data: bytes, at: int) -> Frame | Flaw:
     available = len(data) - at
     if available < _OVERHEAD_V2:
-        # an incompatibility that we do not know: the guide says to discard the frame
+        # unknown incompatibility flags: discard, as in the guide
         return Flaw.HEADER if available >= 3 and data[at + 2] & ~SIGNED else Flaw.INCOMPLETE
     length, incompat, _, sequence, system, component, id_low, id_high = _read_header_v2(data, at + 1)
     if incompat & ~SIGNED:
@@ -108,7 +108,7 @@ def _read_v1(data: bytes, at: int) -> Frame | Flaw:
     if layout is None:
         return Flaw.UNKNOWN
     if length > layout.size:
-        return Flaw.HEADER  # version 1 has no extensions: nothing can be longer than we know it
+        return Flaw.HEADER  # version 1 has no extensions
     crc_at = at + 6 + length
     if crc_at + 2 > len(data):
         return Flaw.INCOMPLETE
@@ -120,9 +120,9 @@ def _read_v1(data: bytes, at: int) -> Frame | Flaw:
 
 
 def read_unknown(data: bytes, at: int) -> Frame | Flaw:
-    """The frame of an unknown message whose complete header is at `at`: nothing but its length is checked.
+    """The frame of an unknown message with a complete header at `at`; only its length is checked.
 
-    System 0 sends nothing; a header that says so is none.
+    System 0 is not a valid sender.
     """
     begin = at + (10 if data[at] == MAGIC_V2 else 6)
     end = at + claimed_length(data, at)
@@ -140,7 +140,7 @@ def read_unknown(data: bytes, at: int) -> Frame | Flaw:
 
 
 def build_frame(address: Address, sequence: int, layout: Layout, payload: bytes) -> bytes:
-    """A MAVLink 2 frame; trailing zeros of the payload are dropped but for its first byte."""
+    """A MAVLink 2 frame; trailing zeros of the payload are truncated."""
     payload = payload.rstrip(b"\0") or b"\0"
     message_id = layout.message_id
     body = (

@@ -1,7 +1,7 @@
-"""Mission items as the wire carries them, whatever list they belong to.
+"""Mission items as on the wire.
 
-An item's x and y are integers whose scale depends on its frame (MAVLink guide, "Mission protocol"): degrees
-× 1e7 in global frames, metres × 1e4 in local ones, the plain number in MAV_FRAME_MISSION.
+x and y are integers whose scale depends on the frame (MAVLink guide, "Mission protocol"): degrees × 1e7 in
+global frames, metres × 1e4 in local ones, unscaled in MAV_FRAME_MISSION.
 """
 
 import math
@@ -58,7 +58,7 @@ _wire = struct.Struct("<" + "".join(_CODES.values()))
 
 
 class MissionType(IntEnum):
-    """MAV_MISSION_TYPE of the lists that a vehicle keeps."""
+    """MAV_MISSION_TYPE of the lists of a vehicle."""
 
     MISSION = dialect.MAV_MISSION_TYPE_MISSION
     FENCE = dialect.MAV_MISSION_TYPE_FENCE
@@ -66,7 +66,7 @@ class MissionType(IntEnum):
 
 
 class MissionResult(IntEnum):
-    """MAV_MISSION_RESULT; a number that it does not have is taken for ERROR."""
+    """MAV_MISSION_RESULT; unknown numbers become ERROR."""
 
     ACCEPTED = dialect.MAV_MISSION_ACCEPTED
     ERROR = dialect.MAV_MISSION_ERROR
@@ -92,7 +92,7 @@ class MissionResult(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class ItemFault:
-    """Why an item or a list is not taken: the answer on the wire, and one sentence for a person."""
+    """Why an item or a list is refused: the result on the wire, and a text."""
 
     result: MissionResult
     text: str
@@ -100,13 +100,12 @@ class ItemFault:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MissionItem:
-    """One entry of a mission, fence or rally list, exactly as a MISSION_ITEM_INT carries it.
+    """One item of a mission, fence or rally list, as in MISSION_ITEM_INT.
 
-    Floats are rounded to single precision, so an item equals itself after a transfer. NaN ("not set") equals
-    NaN here.
+    Floats are rounded to single precision, so an item equals itself after a transfer. NaN equals NaN.
 
     Raises:
-        ValueError: a number that its field on the wire cannot hold; names the field.
+        ValueError: a value that does not fit its field; names the field.
     """
 
     frame: int
@@ -132,7 +131,7 @@ class MissionItem:
                 object.__setattr__(self, name, value)
 
     def _misfit(self) -> str:
-        """Which field does not fit, for a person."""
+        """The field that does not fit."""
         for name, code in _CODES.items():
             value = getattr(self, name)
             try:
@@ -152,7 +151,7 @@ class MissionItem:
 
     @staticmethod
     def from_message(message: Message) -> "MissionItem | ItemFault":
-        """Read a MISSION_ITEM_INT, or the old MISSION_ITEM whose x and y are floats. Never raises."""
+        """Convert a MISSION_ITEM_INT, or a MISSION_ITEM with float x and y. Never raises."""
         x, y = message.x, message.y
         if message.get_type() == "MISSION_ITEM":
             scaled_x, scaled_y = _scaled(x, message.frame), _scaled(y, message.frame)
@@ -176,7 +175,7 @@ class MissionItem:
         )
 
     def to_message(self, seq: int, target: Address, mission_type: MissionType) -> Message:
-        """The MISSION_ITEM_INT that carries this item."""
+        """As MISSION_ITEM_INT."""
         message: Message = dialect.MAVLink_mission_item_int_message(
             target.system,
             target.component,
@@ -202,10 +201,10 @@ class MissionItem:
 
     @staticmethod
     def from_dict(values: Mapping[str, Any]) -> "MissionItem":
-        """The item that `to_dict` described.
+        """From `to_dict`.
 
         Raises:
-            ValueError: a key is missing or unknown, or a value is no number; names the key.
+            ValueError: a missing or unknown key, or an invalid value; names the key.
         """
         if set(values) != set(_NAMES):
             wrong = ", ".join(sorted(set(values) ^ set(_NAMES)))
@@ -214,7 +213,7 @@ class MissionItem:
 
 
 def _scaled(value: float, frame: int) -> int | None:
-    """A coordinate of a MISSION_ITEM as the integer of a MISSION_ITEM_INT, None where it has none."""
+    """A coordinate of a MISSION_ITEM as the integer of a MISSION_ITEM_INT, or None."""
     scale = 1e7 if frame in GLOBAL_FRAMES else 1e4 if frame in LOCAL_FRAMES else 1.0
     scaled = value * scale
     return round(scaled) if math.isfinite(scaled) and abs(scaled) <= _INT32_MAX else None

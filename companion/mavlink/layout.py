@@ -1,7 +1,7 @@
-"""How each message's fields lie in its payload, read off the generated classes once at import.
+"""Payload layout of each message, from the generated classes.
 
-The generated code packs and parses every message the general way round, at about 6 µs each. What is constant
-per message (field order, arrays, strings) is worked out here instead; the messages stay the generated ones.
+The generated code packs and parses messages in a general way, at about 6 µs each. What is constant per
+message (field order, arrays, strings) is precomputed here; the message classes are the generated ones.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -13,11 +13,11 @@ from companion.mavlink.dialect import Message, MessageType, dialect
 
 
 class Layout:
-    """The payload of one kind of message.
+    """Payload of one message.
 
-    size is its full length in bytes, extensions included; crc_extra is the byte that ties a frame's CRC to
-    this definition. `pack` takes a message to its payload at full length; `unpack` takes a payload that may
-    be cut (MAVLink 2 drops trailing zeros) or too long (a newer definition) to a message.
+    size: full length in bytes, with extensions; crc_extra: the byte that ties the CRC to this definition.
+    `pack` encodes a message at full length; `unpack` decodes a payload that may be truncated (trailing zeros)
+    or too long (newer definition).
     """
 
     __slots__ = ("crc_extra", "message_id", "pack", "size", "unpack")
@@ -34,7 +34,7 @@ class Layout:
 
 
 def _wire_names(message_type: MessageType) -> Iterable[str]:
-    """Attribute names in wire order; a text is kept as bytes beside its decoded form."""
+    """Attribute names in wire order; a text is also kept as bytes."""
     types = dict(zip(message_type.fieldnames, message_type.fieldtypes, strict=True))
     for name in message_type.ordered_fieldnames:
         yield f"_{name}_raw" if types[name] == "char" else name
@@ -96,7 +96,7 @@ def _unpacker_of_arrays(message_type: MessageType) -> Callable[[bytes], Message]
 
 
 def _places(orders: Sequence[int], lengths: Sequence[int]) -> Iterable[tuple[int, int]]:
-    """Where each field's values start among all values, and how many it has."""
+    """Offset of each field's values, and their number."""
     for order in orders:
         yield sum(lengths[:order]), lengths[order]
 

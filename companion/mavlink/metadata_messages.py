@@ -1,4 +1,4 @@
-"""Two messages of MAVLink's common set that the generated dialect leaves out, in the generated form."""
+"""Two messages of MAVLink's common set that the generated dialect lacks."""
 
 import struct
 from typing import Any
@@ -18,7 +18,7 @@ class _Message(Base):  # type: ignore[misc]
 
 
 class ComponentMetadata(_Message):
-    """COMPONENT_METADATA: where a component's general metadata file is, and its CRC-32."""
+    """COMPONENT_METADATA: uri of the component's general metadata file, and its CRC-32."""
 
     id = 397
     msgname = "COMPONENT_METADATA"
@@ -41,7 +41,7 @@ class ComponentMetadata(_Message):
 
 
 class ComponentInformation(_Message):
-    """COMPONENT_INFORMATION: the older form, with a second file about peripherals."""
+    """COMPONENT_INFORMATION: the older form, with a second file for peripherals."""
 
     id = 395
     msgname = "COMPONENT_INFORMATION"

@@ -1,4 +1,4 @@
-"""The receiving side of a mission transfer: the boat in an upload, a station in a download."""
+"""Receiver of a mission transfer: the boat in an upload, a station in a download."""
 
 from collections.abc import Callable
 
@@ -14,22 +14,22 @@ from companion.mavlink.transfer import (
 )
 from companion.mavlink.transfer_table import State, Trigger
 
-AGAIN_S = 0.5  # between the last word and its repetitions
-REPETITIONS = 2  # within the 1.5 s for which QGroundControl waits
+AGAIN_S = 0.5  # between repetitions of the last message
+REPETITIONS = 2  # within QGroundControl's time-out of 1.5 s
 
 ItemCheck = Callable[[int, MissionItem], ItemFault | None]
 
 
 def take_any(seq: int, item: MissionItem) -> ItemFault | None:  # noqa: ARG001
-    """An item check that has no objection."""
+    """An item check that accepts everything."""
     return None
 
 
 class Receiver(Transfer):
-    """Collects a list aside, asks for each item, and hands the whole over as `Completed`.
+    """Requests each item, and returns the complete list as `Completed`.
 
-    check: looks at each item as it arrives; an ItemFault ends the transfer with its result. The owner answers
-    `Completed` with `confirm`, once the list is stored.
+    check: checks each item on arrival; an ItemFault ends the transfer with its result. The owner answers
+    `Completed` with `confirm` once the list is stored.
     """
 
     def __init__(
@@ -42,21 +42,21 @@ class Receiver(Transfer):
         check: ItemCheck = take_any,
     ) -> None:
         super().__init__(own, mission_type, retry_s, retries, max_items)
-        self.first = 0  # sequence number of the transfer's first item: 0 unless it is a part of a list
+        self.first = 0  # sequence number of the first item: 0 unless it is a partial list
         self._check = check
         self._is_part = False
         self._count = 0
         self._items: list[MissionItem] = []
         self._nudged_s = float("-inf")
-        self._has_lost = False  # something of this transfer had to be asked for again
-        self._repetitions = 0  # of the last word, still to come
+        self._has_lost = False  # a message of this transfer was repeated
+        self._repetitions = 0  # of the last message, remaining
         self._again_s = 0.0
 
     def request_list(self, partner: Address, now_s: float) -> None:
-        """Ask a partner for its list.
+        """Request a partner's list.
 
         Raises:
-            LocalProtocolError: a transfer is under way.
+            LocalProtocolError: a transfer is in progress.
         """
         self._begin(Trigger.ASK, partner)
         self._await(
@@ -67,7 +67,7 @@ class Receiver(Transfer):
         )
 
     def take_part(self, first: int, count: int, sender: Address, now_s: float) -> None:
-        """A station offers a part of a list by MISSION_WRITE_PARTIAL_LIST; the owner has found it to fit."""
+        """A station sends a checked MISSION_WRITE_PARTIAL_LIST."""
         if not self._is_free_for(sender) or not self._may(Trigger.COUNT):
             return
         if self.state is State.RECEIVING and (first, count) == (self.first, self._count) and not self._items:
@@ -86,10 +86,10 @@ class Receiver(Transfer):
             self._events.append(Completed((), sender))
 
     def confirm(self, now_s: float, result: MissionResult = MissionResult.ACCEPTED) -> None:
-        """The owner's answer to `Completed`: the list is stored, or it is not and `result` says why.
+        """Answer to `Completed`: the list is stored, or `result` says why not.
 
         Raises:
-            LocalProtocolError: nothing waits to be confirmed.
+            LocalProtocolError: nothing to confirm.
         """
         self._settle(Trigger.STORED, None, now_s)
         self._latest = self._acknowledge(self._partner, result)
@@ -97,12 +97,12 @@ class Receiver(Transfer):
         self._again_s = now_s + AGAIN_S
 
     def rest(self, sender: Address) -> None:
-        """A station goes on with something else: if it was the partner, it has heard our last word."""
+        """Another message of the partner: it has received our last message."""
         if sender == self._partner:
             self._repetitions = 0
 
     def tick(self, now_s: float) -> None:
-        """Repeat what has not been answered in time, and the last word; give up after the last retry."""
+        """Repeat unanswered messages and the last message; give up after the last retry."""
         if self._repetitions and now_s >= self._again_s and self.state is State.SETTLED:
             self._repetitions -= 1
             self._again_s = now_s + AGAIN_S
@@ -110,7 +110,7 @@ class Receiver(Transfer):
         super().tick(now_s)
 
     def handle(self, message: Message, sender: Address, now_s: float) -> None:
-        """Take a message of the mission protocol; others, and those meant for others, change nothing."""
+        """Handle a message of the mission protocol; others are ignored."""
         name = message.get_type()
         if name not in _RECEIVED or not self._is_ours(message, sender):
             return
@@ -140,18 +140,18 @@ class Receiver(Transfer):
             return
         is_same = count == self._count and not self._items and not self._is_part
         if self.state is State.RECEIVING and is_same:
-            self._repeat()  # the same offer again: our first request was lost
+            self._repeat()  # repeated offer: our first request was lost
             return
         self._collect(0, count, sender, now_s, is_part=False)
 
     def _handle_ack(self, message: Message, sender: Address, now_s: float) -> None:
         if message.type == MissionResult.ACCEPTED:
-            self.ignored += 1  # accepting is for us to do
+            self.ignored += 1  # invalid from a sender
         else:
             self._handle_refusal(MissionResult(message.type), sender, now_s)
 
     def _handle_item(self, message: Message, sender: Address, now_s: float) -> None:
-        if message.current > 1:  # ArduPilot's go-to and change of altitude travel as items of no list
+        if message.current > 1:  # ArduPilot's go-to and altitude items
             self.ignored += 1
         elif self.state is State.RECEIVING:
             self._receive_item(message, sender, now_s)
@@ -160,7 +160,7 @@ class Receiver(Transfer):
             if message.seq == self.first + min(len(self._items), self._count - 1):
                 self._repeat()
             else:
-                self.ignored += 1  # held up on its way: nobody waits for an answer to it
+                self.ignored += 1  # delayed: no answer needed
         elif self.state is State.IDLE:
             self._move(Trigger.ITEM)
             self._acknowledge(sender, MissionResult.ERROR)

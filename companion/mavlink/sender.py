@@ -1,4 +1,4 @@
-"""The sending side of a mission transfer: the boat in a download, a station in an upload."""
+"""Sender of a mission transfer: the boat in a download, a station in an upload."""
 
 from collections.abc import Callable, Sequence
 
@@ -11,13 +11,13 @@ from companion.mavlink.transfer_table import State, Trigger
 
 
 class Sender(Transfer):
-    """Offers a list and answers the requests for its items, old and new, with MISSION_ITEM_INT.
+    """Offers a list and answers requests for its items with MISSION_ITEM_INT.
 
-    source: where the list is, asked once per MISSION_REQUEST_LIST, so that one download is one list whatever
-    happens meanwhile. Without a source only `offer` begins a transfer, as a station does for an upload.
+    source: returns the list, called once per MISSION_REQUEST_LIST, so that a download is consistent. Without
+    a source only `offer` starts a transfer, as in a station's upload.
 
-    Whoever begins a transfer sees to it that it goes on. So a sender that was asked for its list only waits:
-    stations take a count or an item that they have not asked for as a sign of confusion.
+    The side that starts a transfer keeps it going: a sender that was asked for its list only waits, as
+    stations treat an unsolicited count or item as an error.
     """
 
     def __init__(
@@ -33,15 +33,15 @@ class Sender(Transfer):
         self._source = source
         self._was_asked = False
         self._items: tuple[MissionItem, ...] = ()
-        self._unsent: set[int] = set()  # never asked for in this transfer
-        self._asked: set[int] = set()  # asked for since the partner last began at item 0
+        self._unsent: set[int] = set()  # not yet requested in this transfer
+        self._asked: set[int] = set()  # requested since the partner last started at item 0
 
     def offer(self, items: Sequence[MissionItem], partner: Address, now_s: float) -> None:
-        """Begin to send a list; an offer to the same partner that is under way begins again.
+        """Start sending a list; restarts a transfer with the same partner.
 
         Raises:
             ValueError: more items than max_items.
-            LocalProtocolError: a transfer with another partner is under way.
+            LocalProtocolError: a transfer with another partner is in progress.
         """
         if len(items) > self.max_items:
             raise ValueError(f"{len(items)} items are more than the {self.max_items} that can be sent")
@@ -60,7 +60,7 @@ class Sender(Transfer):
         )
 
     def handle(self, message: Message, sender: Address, now_s: float) -> None:
-        """Take a message of the mission protocol; others, and those meant for others, change nothing."""
+        """Handle a message of the mission protocol; others are ignored."""
         name = message.get_type()
         if name not in _RECEIVED or not self._is_ours(message, sender):
             return
@@ -76,10 +76,10 @@ class Sender(Transfer):
             self.ignored += 1
             return
         if self._was_asked and not self._unsent and self.partner not in (None, sender):
-            self._expire(now_s)  # not every station acknowledges; one that has all holds nobody up
+            self._expire(now_s)  # not every station acknowledges
         if self._is_free_for(sender):
             if self.state is State.OFFERING:
-                self._repeat()  # asked twice: our count was lost
+                self._repeat()  # repeated request: our count was lost
             else:
                 self.offer(self._source(), sender, now_s)
                 self._was_asked = True
@@ -98,7 +98,7 @@ class Sender(Transfer):
             self._send_item(seq, sender, now_s)
 
     def _send_item(self, seq: int, partner: Address, now_s: float) -> None:
-        """Answer a request. A partner that comes back to item 0 begins again, which is progress too."""
+        """Answer a request. A restart at item 0 is progress, too."""
         item = self._items[seq].to_message(seq, partner, self.mission_type)
         begins_again = seq == 0 and len(self._asked) > 1
         is_progress = seq not in self._asked or begins_again
@@ -108,7 +108,7 @@ class Sender(Transfer):
         self._unsent.discard(seq)
         settled = self.state is State.SETTLED
         self._move(Trigger.REQUEST)
-        if (is_progress or self._was_asked) and not settled:  # who still asks, however slowly, is still there
+        if (is_progress or self._was_asked) and not settled:  # still alive
             self._await(item, now_s)
         else:
             self._outbox.append(item)
@@ -119,7 +119,7 @@ class Sender(Transfer):
         elif message.type != MissionResult.ACCEPTED:
             self._handle_refusal(MissionResult(message.type), sender, now_s)
         elif self._unsent:
-            self.ignored += 1  # it cannot have what it never asked for: this answers an earlier transfer
+            self.ignored += 1  # answers an earlier transfer
         elif self._may(Trigger.ACCEPTED):
             self._settle(Trigger.ACCEPTED, None, now_s)
             self._events.append(Completed(self._items, sender))
@@ -129,7 +129,7 @@ class Sender(Transfer):
             super()._remind()
 
     def _expire(self, now_s: float) -> None:
-        """A partner that asked for the list, or for all of its items, is not told: it waits for nothing."""
+        """A partner that asked for the list, or has all items, is not told."""
         if self._unsent and not self._was_asked:
             super()._expire(now_s)
             return

@@ -3,13 +3,12 @@
     FD len 01 … payload crc16 │ link id, timestamp (48 bits), signature (48 bits)
 
 The signature is the head of SHA-256 over key, frame, link id and timestamp. Timestamps count 10 µs since
-2015-01-01 UTC. They prove that a frame is new, not that it is young: each stream (system, component, link id)
-must count upwards for ever, over restarts and when a clock jumps back; a stream not heard before may be a
-minute behind what we hold for now. A key says who may speak; all that is remembered of a stream is remembered
-only of frames whose signature fits, so that nobody without the key can spoil or fill the table.
+2015-01-01 UTC. They prevent replay, not delay: each stream (system, component, link id) must always count
+upwards, over restarts and clock steps; a new stream may be up to a minute behind our time. Streams are only
+remembered from frames with a valid signature, so the table cannot be filled without the key.
 
 Signing sets a flag in the header, which the CRC covers. The CRC is linear, so its new value follows from the
-old one without knowing the message: frames of messages that no dialect here knows can be signed too.
+old one without the message definition: unknown messages can be signed, too.
 """
 
 import hmac
@@ -21,27 +20,27 @@ from companion.mavlink.signing_key import SIGNATURE_BYTES, SigningKey
 
 EPOCH_UNIX_S = 1_420_070_400.0  # 2015-01-01 00:00 UTC
 TICKS_PER_S = 100_000
-NEVER = (1 << 48) - 1  # the last timestamp there is, in 2104
+NEVER = (1 << 48) - 1  # the last timestamp, in 2104
 STREAM_LAG = 60 * TICKS_PER_S  # a new stream may be this far behind
 MAX_STREAMS = 256
 
 SigningPolicy = Literal["off", "accept", "required"]
-"""What a link asks of its frames: nothing; signed ones must be right; all must be signed."""
+"""Requirement on frames: none; signed ones must be valid; all must be signed."""
 
 _MAGIC_V2, _SIGNED = 0xFD, 0x01
 _BLOCK_BYTES = 13
-_FARTHEST = NEVER - 365 * 86_400 * TICKS_PER_S  # nobody's word takes our count nearer to its end than a year
+_FARTHEST = NEVER - 365 * 86_400 * TICKS_PER_S  # received timestamps are accepted up to a year before the end
 _RADIO_STATUS = (109).to_bytes(3, "little")
-_SETUP_SIGNING = (256).to_bytes(3, "little")  # beyond what version 1 can number
+_SETUP_SIGNING = (256).to_bytes(3, "little")  # not in version 1
 
 
 def timestamp_at(unix_s: float) -> int:
-    """The timestamp of a date, 0 for one that is not known or before 2015."""
+    """The timestamp of a Unix time, 0 if unknown or before 2015."""
     return min(max(int((unix_s - EPOCH_UNIX_S) * TICKS_PER_S), 0), _FARTHEST)
 
 
 def _flag_crcs() -> tuple[int, ...]:
-    """What the signed flag does to the CRC, by length of the payload: CRC-16/MCRF4XX of the flag alone."""
+    """Effect of the signed flag on the CRC, by payload length: CRC-16/MCRF4XX of the flag alone."""
     crc, table = 0, []
     for position, byte in enumerate([_SIGNED, *[0] * (255 + 8)]):  # to the end of the payload and crc_extra
         low = (byte ^ crc) & 0xFF
@@ -56,7 +55,7 @@ _FLAG_CRCS = _flag_crcs()
 
 
 def is_signed(frame: bytes) -> bool:
-    """Whether a frame, whole and unflawed, carries a signature block."""
+    """Whether a valid frame has a signature block."""
     return frame[0] == _MAGIC_V2 and bool(frame[2] & _SIGNED)
 
 
@@ -68,12 +67,12 @@ def sign(frame: bytes, key: SigningKey, link_id: int, timestamp: int) -> bytes:
 
 
 def without_signature(frame: bytes) -> bytes:
-    """The frame as it was before it was signed."""
+    """The frame without its signature."""
     return _with_flag(frame[:-_BLOCK_BYTES], 0) if is_signed(frame) else frame
 
 
 def loggable(frame: bytes) -> bytes:
-    """What a log may hold of a frame: no signature, and nothing at all of one that carries a key."""
+    """A frame as it may be logged: without signature; empty if it contains a key."""
     carries_key = frame[0] == _MAGIC_V2 and frame[7:10] == _SETUP_SIGNING
     return b"" if carries_key else without_signature(frame)
 
@@ -84,23 +83,23 @@ def _with_flag(frame: bytes, flag: int) -> bytes:
 
 
 class Stamps:
-    """Our own timestamps: each is greater than every one before it.
+    """Our own timestamps, strictly increasing.
 
-    `limit` is the first that may not be used: who keeps the stamps over a restart raises it once the medium
-    has it, and begins there the next time. `seen` is the highest that anybody has proved to us.
+    `limit`: the first that must not be used; raised by the owner once it is stored, and the start after a
+    restart. `seen`: the highest proven by others.
     """
 
     __slots__ = ("_last", "clock", "limit", "seen")
 
     def __init__(self, first: int = 1, seen: int = 0, limit: int = NEVER) -> None:
         self._last = first - 1
-        self.clock = 0  # the date, as far as it is known; may jump back
+        self.clock = 0  # Unix time as timestamp, if known; may jump back
         self.seen = seen
         self.limit = limit
 
     @property
     def now(self) -> int:
-        """What time it is, by our own date or by what stations have proved, whichever is later."""
+        """The present time, by our clock or by proven timestamps, whichever is later."""
         return max(self.clock, self.seen)
 
     @property
@@ -109,20 +108,20 @@ class Stamps:
         return self._last
 
     def take(self) -> int | None:
-        """The next one; None where the limit is reached, or the date is beyond it and none was used yet: a
-        station that knows the date would not believe such an old one.
+        """The next one; None at the limit, or if the clock is beyond the limit before the first: stations
+        would reject such an old one.
         """
         following = self._last + 1
         stamp = max(following, self.clock, self.seen)
         if stamp >= self.limit:
             if following >= self.limit or not self._last:
                 return None
-            stamp = following  # the clock has run ahead of the limit; it can wait
+            stamp = following  # the clock is ahead of the limit
         self._last = stamp
         return stamp
 
     def follow(self, timestamp: int) -> None:
-        """Somebody with the key counts further than we do."""
+        """A proven timestamp of a station."""
         if self.seen < timestamp <= _FARTHEST:
             self.seen = timestamp
 
@@ -137,28 +136,26 @@ class SignatureVerdict(Enum):
 
 
 class Signatory:
-    """One key, and all that has been heard under it, on whatever link."""
+    """One key, and the streams signed with it, on all links."""
 
     __slots__ = ("_floor", "_key", "_streams", "proved", "stamps")
 
     def __init__(self, key: SigningKey | None, stamps: Stamps, floor: int | None = None) -> None:
-        """floor: the highest timestamp that was proved under the key before; as `stamps` has it unless
-        given.
-        """
+        """floor: the highest timestamp proven under the key before; default: that of `stamps`."""
         self._key = key
         self._floor = stamps.seen if floor is None else floor  # what was proved once is not proved again
-        self.proved = self._floor  # the highest timestamp that was proved under the key
+        self.proved = self._floor  # the highest timestamp proven under the key
         self._streams: dict[bytes, int] = {}
         self.stamps = stamps
 
     @property
     def key(self) -> SigningKey | None:
-        """The key of now."""
+        """The present key."""
         return self._key
 
     def change_key(self, key: SigningKey | None, floor: int = 0) -> None:
-        """Another key, or none. What was heard under the old one proves nothing any more, nor does what was
-        signed with the new one up to `floor`.
+        """Replace or remove the key. The streams of the old key are dropped; frames of the new one are valid
+        above `floor`.
         """
         if key != self._key:
             self._key = key
@@ -166,14 +163,14 @@ class Signatory:
             self._floor = self.proved = floor
 
     def sign(self, frame: bytes, link_id: int) -> bytes | None:
-        """The frame, signed; as it is without a key; None while there is no timestamp to be had."""
+        """The signed frame; unchanged without a key; None without a timestamp."""
         if self._key is None:
             return frame
         stamp = self.stamps.take()
         return None if stamp is None else sign(frame, self._key, link_id, stamp)
 
     def check(self, frame: bytes) -> SignatureVerdict:
-        """What a whole frame's signature proves."""
+        """What a frame's signature proves."""
         if not is_signed(frame):
             return SignatureVerdict.UNSIGNED
         if self._key is None:
@@ -198,7 +195,7 @@ class Signatory:
         if timestamp < oldest or timestamp <= self._floor:
             return False
         if len(self._streams) >= MAX_STREAMS:
-            # Streams out of date may be forgotten, as long as nothing of them is ever taken for new
+            # Outdated streams may be dropped if the floor then excludes them
             self._floor = max(self._floor, oldest - 1)
             self._streams = {stream: last for stream, last in self._streams.items() if last >= oldest}
         return len(self._streams) < MAX_STREAMS
@@ -206,25 +203,25 @@ class Signatory:
 
 @dataclass(slots=True)
 class SigningCounters:
-    """What one link's guard has seen. The last four were refused or not sent."""
+    """Statistics of a guard. The last four were refused or not sent."""
 
     verified: int = 0
     unsigned: int = 0
     forged: int = 0
     old: int = 0
-    unsendable: int = 0  # frames for which there was no timestamp
+    unsendable: int = 0  # frames without a timestamp
 
     @property
     def refused(self) -> int:
-        """All that was turned away."""
+        """All refused frames."""
         return self.unsigned + self.forged + self.old
 
 
 class Guard:
-    """Signing on one link: which frames come in, and what goes out. Without a key, `accept` is `off`.
+    """Signing on one link: checks incoming frames, signs outgoing ones. Without a key, `accept` is `off`.
 
-    link_id tells our links apart for whoever hears several of them. A radio's own RADIO_STATUS cannot be
-    signed by anybody; on a link that is a radio it may come in unsigned.
+    link_id distinguishes our links for stations that receive several. A radio's own RADIO_STATUS is never
+    signed; a radio link accepts it.
     """
 
     __slots__ = ("_signatory", "counters", "is_radio", "link_id", "policy")
@@ -240,16 +237,16 @@ class Guard:
 
     @property
     def has_key(self) -> bool:
-        """Whether there is a key to sign with."""
+        """Whether there is a key."""
         return self._signatory.key is not None
 
     @property
     def has_verified(self) -> bool:
-        """Whether somebody on the link has shown that they hold the key."""
+        """Whether a valid signature was received on the link."""
         return self.counters.verified > 0
 
     def admits(self, frame: bytes) -> bool:
-        """Whether a whole, unflawed frame of either version may come in."""
+        """Whether a valid frame of either version is accepted."""
         if self.policy == "off" or (self.policy == "accept" and not self.has_key):
             return True
         verdict = self._signatory.check(frame)
@@ -268,9 +265,9 @@ class Guard:
         return False
 
     def seal(self, frame: bytes) -> bytes | None:
-        """A frame as it is to leave by this link; None if it must not.
+        """The frame to send; None if it must not be sent.
 
-        A frame that its sender has signed, or that cannot be signed (MAVLink 1), leaves as it is.
+        Frames that are signed already or cannot be signed (MAVLink 1) are unchanged.
         """
         if self.policy == "off" or frame[0] != _MAGIC_V2 or frame[2] & _SIGNED:
             return frame

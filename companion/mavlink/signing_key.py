@@ -1,13 +1,13 @@
-"""The secret that two ends of a signed link share, and the file that holds it.
+"""The secret shared by two ends of a signed link, and its file.
 
-A key file belongs to its owner alone (mode 0600) and holds one of
+A key file is accessible to its owner only (mode 0600) and contains one of
 
     32 bytes            the key itself
-    64 hex digits       the key in writing
-    a line of text      a passphrase; the key is its SHA-256, as MAVProxy and QGroundControl make it
+    64 hex digits       the key in hexadecimal
+    a line of text      a passphrase; the key is its SHA-256, as in MAVProxy and QGroundControl
 
-A line of text is never taken for 32 raw bytes, however long it is. A comment line, which begins with `# `,
-may precede it: the boat's own file has its checksum there.
+A line of text is never taken as 32 raw bytes. It may follow a comment line starting with `# `: the boat's own
+file has its checksum there.
 """
 
 import hashlib
@@ -24,10 +24,10 @@ _FORMS = "expected 32 bytes, 64 hexadecimal digits, or one line with a passphras
 
 
 class SigningKey:
-    """A 32-byte secret. It shows itself to nobody: neither repr nor str, nor a format, holds it.
+    """A 32-byte secret. repr, str and format do not show it.
 
     Raises:
-        ValueError: not 32 bytes, or all of them zero, which on the wire means "no key".
+        ValueError: not 32 bytes, or all zero, which on the wire means "no key".
     """
 
     __slots__ = ("_secret",)
@@ -39,20 +39,20 @@ class SigningKey:
 
     @classmethod
     def from_passphrase(cls, passphrase: str) -> "SigningKey":
-        """The key that stands for a passphrase."""
+        """The key of a passphrase."""
         return cls(hashlib.sha256(passphrase.encode()).digest())
 
     def signature(self, signed: bytes) -> bytes:
-        """The 48 bits that prove who wrote these bytes."""
+        """The 48-bit signature of these bytes."""
         return hashlib.sha256(self._secret + signed).digest()[:SIGNATURE_BYTES]
 
     @property
     def tag(self) -> str:
-        """Tells keys apart in a file. It gives away no more of a key than a frame signed with it does."""
+        """Identifies the key in a file without revealing more than a signed frame does."""
         return hashlib.sha256(b"mavboat signing key tag" + self._secret).hexdigest()[:16]
 
     def reveal(self) -> bytes:
-        """The secret itself, for the one file that keeps it."""
+        """The secret, for storage."""
         return self._secret
 
     def __repr__(self) -> str:
@@ -72,7 +72,7 @@ def read_key_file(path: Path) -> SigningKey:
     """The key in a file.
 
     Raises:
-        ConfigError: no such file, one that others may read or write, or no key in it; says what to do.
+        ConfigError: no such file, accessible to others, or without a key; says what to do.
     """
     try:
         with path.open("rb") as file:
@@ -89,10 +89,10 @@ def read_key_file(path: Path) -> SigningKey:
 
 
 def parse_key(content: bytes) -> SigningKey:
-    """The key that a file's content stands for.
+    """The key in a file's content.
 
     Raises:
-        ValueError: it stands for none; what was found is told by its length only.
+        ValueError: no key; reports only the length of the content.
     """
     comment, _, rest = content.partition(b"\n")
     if comment.startswith(b"# ") and rest and len(content) != KEY_BYTES:
@@ -113,7 +113,7 @@ def parse_key(content: bytes) -> SigningKey:
 
 
 def _as_line(content: bytes) -> str | None:
-    """The content as one line of text without its end, None if it is something else."""
+    """The content as one line of text, or None."""
     if len(content) > _LONGEST_FILE:
         return None
     try:

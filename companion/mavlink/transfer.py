@@ -52,7 +52,7 @@ MOST_ITEMS = 65535  # MISSION_COUNT counts in 16 bits
 
 @dataclass(frozen=True, slots=True)
 class Started:
-    """A transfer of `count` items has begun."""
+    """A transfer of `count` items has started."""
 
     count: int
     partner: Address
@@ -60,9 +60,9 @@ class Started:
 
 @dataclass(frozen=True, slots=True)
 class Completed:
-    """The list is whole: at a receiver, to be stored and confirmed; at a sender, acknowledged.
+    """The list is complete: at a receiver, to be stored and confirmed; at a sender, acknowledged.
 
-    first: where these items belong, if they are only a part of a list; None for a whole one.
+    first: position of a partial list; None for a whole one.
     """
 
     items: tuple[MissionItem, ...]
@@ -72,7 +72,7 @@ class Completed:
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """The transfer is over and nothing has changed. text is one sentence for a person."""
+    """The transfer has failed without effect. text: one sentence for the operator."""
 
     result: MissionResult
     text: str
@@ -83,9 +83,9 @@ Event = Started | Completed | Failed
 
 
 class Transfer:
-    """The common part of both machines: partner, retries, outbox and events.
+    """Common part of both machines: partner, retries, outbox and events.
 
-    retry_s: how long to wait for an answer. retries: how often to ask again. max_items: per list.
+    retry_s: time-out of an answer. retries: number of repetitions. max_items: per list.
     """
 
     def __init__(
@@ -106,22 +106,22 @@ class Transfer:
         self._retries_left = 0
         self._deadline_s = 0.0
         self._partner = NOBODY
-        self._latest: Message | None = None  # what is repeated while no answer comes
+        self._latest: Message | None = None  # repeated until answered
         self._outbox: list[Message] = []
         self._events: list[Event] = []
 
     @property
     def is_idle(self) -> bool:
-        """Whether there is nothing to be ticked."""
+        """Whether `tick` has nothing to do."""
         return self.state is State.IDLE
 
     @property
     def partner(self) -> Address | None:
-        """With whom a transfer is under way, None when there is none."""
+        """The partner of a transfer in progress, or None."""
         return None if self.state in (State.IDLE, State.SETTLED) else self._partner
 
     def tick(self, now_s: float) -> None:
-        """Repeat what has not been answered in time, give up after the last retry."""
+        """Repeat unanswered messages, give up after the last retry."""
         if self.state in (State.IDLE, State.STORING) or now_s < self._deadline_s:
             return
         if self.state is State.SETTLED:
@@ -135,17 +135,17 @@ class Transfer:
             self._remind()
 
     def cancel(self, now_s: float) -> None:
-        """Break off and tell the partner; changes nothing where there is nothing to break off."""
+        """Cancel a transfer in progress and tell the partner."""
         if Trigger.FAULT in TRANSITIONS[self.state]:
             self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, "cancelled"), self._partner, now_s)
 
     def take_outbox(self) -> list[Message]:
-        """The messages to be sent, in order; their target fields say to whom."""
+        """The messages to send, in order, with their targets."""
         outbox, self._outbox = self._outbox, []
         return outbox
 
     def take_events(self) -> list[Event]:
-        """What has happened since the last call, in order."""
+        """The events since the last call, in order."""
         events, self._events = self._events, []
         return events
 
@@ -153,7 +153,7 @@ class Transfer:
         """Follow a row of the table.
 
         Raises:
-            LocalProtocolError: there is none, which is a mistake of ours: messages are asked about before.
+            LocalProtocolError: there is none: our own error, as messages are checked before.
         """
         try:
             self.state = TRANSITIONS[self.state][trigger]
@@ -163,13 +163,13 @@ class Transfer:
             ) from None
 
     def _may(self, trigger: Trigger) -> bool:
-        """Whether a message has a row; counted if it has not."""
+        """Whether a message has a row; counted if not."""
         possible = trigger in TRANSITIONS[self.state]
         self.ignored += not possible
         return possible
 
     def _is_ours(self, message: Message, sender: Address) -> bool:
-        """Whether a message of the mission protocol names us and our list, and comes from somebody."""
+        """Whether a message is for us and our list, with a valid sender."""
         return (
             message.mission_type == self.mission_type
             and is_named(self.own, message.target_system, message.target_component)
@@ -177,7 +177,7 @@ class Transfer:
         )
 
     def _is_free_for(self, sender: Address) -> bool:
-        """Whether this station may begin; another one than the partner is told that it may not."""
+        """Whether this station may start; another than the partner is refused."""
         if self.partner in (None, sender):
             return True
         self.ignored += 1
@@ -189,14 +189,14 @@ class Transfer:
         self._partner = partner
 
     def _await(self, message: Message, now_s: float) -> None:
-        """Send what wants an answer. All retries are left: this is progress."""
+        """Send a message that expects an answer, with all retries."""
         self._retries_left = self._retries
         self._deadline_s = now_s + self._retry_s
         self._latest = message
         self._outbox.append(message)
 
     def _remind(self) -> None:
-        """No answer has come in time."""
+        """No answer within the time-out."""
         self._repeat()
 
     def _repeat(self) -> None:
@@ -211,7 +211,7 @@ class Transfer:
         return message
 
     def _settle(self, trigger: Trigger, latest: Message | None, now_s: float) -> None:
-        """End it, and remember the last word for as long as the partner may go on asking."""
+        """End the transfer, and keep the last message for repeated requests."""
         self._move(trigger)
         self._latest = latest
         self._deadline_s = now_s + self._retry_s * (self._retries + 1)
@@ -219,7 +219,7 @@ class Transfer:
     def _fail(
         self, fault: ItemFault, partner: Address, now_s: float, trigger: Trigger = Trigger.FAULT
     ) -> None:
-        """End it, or refuse it before it began, for a reason of ours, and say so to the partner."""
+        """End or refuse the transfer, and tell the partner."""
         answer = self._acknowledge(partner, fault.result)
         if self.partner is not None:
             self._settle(trigger, answer, now_s)
@@ -231,7 +231,7 @@ class Transfer:
         self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, Trigger.EXPIRED)
 
     def _handle_refusal(self, result: MissionResult, sender: Address, now_s: float) -> None:
-        """The partner ends it: nothing is answered."""
+        """The partner has ended the transfer."""
         if self._may(Trigger.REFUSED):
             self._settle(Trigger.REFUSED, None, now_s)
             self._events.append(Failed(result, f"the other side answered {result.name}", sender))

@@ -1,4 +1,4 @@
-"""A transfer's states, what moves it, and the one table of its transitions; `transfer.py` has the rules."""
+"""States, triggers and transition table of a transfer; `transfer.py` has the rules."""
 
 from collections.abc import Mapping
 from enum import Enum, auto
@@ -6,32 +6,32 @@ from types import MappingProxyType
 
 
 class State(Enum):
-    """Where a transfer stands."""
+    """State of a transfer."""
 
     IDLE = auto()
-    LISTING = auto()  # receiver: has asked for the list, waits for its count
-    RECEIVING = auto()  # receiver: waits for the item asked for
-    STORING = auto()  # receiver: has all, waits for its owner
-    OFFERING = auto()  # sender: has sent the count, waits for the first request
-    SENDING = auto()  # sender: has sent an item, waits for the next request or the end
-    SETTLED = auto()  # it is over; the partner may not know yet
+    LISTING = auto()  # receiver: list requested, waiting for the count
+    RECEIVING = auto()  # receiver: waiting for the requested item
+    STORING = auto()  # receiver: complete, waiting for the owner
+    OFFERING = auto()  # sender: count sent, waiting for the first request
+    SENDING = auto()  # sender: item sent, waiting for the next request or the end
+    SETTLED = auto()  # finished; the partner may not know yet
 
 
 class Trigger(Enum):
-    """What moves it."""
+    """Events."""
 
-    ASK = auto()  # our owner asks for a list
-    OFFER = auto()  # our owner, or the partner's MISSION_REQUEST_LIST, has us offer one
-    STORED = auto()  # our owner confirms
+    ASK = auto()  # the owner requests a list
+    OFFER = auto()  # the owner, or MISSION_REQUEST_LIST, offers a list
+    STORED = auto()  # the owner confirms
     COUNT = auto()  # of one item or more
-    EMPTY = auto()  # a count of none, or MISSION_CLEAR_ALL
+    EMPTY = auto()  # a count of zero, or MISSION_CLEAR_ALL
     ITEM = auto()
     LAST_ITEM = auto()
     REQUEST = auto()
     ACCEPTED = auto()
-    REFUSED = auto()  # the partner's MISSION_ACK with an error, or its cancel
+    REFUSED = auto()  # MISSION_ACK with an error
     FAULT = auto()  # we end it
-    EXPIRED = auto()  # the retries, or the time to remember, are used up
+    EXPIRED = auto()  # retries, or the time to remember, are used up
 
 
 _BEGIN = {Trigger.ASK: State.LISTING, Trigger.COUNT: State.RECEIVING, Trigger.EMPTY: State.STORING}
@@ -48,7 +48,7 @@ TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
         State.IDLE: {
             **_BEGIN,
             Trigger.OFFER: State.OFFERING,
-            Trigger.ITEM: State.IDLE,  # out of the blue: answered with an error
+            Trigger.ITEM: State.IDLE,  # unsolicited: answered with an error
             Trigger.REQUEST: State.IDLE,
         },
         State.LISTING: {
@@ -57,7 +57,7 @@ TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
             **_BREAK_OFF,
         },
         State.RECEIVING: {
-            Trigger.COUNT: State.RECEIVING,  # the partner begins again
+            Trigger.COUNT: State.RECEIVING,  # restarted by the partner
             Trigger.EMPTY: State.STORING,
             Trigger.ITEM: State.RECEIVING,
             Trigger.LAST_ITEM: State.STORING,

@@ -1,20 +1,20 @@
-"""Files with a checksum and a generation number, of which the disk keeps the newest two.
+"""Files with a checksum and a generation number; the newest two generations are kept.
 
-The first line of a file seals it:
+The first line of a file:
 
     # mavboat generation 17, 1234 bytes, crc32 0a1b2c3d
 
-The checksum covers the line up to the comma before `crc32`, and the content behind the line. CRC-32 detects
+The checksum covers the line up to the comma before `crc32`, and the content after the line. CRC-32 detects
 every error of one or two bits and every burst of up to 32 bits in a file of this size (Koopman, "32-Bit
-Cyclic Redundancy Codes for Internet Applications", DSN 2002). The line is a comment in parameter files; JSON
-readers other than ours have to skip it.
+Cyclic Redundancy Codes for Internet Applications", DSN 2002). The line is a comment in parameter files; other
+JSON readers must skip it.
 
-A write goes to `NAME.new`, is flushed, and then `NAME` becomes `NAME.old` and `NAME.new` becomes `NAME`.
-After a power cut at any point at least one of the three is whole; of those that are whole, the one with the
-highest generation counts.
+A write goes to `NAME.new` and is flushed; then `NAME` becomes `NAME.old`, and `NAME.new` becomes `NAME`.
+After a power cut at any point at least one of the three is intact; of the intact ones, the highest generation
+is used.
 
-A file without the line is taken as it is: earlier versions of the program wrote such files, and people put
-them there by hand. It takes precedence over every generation.
+A file without the line is accepted as it is: earlier versions wrote such files, and users create them. It
+takes precedence over every generation.
 """
 
 import contextlib
@@ -26,33 +26,33 @@ from pathlib import Path
 from typing import NamedTuple
 
 _MARKS = (b"# mavboat generation", b"crc32")
-"""A damaged first line still has one of these: a flipped bit cannot break both."""
-_HEAD_BYTES = 96  # longer than any first line of ours; damage may have put a line's end into it
-_MOST_DIGITS = 18  # of a generation; Python refuses to read a number of thousands of digits
+"""A damaged first line still has one of these: a single bit error cannot break both."""
+_HEAD_BYTES = 96  # longer than any first line; damage may have inserted a line end
+_MOST_DIGITS = 18  # of a generation; Python rejects numbers of thousands of digits
 _OLD, _NEW = ".old", ".new"
 
 
 class DamagedError(ValueError):
-    """The content is not what was written."""
+    """The content differs from what was written."""
 
 
 class Generation(NamedTuple):
-    """What one file holds. number is 0 where it is not sealed."""
+    """Content of a file. number: 0 if it has no generation line."""
 
     number: int
     content: bytes
 
 
 class Found(NamedTuple):
-    """The newest whole generation, an empty one where there is none, and what is wrong with a newer one."""
+    """The newest intact generation, empty if there is none, and the damage of a newer one."""
 
     generation: Generation
     damage: str
-    is_aside: bool  # it is in NAME.new: power was cut between the last flush and the last rename
+    is_aside: bool  # it is in NAME.new: power was cut before the last rename
 
 
 Write = Callable[[Path, bytes, Path | None], None]
-"""Replaces a file; where the third is given, the file's present content is kept under that name."""
+"""Replaces a file; the present content is kept under the third argument, if given."""
 
 
 def seal(generation: Generation) -> bytes:
@@ -63,14 +63,14 @@ def seal(generation: Generation) -> bytes:
 
 
 def unseal(file: bytes) -> Generation:
-    """What a file holds, sealed or not.
+    """Content of a file, with or without a generation line.
 
     Raises:
-        DamagedError: it is not what was written.
+        DamagedError: it is damaged.
     """
     line, _, content = file.partition(b"\n")
     if not any(mark in file[:_HEAD_BYTES] for mark in _MARKS):
-        # Nothing of ours is empty, holds zero bytes, or is cut off within its first line
+        # Our files are never empty, have no zero bytes, and are never cut off within the first line
         if not file or b"\x00" in file or _MARKS[0].startswith(file):
             raise DamagedError("it is cut off or overwritten")
         return Generation(0, file)
@@ -84,16 +84,16 @@ def unseal(file: bytes) -> Generation:
 
 
 def find_newest(path: Path) -> Found:
-    """The newest whole generation of a file.
+    """The newest intact generation of a file.
 
     Raises:
-        OSError: a file is there, but cannot be read.
+        OSError: a file exists but cannot be read.
     """
     none = Generation(0, b"")
     current, fault = _read(path)
     if current is not None and not current.number:
         return Found(current, "", is_aside=False)
-    aside, _ = _read(path.with_name(path.name + _NEW))  # a write that was cut off may leave a part there
+    aside, _ = _read(path.with_name(path.name + _NEW))  # may be an incomplete write
     old, old_fault = _read(path.with_name(path.name + _OLD))
     if aside is not None and aside.number > (current or none).number:
         return Found(aside, "", is_aside=True)
@@ -105,13 +105,13 @@ def find_newest(path: Path) -> Found:
 
 
 def save_next(path: Path, content: bytes, write: Write) -> None:
-    """Write the next generation of a file, and keep the newest whole one there is.
+    """Write the next generation of a file, and keep the newest intact one.
 
     Raises:
         OSError: the medium refuses.
     """
     found = find_newest(path)
-    if found.is_aside:  # the only copy of it must not be overwritten
+    if found.is_aside:  # it is the only copy
         path.with_name(path.name + _NEW).replace(path)
     old = path.with_name(path.name + _OLD)
     number = 1 + max(found.generation.number, _number_of(old))
@@ -120,9 +120,10 @@ def save_next(path: Path, content: bytes, write: Write) -> None:
 
 
 def write_atomically(path: Path, content: bytes, keep: Path | None = None) -> None:
-    """Replace a file so that a power cut leaves the old content or the new. A *.key is its owner's alone.
+    """Replace a file so that a power cut leaves the old or the new content. A *.key is readable by its owner
+    only.
 
-    keep: the name under which the present file is kept. Nothing is left lying about when the medium refuses.
+    keep: name under which the present file is kept. On failure no temporary file is left.
     """
     aside = path.with_name(path.name + _NEW)
     try:
@@ -149,7 +150,7 @@ def write_atomically(path: Path, content: bytes, keep: Path | None = None) -> No
 
 
 def _read(path: Path) -> tuple[Generation | None, str]:
-    """What a file holds, or what is wrong with it; (None, "") where there is none."""
+    """Content of a file, or its damage; (None, "") if it does not exist."""
     try:
         return unseal(path.read_bytes()), ""
     except FileNotFoundError:
@@ -157,7 +158,7 @@ def _read(path: Path) -> tuple[Generation | None, str]:
     except DamagedError as error:
         return None, str(error)
     except OSError as error:
-        if error.errno != errno.EIO:  # which a worn card answers for a single bad block
+        if error.errno != errno.EIO:  # a bad block of a worn card
             raise
         return None, "the medium cannot read it"
 

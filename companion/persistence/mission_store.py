@@ -1,4 +1,4 @@
-"""The boat's lists on disk: one JSON file for each of mission, fence and rally, a line an item."""
+"""Storage of the lists: one JSON file for each of mission, fence and rally, one item per line."""
 
 import json
 import logging
@@ -18,30 +18,30 @@ def _file(mission_type: MissionType) -> str:
 
 
 def encode_item(item: MissionItem) -> bytes:
-    """An item's line. Made as the item arrives, so that no tick has to wait for a whole list."""
+    """The line of an item. Encoded on arrival, so that no tick encodes a whole list."""
     return json.dumps(item.to_dict(), allow_nan=False).encode("ascii")
 
 
 def save_lines(storage: Storage, mission_type: MissionType, lines: Iterable[bytes]) -> Saving:
-    """Begin to replace a list on the medium by the lines of its items."""
+    """Start replacing a list by these lines."""
     content = b'{"version": %d, "items": [\n%s\n]}\n' % (_VERSION, b",\n".join(lines))
     return storage.save(_file(mission_type), content)
 
 
 def save_items(storage: Storage, mission_type: MissionType, items: Iterable[MissionItem]) -> Saving:
-    """Begin to replace a list on the medium."""
+    """Start replacing a list."""
     return save_lines(storage, mission_type, [encode_item(item) for item in items])
 
 
 class StoredList(NamedTuple):
-    """A list from the medium. loss: what of it is lost, and what is in use instead; empty if nothing is."""
+    """A loaded list. loss: what of it is lost, and what is used instead; empty if intact."""
 
     items: tuple[MissionItem, ...]
     loss: str
 
 
 def load_items(storage: Storage, mission_type: MissionType) -> StoredList:
-    """The list last saved; empty, with a loss, where the file is no list of ours."""
+    """The stored list; empty, with a loss, if the file is invalid."""
     name = _file(mission_type)
     content = storage.load(name)
     loss = storage.damage(name)

@@ -1,8 +1,8 @@
-"""How far each signing key has been used, so that what was signed with it once is not believed again.
+"""Highest timestamp proven per signing key, to reject replayed frames.
 
-A key that is replaced and comes back later (A, B, A) must not make recorded frames valid. So the highest
-timestamp that was proved under each key is kept with a tag of the key, over restarts. Of keys that are
-displaced from the table, the highest timestamp holds for every key that is not in it.
+A key that returns after another one (A, B, A) must not make recorded frames valid. The highest proven
+timestamp of each key is stored with a tag of the key. For keys displaced from the table, the highest of their
+timestamps applies to every key that is not in it.
 """
 
 from collections import OrderedDict
@@ -15,20 +15,18 @@ MAX_KEYS = 16
 
 
 class KeyFloors:
-    """A frame must be newer than the floor of its key. others: the floor of keys that are not in the
-    table.
-    """
+    """A frame must be newer than the floor of its key. others: the floor of keys not in the table."""
 
     def __init__(self, floors: dict[str, int] | None = None, others: int = 0) -> None:
         self._floors = OrderedDict(floors or {})
         self._others = others
 
     def of(self, key: SigningKey | None) -> int:
-        """The floor of a key, 0 where there is no key."""
+        """The floor of a key, 0 without a key."""
         return 0 if key is None else self._floors.get(key.tag, self._others)
 
     def record(self, key: SigningKey | None, timestamp: int) -> None:
-        """A timestamp was proved under a key."""
+        """Record a proven timestamp."""
         if key is None:
             return
         self._floors[key.tag] = max(timestamp, self.of(key))
@@ -43,10 +41,10 @@ class KeyFloors:
 
     @classmethod
     def from_tree(cls, tree: Any, seen: int) -> "KeyFloors":  # noqa: ANN401
-        """As the file has it; files of earlier versions hold one timestamp for all keys, `seen`.
+        """From the file; earlier versions store one timestamp for all keys, `seen`.
 
         Raises:
-            KeyError, TypeError, ValueError: it is no such tree.
+            KeyError, TypeError, ValueError: invalid content.
         """
         if tree is None:
             return cls(others=seen)

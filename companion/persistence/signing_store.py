@@ -1,8 +1,7 @@
-"""What signing must remember over a restart: the boat's key, and how far our timestamps have come.
+"""Persistent state of signing: the boat's key and the timestamps.
 
-Timestamps are kept ahead of their use: what is on the medium is the first one that has certainly not been
-used, so that a crash at any moment repeats none. The date may be wrong or missing at the next start; the
-count goes on all the same.
+Timestamps are reserved ahead: the stored one has certainly not been used, so none is repeated after a crash.
+The date may be wrong or missing at the next start; the count continues.
 """
 
 import json
@@ -18,19 +17,19 @@ logger = logging.getLogger(__name__)
 
 KEY_FILE = "signing.key"
 STAMPS_FILE = "signing.json"
-AHEAD = 60 * TICKS_PER_S  # of the time; a restart runs on from there
-_AHEAD_OF_LAST = TICKS_PER_S  # where restarts have taken us ahead of the time, the frames of a while
+AHEAD = 60 * TICKS_PER_S  # of the time; a restart continues from there
+_AHEAD_OF_LAST = TICKS_PER_S  # if the count is ahead of the time
 
 
 class SigningStore:
-    """The keys of all links, and the timestamps that they share.
+    """The keys of all links, and their shared timestamps.
 
-    unix_s is the date as far as it is known, 0 where it is not.
+    unix_s: Unix time, 0 if unknown.
     """
 
     def __init__(self, storage: Storage, unix_s: float = 0.0) -> None:
         self._storage = storage
-        self.losses: dict[str, str] = {}  # by file: what of it is lost, and what is in use instead
+        self.losses: dict[str, str] = {}  # by file: what is lost, and what is used instead
         first, seen, self._floors = self._load_stamps()
         self.stamps = Stamps(first, seen, limit=first)
         self.stamps.clock = timestamp_at(unix_s)
@@ -41,14 +40,14 @@ class SigningStore:
         self._reserved = first
         self._key_saving: Saving | None = None
         self._is_closed = False
-        self.is_active = self.boat.key is not None  # whether there is any key, and so anything to do
+        self.is_active = self.boat.key is not None  # whether there is any key
         self._reserve()
 
     def signatory(self, key_file: str) -> Signatory:
-        """Who signs with the key in a file; without a file's name, with the boat's own.
+        """The signatory of a key file; without a name, the boat's own.
 
         Raises:
-            ConfigError: the file holds no key, or others may read it.
+            ConfigError: the file has no key, or others may read it.
         """
         if not key_file:
             return self.boat
@@ -60,10 +59,10 @@ class SigningStore:
         return self._of_files[key_file]
 
     def change_key(self, key: SigningKey | None, first: int) -> None:
-        """Another key for the boat, or none, and the timestamp that its holders have come to.
+        """Replace or remove the boat's key; first: the timestamp that its holders have reached.
 
-        The count starts afresh, because somebody's clock may have run ahead; but never below what was proved
-        under the same key, or under those of other links.
+        The count restarts, as a clock may have run ahead; but never below what was proven under the same key,
+        or under those of other links.
         """
         if key != self.boat.key:
             self._floors.record(self.boat.key, self.boat.proved)
@@ -72,24 +71,24 @@ class SigningStore:
         self.stamps.follow(first)
         self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
         self.is_active = key is not None or bool(self._of_files)
-        self._saving = self._save()  # what was proved under the old key, at once
+        self._saving = self._save()  # the floor of the old key, at once
         self._reserve()
 
     def key_saved(self) -> str | None:
-        """What became of a change of key, told once: "" when the medium has it, or why not; None: no news."""
+        """Result of a change of key, once: "" if stored, or the error; None: no news."""
         if self._key_saving is None or not self._key_saving.is_done():
             return None
         saving, self._key_saving = self._key_saving, None
         return saving.error()
 
     def tick(self, unix_s: float) -> None:
-        """Time goes by."""
+        """Update the date."""
         if self.is_active:
             self.stamps.clock = timestamp_at(unix_s)
             self._reserve()
 
     def close(self) -> None:
-        """Put down where we are, before the storage is closed. May be called twice."""
+        """Store the present state before the storage is closed. May be called twice."""
         if not self._is_closed and (self.stamps.last or self.stamps.seen):
             self._save()
         self._is_closed = True
@@ -115,7 +114,7 @@ class SigningStore:
         if self._saving is None or not self._saving.is_done():
             return
         if error := self._saving.error():
-            # A boat that falls silent is worse than one whose stations may have to hear it twice
+            # Continue anyway: a silent boat is worse than repeated timestamps
             logger.error("signing timestamps are not kept over a restart: %s", error)
         self._saving = None
         self.stamps.limit = self._reserved
@@ -131,7 +130,7 @@ class SigningStore:
                 logger.warning("%s ignored: %s", STAMPS_FILE, error)
                 loss = f"{STAMPS_FILE} cannot be read, none is in use"
             else:
-                # The generation that is damaged was written when this one's lead was half used up
+                # The damaged generation was written when half of this reserve was used
                 first = min(max(first, 1) + (AHEAD if loss else 0), NEVER - 1)
         if loss:
             self.losses["signing timestamps"] = loss

@@ -1,9 +1,8 @@
-"""The boat's memory: small files that hold the old content or the new, never a mixture.
+"""Storage of small files that have the old or the new content, never a mixture.
 
-Each has a checksum and a generation number, and the generation before the newest is kept (`generations.py`).
-A save runs on a worker thread, because an SD card may take a tenth of a second and the control loop must not
-wait. Saves of one name that wait for the worker become one: the newest content is written, and all of them
-are done when the medium has it.
+Each has a checksum and a generation number, and the previous generation is kept (`generations.py`). Saves run
+in a worker thread, as an SD card may take a tenth of a second. Waiting saves of one name are merged: the
+newest content is written, and all are done when it is stored.
 """
 
 import logging
@@ -19,30 +18,29 @@ logger = logging.getLogger(__name__)
 
 
 class Saving(Protocol):
-    """A save under way."""
+    """A save in progress."""
 
     def is_done(self) -> bool:
-        """Whether the medium has it, or has refused it."""
+        """Whether it is stored, or has failed."""
 
     def error(self) -> str:
-        """Why it failed; empty when it did not. Only once done."""
+        """The error, empty on success. Only once done."""
 
 
 class Storage(Protocol):
     """Named blobs that survive a power cut."""
 
     def load(self, name: str) -> bytes:
-        """The content last saved under this name, empty when there is none. Waits for saves under way."""
+        """The last saved content, empty if there is none. Waits for saves in progress."""
 
     def damage(self, name: str) -> str:
-        """What the last load of this name found damaged, and what it returned instead; empty when all was
-        well."""
+        """Damage found by the last load of this name, and what was returned instead; empty if intact."""
 
     def save(self, name: str, content: bytes) -> Saving:
-        """Begin to replace the content under this name."""
+        """Start replacing the content."""
 
     def close(self) -> None:
-        """Wait for what is under way. May be called twice."""
+        """Wait for saves in progress. May be called twice."""
 
 
 class _Done:
@@ -54,30 +52,30 @@ class _Done:
 
 
 class MemoryStorage:
-    """Keeps everything for as long as the process lives, and saves at once: for lockstep and tests."""
+    """In-memory storage for lockstep runs and tests; saves are immediate."""
 
     def __init__(self) -> None:
         self.content: dict[str, bytes] = {}
 
     def load(self, name: str) -> bytes:
-        """The content last saved under this name, empty when there is none."""
+        """The last saved content, empty if there is none."""
         return self.content.get(name, b"")
 
     def damage(self, name: str) -> str:  # noqa: ARG002
-        """Memory does not decay."""
+        """Never damaged."""
         return ""
 
     def save(self, name: str, content: bytes) -> Saving:
-        """Replace the content under this name."""
+        """Replace the content."""
         self.content[name] = content
         return _Done()
 
     def close(self) -> None:
-        """Nothing to wait for."""
+        """No effect."""
 
 
 class _Write:
-    """A write that waits for the worker or is under way; every save that it includes holds it."""
+    """A waiting or running write, shared by the saves that it includes."""
 
     def __init__(self, content: bytes) -> None:
         self.content = content
@@ -92,20 +90,20 @@ class _Write:
 
 
 class FolderStorage:
-    """Files in a folder, which is made when missing.
+    """Files in a folder, which is created if missing.
 
     Raises:
-        StorageError: the folder cannot be made, or a file in it cannot be read.
+        StorageError: the folder cannot be created, or a file in it cannot be read.
     """
 
     def __init__(self, folder: Path, write: Write = write_atomically, worker: Executor | None = None) -> None:
-        """worker: where writes run, one after the other; a thread unless given."""
+        """worker: runs the writes in order; default: a thread."""
         self._folder = folder
         self._write = write
         self._worker = worker or ThreadPoolExecutor(max_workers=1, thread_name_prefix="storage")
         self._lock = threading.Lock()
-        self._waiting: dict[str, _Write] = {}  # by name; the worker takes a write out when it begins it
-        self._last: Future[None] | None = None  # one worker: the last to begin is the last to end
+        self._waiting: dict[str, _Write] = {}  # by name; the worker removes a write when it starts
+        self._last: Future[None] | None = None  # with one worker, the last to start is the last to end
         self._damage: dict[str, str] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -114,11 +112,11 @@ class FolderStorage:
 
     @property
     def folder(self) -> Path:
-        """Where it all is."""
+        """The folder."""
         return self._folder
 
     def load(self, name: str) -> bytes:
-        """The newest whole generation saved under this name, empty when there is none."""
+        """The newest intact generation, empty if there is none."""
         if self._last is not None:
             wait([self._last])
         try:
@@ -133,11 +131,11 @@ class FolderStorage:
         return generation.content
 
     def damage(self, name: str) -> str:
-        """What the last load of this name found damaged, and what it returned instead."""
+        """Damage found by the last load of this name, and what was returned instead."""
         return self._damage.get(name, "")
 
     def save(self, name: str, content: bytes) -> Saving:
-        """Begin to replace the content under this name."""
+        """Start replacing the content."""
         with self._lock:
             if (write := self._waiting.get(name)) is not None:
                 write.content = content
@@ -148,7 +146,7 @@ class FolderStorage:
         return write
 
     def close(self) -> None:
-        """Wait for what is under way."""
+        """Wait for saves in progress."""
         self._worker.shutdown(wait=True)
 
     def _carry_out(self, name: str) -> None:

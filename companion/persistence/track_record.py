@@ -1,8 +1,8 @@
-"""SMART_RTL's track on disk, so that the way back survives a power cut.
+"""SMART_RTL's track on disk, so that it survives a power cut.
 
-It is written when the track has turned, or gone on for a while: no more often than every ten seconds, and no
-more than a kilobyte a second on average, which an SD card bears for years. So after a cut the end of the
-track is known to about 45 m at 2 m/s; from there to where the boat is found the way is taken to be straight.
+It is written when the track has turned or grown: at most every ten seconds, and at most a kilobyte per second
+on average, which an SD card endures for years. After a power cut the end of the track is known to about 45 m
+at 2 m/s; from there to the boat a straight line is assumed.
 """
 
 import logging
@@ -32,19 +32,19 @@ _Place = tuple[
 
 
 class _Record(Struct, frozen=True, forbid_unknown_fields=True):
-    """voyage: which it belongs to. places: latitude and longitude in 1e-7 degrees, oldest first."""
+    """voyage: its number. places: latitude and longitude in 1e-7 degrees, oldest first."""
 
     voyage: int
     places: Annotated[tuple[_Place, ...], Meta(max_length=MOST_POINTS + 1)]
 
 
 class TrackRecord:
-    """Keeps the trail of an armed boat; hands over what was kept once it is known where that lies."""
+    """Stores the trail of an armed boat, and restores it once there is a frame."""
 
     __slots__ = ("_due_s", "_kept", "_laid", "_places", "_saving", "_sign", "_storage", "_trail", "loss")
 
     def __init__(self, storage: Storage, trail: SailedTrack, cut_voyage: int | None) -> None:
-        """cut_voyage: the voyage that a power cut ended; None: what is on the medium is over."""
+        """cut_voyage: the voyage interrupted by a power cut, or None."""
         self._storage = storage
         self._trail = trail
         self._kept: tuple[_Place, ...] = ()
@@ -58,11 +58,11 @@ class TrackRecord:
         self._saving: Saving | None = None
 
     def leads_home(self, at: Point | None) -> bool:
-        """Whether a boat that is armed here goes on with the track from before the cut."""
+        """Whether a boat armed here continues the interrupted track."""
         return bool(self._kept) or (at is not None and self._trail.continues_from(at))
 
     def restore(self, frame: LocalFrame | None, armed: bool) -> None:
-        """Hand over the track from before the cut. An armed boat has begun another."""
+        """Restore the interrupted track. An armed boat has started another."""
         if not self._kept or (frame is None and not armed):
             return
         if frame is not None and not armed:
@@ -72,7 +72,7 @@ class TrackRecord:
         self._kept = ()
 
     def update(self, voyage: int, frame: LocalFrame, now_s: float) -> None:
-        """Write the track of an armed boat if that is worth it. voyage: which one this is."""
+        """Store the track of an armed boat if it has changed enough. voyage: its number."""
         if self._saving is not None:
             if not self._saving.is_done():
                 return
@@ -91,7 +91,7 @@ class TrackRecord:
         self._saving = self._storage.save(FILE, content)
 
     def begin(self) -> None:
-        """Another voyage begins: its first record is due at once."""
+        """A new voyage: its first record is due at once."""
         self._due_s, self._sign = -math.inf, (-1, None)
 
     def _is_news(self) -> bool:
@@ -102,7 +102,7 @@ class TrackRecord:
         return latest is not None and distance_m(latest, end) >= ON_M
 
     def _placed(self, points: Sequence[Point], frame: LocalFrame) -> tuple[_Place, ...]:
-        """The points' places; only those that are new are worked out."""
+        """Places of the points; only new ones are computed."""
         same = 0
         for old, new in zip(self._laid, points, strict=False):
             if old is not new:
@@ -117,7 +117,7 @@ class TrackRecord:
 
 
 def _load(storage: Storage, voyage: int) -> tuple[tuple[_Place, ...], str]:
-    """The track, and what of it is lost."""
+    """The track and its loss."""
     content = storage.load(FILE)
     loss = storage.damage(FILE)
     if not content:

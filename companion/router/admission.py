@@ -1,9 +1,8 @@
-"""Which links of one port stay when more come than there are places.
+"""Selects the links of a port that stay when there are too many.
 
-Anybody may open a connection or send from an address, so neither is worth much. Links that have proved
-themselves have places of their own, which nobody takes who has not; the others compete among themselves, and
-the newest is always let in, so that it can prove itself. Where one must go, it is one of the host that holds
-the most.
+Anyone can open a connection or send from an address. Proven links have reserved places that unproven ones
+cannot take; unproven ones compete, and the newest is always admitted so that it can prove itself. The link to
+close belongs to the host with the most links.
 """
 
 from collections import Counter
@@ -11,20 +10,20 @@ from collections.abc import Sequence
 from enum import IntEnum
 from typing import Protocol, TypeVar
 
-PLACES = 32  # of one port, for links that have proved themselves, and as many for those that have not
-SILENT_S = 10.0  # ten heartbeats: who has proved himself and is silent for longer makes way for another
+PLACES = 32  # per port, for proven links, and as many for others
+SILENT_S = 10.0  # ten heartbeats: a proven link silent for longer is closed first
 
 
 class Standing(IntEnum):
-    """What the far side of a link has shown."""
+    """What the far side of a link has proven."""
 
     STRANGER = 0
-    SPEAKING = 1  # says something, but no heartbeat, or from an address that may be forged
+    SPEAKING = 1  # sends frames, but no heartbeat, or from a forgeable address
     PROVEN = 2
 
 
 class Candidate(Protocol):
-    """A link, as far as it matters here."""
+    """A link, as needed here."""
 
     @property
     def host(self) -> str:
@@ -32,18 +31,18 @@ class Candidate(Protocol):
 
     @property
     def standing(self) -> Standing:
-        """What it has shown so far."""
+        """What it has proven."""
 
     @property
     def heard_s(self) -> float:
-        """When the last frame was let in."""
+        """Time of the last accepted frame."""
 
 
 L = TypeVar("L", bound=Candidate)
 
 
 def excess_links(links: Sequence[L], now_s: float) -> list[L]:
-    """The links of one port that must go; they are given in the order in which they came."""
+    """The links of a port to close; links are in order of arrival."""
     if len(links) <= PLACES:
         return []
     proven = [link for link in links if link.standing is Standing.PROVEN]
@@ -63,6 +62,6 @@ def excess_links(links: Sequence[L], now_s: float) -> list[L]:
 
 
 def _from_largest_host(links: Sequence[L]) -> L:
-    """The first link of the host that holds the most."""
+    """The first link of the host with the most links."""
     host, _ = Counter(link.host for link in links).most_common(1)[0]
     return next(link for link in links if link.host == host)

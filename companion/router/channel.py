@@ -1,4 +1,4 @@
-"""One link with everything that belongs to it: finding and building frames, rules, budget, counters."""
+"""A link with its framing, rules, rate limit and counters."""
 
 import logging
 import struct
@@ -30,7 +30,9 @@ _FREE_PERCENT_AT = 6  # txbuf, behind two counters of errors and two signal stre
 
 
 class Channel:
-    """One link. tap is put in by whoever logs: it sees every frame, in and out, but no signature or key."""
+    """One link. tap, set by the telemetry log, receives every frame in and out, without signatures and
+    keys.
+    """
 
     __slots__ = (
         "_budget",
@@ -69,15 +71,15 @@ class Channel:
         self.guard: Guard | None = None
         self.tap: Callable[[bytes], object] | None = None
         self.forwarded = 0  # of other channels' frames, sent by this one
-        self.kept_back = 0  # by allow, deny and rate caps, and what strangers may not have
-        self.refused = 0  # by the guard, on their way in or out
-        self.faults = 0  # messages that could not be packed: a defect of ours, see the log
-        self.is_blocked = False  # has brought so much garbage that it is not read before the next tick
-        self.is_noisy = False  # has brought garbage when it was last read
-        self.wasted_before = 0  # looks, up to the last tick
-        self.heard_s = float("-inf")  # when the last frame was let in
+        self.kept_back = 0  # by allow, deny and rate caps, and for unverified peers
+        self.refused = 0  # by the guard, in or out
+        self.faults = 0  # messages that could not be packed: our defects, see the log
+        self.is_blocked = False  # too much garbage: not read before the next tick
+        self.is_noisy = False  # garbage when last read
+        self.wasted_before = 0  # wasted checks up to the last tick
+        self.heard_s = float("-inf")  # time of the last accepted frame
         self._has_announced_itself = False  # by a heartbeat
-        self._is_confidential = False  # asks for signatures and has heard none yet: it tells heartbeats only
+        self._is_confidential = False  # requires signatures and has received none: only heartbeats are sent
         self._limit = AmplificationLimit() if policy.is_forgeable(link.host) else None
         self._dropped = 0
         self._own = bytes(own)
@@ -90,7 +92,7 @@ class Channel:
         )
 
     def set_guard(self, guard: Guard) -> None:
-        """From now on frames are signed and checked as the guard says."""
+        """Sign and check frames."""
         self.guard = guard
         self._is_confidential = guard.policy == "required" and not guard.has_verified
         if self._room is not None:
@@ -98,22 +100,22 @@ class Channel:
 
     @property
     def dropped(self) -> int:
-        """Frames that the link would not take, or not in time."""
+        """Frames that the link did not take in time."""
         return self._dropped + (self._room.dropped if self._room is not None else 0)
 
     @property
     def waiting_bytes(self) -> int:
-        """What waits for room on the link."""
+        """Bytes waiting for the link."""
         return self._room.waiting_bytes if self._room is not None else 0
 
     @property
     def host(self) -> str:
-        """The far side's address, empty where there is none."""
+        """Address of the far side, empty if there is none."""
         return self.link.host
 
     @property
     def standing(self) -> Standing:
-        """What the far side has shown: a good signature, or on an open link a heartbeat."""
+        """What the far side has proven: a valid signature, or on an open link a heartbeat."""
         if self.guard is not None and self.guard.has_verified:
             return Standing.PROVEN
         if self._is_confidential or self.heard_s < 0.0:
@@ -123,37 +125,35 @@ class Channel:
 
     @property
     def needs_address_proof(self) -> bool:
-        """Whether little goes out until a question is answered: the far side's address may be forged."""
+        """Whether output is limited until a question is answered, as the address may be forged."""
         return self._limit is not None and not self._is_confidential
 
     def question(self, time_usec: int) -> Question | None:
-        """What the far side has to return in order to be believed; None where it is believed."""
+        """The question to ask; None if the address is verified."""
         return self._limit.question(time_usec) if self._limit is not None else None
 
     def check_answer(self, answer: Question) -> None:
-        """The far side has returned something; if it is what it was asked, its address is its own."""
+        """Check a returned PING; the right one verifies the address."""
         if self._limit is not None and self._limit.is_answer(answer):
             self._limit = None
 
     @property
     def has_more(self) -> bool:
-        """Whether something has arrived that `take` has not handed over."""
+        """Whether received bytes are left after `receive`."""
         return bool(self._chunks) or self._finder.is_behind
 
     @property
     def wasted_checks(self) -> int:
-        """What garbage has cost since the link began, see `FrameFinder`."""
+        """Cost of garbage since the link opened, see `FrameFinder`."""
         return self._finder.wasted_checks
 
     def receive(self, most_frames: int, most_wasted_looks: int) -> Sequence[Frame]:
-        """The next frames that have arrived, as far as the limits go. What is left is kept; no more is
-        read.
-        """
+        """The next received frames, within the limits. The rest is kept, and no more is read."""
         chunks, finder = self._chunks, self._finder
         if not (chunks or finder.is_behind):
             arrived = self.link.receive()
             if not arrived:
-                return ()  # as at most ticks
+                return ()  # the usual case
             chunks.extend(arrived)
         last_look = finder.wasted_checks + most_wasted_looks
         taken: list[Frame] = []
@@ -166,13 +166,13 @@ class Channel:
         return taken
 
     def accepts(self, frame: Frame, now_s: float = 0.0) -> bool:
-        """Whether a frame may come in; whoever logs is shown it, and a radio's report is read."""
+        """Whether a frame is accepted; it is then logged, and a radio's report is used."""
         guard = self.guard
         if guard is not None:
             if not guard.admits(frame.data):
                 self.refused += 1
                 return False
-            if guard.has_verified:  # only who holds the key can have sent it, and only now
+            if guard.has_verified:  # sent by a holder of the key, and not replayed
                 self._is_confidential, self._limit = False, None
         self.heard_s = now_s
         if frame.message_id == _HEARTBEAT:
@@ -185,19 +185,19 @@ class Channel:
         return True
 
     def may_send(self, now_s: float) -> bool:
-        """Whether telemetry would go out at once; on a link without a limit, always."""
+        """Whether telemetry would be sent at once."""
         if self._is_confidential or self._limit is not None:
             return False
         return self._room is None or self._room.may_send(now_s)
 
     def room_bytes(self, now_s: float) -> int:
-        """How much of a list or a file may go out now: on a line with a budget, what a tick can carry."""
+        """Bulk data that may be sent now: with a rate limit, that of a tick."""
         if not self.may_send(now_s):
             return 0
         return _UNLIMITED_BYTES if self._budget is None else 1 + int(self.policy.bytes_s * _TICK_S)
 
     def send(self, message: Message, now_s: float = 0.0) -> None:
-        """Send one message of our own, or drop it whole. Never raises."""
+        """Send a message of our own, or drop it whole. Never raises."""
         try:
             data = self.encoder.encode(message)
         except (struct.error, OverflowError, TypeError, ValueError):
@@ -208,7 +208,7 @@ class Channel:
         self._emit(data, message.get_msgId(), self.encoder.address.system, True, now_s)
 
     def forward(self, frame: Frame, is_urgent: bool, now_s: float) -> None:
-        """Send a frame of another channel as it came, or drop it whole."""
+        """Send a frame of another channel unchanged, or drop it whole."""
         counters = self.counters
         self.forwarded += 1
         counters.frames_out += 1
@@ -216,7 +216,7 @@ class Channel:
         self._emit(frame.data, frame.message_id, frame.sender.system, is_urgent, now_s)
 
     def drain(self, now_s: float) -> None:
-        """Send what has waited, as far as there is room now."""
+        """Send waiting frames."""
         if self._room is not None:
             self._room.drain(now_s)
 
@@ -233,10 +233,10 @@ class Channel:
             self._dropped += 1
 
     def _transmit(self, data: bytes) -> bool:
-        """Put a frame on the link; False if that does not take it now.
+        """Put a frame on the link; False if it is full.
 
-        Our own are signed here and no earlier, because timestamps must leave in order and what waits may be
-        overtaken. What is forwarded goes as it came: who signs another's frame vouches for it.
+        Our own are signed here, as timestamps must leave in order and waiting frames may be overtaken.
+        Forwarded ones are unchanged: a signature would vouch for them.
         """
         frame = data
         if self.guard is not None and data[0] == MAGIC_V2 and data[5:7] == self._own:

@@ -1,4 +1,4 @@
-"""The boat's channels: takes in new links, forgets dead ones, moves frames between them and the endpoint."""
+"""The boat's channels: opens and closes links, moves frames between them and the endpoint."""
 
 import logging
 from collections import defaultdict
@@ -17,48 +17,47 @@ from companion.router.router import Router
 
 logger = logging.getLogger(__name__)
 
-# So that no flood holds the boat's tick. What goes beyond waits in the system's buffers, where it is the
-# flooding link's own bytes that are dropped. A look that is wasted takes up to 4.4 µs on the machine of the
-# benchmarks, so garbage takes up to 1.1 ms of a call and 4.5 ms of a tick.
+# Limits against floods. The excess waits in the system's buffers, which drop the flooding link's own bytes.
+# A wasted check takes up to 4.4 µs on the benchmark machine, so garbage takes up to 1.1 ms of a call and
+# 4.5 ms of a tick.
 _FRAMES_PER_CALL = 256
 _FRAMES_PER_LINK = 64  # of a call; then it is the next link's turn
 _WASTED_LOOKS_PER_CALL = 256
 _WASTED_LOOKS_PER_TICK = 1024
 
-# Lines in the log about links that come and go, at once and a second: whoever forges addresses by the
-# thousand must not fill the journal
+# Burst and rate limit of log lines about links, against forged addresses
 _MOST_LINES, _LINES_PER_S = 40.0, 1.0
 
 
 class Channels:
-    """Channel numbers are never used twice.
+    """Channel numbers are unique.
 
-    wanted: the messages that the endpoint handles; nothing else is ever unpacked. None: all of them.
+    wanted: the messages that the endpoint handles; others are not unpacked. None: all.
     """
 
     def __init__(self, ports: Sequence[Port], own: Address) -> None:
         self.open: dict[int, Channel] = {}
         self.router = Router(own)
         self.wanted: frozenset[int] | None = None
-        self.has_more = False  # frames have arrived that the last `receive` left for the next
-        self.taken = 0  # frames that have come in, on all channels
+        self.has_more = False  # frames are left after the last `receive`
+        self.taken = 0  # received frames, on all channels
         self._ports = list(ports)
-        self._of_port: defaultdict[int, list[Channel]] = defaultdict(list)  # by the port's place in the list
+        self._of_port: defaultdict[int, list[Channel]] = defaultdict(list)  # by index of the port
         self._own = own
         self._next_number = 1
         self._now_s = 0.0
         self._filenos: list[int] | None = None
-        self._first = 0  # whose turn it is when not everybody gets one
-        self._order: tuple[Channel, ...] = ()  # the open ones: a tick must not see the table change
+        self._first = 0  # the channel that is served first
+        self._order: tuple[Channel, ...] = ()  # the open ones; constant during a tick
         self._lines_left = _MOST_LINES
         self._lines_left_out = 0
         self._logged_s = 0.0
-        self._share = _WASTED_LOOKS_PER_TICK  # looks that each link may waste before the next tick
+        self._share = _WASTED_LOOKS_PER_TICK  # wasted checks per link and tick
 
     def accept(self, ready: Collection[int] | None = None) -> list[int]:
-        """Numbers of the channels that have come into being since the last call.
+        """Numbers of the channels opened since the last call.
 
-        ready: look only at ports with one of these descriptors.
+        ready: only ports with these descriptors.
         """
         new: list[int] = []
         for index, port in enumerate(self._ports):
@@ -78,15 +77,14 @@ class Channels:
         return new
 
     def _make_room(self, port: int) -> None:
-        """Close the links that a port has too many of. Newcomers have been heard by then, if they had to say
-        something."""
+        """Close excess links of a port. New ones have sent something by then, if they had to."""
         self._of_port[port] = [one for one in self._of_port[port] if one.number in self.open]
         for channel in excess_links(self._of_port[port], self._now_s):
             self._log(f"link {channel.link.name} closed to make room")
             channel.link.close()
 
     def drop_closed(self) -> list[int]:
-        """Numbers of the channels whose far side has gone; they are forgotten."""
+        """Remove the channels whose far side is gone, and return their numbers."""
         gone = [
             number for number, channel in self.open.items() if channel.link.is_closed and not channel.has_more
         ]
@@ -99,7 +97,7 @@ class Channels:
         return gone
 
     def _log(self, text: str) -> None:
-        """Write a line, unless there have been too many; how many were left out is told with the next one."""
+        """Log a line, rate-limited; the number of dropped lines is added to the next."""
         now_s = self._now_s
         self._lines_left = min(self._lines_left + _LINES_PER_S * (now_s - self._logged_s), _MOST_LINES)
         self._logged_s = now_s
@@ -119,11 +117,10 @@ class Channels:
     def receive(
         self, now_s: float = 0.0, ready: Collection[int] | None = None
     ) -> Iterator[tuple[int, Received]]:
-        """What has arrived for the boat, channel by channel; what is for others is forwarded on the way.
+        """Received messages for the boat, by channel; others are forwarded.
 
-        ready: look only at channels with one of these descriptors, and at those with something left over.
-        None, as every tick has it, looks everywhere, and at what a flood has left unread since the tick
-        before.
+        ready: only channels with these descriptors or with leftovers. None, once a tick: all channels,
+        including those blocked since the last tick.
         """
         self._now_s = now_s
         self.has_more = False
@@ -161,7 +158,7 @@ class Channels:
             self._first += passed_over
 
     def _begin_tick(self, now_s: float) -> None:
-        """Send what has waited, and share among the links that bring garbage what may be wasted on it."""
+        """Send waiting frames, and share the limit of wasted checks among noisy links."""
         noisy = 0
         for channel in self._order:
             channel.drain(now_s)
@@ -173,7 +170,7 @@ class Channels:
         self._share = max(_WASTED_LOOKS_PER_TICK // max(noisy, 1), 1)
 
     def _note_waste(self, channel: Channel) -> None:
-        """A link has brought garbage; one that has wasted its share is not read before the next tick."""
+        """Mark a link as noisy; block it if its share is used up."""
         channel.is_noisy = True
         if channel.wasted_checks - channel.wasted_before >= self._share:
             channel.is_blocked = True
@@ -197,7 +194,7 @@ class Channels:
                 yield number, Received(layout.unpack(frame.payload), frame.sender, frame.data)
 
     def send(self, message: Message, number: int | None) -> None:
-        """Send by one channel, or by all; a channel that has gone takes its messages with it."""
+        """Send on one channel, or on all; messages for a closed channel are dropped."""
         if number is None:
             for channel in self.open.values():
                 channel.send(message, self._now_s)
@@ -205,17 +202,17 @@ class Channels:
             one.send(message, self._now_s)
 
     def may_send(self, number: int, now_s: float) -> bool:
-        """Whether telemetry by this channel would go out at once; answers do not ask."""
+        """Whether telemetry on this channel would be sent at once."""
         channel = self.open.get(number)
         return channel is not None and channel.may_send(now_s)
 
     def room_bytes(self, number: int) -> int:
-        """How much of a list or a file a channel takes now; 0 where there is no such channel."""
+        """Bulk data that a channel takes now; 0 if it is closed."""
         channel = self.open.get(number)
         return 0 if channel is None else channel.room_bytes(self._now_s)
 
     def filenos(self) -> list[int]:
-        """Descriptors that become readable when there is something to do before the next tick."""
+        """Descriptors to wait on between ticks."""
         if self._filenos is None:
             numbers = [port.fileno() for port in self._ports]
             numbers += [channel.link.fileno() for channel in self.open.values() if not channel.is_blocked]

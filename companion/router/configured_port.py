@@ -1,4 +1,4 @@
-"""A port with the rules for the links that come out of it."""
+"""A port with the policy of its links."""
 
 from companion.hal.interfaces import Link, Port
 from companion.router.policy import Policy
@@ -17,13 +17,13 @@ class ConfiguredPort:
         return self._port.name
 
     def accept(self) -> list[Link]:
-        """Links that came into being since the last call."""
+        """New links since the last call."""
         return self._port.accept()
 
     def fileno(self) -> int:
-        """A descriptor to wait on for new links, −1 when there is none."""
+        """A descriptor to wait on for new links, −1 without one."""
         return self._port.fileno()
 
     def close(self) -> None:
-        """Close, with every link that came out of it. May be called twice."""
+        """Close, with all its links. May be called twice."""
         self._port.close()

@@ -1,14 +1,13 @@
-"""Frames that come a second time by another link: two radios to one station, or a loop in the network."""
+"""Detects frames received again on another link: two radios to one station, or a network loop."""
 
 WINDOW_S = 0.5
 MAX_FRAMES = 4096
 
 
 class DuplicateFilter:
-    """Remembers frames for half a window to a whole one, and fewer seconds in a flood.
+    """Remembers frames for half to one window, less during a flood.
 
-    A link may say the same twice, which it does when it is asked twice; only what another link has said
-    first is a repeat.
+    Repeats on the same link are not duplicates.
     """
 
     def __init__(self, window_s: float = WINDOW_S, max_frames: int = MAX_FRAMES) -> None:
@@ -19,7 +18,7 @@ class DuplicateFilter:
         self._turn_s = 0.0
 
     def is_duplicate(self, data: bytes, channel: int, now_s: float) -> bool:
-        """Whether another channel has brought this very frame within the window; if not, it is remembered."""
+        """Whether another channel has brought this frame within the window; otherwise it is remembered."""
         recent = self._recent
         if now_s >= self._turn_s or len(recent) >= self._half_frames:
             self._turn(now_s)
@@ -33,10 +32,10 @@ class DuplicateFilter:
         return first != channel
 
     def _turn(self, now_s: float) -> None:
-        # after a long silence what was recent is old news as well
+        # after a long silence both halves are outdated
         is_overdue = now_s >= self._turn_s + self._half_s
         self._older = {} if is_overdue else self._recent
         self._recent = {}
-        # counted from when the turn was due, so that a turn that comes late makes no memory longer
+        # from the due time, so that a late turn does not extend the window
         is_due = now_s >= self._turn_s and not is_overdue
         self._turn_s = (self._turn_s if is_due else now_s) + self._half_s

@@ -1,4 +1,4 @@
-"""What may leave by a link, and how fast: the link's part of the configuration, ready for use."""
+"""Policy of a link: which messages may leave, and how fast, from its configuration."""
 
 from collections.abc import Iterable, Mapping
 from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
@@ -9,21 +9,20 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.layout import LAYOUTS
 
 _BITS_A_BYTE = 10  # start, eight, stop
-_LINE_SHARE = 0.9  # of a radio's line: the rest is for what the radio adds
-_STALE_S = 1.0  # on a radio, where nothing else is said
+_LINE_SHARE = 0.9  # of a radio's line: the rest is its overhead
+_STALE_S = 1.0  # default on a radio
 
 _IDS: dict[str, int] = {dialect.mavlink_map[number].msgname: number for number in LAYOUTS}
 _SLACK_S = 1e-6
 
 
 class Policy:
-    """One link's rules. They hold for the boat's own messages as well as for forwarded ones.
+    """Rules of one link, for the boat's own and for forwarded messages.
 
-    bytes_s is what the line carries, 0 without a limit; stale_s how long a frame may wait for room, 0 not at
-    all.
+    bytes_s: rate limit, 0 without; stale_s: how long a frame may wait, 0: not at all.
 
     Raises:
-        ConfigError: names the key and the message that does not exist.
+        ConfigError: names the key and the unknown message.
     """
 
     def __init__(
@@ -34,10 +33,10 @@ class Policy:
         is_loopback: bool = False,
         hears_anybody: bool = False,
     ) -> None:
-        """baud: of a serial line, which counts as a radio unless the setting says that it is none.
+        """baud: of a serial line, which is a radio unless configured otherwise.
 
-        is_loopback: nobody outside this machine can reach it, so a key may come over it. hears_anybody: it
-        takes datagrams from everywhere, whose senders' addresses may be forged.
+        is_loopback: only reachable from this machine, so trusted with keys. hears_anybody: receives datagrams
+        from anywhere, with forgeable addresses.
         """
         self.setting = setting
         self.name = setting.name
@@ -58,9 +57,9 @@ class Policy:
         self.stale_s = setting.stale_s or (_STALE_S if self.bytes_s else 0.0)
 
     def is_forgeable(self, host: str) -> bool:
-        """Whether somebody else may have written this address on what came from it.
+        """Whether this source address may be forged.
 
-        The system drops what comes from outside with an address of loopback.
+        The system drops external datagrams with a loopback address.
         """
         if not self._hears_anybody:
             return False
@@ -71,14 +70,14 @@ class Policy:
 
     @property
     def has_rules(self) -> bool:
-        """Whether any message is kept back for what it is."""
+        """Whether messages are filtered."""
         return bool(self.denied or self.allowed or self.min_interval_s)
 
 
 class Filter:
-    """Applies a policy's allow, deny and rate caps to what leaves by one channel.
+    """Applies allow, deny and rate caps to one channel.
 
-    A rate cap holds for each sender on its own, so that one vehicle's attitude does not displace another's.
+    A rate cap applies per sender.
     """
 
     def __init__(self, policy: Policy) -> None:
@@ -86,7 +85,7 @@ class Filter:
         self._due_s: dict[tuple[int, int], float] = {}  # by message and system: bounded by the caps
 
     def passes(self, message_id: int, system: int, now_s: float) -> bool:
-        """Whether a message may go out now; if it is capped, asking counts as sending."""
+        """Whether a message may be sent now; a capped one then counts as sent."""
         policy = self._policy
         if message_id in policy.denied or (policy.allowed and message_id not in policy.allowed):
             return False
@@ -97,7 +96,7 @@ class Filter:
         due_s = self._due_s.get(key, now_s)
         if now_s + _SLACK_S < due_s:
             return False
-        # a beat is kept where the sender is nearly on time, so that 10 Hz capped at 5 gives 5
+        # keep the phase of a nearly punctual sender, so that 10 Hz capped at 5 gives 5
         self._due_s[key] = max(due_s, now_s - interval_s) + interval_s
         return True
 
@@ -121,4 +120,4 @@ def _named(names: Iterable[str] | Mapping[str, float], key: str) -> dict[str, in
 
 
 PLAIN = Policy(LinkConfig(url=""))
-"""A link without a word in the configuration."""
+"""The policy of an unconfigured link."""

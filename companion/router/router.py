@@ -1,7 +1,7 @@
-"""Where a frame goes: to the boat's own endpoint, to other channels, or nowhere. No I/O, nothing unpacked.
+"""Routing of frames: to the boat's endpoint, to other channels, or nowhere. No I/O, no unpacking.
 
-The rules are those of the MAVLink guide, "Routing": what is for everybody, or has no target, goes to all
-other channels; what is addressed goes only where its target was heard; nothing goes back where it came from.
+The rules are those of the MAVLink guide, "Routing": broadcasts and frames without a target go to all other
+channels; addressed ones only where their target was heard; nothing goes back to its source.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from companion.router.targets import target_of
 _HOUSEKEEPING_S = 1.0
 _MAX_DECISIONS = 4096  # remembered; a flood of made-up targets must not fill the memory
 
-# What concerns one link alone: a radio's report on itself, and the key for a link's signatures
+# Valid on one link only: radio status, and signing keys
 LINK_LOCAL_IDS = frozenset(
     (
         dialect.MAVLINK_MSG_ID_RADIO_STATUS,
@@ -28,7 +28,7 @@ LINK_LOCAL_IDS = frozenset(
 
 
 class ForwardingDecision(NamedTuple):
-    """is_ours: for the boat's own endpoint, too. channels: the others that it goes out on."""
+    """is_ours: also for the boat's endpoint. channels: the channels to forward to."""
 
     is_ours: bool
     channels: tuple[int, ...]
@@ -39,12 +39,12 @@ NOWHERE = ForwardingDecision(False, ())
 
 
 class Router:
-    """Knows the channels by number only. Each frame that comes in is shown to `route`, once and in order."""
+    """Knows channels by number. Each received frame is passed to `route` once, in order."""
 
     def __init__(self, own: Address) -> None:
-        self.repeats = 0  # frames dropped because another channel had brought them
-        self.echoes = 0  # our own frames come back
-        self.unreachable = 0  # frames for somebody whom nobody has heard
+        self.repeats = 0  # frames dropped as duplicates
+        self.echoes = 0  # our own frames received back
+        self.unreachable = 0  # frames for unknown targets
         self.routes = Routes()
         self._own = own
         self._bulk = BulkTransferThrottle()
@@ -55,18 +55,18 @@ class Router:
         self._housekeeping_s = 0.0
 
     def open(self, channel: int, forwards: bool = True) -> None:
-        """A channel has come into being. One that does not forward talks with the boat alone."""
+        """A channel has opened. Without forwarding it only reaches the boat."""
         self._forwarding[channel] = forwards
         self.routes.open(channel)
 
     def forget(self, channel: int) -> None:
-        """A channel has gone."""
+        """A channel has closed."""
         self._forwarding.pop(channel, None)
         self.routes.forget(channel)
         self._bulk.forget(channel)
 
     def route(self, channel: int, frame: Frame, now_s: float) -> ForwardingDecision:
-        """Where a frame from a channel goes."""
+        """The destinations of a frame."""
         sender = frame.sender
         if sender == self._own:
             self.echoes += 1

@@ -1,7 +1,7 @@
-"""Which system and component was heard on which channel, and so where a frame for it goes.
+"""Routes: which address was heard on which channel.
 
-After the MAVLink guide, "Routing". A route lives as long as its component is heard; a flood of made-up
-addresses on one channel displaces only what was heard on that channel.
+After the MAVLink guide, "Routing". A route expires when its component is silent; a flood of forged addresses
+on one channel only displaces routes of that channel.
 """
 
 from collections import OrderedDict
@@ -10,36 +10,36 @@ from companion.mavlink.address import ALL, Address
 from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import Frame
 
-EXPIRY_S = 60.0  # every component says HEARTBEAT once a second; a radio may be out of reach for a while
-MAX_HEARD = 128  # addresses a channel
-_REFRESH_S = 1.0  # a route that is younger is not touched
-_REBOOT_S = 3.0  # time since boot falls by more than frames can overtake each other
+EXPIRY_S = 60.0  # components send HEARTBEAT once a second; a radio may be out of range for a while
+MAX_HEARD = 128  # addresses per channel
+_REFRESH_S = 1.0  # younger routes are not updated
+_REBOOT_S = 3.0  # decrease of the time since boot, more than by reordering
 _MAX_CLOCKS = 256
 
-_BOOT_MS_AT = 8  # in SYSTEM_TIME, behind the date in microseconds
+_BOOT_MS_AT = 8  # offset in SYSTEM_TIME
 
 
 class Routes:
-    """What was heard where. `version` changes whenever an answer of `where` may have changed."""
+    """`version` changes whenever a result of `channels_of` may have changed."""
 
     def __init__(self) -> None:
         self.version = 0
-        self.flushes = 0  # systems found to have rebooted
+        self.flushes = 0  # detected reboots
         self._heard: dict[int, OrderedDict[Address, float]] = {}
         self._clock_ms: OrderedDict[Address, int] = OrderedDict()
 
     def open(self, channel: int) -> None:
-        """A channel has come into being."""
+        """A channel has opened."""
         self._heard[channel] = OrderedDict()
         self.version += 1
 
     def forget(self, channel: int) -> None:
-        """A channel has gone, and every route over it."""
+        """A channel has closed; remove its routes."""
         self._heard.pop(channel, None)
         self.version += 1
 
     def learn(self, channel: int, frame: Frame, now_s: float) -> None:
-        """A frame has come in on a channel: its sender is there."""
+        """Record the sender of a received frame."""
         heard, sender = self._heard[channel], frame.sender
         if frame.message_id == dialect.MAVLINK_MSG_ID_SYSTEM_TIME:
             self._watch_clock(frame)
@@ -55,7 +55,7 @@ class Routes:
         self.version += 1
 
     def channels_of(self, target: Address) -> list[int]:
-        """The channels that a target was heard on, in order; a system's all where the component was not."""
+        """Channels of a target, in order; those of its system if the component is unknown."""
         system = [
             (channel, address)
             for channel, heard in self._heard.items()
@@ -67,18 +67,18 @@ class Routes:
         return sorted({channel for channel, _ in found})
 
     def addresses_on(self, channel: int) -> list[Address]:
-        """Who was heard on a channel, the least lately heard first."""
+        """Addresses heard on a channel, least recent first."""
         return list(self._heard.get(channel, ()))
 
     def expire(self, now_s: float) -> None:
-        """Forget whom nobody has heard for long. To be called about once a second."""
+        """Remove silent addresses. Call once a second."""
         for heard in self._heard.values():
             while heard and now_s - heard[next(iter(heard))] > EXPIRY_S:
                 heard.popitem(last=False)
                 self.version += 1
 
     def _watch_clock(self, frame: Frame) -> None:
-        """A time since boot that falls is a reboot: the system may now be found elsewhere."""
+        """A decrease of the time since boot is a reboot: routes may have changed."""
         clock, sender = self._clock_ms, frame.sender
         boot_ms = int.from_bytes(frame.payload[_BOOT_MS_AT : _BOOT_MS_AT + 4], "little")
         if clock.pop(sender, 0) - boot_ms > _REBOOT_S * 1e3:

@@ -1,4 +1,4 @@
-"""The links in numbers, for people and for the log."""
+"""Link statistics for the operator and the log."""
 
 from msgspec import Struct
 
@@ -7,11 +7,10 @@ from companion.router.channels import Channels
 
 
 class LinkStatus(Struct, frozen=True):
-    """One link since it began. Rates are over the time since the report before this one.
+    """Statistics of one link since it opened. Rates are since the last report.
 
-    bad counts places in a stream that were no frame, lost what the senders' sequence numbers say is missing,
-    dropped what the link would not take in time, kept_back what allow, deny and rate caps held and what
-    strangers may not have, refused what signing did not let pass.
+    bad: invalid places in the stream; lost: gaps in sequence numbers; dropped: not taken by the link in time;
+    kept_back: by allow, deny and rate caps, and for unverified peers; refused: by signing.
     """
 
     number: int
@@ -35,7 +34,7 @@ class LinkStatus(Struct, frozen=True):
 
 
 class LinksStatus(Struct, frozen=True):
-    """All links, and what the router did not pass on."""
+    """All links, and what was not routed."""
 
     time_s: float
     links: tuple[LinkStatus, ...]
@@ -46,14 +45,14 @@ class LinksStatus(Struct, frozen=True):
 
 
 class Reporter:
-    """Makes reports, and remembers the one before for the rates."""
+    """Creates reports; keeps the last for the rates."""
 
     def __init__(self, channels: Channels) -> None:
         self._channels = channels
         self._latest: LinksStatus | None = None
 
     def report(self, now_s: float) -> LinksStatus:
-        """The links as of now."""
+        """The present statistics."""
         before = {} if self._latest is None else {link.number: link for link in self._latest.links}
         elapsed_s = 0.0 if self._latest is None else now_s - self._latest.time_s
         router = self._channels.router

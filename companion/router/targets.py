@@ -1,4 +1,4 @@
-"""Whom a frame is for, read from its bytes without unpacking it."""
+"""Target of a frame, read from its bytes without unpacking."""
 
 from companion.mavlink.address import ALL, Address
 from companion.mavlink.dialect import dialect
@@ -6,19 +6,19 @@ from companion.mavlink.framing import Frame
 from companion.mavlink.layout import LAYOUTS
 
 EVERYBODY = Address(ALL, ALL)
-_NOWHERE = 255  # beyond every field: reads as 0, as what MAVLink 2 has cut off does
+_NOWHERE = 255  # beyond every field: reads as 0, like a truncated MAVLink 2 field
 
 
 def _places() -> dict[int, tuple[int, int]]:
-    """Where in its payload a message has its target's system and component, for all that have a target."""
+    """Offsets of target system and component in the payload, for all messages with a target."""
     places: dict[int, tuple[int, int]] = {}
     for message_id, layout in LAYOUTS.items():
-        # in a payload that counts its own bytes, a byte's value is its place
+        # in a payload of 0, 1, 2 …, a byte's value is its offset
         counted = layout.unpack(bytes(range(layout.size)))
         system = getattr(counted, "target_system", None)
         if system is not None:
             places[message_id] = system, getattr(counted, "target_component", _NOWHERE)
-    # MANUAL_CONTROL names the system that it steers in a field of another name
+    # MANUAL_CONTROL has its target in another field
     steered = LAYOUTS[dialect.MAVLINK_MSG_ID_MANUAL_CONTROL]
     places[steered.message_id] = steered.unpack(bytes(range(steered.size))).target, _NOWHERE
     return places
@@ -28,7 +28,7 @@ _PLACES = _places()
 
 
 def target_of(frame: Frame) -> Address:
-    """The target's system and component, 0 for all; a message without a target is for everybody."""
+    """Target system and component, 0 for all; a message without a target is for all."""
     places = _PLACES.get(frame.message_id)
     if places is None:
         return EVERYBODY

@@ -1,19 +1,19 @@
-"""How many bytes a slow line can still take."""
+"""Rate limit of a slow line."""
 
-_BURST_S = 0.2  # saved up at most
-_DEBT_S = 1.0  # what goes out in any case is paid back for no longer than this
+_BURST_S = 0.2  # largest saving
+_DEBT_S = 1.0  # largest debt, from urgent frames
 _LEAST_SHARE = 0.1
 _FULL_SPEED = 1.0
 
-# SiK radios report how much of their buffer is free, in percent, about once a second. The bounds and steps
-# keep the buffer between a fifth and nine tenths free, where it neither overflows nor runs dry.
+# SiK radios report their free buffer in percent about once a second. The bounds and steps keep it between
+# 20 and 90 percent free, so that it neither overflows nor runs empty.
 _STEPS = ((20, 0.6), (50, 0.85), (90, 1.0), (101, 1.25))
 
 
 class TokenBucket:
-    """A bucket that fills at the line's rate. Urgent frames may leave it in debt; telemetry then waits.
+    """A token bucket at the line's rate. Urgent frames may overdraw it; telemetry then waits.
 
-    The radio's own reports make it fill more slowly than the line's nominal rate, never faster.
+    The radio's reports can reduce the rate, never raise it above the nominal one.
     """
 
     def __init__(self, bytes_s: float) -> None:
@@ -23,17 +23,17 @@ class TokenBucket:
         self._filled_s: float | None = None
 
     def may_send(self, now_s: float) -> bool:
-        """Whether there is room for a message of the usual size."""
+        """Whether a message of the usual size may be sent."""
         self._fill(now_s)
         return self._left > 0.0
 
     def spend(self, count: int, now_s: float) -> None:
-        """Bytes have gone out."""
+        """Account for sent bytes."""
         self._fill(now_s)
         self._left = max(self._left - count, -self._bytes_s * _DEBT_S)
 
     def on_radio_status(self, free_percent: int) -> None:
-        """The radio says how much of its transmit buffer is free."""
+        """Adapt the rate to the free transmit buffer."""
         step = next((step for bound, step in _STEPS if free_percent < bound), _FULL_SPEED)
         self.share = min(max(self.share * step, _LEAST_SHARE), _FULL_SPEED)
 

@@ -1,20 +1,20 @@
-"""Frames that wait for room on a slow or full link: urgent ones first, old ones dropped."""
+"""Queue of frames for a slow or full link: urgent ones first, stale ones dropped."""
 
 from collections import deque
 from collections.abc import Callable
 
 from companion.router.token_bucket import TokenBucket
 
-MAX_BYTES = 16 * 1024  # for each of the two queues
+MAX_BYTES = 16 * 1024  # per queue
 
 
 class _Queue:
     def __init__(self) -> None:
-        self.frames: deque[tuple[float, bytes]] = deque()  # oldest first, each with when it came
+        self.frames: deque[tuple[float, bytes]] = deque()  # oldest first, with time of arrival
         self.bytes = 0
 
     def add(self, data: bytes, now_s: float) -> int:
-        """Put a frame in; how many of the oldest had to go for it."""
+        """Append a frame; returns the number of old ones dropped for it."""
         self.frames.append((now_s, data))
         self.bytes += len(data)
         dropped = 0
@@ -37,15 +37,15 @@ class _Queue:
 
 
 class TxQueue:
-    """Stands before a link that cannot take everything at once.
+    """Queue before a link that cannot take everything at once.
 
-    Urgent frames (answers, commands, transfers) go as soon as the link takes them. Telemetry keeps to the
-    budget. What has waited for stale_s is dropped and counted: an old attitude is worth nothing.
+    Urgent frames (answers, commands, transfers) are sent as soon as the link takes them. Telemetry respects
+    the rate limit. Frames that have waited for stale_s are dropped and counted.
     """
 
     def __init__(self, send: Callable[[bytes], bool], budget: TokenBucket | None, stale_s: float) -> None:
         self.dropped = 0
-        self.overhead_bytes = 0  # what `send` adds to each frame
+        self.overhead_bytes = 0  # added to each frame by `send`
         self._send = send
         self._budget = budget
         self._stale_s = stale_s
@@ -54,23 +54,23 @@ class TxQueue:
 
     @property
     def waiting_bytes(self) -> int:
-        """How much waits."""
+        """Bytes in the queue."""
         return self._urgent.bytes + self._telemetry.bytes
 
     def may_send(self, now_s: float) -> bool:
-        """Whether telemetry would go out at once."""
+        """Whether telemetry would be sent at once."""
         if self._urgent.frames or self._telemetry.frames:
             return False
         return self._budget is None or self._budget.may_send(now_s)
 
     def put(self, data: bytes, is_urgent: bool, now_s: float) -> None:
-        """Send a frame, or let it wait."""
+        """Send or queue a frame."""
         queue = self._urgent if is_urgent else self._telemetry
         self.dropped += queue.add(data, now_s)
         self.drain(now_s)
 
     def drain(self, now_s: float) -> None:
-        """Send what the link takes by now. To be called every tick."""
+        """Send what the link takes. Call every tick."""
         oldest_s = now_s - self._stale_s
         self.dropped += self._urgent.drop_older(oldest_s) + self._telemetry.drop_older(oldest_s)
         if self._drain(self._urgent, now_s, keeps_to_budget=False):

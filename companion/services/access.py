@@ -1,8 +1,8 @@
-"""Who may change something: with `identity.only_operator` the operator alone, and programs on the boat.
+"""Access control: with `identity.only_operator`, only the operator and programs on the boat may change
+anything.
 
-As ArduPilot's SYSID_ENFORCE, but other stations still see everything, and what they try to change is refused
-in the protocol's own words instead of in silence. Ids can be chosen by anybody: this keeps out mistakes, and
-only signing keeps out malice.
+As ArduPilot's SYSID_ENFORCE, but other stations still receive everything, and refusals use the protocol's own
+answers. Ids can be chosen freely: this prevents mistakes; only signing prevents attacks.
 """
 
 import math
@@ -30,7 +30,7 @@ _UPLOADS = frozenset(
     )
 )
 _COMMANDS = frozenset((dialect.MAVLINK_MSG_ID_COMMAND_LONG, dialect.MAVLINK_MSG_ID_COMMAND_INT))
-# What has no answer in the protocol
+# Messages without an answer in the protocol
 _UNANSWERED = frozenset(
     (
         dialect.MAVLINK_MSG_ID_LOG_ERASE,
@@ -57,7 +57,7 @@ _READING = frozenset(
 
 
 class AccessService:
-    """Looks at each message before its service does."""
+    """Checks each message before its service."""
 
     def __init__(
         self,
@@ -73,10 +73,10 @@ class AccessService:
         self._questions = questions
         self._outbox = outbox
         self._texts = texts
-        self._told_s: dict[int, float] = {}  # by system id, when it was last told
+        self._told_s: dict[int, float] = {}  # last report by system id
 
     def refuses(self, message: Message, origin: Origin, now_s: float) -> bool:
-        """Whether the sender may not do this; it has been answered then."""
+        """Whether the sender is refused; the answer has then been sent."""
         identity = self._parameters.config.identity
         allowed = (0, origin.address.system)
         if not identity.only_operator or identity.operator_system_id in allowed:
@@ -141,7 +141,7 @@ class AccessService:
 
 
 def _read_of(message: Message) -> Message:
-    """A request for the value of the parameter that a PARAM_SET names."""
+    """A request for the parameter that a PARAM_SET names."""
     name = (
         message.param_id
         if isinstance(message.param_id, bytes)

@@ -1,8 +1,8 @@
-"""Asks stations on forgeable addresses for a sign that they receive what is sent to them.
+"""Verifies that stations at forgeable addresses receive what is sent to them.
 
 The question is a PING with a random number, which QGroundControl and MAVSDK return; it follows a heartbeat,
-because QGroundControl answers only vehicles that it knows. Who does not answer is served within
-`AmplificationLimit`, and the operator is told once how to change that.
+as QGroundControl only answers known vehicles. Without an answer `AmplificationLimit` applies, and the
+operator is told once how to change that.
 """
 
 import logging
@@ -18,24 +18,24 @@ from companion.services.telemetry.statustext import StatusTextService
 
 logger = logging.getLogger(__name__)
 
-_ASK_S = 1.0  # between two questions: a heartbeat's period
-_PATIENCE = 5  # questions without an answer before it is told
-_MAX_WARNINGS = 16  # of different hosts: whoever forges addresses must not flood the operator
+_ASK_S = 1.0  # period of questions: that of the heartbeat
+_PATIENCE = 5  # unanswered questions before the report
+_MAX_WARNINGS = 16  # hosts: forged addresses must not flood the operator
 
 
 class AddressCheck:
-    """Questions and answers of all channels that have an amplification limit."""
+    """Questions and answers of all channels with an amplification limit."""
 
     def __init__(self, channels: Mapping[int, Channel], outbox: Outbox, texts: StatusTextService) -> None:
         self._channels = channels
         self._outbox = outbox
         self._texts = texts
         self._asked_s: dict[int, float] = {}
-        self._asked: dict[int, int] = {}  # how often, by channel
+        self._asked: dict[int, int] = {}  # number, by channel
         self._warned: set[str] = set()
 
     def on_heartbeat(self, origin: Origin, heartbeat: HeartbeatService, now_s: float) -> None:
-        """A station announces itself: announce the boat, and ask. Elsewhere the regular heartbeat will do."""
+        """Announce the boat to a new station, and ask. Other channels get the regular heartbeat."""
         channel = self._channels.get(origin.channel)
         if channel is None or not channel.needs_address_proof:
             return
@@ -51,13 +51,13 @@ class AddressCheck:
             self._warn(channel)
 
     def on_ping(self, message: Message, origin: Origin) -> None:
-        """Perhaps an answer."""
+        """A possible answer."""
         channel = self._channels.get(origin.channel)
         if channel is not None:
             channel.check_answer(Question(message.time_usec, message.seq))
 
     def forget(self, channel: int) -> None:
-        """A channel has gone."""
+        """A channel has closed."""
         self._asked_s.pop(channel, None)
         self._asked.pop(channel, None)
 

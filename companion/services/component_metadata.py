@@ -1,8 +1,8 @@
-"""The boat's description of itself: JSON files that a station fetches by file transfer.
+"""Component metadata: JSON files that stations fetch by file transfer.
 
-After the MAVLink guide, "Component Metadata Protocol", and its schemas: a general file, which leads to one
-about the parameters. Both are made from the one table of parameters and are the same from boot to boot, so a
-station that knows their checksums need not fetch them again. Other subjects (events, actuators) are absent.
+After the MAVLink guide, "Component Metadata Protocol", and its schemas: a general file refers to the
+parameter file. Both are generated from the parameter table and are constant, so a station that knows their
+checksums need not fetch them again. Other subjects (events, actuators) are not provided.
 """
 
 import json
@@ -27,10 +27,10 @@ COMPONENT_METADATA_ID: int = ComponentMetadata.id
 _PARAMETER_METADATA = 1  # COMP_METADATA_TYPE_PARAMETER, which the dialect lacks
 FOLDER = "metadata"
 GENERAL, PARAMETERS = "general.json", "parameters.json"
-# The only version that QGroundControl reads (4.4 to 5.0): it drops any other file and shows no texts then.
-# The schema has come to 3 since, without a change to what is written here.
+# The only version that QGroundControl reads (4.4 to 5.0). The schema is at 3 now, without a change to the
+# fields used here.
 _READ_BY_QGC = 1
-_UNITS = {"degC": "C"}  # the schema's word for what stations may convert
+_UNITS = {"degC": "C"}  # the schema's name of a unit that stations convert
 _MOST_DECIMALS = 7  # the schema's default
 _TYPES = {
     ParameterType.INT8: "Int8",
@@ -41,7 +41,7 @@ _TYPES = {
 
 
 def uri_of(name: str) -> str:
-    """Where a station finds a file."""
+    """The uri of a file."""
     return f"mftp:///{FOLDER}/{name}"
 
 
@@ -65,7 +65,7 @@ def general_json() -> bytes:
 
 @cache
 def parameters_json() -> bytes:
-    """The file about the parameters."""
+    """The parameter file."""
     parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
     entries = [_entry(row, parameters.value(row)) for row in ROWS]
     return _encode({"version": _READ_BY_QGC, "parameters": entries})
@@ -88,10 +88,9 @@ def component_information(now: Snapshot) -> Message:
 
 
 def _entry(row: ParameterRow, default: float) -> dict[str, Any]:
-    """A parameter after the schema and after QGroundControl's reader of it, which is stricter.
+    """A parameter by the schema and QGroundControl's stricter reader.
 
-    Without `decimalPlaces` some of its versions show a fraction as a whole number; without `values` a choice
-    has an empty menu.
+    Some versions need `decimalPlaces` to show fractions, and `values` to fill the menu of a choice.
     """
     low, high = _range(row, default)
     entry: dict[str, Any] = {
@@ -122,7 +121,7 @@ def _entry(row: ParameterRow, default: float) -> dict[str, Any]:
 
 
 def _range(row: ParameterRow, default: float) -> tuple[float, float]:
-    """What the parameter may be: a constant nothing but its value, unless it has names for others."""
+    """The allowed range; of a constant, its value."""
     if row.values:
         numbers = [float(number) for number, _ in row.values]
         return min(numbers), max(numbers)
@@ -130,13 +129,12 @@ def _range(row: ParameterRow, default: float) -> tuple[float, float]:
 
 
 def _number(row: ParameterRow, value: float) -> float:
-    """As short as it is exact: what reads back as the same 32-bit float is the default, what does not is
-    shown as changed."""
+    """The shortest number with the same 32-bit float, so that unchanged values are recognised."""
     return float(shortest(value)) if row.kind is ParameterType.REAL32 else round(value)
 
 
 def _decimals(row: ParameterRow, default: float) -> int:
-    """As many places as the row asks for, or as many as its default and its bounds have."""
+    """Decimal places of the row, or of its default and bounds if more."""
     numbers = [number for number in (default, row.low, row.high) if math.isfinite(number)]
     places = [-int(Decimal(shortest(number)).normalize().as_tuple().exponent) for number in numbers]
     return min(max(row.decimals, *places), _MOST_DECIMALS)

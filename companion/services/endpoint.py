@@ -1,7 +1,7 @@
-"""The boat's MAVLink endpoint: hands each message to the service that it is for.
+"""The boat's MAVLink endpoint: dispatches messages to services.
 
-The wire is untrusted: a message that no service knows, or that is for somebody else, is counted and dropped,
-and a fault in handling one is logged once for its kind and never reaches the control loop.
+The wire is untrusted: unknown or misaddressed messages are counted and dropped, and an exception in a handler
+is logged once per kind and never reaches the control loop.
 """
 
 import logging
@@ -32,10 +32,10 @@ from companion.services.guided import GuidedService
 from companion.services.logs import LogService
 from companion.services.manual_control import ManualControlService
 from companion.services.missions.service import MissionService
+from companion.services.other_vehicles import OtherVehicleService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.roles import Role, Roles
-from companion.services.sightings import OtherVehicleService
 from companion.services.signing import SigningService
 from companion.services.telemetry.available_modes import AvailableModesService
 from companion.services.telemetry.heartbeat import HeartbeatService
@@ -67,7 +67,7 @@ _LOGS = (
     dialect.MAVLINK_MSG_ID_LOG_ERASE,
 )
 
-_UPKEEP_S = 0.1  # what nobody waits for is looked at this often
+_UPKEEP_S = 0.1  # period of what is not urgent
 
 _STEERING = frozenset(
     (
@@ -84,7 +84,7 @@ Handler = Callable[[Message, Origin, float], None]
 
 
 class Endpoint:
-    """All services of component 1, and the outbox that they share."""
+    """All services of component 1, with their outbox."""
 
     def __init__(
         self,
@@ -102,13 +102,13 @@ class Endpoint:
         external: ExternalSensors,
         gauge: FuelGauge,
         take_snapshot: TakeSnapshot,
-        faults: FaultInjector | None = None,
+        faults: FaultInjector | None = None,  # failed handlers: our defects, see the log
     ) -> None:
-        """may_send: whether a channel has room for telemetry; answers do not ask. look: takes stock of the
-        boat, for whoever has something to tell of it.
+        """may_send: whether a channel has room for telemetry; answers are always sent. take_snapshot: the
+        present state of the boat.
         """
         self.outbox = Outbox()
-        self.ignored = 0  # messages that no service wanted
+        self.ignored = 0  # messages without a service
         self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log
         self._logged: set[str] = set()
         self._upkeep_s = 0.0
@@ -193,13 +193,13 @@ class Endpoint:
 
     @property
     def message_ids(self) -> frozenset[int]:
-        """The messages that some service wants; others need not be unpacked."""
+        """The handled messages; others are not unpacked."""
         return frozenset(self._handlers)
 
     def open(self, channel: int, stream_hz: float | None = None) -> None:
-        """A channel has come into being: it hears a heartbeat at once, and telemetry from now on.
+        """A channel has opened: send a heartbeat and start telemetry.
 
-        stream_hz: of this link, where it has a rate of its own.
+        stream_hz: rate of this link, if configured.
         """
         self._signing.open(channel)
         default_hz = self._parameters.config.mavlink.stream_hz
@@ -207,7 +207,7 @@ class Endpoint:
         self.outbox.send(channel, self._heartbeat.message())
 
     def forget(self, channel: int, now_s: float) -> None:
-        """A channel has gone."""
+        """A channel has closed."""
         self._signing.forget(channel)
         self._addresses.forget(channel)
         self._telemetry.forget(channel)
@@ -220,28 +220,28 @@ class Endpoint:
 
     @property
     def restart_due_s(self) -> float:
-        """When the program is to begin anew, because a station asked; infinite until then."""
+        """When to restart the program at a station's request; infinite without one."""
         return self._commands.restart_due_s
 
     @property
     def unix_offset_s(self) -> float | None:
-        """What to add to the boat's time for the date, as a station has it."""
+        """Unix time less the boat's time, from a station."""
         return self._time.unix_offset_s
 
     def log_status_texts(self) -> None:
-        """Log whatever the operator is told, too."""
+        """Also log all status texts."""
         self._texts.logs_texts = True
 
     def mission_items(self) -> tuple[MissionItem, ...]:
-        """The mission that the boat holds."""
+        """The stored mission."""
         return self._missions.items(MissionType.MISSION)
 
     def close(self) -> None:
-        """Let go of files and of the thread that waits for them. May be called twice."""
+        """Close files and their thread. May be called twice."""
         self._files.close()
 
     def handle(self, channel: int, received: Received, now_s: float) -> None:
-        """Hand one message to its service. Never raises."""
+        """Dispatch one message. Never raises."""
         message, sender = received.message, received.sender
         handler = self._handlers.get(message.get_msgId())
         if handler is None or sender == self._own or not self._is_for_us(message):
@@ -259,10 +259,10 @@ class Endpoint:
             self._count_fault(message.get_type())
 
     def tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
-        """Everything that happens by the clock. Never raises.
+        """Periodic work. Never raises.
 
-        unix_s: the date as the boat itself knows it, 0 while it does not. heading: as the part gave it. load:
-        share of the tick used.
+        unix_s: Unix time known to the boat itself, 0 if unknown. heading: as measured. load: share of the
+        tick used.
         """
         try:
             self._tick(now_s, unix_s, heading, load)
@@ -276,7 +276,7 @@ class Endpoint:
             logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
 
     def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
-        self._signing.tick(now_s, unix_s)  # just booted, it answers nobody before its stamps are kept ahead
+        self._signing.tick(now_s, unix_s)  # after boot, nothing is sent before timestamps are reserved
         self._heartbeat.tick(now_s)
         self._missions.tick(now_s)
         self._commands.tick(heading, now_s)
@@ -293,14 +293,14 @@ class Endpoint:
         self._telemetry.tick(now_s)
 
     def _note_planner(self, message: Message, sender: Address, now_s: float) -> None:
-        """A planner whom the boat obeys is missed when it falls silent."""
+        """A planner in control triggers a failsafe when it falls silent."""
         vehicle = self._vehicle
         is_order = getattr(message, "command", _REPOSITION) == _REPOSITION
         if is_order and self.roles.of(sender) is Role.PLANNER and vehicle.is_guided:
             vehicle.planner.steers(now_s)
 
     def announce_changes(self) -> None:
-        """What a message just handled has changed is told at once, not at the next tick."""
+        """Send changes by the last message at once."""
         self._heartbeat.announce_change()
         self._modes.announce_change()
         self._texts.send(self._vehicle.take_status_texts())
@@ -314,7 +314,7 @@ class Endpoint:
         return chosen in (0, origin.address.system)
 
     def _on_heartbeat(self, message: Message, origin: Origin, now_s: float) -> None:
-        # A planner, a logger or another vehicle must not keep the operator's failsafe quiet
+        # Only the operator's heartbeat resets the operator failsafe
         chosen = self._parameters.config.identity.operator_system_id
         role = self.roles.update(message, origin.address, chosen)
         if role is Role.OPERATOR:
@@ -328,7 +328,7 @@ class Endpoint:
         self._addresses.on_ping(message, origin)
 
     def _on_system_time(self, message: Message, origin: Origin, now_s: float) -> None:
-        # Another vehicle tells its date to everybody, true or not
+        # Not from other vehicles, which broadcast their time
         if self.roles.of(origin.address) in (Role.OPERATOR, Role.PLANNER):
             self._time.on_system_time(message, now_s)
 

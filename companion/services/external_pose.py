@@ -1,8 +1,8 @@
-"""Position, heading and obstacles from outside: GPS_INPUT, VISION_POSITION_ESTIMATE, ODOMETRY,
-OBSTACLE_DISTANCE, DISTANCE_SENSOR, and SET_GPS_GLOBAL_ORIGIN, which gives local poses their place.
+"""External position, heading and obstacles: GPS_INPUT, VISION_POSITION_ESTIMATE, ODOMETRY, OBSTACLE_DISTANCE,
+DISTANCE_SENSOR, and SET_GPS_GLOBAL_ORIGIN for local poses.
 
-The configuration says whether any of it is used. One sender at a time: another is heard once the first has
-been silent for the time-out. What is not finite, out of range or too fast is dropped and counted.
+The configuration enables them. One sender at a time: another is accepted once the first has been silent for
+the time-out. Values that are not finite, out of range or too fast are dropped and counted.
 """
 
 import math
@@ -22,26 +22,26 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.motion_messages import global_origin
 from companion.vehicle.vehicle import Vehicle
 
-_MIN_SPACING_S = 0.015  # a pose a tick and no more
+_MIN_SPACING_S = 0.015  # at most one pose per tick
 _OBSTACLES_SPACING_S = 0.045
-_MAX_LATENCY_S = 0.5  # a stamp older than this is of another clock
-_FARTHEST_M = 20_000.0  # as far as the local frame is good
+_MAX_LATENCY_S = 0.5  # an older stamp is of another clock
+_FARTHEST_M = 20_000.0  # range of the local frame
 _FASTEST_M_S = 30.0
 _FASTEST_RAD_S = 10.0
-_POSE_SIGMA_M = 0.05  # of a pose that does not say how good it is
+_POSE_SIGMA_M = 0.05  # of a pose without stated accuracy
 _UNKNOWN_SATELLITES = 255
 _BEST_FIX: int = dialect.GPS_FIX_TYPE_PPP
 _GPS_EPOCH_UNIX_S, _WEEK_S, _LEAP_S = 315964800.0, 604800.0, 18.0
-_UNIT = (0.8, 1.2)  # the norm of a quaternion that is meant as one
+_UNIT = (0.8, 1.2)  # accepted norm of a quaternion
 _RAY_RAD = math.radians(15.0)
 _UNKNOWN_CM = 0xFFFF
 
 ToOwnClock = Callable[[Address, int, float], float]
-"""A sender's stamp in µs as the boat's time in s, given the boat's time now."""
+"""Converts a sender's stamp in µs to the boat's time in s, given the present time."""
 
 
 class ExternalPoseService:
-    """Turns what comes from outside into readings."""
+    """Converts the messages to readings."""
 
     def __init__(
         self,
@@ -76,7 +76,7 @@ class ExternalPoseService:
         return self._parameters.config.external
 
     def set_origin(self, origin: LatLon) -> bool:
-        """Where local poses are measured from. Not once the boat has laid its own frame: it would jump."""
+        """Set the origin of local poses. Refused once the boat has a frame: it would jump."""
         if self._vehicle.frame is not None:
             self._tell([StatusText(Severity.WARNING, "Origin: already set, not moved")])
             return False
@@ -169,7 +169,7 @@ class ExternalPoseService:
         velocity: Point | None = None,
         rate_rad_s: float | None = None,
     ) -> None:
-        """A pose in a local frame whose x axis points turn_rad away from north, clockwise."""
+        """A pose in a local frame with its x axis turn_rad clockwise from north."""
         external, frame = self._external, self._external.frame
         place = Point(float(message.x), float(message.y))
         if frame is None or not _all_below(place, _FARTHEST_M) or not math.isfinite(yaw_rad):
@@ -229,7 +229,7 @@ class ExternalPoseService:
         self._external.pings.append((ping, beam_rad))
 
     def _admits(self, sender: Address, latest: GnssFix | None, now_s: float) -> bool:
-        """Whether this sender is the one, and not too fast."""
+        """Whether this is the active sender, and not too fast."""
         setting = self._setting
         is_wanted = setting.position != Use.NEVER or setting.heading != Use.NEVER
         is_other = sender != self._source and now_s - self._source_s <= setting.timeout_s
@@ -241,7 +241,7 @@ class ExternalPoseService:
 
 
 def _all_below(values: tuple[float, ...] | list[float], limit: float) -> bool:
-    """Whether all are numbers of at most this size; NaN is not."""
+    """Whether all are finite and within ±limit."""
     return all(abs(value) <= limit for value in values)
 
 
@@ -255,13 +255,13 @@ def _place(lat_e7: int, lon_e7: int) -> LatLon | None:
 
 
 def _turned(ahead: float, right: float, angle_rad: float) -> Point:
-    """A vector of a frame that is turned clockwise from north, as north and east."""
+    """Rotate a vector to north and east; angle_rad: of its frame, clockwise from north."""
     c, s = math.cos(angle_rad), math.sin(angle_rad)
     return Point(ahead * c - right * s, ahead * s + right * c)
 
 
 def _yaw_of(q: list[float]) -> float | None:
-    """The yaw of a quaternion w, x, y, z; None when it is none."""
+    """The yaw of a quaternion w, x, y, z; None if invalid."""
     w, x, y, z = q
     if not _UNIT[0] <= math.hypot(w, x, y, z) <= _UNIT[1]:
         return None
@@ -269,13 +269,13 @@ def _yaw_of(q: list[float]) -> float | None:
 
 
 def _sigma_m(covariance: list[float]) -> float:
-    """How good a pose says it is, from its variances of x and y; its first number is NaN when it does not."""
+    """Accuracy of a pose from its variances of x and y; NaN if not stated."""
     variance = max(covariance[0], covariance[6])
     return math.sqrt(variance) if 1e-6 < variance < 1e4 else _POSE_SIGMA_M
 
 
 def _bearing_of(message: Message) -> float | None:
-    """Where a ranger looks, from the bow, clockwise; None when it looks up or down, or has no signal."""
+    """Bearing of a ranger from the bow, clockwise; None if it points up or down, or has no signal."""
     if message.signal_quality == 1:
         return None
     if message.orientation <= dialect.MAV_SENSOR_ROTATION_YAW_315:
@@ -284,7 +284,7 @@ def _bearing_of(message: Message) -> float | None:
 
 
 def _unix_s(week: int, week_ms: int) -> float | None:
-    """The date, None where the week is not one from 2024 to 2099."""
+    """Unix time; None if the week is not within 2024 to 2099."""
     if not 2295 <= week < 6260:
         return None
     return _GPS_EPOCH_UNIX_S + week * _WEEK_S + week_ms / 1e3 - _LEAP_S

@@ -1,7 +1,7 @@
-"""GUIDED from outside: set-points of position, velocity, heading and turn rate, and the old go-to item.
+"""GUIDED set-points of position, velocity, heading and turn rate, and the old go-to item.
 
-The protocol has no answer for set-points, so one that is not obeyed is told to its sender in words: each
-reason once in REPEAT_S.
+The protocol has no answer to set-points; a refusal is reported to its sender by status text, each reason once
+in REPEAT_S.
 """
 
 import math
@@ -22,7 +22,7 @@ from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 REPEAT_S = 30.0
-_MOST_REASONS = 20  # in that time, of all senders: a hostile one could invent any number
+_MOST_REASONS = 20  # in that time, of all senders
 
 _SHORTEST_Q = 0.5  # a quaternion has length 1; all zeros is no attitude
 _GUIDED_ITEM, _ALTITUDE_ITEM = 2, 3  # MISSION_ITEM.current of ArduPilot's old go-to and change of altitude
@@ -55,9 +55,9 @@ _GLOBAL_FRAMES = frozenset(
 
 
 def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
-    """QGroundControl's first go-to still comes as an item of no list, with current = 2."""
+    """QGroundControl's first go-to, a mission item with current = 2."""
     if message.current == _ALTITUDE_ITEM:
-        return MissionResult.ACCEPTED  # a boat has one altitude
+        return MissionResult.ACCEPTED  # altitude has no effect
     if message.current != _GUIDED_ITEM:
         return MissionResult.INVALID
     item = MissionItem.from_message(message)
@@ -72,12 +72,12 @@ def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
 
 
 class GuidedService:
-    """Turns set-points into requests."""
+    """Converts set-points to requests."""
 
     def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._texts = texts
-        self._told_s: dict[str, float] = {}  # by reason, when it was last told
+        self._told_s: dict[str, float] = {}  # last report by reason
 
     def on_global_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_GLOBAL_INT."""
@@ -88,7 +88,7 @@ class GuidedService:
         self._on_target(message, origin, now_s, _LOCAL_FRAMES, self._local)
 
     def on_attitude_target(self, message: Message, origin: Origin, now_s: float) -> None:
-        """SET_ATTITUDE_TARGET: the quaternion's yaw or a body yaw rate, thrust as a share of top speed."""
+        """SET_ATTITUDE_TARGET: yaw of the quaternion or body yaw rate, thrust as a share of top speed."""
         nav, mask = self._vehicle.nav, message.type_mask
         thrust = 0.0 if mask & _NO_THRUST else message.thrust
         values = [thrust]
@@ -118,9 +118,10 @@ class GuidedService:
         frames: frozenset[int],
         locate: Callable[[Message, NavState], LatLon | None],
     ) -> None:
-        """Position comes before velocity, yaw before yaw rate; accelerations and forces are not taken.
-        FORCE_SET says which of the two is meant, and nothing where both are ignored: many programs set all
-        upper bits.
+        """Position has priority over velocity, yaw over yaw rate; accelerations and forces are refused.
+
+        FORCE_SET selects between the two and is irrelevant if both are ignored: many programs set all upper
+        bits.
         """
         nav, mask = self._vehicle.nav, message.type_mask
         if nav is None or self._vehicle.frame is None:
@@ -137,7 +138,7 @@ class GuidedService:
             self._hold(hold, origin, now_s)
 
     def _go_to(self, message: Message, position: LatLon | None, origin: Origin, now_s: float) -> None:
-        """A position; a velocity beside it is the speed to go there with."""
+        """A position; an accompanying velocity gives the speed."""
         speed_m_s: float | None = None
         if not message.type_mask & _NO_VELOCITY:
             speed_m_s = math.hypot(message.vx, message.vy) or None
@@ -179,7 +180,7 @@ class GuidedService:
             return None
 
     def _local(self, message: Message, nav: NavState) -> LatLon | None:
-        """LOCAL_NED counts from the local frame's origin, all others from the boat."""
+        """LOCAL_NED is relative to the origin of the local frame, all others to the boat."""
         frame = self._vehicle.frame
         north, east = message.x, message.y
         if frame is None or not math.isfinite(north + east) or math.hypot(north, east) > 1e5:
@@ -192,7 +193,7 @@ class GuidedService:
 
 
 def _motion(message: Message, nav: NavState) -> Hold | None:
-    """What a set-point without a position asks for, None where that is nothing or not finite."""
+    """The motion of a set-point without a position; None if there is none or it is not finite."""
     mask, is_body = message.type_mask, message.coordinate_frame in _BODY_FRAMES
     has_velocity = not mask & _NO_VELOCITY
     north, east = (message.vx, message.vy) if has_velocity else (0.0, 0.0)
@@ -205,7 +206,7 @@ def _motion(message: Message, nav: NavState) -> Hold | None:
         north, east = _turned(north, east, nav.heading_rad)
         yaw = None if yaw is None else yaw + nav.heading_rad
     speed = math.hypot(north, east)
-    if yaw is not None:  # a boat cannot sail sideways: what counts is the velocity along its bow
+    if yaw is not None:  # only the velocity along the bow counts
         return HoldHeading(wrap_pi(yaw), north * math.cos(yaw) + east * math.sin(yaw))
     if rate is not None:
         return HoldTurn(rate, -speed if is_astern else speed)

@@ -1,13 +1,13 @@
-"""LOG_*: stations list the boat's logs and download them, 90 bytes a message.
+"""LOG_*: stations list and download the onboard logs, 90 bytes per message.
 
-Numbers. ArduPilot counts its logs from 1, and QGroundControl takes that for granted of a boat that announces
-itself as ours does; MAVSDK takes numbers from 0 for granted. So log k, the k-th oldest, has number k, and the
-newest can also be had as 0. A request for the whole list is answered with 0 to n-1, and 1 to n can each be
-asked for, which QGroundControl does for the one that it misses.
+Numbers: ArduPilot counts its logs from 1, and QGroundControl assumes that for ArduPilot vehicles; MAVSDK
+assumes numbers from 0. So log k, the k-th oldest, has number k, and the newest is also available as 0. A
+request for the whole list is answered with 0 to n-1; each of 1 to n can be requested, which QGroundControl
+does for the missing one.
 
-Pace. What a tick may send is shared among the downloads under way, grows until the computer is busy, and
-stops where the link has no room. Files are read ahead by the log's worker. A station asks again for what it
-lost.
+Rate: the messages of a tick are shared among the active downloads; their number grows until the computer is
+busy, and stops where the link has no room. Files are read ahead by the log's worker. Stations request lost
+parts again.
 """
 
 from collections import deque
@@ -28,17 +28,17 @@ _FRAME_BYTES: Final = 12 + 7 + CHUNK_BYTES
 _MOST_PER_TICK: Final = 256.0  # chunks, of all downloads: 1.1 MB/s at 50 Hz
 _FIRST_PER_TICK: Final = 32.0
 _LEAST_PER_TICK: Final = 8.0
-_BUSY_LOAD: Final = 0.5  # the share of the tick beyond which the boat has better things to do
-_FASTER_BY, _SLOWER_BY = 4, 0.95  # a tick; the load is smoothed over about fifty
+_BUSY_LOAD: Final = 0.5  # share of the tick above which downloads slow down
+_FASTER_BY, _SLOWER_BY = 4, 0.95  # per tick; the load is averaged over about fifty
 _ENTRIES_PER_TICK: Final = 20
-_MOST_RANGES: Final = 32  # gaps that a station may ask for at a time
+_MOST_RANGES: Final = 32  # pending requests of a station
 _MOST_LISTED: Final = 4096
-_IN_FLIGHT_S: Final = 0.1  # what has just been sent is on its way, and not to be sent again
+_IN_FLIGHT_S: Final = 0.1  # what was just sent is not sent again
 _LAST_NUMBER: Final = 0xFFFF
 
 
 class _Range(NamedTuple):
-    """A part of a log that a station has asked for. is_open: it wants to be told where the log ends."""
+    """A requested part of a log. is_open: the station needs to be told the end of the log."""
 
     begin: int
     end: int
@@ -53,15 +53,15 @@ class _Download:
         self.reader = reader
         self.offset = 0
         self.ranges: deque[_Range] = deque()
-        self.last: _Range | None = None  # what was sent last, and when
+        self.last: _Range | None = None  # the range sent last, and when
         self.last_s = 0.0
         self.chunks_left = int(_LEAST_PER_TICK)  # until the next tick
 
     def request(self, wanted: _Range, now_s: float) -> None:
-        """Take a request.
+        """Add a request.
 
-        The tail of what is being sent, or just was, is on its way: MAVSDK asks for it at every chunk that
-        comes. What overlaps with the rest takes its place. Anything else is a gap and waits its turn.
+        The tail of the present or last range is already on its way: MAVSDK requests it at every chunk. A
+        range that overlaps the rest replaces it. Any other is a gap and is queued.
         """
         current = self.ranges[0] if self.ranges else None
         for sent in (current, self.last if now_s - self.last_s < _IN_FLIGHT_S else None):
@@ -75,14 +75,14 @@ class _Download:
                 self.offset = wanted.begin
 
     def next_range(self, now_s: float) -> None:
-        """The first range has been sent."""
+        """The first range is complete."""
         self.last, self.last_s = self.ranges.popleft(), now_s
         if self.ranges:
             self.offset = self.ranges[0].begin
 
 
 class LogService:
-    """Serves the logs of the logbook's store; without one, says that there are none."""
+    """Serves the logs of the logbook's store, if any."""
 
     def __init__(
         self,
@@ -98,13 +98,13 @@ class LogService:
         self._texts = texts
         self._logbook = logbook
         self._store = None if logbook is None else logbook.store
-        self._listed: dict[int, tuple[LogFile, ...]] = {}  # by channel: what its numbers stand for
+        self._listed: dict[int, tuple[LogFile, ...]] = {}  # by channel: the files of its numbers
         self._entries: dict[int, deque[int]] = {}
         self._downloads: dict[int, _Download] = {}
         self._per_tick = _FIRST_PER_TICK
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
-        """Take one request. Only one that names this boat counts."""
+        """Handle a request that names this boat."""
         if not is_named(self._own, message.target_system, message.target_component):
             return
         match message.get_type():
@@ -118,12 +118,12 @@ class LogService:
                 self._erase()
 
     def forget(self, channel: int) -> None:
-        """A channel has gone, and its download with it."""
+        """A channel has closed."""
         for table in (self._listed, self._entries, self._downloads):
             table.pop(channel, None)
 
     def tick(self, now_s: float, load: float) -> None:
-        """Go on with lists and downloads. load: the share of the tick that the boat needs for all it does."""
+        """Continue lists and downloads. load: share of the tick used."""
         if self._logbook is not None and self._logbook.onboard is not None:
             self._texts.send(self._logbook.onboard.take_status_texts())
         if self._entries:
@@ -167,7 +167,7 @@ class LogService:
             del self._entries[channel]
 
     def _current(self, file: LogFile) -> LogFile:
-        """A file as it now is: it may have grown since the list was made."""
+        """The file's present entry: it may have grown."""
         now = self._store.find(file.name) if self._store is not None else None
         return file._replace(size_bytes=0) if now is None else now
 
@@ -193,11 +193,11 @@ class LogService:
         self._send_chunks(channel, download, now_s)
 
     def _send_empty(self, channel: int, message: Message) -> None:
-        """An empty chunk ends a download at once, where silence would have the station ask again."""
+        """An empty chunk ends a download at once; otherwise the station would ask again."""
         self._outbox.send(channel, _chunk(message.id, message.ofs, b""))
 
     def _send_chunks(self, channel: int, download: _Download, now_s: float) -> None:
-        """As many as the tick has left, the link has room for, and the worker has read."""
+        """Send what the tick, the link and the worker allow."""
         while download.ranges and download.chunks_left > 0 and self._outbox.has_room(channel):
             wanted = download.ranges[0]
             count = min(CHUNK_BYTES, wanted.end - download.offset)
@@ -208,7 +208,7 @@ class LogService:
                 self._outbox.send_bulk(channel, _chunk(download.number, download.offset, piece), _FRAME_BYTES)
                 download.chunks_left -= 1
             download.offset += len(piece)
-            # A short chunk tells a station of the end; a log of whole chunks needs an empty one for that
+            # A short chunk marks the end; a log of whole chunks needs an empty one
             is_short = len(piece) < CHUNK_BYTES
             if is_short or (download.offset >= wanted.end and not wanted.is_open):
                 download.next_range(now_s)

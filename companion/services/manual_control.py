@@ -1,8 +1,8 @@
-"""MANUAL_CONTROL and RC_CHANNELS_OVERRIDE: the operator's hand on the boat, with Rover's axes.
+"""MANUAL_CONTROL and RC_CHANNELS_OVERRIDE: manual input from stations, with Rover's axes.
 
-A transmitter's sticks, where there is a receiver, wait while a station's are fresh (`rc/manual_input.py`).
-One hand at a time. With several stations on, the first that moves the sticks has the helm for as long as it
-goes on; the others are ignored, and told so once. A helm that nobody holds any more may be taken over.
+RC transmitter input is suspended while a station's input is fresh (`rc/manual_input.py`). Of several
+stations, the first one has control for as long as it sends; others are ignored and told once. After a
+time-out another may take over.
 """
 
 import math
@@ -18,21 +18,21 @@ from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _INVALID_AXIS = 0x7FFF
-_RC_RELEASED, _RC_IGNORE = 0, 0xFFFF  # "back to the radio", which is nobody's hand without one; "as it was"
+_RC_RELEASED, _RC_IGNORE = 0, 0xFFFF  # "back to the radio", zero without one; "unchanged"
 _MOST_TOLD = 32
 
 
 class ManualControlService:
-    """Turns stick positions into manual input. The vehicle lets it go stale by its own time-out."""
+    """Converts stick positions to manual input. The vehicle applies its time-out."""
 
     def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._texts = texts
         self._rc = ManualControl(0.0, 0.0)
         self._rc_s = -math.inf
-        self._helm: Origin | None = None  # who has it, and from when
+        self._helm: Origin | None = None  # the station in control, and since when
         self._helm_s = -math.inf
-        self._told: set[Origin] = set()  # who knows that the helm is another's
+        self._told: set[Origin] = set()  # stations that were told so
 
     def on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:
         """ArduPilot Rover's axes: y steers, z is the throttle, both ±1000."""
@@ -44,8 +44,8 @@ class ManualControlService:
     def on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
         """The transmitter's channels (RCMAP_ROLL, RCMAP_THROTTLE) with its ranges, but without dead zones.
 
-        A released axis is the transmitter's, centred without one. One to be ignored keeps its value for as
-        long as that is fresh. With both released the hand lets go of the helm.
+        A released axis returns to the transmitter, or to zero without one. An ignored axis keeps its value
+        while that is fresh. With both released, control is released.
         """
         rc = self._vehicle.config.rc
         pulses = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
@@ -65,13 +65,13 @@ class ManualControlService:
             self._helm_s = -math.inf
 
     def forget(self, channel: int) -> None:
-        """A channel has gone, and the hand that was on it."""
+        """A channel has closed."""
         self._told = {origin for origin in self._told if origin.channel != channel}
         if self._helm is not None and self._helm.channel == channel:
             self._helm_s = -math.inf
 
     def _may_steer(self, origin: Origin, now_s: float) -> bool:
-        """Whether this hand has the helm, which it takes where nobody holds it."""
+        """Whether this station has control; it takes control if nobody has."""
         if origin == self._helm:
             self._helm_s = now_s
             return True
@@ -86,7 +86,7 @@ class ManualControlService:
         return True
 
     def _send_busy(self, origin: Origin) -> None:
-        # The same address on another link is, in all likelihood, the same hand heard twice
+        # The same address on another link is probably the same station
         helm = self._helm
         if helm is None or origin.address == helm.address or origin in self._told:
             return

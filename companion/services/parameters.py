@@ -1,4 +1,4 @@
-"""The parameter protocol: list, read, set. Values are C-cast floats, as ArduPilot's are."""
+"""The parameter protocol: list, read, set. Values are C-cast floats, as ArduPilot's."""
 
 from collections import deque
 
@@ -11,18 +11,18 @@ from companion.services.ftp.frames import Code, Refusal
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 
-_LIST_PER_TICK = 250  # all there are, where the line is fast; a slow one takes what it has room for
+_LIST_PER_TICK = 250  # all parameters on a fast line
 _STORED = "parameters"  # their name among the losses
 _VALUE_BYTES = 37  # a PARAM_VALUE on the line
-_ANSWERS_PER_TICK = 50  # PARAM_VALUEs after a save: 200 changes at once are answered within four ticks
-_MOST_ANSWERS = 1000  # for one name that is changed again and again while the medium takes its time
-_NAMED_REASONS = 3  # of a refused file; the others are only counted
+_ANSWERS_PER_TICK = 50  # PARAM_VALUEs after a save
+_MOST_ANSWERS = 1000  # for one name that is changed repeatedly during a save
+_NAMED_REASONS = 3  # of a refused file; others are counted
 
 
 class ParameterService:
-    """Answers a change once the medium has it, all else at once; a list goes out over the following ticks.
+    """Confirms a change once it is stored; lists are sent over several ticks.
 
-    A value that the medium refuses stays in use until the restart: it is answered, and the operator is told.
+    A value that cannot be stored stays in use until the restart: it is confirmed, and the operator is told.
     """
 
     def __init__(
@@ -32,37 +32,37 @@ class ParameterService:
         if parameters.loss:
             self._losses.add(_STORED, parameters.loss, "Set any parameter to keep what is in use")
         self._parameters = parameters
-        self._answers: deque[tuple[int, float]] = deque()  # values that the medium has, still to send
+        self._answers: deque[tuple[int, float]] = deque()  # stored values to confirm
         self._answers_left = _ANSWERS_PER_TICK
         self._outbox = outbox
         self._texts = texts
-        self._listing: dict[int, deque[int]] = {}  # by channel: the indexes still to send
-        self._left = _LIST_PER_TICK  # how many of all lists may still go out before the next tick
+        self._listing: dict[int, deque[int]] = {}  # by channel: indexes to send
+        self._left = _LIST_PER_TICK  # list entries left for this tick
 
     def on_request_list(self, origin: Origin) -> None:
-        """PARAM_REQUEST_LIST: (re)start the list on the channel it came from."""
+        """PARAM_REQUEST_LIST: (re)start the list on its channel."""
         self._listing[origin.channel] = deque(range(len(self._parameters.rows)))
         self._continue_list(origin.channel)
 
     def on_request_read(self, message: Message, origin: Origin) -> None:
-        """PARAM_REQUEST_READ by index, or by name when the index is −1. What does not exist is not answered:
-        the protocol has no refusal."""
+        """PARAM_REQUEST_READ by index, or by name if the index is −1. The protocol has no refusal."""
         index: int | None = message.param_index
         if message.param_index < 0:
             index = self._parameters.index_of(_name(message.param_id))
         if index is None or index >= len(self._parameters.rows):
             return
-        if not self._parameters.is_unsaved(self._parameters.rows[index].name):  # else an answer comes anyway
+        if not self._parameters.is_unsaved(self._parameters.rows[index].name):  # else confirmed later
             self._outbox.send(origin.channel, self._value(index))
 
     def on_set(self, message: Message) -> None:
-        """PARAM_SET: everyone hears the stored value, also when the change was refused."""
+        """PARAM_SET: the stored value is broadcast, even after a refusal."""
         if reason := self.set(_name(message.param_id), message.param_value):
             self._texts.send([StatusText(Severity.WARNING, reason)])
 
     def set(self, name: str, value: float) -> str:
-        """Change one; everyone hears the value, and those of other names for the same setting, once the
-        medium has them. Returns why not, empty if changed."""
+        """Change a parameter; its value and those of its aliases are broadcast once stored. Returns the
+        reason for a refusal, or an empty string.
+        """
         reason = self._parameters.set(name, value)
         if reason and not self._parameters.is_unsaved(name):
             for index in self._parameters.sharing(name):
@@ -71,7 +71,7 @@ class ParameterService:
         return reason
 
     def value(self, name: str) -> float:
-        """The present one, as stations see it.
+        """The present value, as stations see it.
 
         Raises:
             KeyError: no such parameter.
@@ -82,15 +82,15 @@ class ParameterService:
         return self._parameters.value(self._parameters.rows[index])
 
     def reset(self) -> None:
-        """Go back to the boat's file; everyone hears the values that have changed."""
+        """Restore the configuration file's values; changes are broadcast."""
         self._parameters.reset()
         self._answer()
 
     def set_from_file(self, file: bytes) -> None:
-        """A packed file sets many at once; everyone hears the values that have changed.
+        """Set parameters from a packed file; changes are broadcast.
 
         Raises:
-            Refusal: it is no such file; nothing has been changed.
+            Refusal: not a packed file; nothing has changed.
         """
         try:
             values = unpack_upload(file)
@@ -109,7 +109,7 @@ class ParameterService:
         self._listing.pop(channel, None)
 
     def tick(self) -> None:
-        """Go on with the lists under way, and answer the changes that the medium has taken or refused."""
+        """Continue the lists, and confirm finished saves."""
         self._answers_left = _ANSWERS_PER_TICK
         self._answer()
         self._left = _LIST_PER_TICK
@@ -118,7 +118,7 @@ class ParameterService:
                 self._continue_list(channel)
 
     def _continue_list(self, channel: int) -> None:
-        """Send of a list what the line has room for now."""
+        """Send as many entries as the line has room for."""
         queue = self._listing[channel]
         while queue and self._left > 0 and self._outbox.has_room(channel):
             self._left -= 1
@@ -141,7 +141,7 @@ class ParameterService:
             self._outbox.broadcast(self._value(*self._answers.popleft()))
 
     def _value(self, index: int, value: float | None = None) -> Message:
-        """A parameter's present value, or another one."""
+        """PARAM_VALUE with the present or another value."""
         row = self._parameters.rows[index]
         return dialect.MAVLink_param_value_message(
             param_id=row.name.encode("ascii"),

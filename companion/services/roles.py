@@ -1,7 +1,7 @@
-"""Who is who on the network, by the type and ids of their heartbeats: operator, planner, logger, vehicle.
+"""Roles on the network, from heartbeats: operator, planner, logger, vehicle.
 
-Only the operator may silence the operator failsafe and hold the sticks. A ground station is the operator
-where `identity.operator_system_id` says so, or leaves it open.
+Only the operator resets the operator failsafe and may steer manually. A ground station is the operator if
+`identity.operator_system_id` names it or is 0.
 """
 
 from collections import OrderedDict
@@ -17,10 +17,10 @@ _PLANNERS = frozenset((dialect.MAV_TYPE_ONBOARD_CONTROLLER,))
 
 
 class Role(Enum):
-    """What somebody on the network is to this boat."""
+    """Role of a station or program."""
 
     OPERATOR = "operator"
-    OTHER_STATION = "ground station"  # a ground station that is not the chosen operator
+    OTHER_STATION = "ground station"  # a ground station that is not the configured operator
     PLANNER = "planner"
     LOGGER = "logger"
     VEHICLE = "vehicle"
@@ -29,7 +29,7 @@ class Role(Enum):
 
 
 def role_of(heartbeat: Message, sender: Address, operator_system_id: int) -> Role:
-    """The role that a heartbeat announces. operator_system_id: 0 takes any ground station for him."""
+    """The role that a heartbeat announces. operator_system_id: 0: any ground station."""
     if heartbeat.type == dialect.MAV_TYPE_GCS:
         is_chosen = operator_system_id in (0, sender.system)
         return Role.OPERATOR if is_chosen else Role.OTHER_STATION
@@ -43,13 +43,13 @@ def role_of(heartbeat: Message, sender: Address, operator_system_id: int) -> Rol
 
 
 class Roles:
-    """Remembers what everyone has announced, the latest MAX_STATIONS of them."""
+    """The latest role of each sender, at most MAX_STATIONS."""
 
     def __init__(self) -> None:
         self._roles: OrderedDict[Address, Role] = OrderedDict()
 
     def update(self, heartbeat: Message, sender: Address, operator_system_id: int) -> Role:
-        """Somebody announces itself."""
+        """Process a heartbeat."""
         role = role_of(heartbeat, sender, operator_system_id)
         self._roles[sender] = role
         self._roles.move_to_end(sender)
@@ -58,5 +58,5 @@ class Roles:
         return role
 
     def of(self, sender: Address) -> Role:
-        """What somebody has announced to be."""
+        """The announced role of a sender."""
         return self._roles.get(sender, Role.UNKNOWN)

@@ -1,7 +1,7 @@
-"""SETUP_SIGNING, and what the operator is told about signing.
+"""SETUP_SIGNING, and reports to the operator about signing.
 
-A key that comes over the air could be read by anybody, so it is taken only on a link that the configuration
-trusts (loopback, USB), addressed to us, and never while armed. It is never passed on, logged or told.
+A key sent over the air could be intercepted, so it is accepted only on a link that the configuration trusts
+(loopback, USB), addressed to us, and while disarmed. It is never forwarded, logged or reported.
 """
 
 import logging
@@ -21,13 +21,13 @@ from companion.vehicle.vehicle import Vehicle
 logger = logging.getLogger(__name__)
 
 _LOOK_S = 1.0
-_KEY_PAUSE_S = 10.0  # between two lines about keys refused, however many come
-_PAUSE_S = 3.0  # between two about links
+_KEY_PAUSE_S = 10.0  # between two reports of refused keys
+_PAUSE_S = 3.0  # between two reports about links
 _MAX_WARNINGS = 64
 
 
 class SigningService:
-    """Takes keys, and complains of links that have none and of frames that are not signed."""
+    """Receives keys; reports links without a key and unsigned frames."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class SigningService:
         channels: Mapping[int, Channel],
         texts: StatusTextService,
     ) -> None:
-        self.refused = 0  # keys that were not taken
+        self.refused = 0  # keys not accepted
         self._own = own
         self._vehicle = vehicle
         self._store = store
@@ -52,10 +52,10 @@ class SigningService:
             vehicle.losses.add(name, what, "Set or remove the signing key")
 
     def open(self, channel: int) -> None:
-        """A channel has come into being: from now on it is guarded. What is wrong with that is told once.
+        """A channel has opened: guard it. Problems are reported once.
 
         Raises:
-            ConfigError: its key file cannot be used, which is told at the start for all links known then.
+            ConfigError: its key file is invalid; for configured links that is reported at the start.
         """
         opened = self._channels[channel]
         policy, setting = opened.policy, opened.policy.setting
@@ -70,11 +70,11 @@ class SigningService:
             self._warn_once(f"Radio {name} {how}: anyone in range may steer")
 
     def forget(self, channel: int) -> None:
-        """A channel has gone."""
+        """A channel has closed."""
         self._complained.discard(channel)
 
     def on_setup(self, message: Message, origin: Origin, now_s: float) -> None:
-        """Take a key, or say why not. A key of zeros takes the one that we have away."""
+        """Accept or refuse a key. A key of zeros removes the present one."""
         if not is_named(self._own, message.target_system, message.target_component):
             return
         channel = self._channels.get(origin.channel)
@@ -90,7 +90,7 @@ class SigningService:
             logger.info("signing key %s by %d/%d on %s", what, *origin.address, channel.link.name)
 
     def tick(self, now_s: float, unix_s: float) -> None:
-        """Keep the timestamps going; tell what is new."""
+        """Advance the timestamps; report news."""
         self._store.tick(unix_s)
         if now_s >= self._look_s:
             self._look_s = now_s + _LOOK_S
@@ -116,7 +116,7 @@ class SigningService:
             self._texts.send([StatusText(Severity.WARNING, f"Signing key refused: {reason}")])
 
     def _warn_of_refused(self, now_s: float) -> None:
-        """Say once for each link that messages were refused there: their sender may mean well."""
+        """Report refused messages once per link."""
         if now_s < self._complain_s:
             return
         for number, channel in self._channels.items():

@@ -1,7 +1,8 @@
-"""Clocks: TIMESYNC and PING answered, the offsets of other clocks estimated, the date taken from a station.
+"""Clocks: answers TIMESYNC and PING, estimates the offsets of other clocks, and takes the date from a
+station.
 
-The offset follows from a question of ours: they stamp it with their clock, and half the way there and back is
-what the answer took (as NTP does it). The answer with the shortest way is the best one.
+The offset follows from a question of ours: the peer stamps it with its clock, and half the round trip is the
+delay (as in NTP). The answer with the shortest round trip is the best.
 """
 
 import math
@@ -13,15 +14,15 @@ from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Origin, Outbox
 
 ASK_S = 10.0
-LONGEST_WAY_S = 2.0  # there and back
-_FORGET_WAY_S = 60.0  # after this a longer way is better than an old one: clocks drift
+LONGEST_WAY_S = 2.0  # round trip
+_FORGET_WAY_S = 60.0  # after this a longer round trip replaces an older one: clocks drift
 _MAX_PEERS = 16
 _EARLIEST_UNIX_S, _LATEST_UNIX_S = 1_704_067_200.0, 4_102_444_800.0  # 2024, 2100
-_SAME_S = 1.0  # a date that differs by less is the one we have, delayed on its way
+_SAME_S = 1.0  # a smaller difference is transmission delay
 
 
 class PeerClock(Struct, frozen=True):
-    """Another clock: its time minus ours, the way there and back, and when that was measured."""
+    """Another clock: its time minus ours, the round trip, and the time of measurement."""
 
     offset_s: float
     way_s: float
@@ -29,8 +30,7 @@ class PeerClock(Struct, frozen=True):
 
 
 class TimeService:
-    """unix_offset_s: what to add to the boat's time for the date, as a station has it; None before one has
-    said."""
+    """unix_offset_s: Unix time less the boat's time, from a station; None if unknown."""
 
     def __init__(self, outbox: Outbox) -> None:
         self.clocks: dict[Address, PeerClock] = {}
@@ -40,7 +40,7 @@ class TimeService:
         self._due_s = ASK_S
 
     def on_timesync(self, message: Message, origin: Origin, now_s: float) -> None:
-        """A question is answered at once; an answer to our own says how their clock stands."""
+        """Answer a question; an answer to our own gives the offset."""
         if message.tc1 == 0:
             self._outbox.send(origin.channel, dialect.MAVLink_timesync_message(_to_ns(now_s), message.ts1))
         elif message.ts1 == self._asked_ns:
@@ -58,7 +58,7 @@ class TimeService:
         self.clocks[peer] = PeerClock(theirs_s - 0.5 * (asked_s + now_s), way_s, now_s)
 
     def on_ping(self, message: Message, origin: Origin) -> None:
-        """A PING to everybody is a question; one to somebody is an answer."""
+        """A PING to all is a question; one to a target is an answer."""
         if message.target_system == ALL and message.target_component == ALL:
             self._outbox.send(
                 origin.channel,
@@ -66,7 +66,7 @@ class TimeService:
             )
 
     def on_system_time(self, message: Message, now_s: float) -> None:
-        """The date as a station has it. A computer without a clock of its own, and no receiver, needs one."""
+        """The date from a station, for a computer without a clock or receiver."""
         unix_s = message.time_unix_usec * 1e-6
         if not _EARLIEST_UNIX_S <= unix_s <= _LATEST_UNIX_S:
             return
@@ -75,7 +75,7 @@ class TimeService:
             self.unix_offset_s = offset_s
 
     def to_own_clock(self, sender: Address, stamp_us: int, now_s: float, limit_s: float = 0.5) -> float:
-        """A stamp of theirs as our time: now, unless their clock is known and the stamp is a little old."""
+        """A stamp of a sender in our time; now, unless its clock is known and the stamp is recent."""
         known = self.clocks.get(sender)
         if known is None:
             return now_s
@@ -83,7 +83,7 @@ class TimeService:
         return own_s if now_s - limit_s <= own_s <= now_s else now_s
 
     def tick(self, now_s: float) -> None:
-        """Ask everybody now and then."""
+        """Send TIMESYNC periodically."""
         if now_s < self._due_s:
             return
         self._due_s = now_s + ASK_S
@@ -92,5 +92,5 @@ class TimeService:
 
 
 def _to_ns(seconds: float) -> int:
-    """Never 0: a time of 0 is a question."""
+    """Never 0: a time of 0 marks a question."""
     return max(math.floor(seconds * 1e9), 1)

@@ -1,4 +1,4 @@
-"""BATTERY_RESET: a pack that was changed or charged while the program runs."""
+"""BATTERY_RESET: the pack was changed or charged."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ _FIRST_PACK = 1
 
 
 class BatteryCommands:
-    """Sets the fuel gauge, and ends the failsafes that the old pack has set off."""
+    """Sets the fuel gauge and ends the battery failsafes."""
 
     def __init__(self, vehicle: Vehicle, gauge: FuelGauge, tell: Tell) -> None:
         self._vehicle = vehicle
@@ -22,7 +22,7 @@ class BatteryCommands:
         self.table: dict[int, Callable[[Command], int]] = {dialect.MAV_CMD_BATTERY_RESET: self._reset}
 
     def _reset(self, command: Command) -> int:
-        """param1: bits of packs, of which the boat has the first; param2: percent of charge that it has."""
+        """param1: bit mask of packs, of which the boat has the first; param2: charge in percent."""
         packs, percent = command.whole(0), command.p[1]
         if packs is None or packs < 0 or not 0.0 <= percent <= 100.0:
             return DENIED

@@ -1,4 +1,4 @@
-"""A command as a station gives it, whichever of the two messages carried it."""
+"""A command from a station, from either of the two messages."""
 
 import math
 from collections.abc import Callable
@@ -30,12 +30,13 @@ _GLOBAL_FRAMES = frozenset(
 
 
 SendLater = Callable[[int, Message], None]
-"""Takes a channel and a message that follows the command's COMMAND_ACK."""
+"""Sends a message on a channel after the command's COMMAND_ACK."""
 
 
 class Command(Struct, frozen=True):
-    """p is param1..param4; x and y are degrees, NaN where not given. They are also param5 and param6, as
-    COMMAND_LONG has them: what is no position there is had from `fifth` and `sixth`."""
+    """p is param1..param4; x and y are degrees, NaN if not given. `fifth` and `sixth` are the raw param5 and
+    param6.
+    """
 
     number: int
     p: tuple[float, float, float, float]
@@ -46,15 +47,15 @@ class Command(Struct, frozen=True):
     now_s: float
     fifth: float = 0.0
     sixth: float = 0.0
-    altitude_m: float = math.nan  # which is: not given, and of no use to a boat
+    altitude_m: float = math.nan  # NaN if not given; not used
 
     def whole(self, index: int) -> int | None:
-        """A parameter as a whole number, None where it is not one."""
+        """A parameter as an integer, None if it is not one."""
         value = self.p[index]
         return int(value) if math.isfinite(value) and value == int(value) else None
 
     def position(self) -> LatLon | None:
-        """Where the command points, None when that is not a place on a global frame."""
+        """The position, None if there is none in a global frame."""
         if self.frame not in _GLOBAL_FRAMES or (self.x == 0.0 and self.y == 0.0):
             return None
         if abs(self.altitude_m) > HIGHEST_M:
@@ -65,7 +66,7 @@ class Command(Struct, frozen=True):
             return None
 
     def is_same_as(self, other: "Command") -> bool:
-        """Whether the same sender asks the same; parameters that are no number are all alike."""
+        """Whether the same sender repeats the command; NaN equals NaN."""
         return (
             self.number == other.number
             and self.origin.address == other.origin.address
@@ -79,7 +80,7 @@ def _alike(a: float, b: float) -> bool:
 
 
 def from_long(message: Message, origin: Origin, now_s: float) -> Command:
-    """COMMAND_LONG carries a position as floats in param5 and param6."""
+    """COMMAND_LONG has a position as floats in param5 and param6."""
     return Command(
         message.command,
         (message.param1, message.param2, message.param3, message.param4),
@@ -95,7 +96,7 @@ def from_long(message: Message, origin: Origin, now_s: float) -> Command:
 
 
 def from_int(message: Message, origin: Origin, now_s: float) -> Command:
-    """COMMAND_INT carries a position as 1e7 integers."""
+    """COMMAND_INT has a position as 1e7 integers."""
     return Command(
         message.command,
         (message.param1, message.param2, message.param3, message.param4),

@@ -1,7 +1,7 @@
-"""COMMAND_LONG and COMMAND_INT: one table of commands, and an immediate answer to every one.
+"""COMMAND_LONG and COMMAND_INT: a table of commands, each answered immediately.
 
-Silence is what costs a ground station time, so a command that is not in the table is refused at once. What a
-station sends again because the answer was lost is not done a second time where that would make a difference.
+Unknown commands are refused at once, as silence delays a ground station. A command repeated because its
+answer was lost is not executed again if that would make a difference.
 """
 
 import math
@@ -39,7 +39,7 @@ from companion.vehicle.vehicle import Vehicle
 RESEND_S = 2.0
 _PROGRESS_S = 1.0
 
-# Done twice, these are not what they are done once; all others leave the boat as the first time left it
+# Not idempotent
 _NOT_TWICE = frozenset(
     (
         dialect.MAV_CMD_DO_MOTOR_TEST,
@@ -53,7 +53,7 @@ _HARMLESS = (dialect.MAV_CMD_DO_SEND_BANNER, dialect.MAV_CMD_RUN_PREARM_CHECKS)
 
 
 class CommandService:
-    """Carries out commands and acknowledges each to its sender alone."""
+    """Executes commands and acknowledges each to its sender."""
 
     def __init__(
         self,
@@ -71,7 +71,7 @@ class CommandService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._motor_test = motor_test
-        self._later: list[tuple[int, Message]] = []  # what follows the answer
+        self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
         self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, tell, self._send_later)
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, tell)
         self._questions = MessageCommands(telemetry, self._send_later).table
@@ -86,14 +86,14 @@ class CommandService:
         }
         self.questions = frozenset((*self._questions, *_HARMLESS))
         """Commands that change nothing."""
-        self._done: Command | None = None  # the latest of those not to be done twice
-        self._left_behind: tuple[object, ...] = ()  # what it made of the vehicle
-        self._slow: Command | None = None  # whose calibration is under way
+        self._done: Command | None = None  # the latest non-idempotent command
+        self._left_behind: tuple[object, ...] = ()  # state of the vehicle after it
+        self._slow: Command | None = None  # the calibration or trial in progress
         self._progress_s = math.inf
 
     @property
     def restart_due_s(self) -> float:
-        """When the program is to start anew; infinite unless a station has asked for it."""
+        """When to restart the program; infinite without a request."""
         return self._upkeep.restart_due_s
 
     def on_long(self, message: Message, origin: Origin, now_s: float) -> None:
@@ -105,12 +105,12 @@ class CommandService:
         self.handle(from_int(message, origin, now_s))
 
     def on_set_mode(self, message: Message, origin: Origin) -> None:
-        """SET_MODE, the old way; acknowledged like the command, as ArduPilot does."""
+        """SET_MODE, deprecated; acknowledged like the command, as ArduPilot does."""
         p = (float(message.base_mode), float(message.custom_mode), 0.0, 0.0)
         self.handle(Command(dialect.MAV_CMD_DO_SET_MODE, p, math.nan, math.nan, 0, origin, 0.0))
 
     def on_version_request(self, origin: Origin, now_s: float) -> None:
-        """AUTOPILOT_VERSION_REQUEST, the old way; ArduPilot answers it with the message alone."""
+        """AUTOPILOT_VERSION_REQUEST, deprecated; ArduPilot answers with the message alone."""
         asked = (float(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION), 0.0, 0.0, 0.0)
         self._questions[dialect.MAV_CMD_REQUEST_MESSAGE](
             Command(dialect.MAV_CMD_REQUEST_MESSAGE, asked, 0.0, 0.0, 0, origin, now_s)
@@ -118,16 +118,16 @@ class CommandService:
         self._send_what_follows()
 
     def on_message(self, origin: Origin, now_s: float) -> None:
-        """Anything from a station: it is still there."""
+        """Any message from a station: it is still present."""
         if self._motor_test.is_running:
             self._upkeep.on_message(origin, now_s)
 
     def forget(self, channel: int) -> None:
-        """A channel has gone."""
+        """A channel has closed."""
         self._upkeep.forget(channel)
 
     def handle(self, command: Command) -> None:
-        """Carry out one command and answer it; then send what has been asked for."""
+        """Execute and acknowledge a command, then send the requested messages."""
         self._handle(command)
         self._send_what_follows()
 
@@ -153,7 +153,7 @@ class CommandService:
         self._answer(command, result)
 
     def tick(self, heading: HeadingReading | None, now_s: float) -> None:
-        """Go on with what takes time. heading: as the part gave it."""
+        """Continue calibrations and trials. heading: as measured."""
         result = self._upkeep.tick(heading, now_s)
         if result is None:
             result = self._calibration.tick()
@@ -175,7 +175,7 @@ class CommandService:
         return self._vehicle.mode, self._vehicle.armed, self._motor_test.is_running
 
     def _is_resent(self, command: Command) -> bool:
-        """Whether this is the command just done once more, and the vehicle is still as it left it."""
+        """Whether this repeats the last command and the vehicle is still in its resulting state."""
         done = self._done
         return (
             done is not None

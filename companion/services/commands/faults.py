@@ -1,4 +1,4 @@
-"""MAV_CMD_INJECT_FAILURE: breaks a part on purpose, where the hardware lets itself be broken."""
+"""MAV_CMD_INJECT_FAILURE: makes emulated hardware fail."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ from companion.services.commands.vehicle import Tell
 
 
 class FaultCommands:
-    """Hands the command on. Hardware that cannot be broken on purpose leaves the table empty."""
+    """Passes the command to the hardware. Without a fault injector the table is empty."""
 
     def __init__(self, injector: FaultInjector | None, tell: Tell) -> None:
         self._injector = injector

@@ -1,4 +1,4 @@
-"""Calibrations that take their time: the yaw gyro's bias, measured while the boat lies still."""
+"""Calibration of the yaw gyro's bias while the boat is at rest."""
 
 from companion.core.status_text import Severity, StatusText
 from companion.sensors.readings import HeadingReading
@@ -6,12 +6,12 @@ from companion.services.commands.command import ACCEPTED, FAILED
 
 GYRO_S = 3.0
 _MIN_READINGS = 20
-_STILL_RAD_S = 0.1  # more than this from the mean, and the boat was not lying still
+_STILL_RAD_S = 0.1  # largest deviation from the mean at rest
 MAX_BIAS_RAD_S = 0.2
 
 
 class GyroCalibration:
-    """Averages the gyro's readings. `result` is a MAV_RESULT once it is known, None until then."""
+    """Averages the gyro's readings. `result` is a MAV_RESULT when finished, None before."""
 
     def __init__(self, now_s: float) -> None:
         self.result: int | None = None
@@ -22,11 +22,11 @@ class GyroCalibration:
         self._rates_rad_s: list[float] = []
 
     def progress_percent(self, now_s: float) -> int:
-        """How far it is."""
+        """Progress."""
         return min(int(100.0 * (now_s - self._began_s) / GYRO_S), 99)
 
     def update(self, reading: HeadingReading | None, now_s: float) -> None:
-        """Take the latest reading as the part gave it, before any trim."""
+        """Add the latest reading, as measured, before any trim."""
         if reading is not None and reading.yaw_rate_rad_s is not None and reading.time_s > self._last_s:
             self._last_s = reading.time_s
             self._rates_rad_s.append(reading.yaw_rate_rad_s)

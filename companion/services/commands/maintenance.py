@@ -1,4 +1,4 @@
-"""Commands of the workshop: calibration, motor test, stored settings, restart."""
+"""Maintenance commands: calibration, motor test, stored settings, restart."""
 
 import math
 from collections.abc import Callable
@@ -26,10 +26,10 @@ from companion.services.outbox import Origin
 from companion.services.parameters import ParameterService
 from companion.vehicle.vehicle import Vehicle
 
-_RESTART_AFTER_S = 0.3  # the ACK must get out first
-_RESTART_LATEST_S = 5.0  # a program that still runs then, such as that of an emulated fleet, does not restart
+_RESTART_AFTER_S = 0.3  # time to send the ACK
+_RESTART_LATEST_S = 5.0  # a program that still runs then does not restart, such as that of an emulated fleet
 _PERCENT, _PWM = 0, 1  # MOTOR_TEST_THROTTLE_TYPE
-_RADIO_S = 600.0  # a station that never says that it has calibrated the transmitter
+_RADIO_S = 600.0  # time-out of the RC calibration
 _SELF_CALIBRATING = "Compass: calibrates itself while turning; Fast Calibration aligns it with the bow"
 _NOTHING_TO_CALIBRATE = (  # param2 to param6 of PREFLIGHT_CALIBRATION
     _SELF_CALIBRATING,
@@ -42,7 +42,7 @@ _TRIM, _BIAS = "HDG_TRIM", "INS_GYROFFS_Z"
 
 
 class MaintenanceCommands:
-    """The boat must be disarmed for all of them."""
+    """All of them require a disarmed boat."""
 
     def __init__(
         self,
@@ -53,14 +53,14 @@ class MaintenanceCommands:
         send_later: SendLater,
     ) -> None:
         self.restart_due_s = math.inf
-        self.calibration: GyroCalibration | None = None  # under way, or just ended
+        self.calibration: GyroCalibration | None = None  # in progress, or just ended
         self._heading: HeadingReading | None = None
         self._vehicle = vehicle
         self._motor_test = motor_test
         self._parameters = parameters
         self._tell = tell
         self._send_later = send_later
-        self._tester: Origin | None = None  # who has asked for the motor test
+        self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_heard_s = -math.inf
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_DO_CANCEL_MAG_CAL: lambda _: ACCEPTED,
@@ -76,7 +76,9 @@ class MaintenanceCommands:
         }
 
     def tick(self, heading: HeadingReading | None, now_s: float) -> int | None:
-        """Go on with what takes time. The result of a calibration that has just ended, else None."""
+        """Continue calibration and motor test. Returns the result of a calibration that has just ended, else
+        None.
+        """
         self._heading = heading
         if self._motor_test.is_running:
             self._watch_tester(now_s)
@@ -97,22 +99,22 @@ class MaintenanceCommands:
         return self._report(job.result, job.notice.text, job.notice.severity)
 
     def cancel(self) -> int:
-        """Give up a calibration that is under way."""
+        """Cancel the calibration."""
         self.calibration = None
         return CANCELLED
 
     def on_message(self, origin: Origin, now_s: float) -> None:
-        """Anything from a station."""
+        """Any message from a station."""
         if self._tester == origin:
             self._tester_heard_s = now_s
 
     def forget(self, channel: int) -> None:
-        """A channel has gone, and a motor test that was asked for on it ends."""
+        """A channel has closed; a motor test requested on it ends."""
         if self._motor_test.is_running and self._tester is not None and self._tester.channel == channel:
             self._end_test("its link has closed")
 
     def _watch_tester(self, now_s: float) -> None:
-        """Who watches the propellers must still be there: as long as an operator may be silent, no longer."""
+        """The station of a motor test must be present, with the operator's time-out."""
         if now_s - self._tester_heard_s > self._vehicle.config.failsafe.gcs_timeout_s:
             self._end_test("its station is silent")
 
@@ -147,9 +149,7 @@ class MaintenanceCommands:
         return self._report(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
 
     def _calibrate(self, command: Command) -> int:
-        """The gyro; and a transmitter, which the station does itself while the boat does not arm. All zero
-        ends what is under way.
-        """
+        """Calibrate the gyro, or allow a station's RC calibration. All zero cancels."""
         radio = self._vehicle.manual_input.rc
         wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
         if not any(wanted):
@@ -177,8 +177,8 @@ class MaintenanceCommands:
         return ACCEPTED
 
     def _calibrate_compass(self, command: Command) -> int:
-        """The heading sensor calibrates itself. QGroundControl's page waits for a report, not for the answer:
-        one that says "failed" ends it and shows the reason.
+        """The heading sensor calibrates itself. QGroundControl's page waits for a report: "failed" ends it
+        and shows the reason.
         """
         numbers = [0.0] * 10  # fitness, offsets, diagonals, off-diagonals
         report = dialect.MAVLink_mag_cal_report_message(0, 1, dialect.MAG_CAL_FAILED, 0, *numbers)
@@ -186,7 +186,7 @@ class MaintenanceCommands:
         return self._report(FAILED, _SELF_CALIBRATING)
 
     def _trim_compass(self, command: Command) -> int:
-        """The bow points where param1 says (degrees, true): what the compass is off by becomes its trim."""
+        """Trim the compass to the true heading param1 in degrees."""
         if self._vehicle.armed:
             return self._report(REJECTED_FOR_NOW, "Compass: disarm first")
         if not math.isfinite(command.p[0]):
@@ -199,7 +199,7 @@ class MaintenanceCommands:
         return self._report(ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
 
     def _store(self, command: Command) -> int:
-        """Every change is stored as it is made; what is left is to go back to the configuration file's."""
+        """Every change is stored immediately; only the reset has an effect."""
         match command.whole(0):
             case 0 | 1:
                 return ACCEPTED
@@ -212,7 +212,7 @@ class MaintenanceCommands:
                 return DENIED
 
     def _restart(self, command: Command) -> int:
-        """Only a restart: a boat that is shut down could not be reached again."""
+        """Only a restart: after a shutdown the boat could not be reached."""
         match command.whole(0):
             case 0:
                 return ACCEPTED

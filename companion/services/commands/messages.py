@@ -1,4 +1,4 @@
-"""Commands that ask for messages: once, or at an interval."""
+"""Commands that request messages: once, or at an interval."""
 
 from collections.abc import Callable
 
@@ -7,12 +7,12 @@ from companion.services.commands.command import ACCEPTED, DENIED, FAILED, UNSUPP
 from companion.services.telemetry.service import TelemetryService
 from companion.services.telemetry.streams import MIN_INTERVAL_S
 
-SHORTEST_US = MIN_INTERVAL_S * 1e6  # an interval that is granted is kept
+SHORTEST_US = MIN_INTERVAL_S * 1e6  # a granted interval is kept
 
 
 class MessageCommands:
-    """A message that is asked for follows its ACK at once, as ArduPilot's does: a client that waits for the
-    ACK first would miss it otherwise, and QGroundControl wants both within 1 s.
+    """A requested message follows its ACK at once, as with ArduPilot: a client that waits for the ACK first
+    would miss it otherwise, and QGroundControl expects both within 1 s.
     """
 
     def __init__(self, telemetry: TelemetryService, send_later: SendLater) -> None:

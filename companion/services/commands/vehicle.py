@@ -1,4 +1,4 @@
-"""Commands that say where to sail and how: each is one request to the vehicle."""
+"""Vehicle commands: each is one request to the vehicle."""
 
 import math
 from collections.abc import Callable
@@ -23,16 +23,16 @@ from companion.services.parameters import ParameterService
 from companion.vehicle.vehicle import Vehicle
 
 Tell = Callable[[list[StatusText]], None]
-"""Lines for every station."""
+"""Sends status texts to all stations."""
 
 _DISARM_MAGIC = 21196
-_ARM_MAGIC = (2989, 21196)  # ArduPilot's own, and that of MAVLink's common set, which forces both ways
+_ARM_MAGIC = (2989, 21196)  # ArduPilot's, and that of MAVLink's common set, which forces both ways
 _AIRSPEED_OR_GROUND = (0.0, 1.0)
 _NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
 
 
 class VehicleCommands:
-    """Asks the vehicle; why it refuses, the vehicle says itself."""
+    """Executes the requests; the vehicle reports refusals itself."""
 
     def __init__(self, vehicle: Vehicle, parameters: ParameterService, tell: Tell) -> None:
         self._vehicle = vehicle
@@ -87,7 +87,7 @@ class VehicleCommands:
         return DENIED if first is None or first < 0 else self._ask(StartMission(first or None))
 
     def _pause_continue(self, command: Command) -> int:
-        """Pause keeps station (or drifts, without a position); continue goes back to what was paused."""
+        """Pause keeps station (drifts without a position); continue returns to the paused mode."""
         wanted, mode = command.whole(0), self._vehicle.mode
         if wanted == 0:
             goes_on = mode not in (Mode.LOITER, Mode.HOLD)
@@ -101,7 +101,7 @@ class VehicleCommands:
         return DENIED
 
     def _set_current(self, command: Command) -> int:
-        """seq −1 is the current item again; param2 = 1 starts the mission's jump counters afresh."""
+        """seq −1 is the present item; param2 = 1 restarts the jump counters."""
         seq = command.whole(0)
         if seq is None or seq < -1:
             return DENIED
@@ -136,7 +136,7 @@ class VehicleCommands:
         return DENIED if position is None else self._ask(SetHome(position))
 
     def _fence_enable(self, command: Command) -> int:
-        """As parameter FENCE_ENABLE; param1 = 2 takes only the floor away, which a boat has not."""
+        """As parameter FENCE_ENABLE; param1 = 2 (disable the floor) has no effect."""
         wanted = command.whole(0)
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED

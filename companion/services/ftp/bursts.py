@@ -1,4 +1,4 @@
-"""Bursts: a file sent block by block without being asked for each, a share of the tick to every one."""
+"""Bursts: blocks of a file sent without individual requests; bursts share the tick."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -7,17 +7,17 @@ from companion.services.ftp.frames import DATA_BYTES, Code, Refusal, Request, ac
 from companion.services.ftp.sessions import Burst, Session, Station, Stations
 from companion.services.ftp.tree import refusal_of
 
-BLOCKS_PER_TICK = 96  # of all stations together: a megabyte a second
+BLOCKS_PER_TICK = 96  # of all stations: a megabyte per second
 _BLOCKS_PER_BURST = 512
 
 Post = Callable[[Station, bytes], None]
 
 
 class Bursts:
-    """Sends blocks while there is room on the channel and the tick's share lasts.
+    """Sends blocks within the room of the channel and the share of the tick.
 
-    A burst ends with the block that says so, after which the station asks for more, or with the refusal that
-    tells the file's end. When that is lost, the station asks again from where it is.
+    A burst ends with a block marked as the last, after which the station requests more, or with the refusal
+    at the end of the file. If that is lost, the station asks again.
     """
 
     def __init__(
@@ -30,14 +30,14 @@ class Bursts:
         self._has_room = has_room
 
     def begin(self, station: Station, request: Request, session: Session, now_s: float) -> None:
-        """Start from an offset, in place of the burst so far; one that is asked for twice goes on."""
+        """Start a burst from an offset, replacing the present one; a repeated request continues it."""
         if session.burst is None or session.burst.request.raw != request.raw:
             size = request.size or DATA_BYTES
             session.burst = Burst(request, request.offset, request.sequence + 1, _BLOCKS_PER_BURST, size)
         self._advance(station, session, self._blocks_left, now_s)
 
     def tick(self, now_s: float) -> None:
-        """Go on with every burst."""
+        """Continue every burst."""
         self._blocks_left = BLOCKS_PER_TICK
         running = [(station, s) for station in self._stations for s in station.sessions.values() if s.burst]
         for index, (station, session) in enumerate(running):
@@ -54,7 +54,7 @@ class Bursts:
             burst = session.burst = self._send(station, burst, reading.read(burst.offset, burst.block_bytes))
 
     def _send(self, station: Station, burst: Burst, data: bytes) -> Burst | None:
-        """One block; what is left of the burst."""
+        """Send one block; returns the rest of the burst."""
         request, offset, sequence = burst.request, burst.offset, burst.sequence
         if not data:
             self._post(station, nak(request, Refusal(Code.END_OF_FILE), offset=offset, sequence=sequence))
@@ -67,7 +67,7 @@ class Bursts:
         return None if is_over else burst
 
     def _load(self, station: Station, session: Session, burst: Burst) -> bool:
-        """Have the burst's next part brought to hand; whether it is there now."""
+        """Load the next part of the file; returns whether it is available."""
         reading = session.reading
         if session.loading is None:
             session.loading = self._worker.submit(reading.load, burst.offset)

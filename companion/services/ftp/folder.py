@@ -1,8 +1,8 @@
-"""A folder of the disk as stations see it, and nothing outside it.
+"""A folder on disk as seen by stations, and nothing outside it.
 
-Every name is opened relative to the folder above it and never through a link, so that no link leads out, not
-even one put there while we look. New content is written aside and renamed, so that a power cut leaves the old
-file or the new.
+Every name is opened relative to its parent and never through a link, so no link leads out, even if it appears
+during the access. New content is written to a temporary file and renamed, so a power cut leaves the old or
+the new file.
 """
 
 import errno
@@ -18,22 +18,22 @@ from companion.services.ftp.tree import MAX_DEPTH, DirectoryEntry, Names
 
 _WINDOW_BYTES = 256 * 1024
 _MAX_ENTRIES = 10_000
-_ROOT = os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC  # the owner may have put it elsewhere by a link
+_ROOT = os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC  # the root itself may be a link
 _FOLDER = _ROOT | os.O_NOFOLLOW
-_FILE = os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC  # a pipe would wait for its other end
+_FILE = os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC  # do not block on a pipe
 
 
 class DiskReading:
-    """Satisfies `Reading`: a file of the disk, a window of which is at hand. Grown since: ends as it was."""
+    """Satisfies `Reading`: a file with a window in memory. Later growth is ignored."""
 
     def __init__(self, descriptor: int, size: int) -> None:
-        """Take over the descriptor."""
+        """Takes ownership of the descriptor."""
         self.size = size
         self._descriptor = descriptor
         self._window = (0, b"")
 
     def has(self, offset: int, count: int) -> bool:
-        """Whether the window holds all that there is of this part."""
+        """Whether the window covers this part."""
         begin, window = self._window
         end = min(offset + count, self.size)
         return offset >= self.size or (begin <= offset and end <= begin + len(window))
@@ -44,7 +44,7 @@ class DiskReading:
         return window[offset - begin : offset - begin + count] if offset >= begin else b""
 
     def load(self, offset: int) -> None:
-        """Move the window. A file that has lost its end since ends there."""
+        """Move the window. A file that was truncated ends there."""
         window = self.fetch(offset, _WINDOW_BYTES)
         if len(window) < min(_WINDOW_BYTES, self.size - offset):
             self.size = offset + len(window)
@@ -63,13 +63,14 @@ class DiskReading:
 
 
 class FolderMount:
-    """Satisfies `Mount` over a folder that need not exist yet."""
+    """Satisfies `Mount` with a folder that need not exist yet."""
 
     is_disk = True
 
     def __init__(self, folder: Path, *, quota_bytes: int = 0, aside: Path | None = None) -> None:
-        """quota_bytes: how much may be in it altogether; 0: stations may only read.
-        aside: where a new file is written before it takes its place; on the same disk, not in the folder."""
+        """quota_bytes: total size limit; 0: read only. aside: temporary file, on the same disk, outside the
+        folder.
+        """
         self._folder = folder
         self._quota_bytes = quota_bytes
         self._quota = Quota(folder, quota_bytes)
@@ -78,7 +79,7 @@ class FolderMount:
             folder.mkdir(parents=True, exist_ok=True)
 
     def open(self, names: Names) -> DiskReading:
-        """Open a file, with its beginning at hand."""
+        """Open a file with its beginning loaded."""
         with self._parent(names) as (parent, name):
             reading = DiskReading(*_open_file(name, os.O_RDONLY, parent))
         try:
@@ -89,7 +90,7 @@ class FolderMount:
         return reading
 
     def entries(self, names: Names) -> list[DirectoryEntry]:
-        """Folders and files by name; links and devices are there, but cannot be had."""
+        """Folders and files by name; links and devices are listed without access."""
         try:
             with self._walk(names) as descriptor, os.scandir(descriptor) as found:
                 entries = [_entry(one) for one, _ in zip(found, range(_MAX_ENTRIES), strict=False)]
@@ -100,7 +101,7 @@ class FolderMount:
         return sorted(entries)
 
     def begin(self, names: Names, keep: bool) -> bytes:
-        """Only a file, or a name that is free, in a folder that is there."""
+        """Accepts a file or a free name in an existing folder."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             try:
@@ -116,7 +117,7 @@ class FolderMount:
                 os.close(descriptor)
 
     def save(self, names: Names, content: bytes) -> None:
-        """Write aside, flush to the medium, rename."""
+        """Write to a temporary file, flush, rename."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             replaced = size_of(name, parent)
@@ -136,7 +137,7 @@ class FolderMount:
             os.fsync(parent)
 
     def truncate(self, names: Names, size: int) -> None:
-        """Cut a file short; it is never made longer."""
+        """Shorten a file; never extend it."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             descriptor, has = _open_file(name, os.O_WRONLY, parent)
@@ -150,7 +151,7 @@ class FolderMount:
                 os.close(descriptor)
 
     def remove(self, names: Names) -> None:
-        """Remove a file or a link, but no folder."""
+        """Remove a file or a link, not a folder."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             size = size_of(name, parent) or 0
@@ -158,7 +159,7 @@ class FolderMount:
             self._quota.add(-size, -1)
 
     def make_folder(self, names: Names) -> None:
-        """Make a folder in one that is there."""
+        """Make a folder in an existing one."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             self._quota.check(0, 1)
@@ -173,7 +174,7 @@ class FolderMount:
             self._quota.add(0, -1)
 
     def rename(self, names: Names, to: Names) -> None:
-        """Move within the folder, never over something, nor so deep that no path leads to what is in it."""
+        """Move within the folder, never over an existing name or beyond the depth limit."""
         self._check_writable(names)
         self._check_writable(to)
         with self._parent(names) as (source, name), self._parent(to) as (goal, new_name):
@@ -193,7 +194,7 @@ class FolderMount:
 
     @contextmanager
     def _walk(self, names: Names) -> Iterator[int]:
-        """A descriptor of a folder, reached name by name without following a link."""
+        """Descriptor of a folder, opened name by name without following links."""
         descriptor = os.open(self._folder, _ROOT)
         try:
             for name in names:
@@ -213,7 +214,7 @@ class FolderMount:
 
 
 def _height(name: str, parent: int) -> int:
-    """How many names the deepest path below this one has; 0 for a file or an empty folder."""
+    """Depth of the deepest path below this name; 0 for a file or an empty folder."""
     if not stat.S_ISDIR(os.stat(name, dir_fd=parent, follow_symlinks=False).st_mode):
         return 0
     found = os.fwalk(name, dir_fd=parent)
@@ -221,7 +222,7 @@ def _height(name: str, parent: int) -> int:
 
 
 def _open_file(name: str, flags: int, parent: int) -> tuple[int, int]:
-    """A plain file's descriptor and size."""
+    """Descriptor and size of a plain file."""
     descriptor = os.open(name, flags | _FILE, dir_fd=parent)
     status = os.fstat(descriptor)
     if not stat.S_ISREG(status.st_mode):

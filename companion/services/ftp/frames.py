@@ -1,4 +1,4 @@
-"""The requests and replies that FILE_TRANSFER_PROTOCOL carries in its payload.
+"""Requests and replies in the payload of FILE_TRANSFER_PROTOCOL.
 
 After the MAVLink guide, "File Transfer Protocol": twelve bytes of header, then up to 239 of data.
 """
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from companion.mavlink.dialect import dialect
 
 DATA_BYTES = 239
-SESSION_AT = 2  # where a request and a reply have their session
+SESSION_AT = 2  # offset of the session
 # sequence, session, opcode, size, request's opcode, burst complete, padding, offset
 _HEADER = struct.Struct("<HBBBBBBI")
 _ACK: int = dialect.MAV_FTP_OPCODE_ACK
@@ -18,7 +18,7 @@ _NAK: int = dialect.MAV_FTP_OPCODE_NAK
 
 
 class Opcode(IntEnum):
-    """What a station may ask for."""
+    """Requests."""
 
     NONE = 0
     TERMINATE_SESSION = 1
@@ -39,7 +39,7 @@ class Opcode(IntEnum):
 
 
 class Code(IntEnum):
-    """Why a request was refused."""
+    """Reasons for a NAK."""
 
     FAIL = 1
     FAIL_ERRNO = 2
@@ -54,7 +54,7 @@ class Code(IntEnum):
 
 
 class Refusal(Exception):  # noqa: N818
-    """A request that is answered with a NAK. number: the system's errno, where code is FAIL_ERRNO."""
+    """A request that is answered with a NAK. number: errno, if code is FAIL_ERRNO."""
 
     def __init__(self, code: Code, number: int = 0) -> None:
         super().__init__(code.name)
@@ -63,7 +63,7 @@ class Refusal(Exception):  # noqa: N818
 
 
 class Request(NamedTuple):
-    """What a station asks. opcode is any number; raw is the request as it came, for telling repeats."""
+    """A request. raw: its bytes, to recognise repeats."""
 
     sequence: int
     session: int
@@ -75,7 +75,7 @@ class Request(NamedTuple):
 
 
 def parse_request(payload: bytes) -> Request | None:
-    """A payload as a request. None for a reply, which is never answered, and for one that is too short."""
+    """Parse a payload. None for a reply, which is never answered, or a short payload."""
     if len(payload) < _HEADER.size:
         return None
     sequence, session, opcode, size, _, _, _, offset = _HEADER.unpack_from(payload)
@@ -94,7 +94,7 @@ def ack(
     sequence: int | None = None,
     is_burst_over: bool = False,
 ) -> bytes:
-    """The payload of a reply that a request was carried out. What is not given is the request's own."""
+    """Payload of an ACK. Omitted values are those of the request."""
     return _HEADER.pack(
         (request.sequence + 1 if sequence is None else sequence) & 0xFFFF,
         request.session if session is None else session,
@@ -110,7 +110,7 @@ def ack(
 def nak(
     request: Request, refusal: Refusal, *, offset: int | None = None, sequence: int | None = None
 ) -> bytes:
-    """The payload of a reply that a request was refused."""
+    """Payload of a NAK."""
     is_numbered = refusal.code is Code.FAIL_ERRNO
     data = bytes((refusal.code, refusal.number & 0xFF)) if is_numbered else bytes((refusal.code,))
     return _HEADER.pack(

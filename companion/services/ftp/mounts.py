@@ -1,4 +1,4 @@
-"""What there is in the tree of files: parameters, metadata and version, and two folders of the disk."""
+"""Content of the file tree: parameters, metadata, version, and two folders on disk."""
 
 import json
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -18,7 +18,7 @@ _MB = 1_000_000
 
 
 class InlineExecutor(Executor):
-    """Does everything at once: for a boat without a disk, and for tests."""
+    """Runs jobs at once: for a boat without a disk, and for tests."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
         """Do it; what it raises is the future's."""
@@ -33,8 +33,9 @@ class InlineExecutor(Executor):
 def build_tree(
     parameters: Parameters, listings: ParameterService, folder: Path | None, quota_mb: float
 ) -> FileTree:
-    """The tree of a boat. folder: where its files and logs live, None for a boat without a disk.
-    quota_mb: what stations may leave in `files` altogether; 0: they may only read."""
+    """The file tree. folder: location of files and logs, None without a disk. quota_mb: limit of `files`; 0:
+    read only.
+    """
     mounts: dict[str, Mount] = {
         "@PARAM": VirtualMount({"param.pck": _packed_parameters(parameters, listings)}),
         "@SYS": VirtualMount({"version.json": VirtualFile(lambda _: _version())}),
@@ -54,7 +55,7 @@ def build_tree(
 
 
 def open_worker(folder: Path | None) -> Executor:
-    """Who waits for the disk, where there is one."""
+    """The executor for disk access."""
     return InlineExecutor() if folder is None else ThreadPoolExecutor(1, thread_name_prefix="files")
 
 

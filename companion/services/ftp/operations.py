@@ -1,4 +1,4 @@
-"""What each request of a file transfer does: a table of operations over the tree of files."""
+"""Table of the file-transfer operations over the file tree."""
 
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -12,7 +12,7 @@ Reply = bytes | None
 
 
 class Later(Protocol):
-    """Does what may wait for a disk elsewhere, and makes the reply of its result; all else it does now."""
+    """Runs work that may wait for a disk in the worker, other work at once, and makes the reply."""
 
     def __call__(
         self,
@@ -26,7 +26,7 @@ class Later(Protocol):
 
 
 class Operations:
-    """Each operation raises Refusal or OSError when refused. `begin_burst` sends its replies itself."""
+    """Operations raise Refusal or OSError when refused. `begin_burst` sends its replies itself."""
 
     def __init__(
         self,
@@ -66,7 +66,7 @@ class Operations:
         }
 
     def carry_out(self, station: Station, request: Request, now_s: float) -> Reply:
-        """Do what a request asks."""
+        """Execute a request."""
         operation = self._table.get(request.opcode)
         if operation is None:
             raise Refusal(Code.UNKNOWN_COMMAND)
@@ -75,7 +75,7 @@ class Operations:
         return operation(station, request, now_s)
 
     def _place(self, path: bytes) -> Place:
-        """Where a path leads below the root, which itself cannot be changed."""
+        """Resolve a path below the root, which itself cannot be changed."""
         place = self._tree.find(path)
         if place is None:
             raise Refusal(Code.FILE_PROTECTED)
@@ -160,7 +160,7 @@ class Operations:
         sessions = [station.close(number) for number in list(station.sessions)]
         self._let_go(sessions)
         uploads = [(s.on_disk, s.upload) for s in sessions if s.upload is not None]
-        # One that was not written to may be a late copy of its request: it replaces nothing
+        # An unwritten upload may be a repeated request: it replaces nothing
         for_disk = [upload for is_disk, upload in uploads if is_disk and upload.is_written]
         for is_disk, upload in uploads:
             if not is_disk and upload.is_written:

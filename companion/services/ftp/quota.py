@@ -1,4 +1,4 @@
-"""How much stations may leave in a folder: bytes, and entries, which take room even if empty."""
+"""Quota of a folder: bytes and entries."""
 
 import errno
 import os
@@ -10,8 +10,8 @@ MOST_ENTRIES = 1000
 
 
 class Quota:
-    """What the folder holds is counted once, then kept up with every change, and counted again before a
-    refusal: the owner of the boat may have made room meanwhile.
+    """The content is counted once, updated with each change, and counted again before a refusal, as files may
+    have been removed.
     """
 
     def __init__(self, folder: Path, most_bytes: int, most_entries: int = MOST_ENTRIES) -> None:
@@ -22,10 +22,10 @@ class Quota:
         self._is_counted = False
 
     def check(self, more_bytes: int, more_entries: int) -> None:
-        """See whether there is room for this much more.
+        """Check for room.
 
         Raises:
-            OSError: there is not.
+            OSError: there is none.
         """
         if self._is_counted and self._has_room(more_bytes, more_entries):
             return
@@ -34,12 +34,12 @@ class Quota:
             raise OSError(errno.ENOSPC, "quota")
 
     def add(self, more_bytes: int, more_entries: int) -> None:
-        """So much has come, or gone where it is negative."""
+        """Account for a change."""
         self._bytes += more_bytes
         self._entries += more_entries
 
     def _has_room(self, more_bytes: int, more_entries: int) -> bool:
-        # What makes the folder smaller always fits, even where it holds too much
+        # Shrinking is always allowed
         return (more_bytes <= 0 or self._bytes + more_bytes <= self._most_bytes) and (
             more_entries <= 0 or self._entries + more_entries <= self._most_entries
         )
@@ -53,7 +53,7 @@ class Quota:
 
 
 def size_of(name: str, parent: int) -> int | None:
-    """The bytes that a name counts for: a file's, none for a folder or link; None where nothing has it."""
+    """Size of a file, 0 for a folder or link; None if it does not exist."""
     try:
         status = os.stat(name, dir_fd=parent, follow_symlinks=False)
     except FileNotFoundError:

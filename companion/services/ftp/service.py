@@ -1,12 +1,11 @@
 """FILE_TRANSFER_PROTOCOL: the boat's files for stations, after the MAVLink guide, "File Transfer Protocol".
 
-Theory of operation. Virtual files are answered at once. What may wait for a disk is done by a worker, and
-answered when the worker is done; what comes for the same session meanwhile waits for its turn. A file that
-is written lives in memory until its session is closed, then replaces the old one whole; a session that breaks
-off leaves the old. A request that comes again, because its answer was lost, gets the same answer and is not
-carried out twice.
+Theory of operation. Requests for virtual files are answered at once. Disk access runs in a worker and is
+answered when it is done; later requests for the same session are queued. An upload is kept in memory until
+its session is closed, then replaces the old file as a whole; an aborted session leaves the old file. A
+repeated request gets the same answer and is not executed again.
 
-Stations share what a tick has room for: requests beyond that are not answered, and will come again.
+Stations share the capacity of a tick; requests beyond it are dropped and will be repeated.
 """
 
 from collections import deque
@@ -24,12 +23,12 @@ from companion.services.ftp.tree import FileTree, refusal_of
 from companion.services.outbox import Origin, Outbox
 
 _FRAME_BYTES = 280
-REQUESTS_PER_TICK = 256  # of all stations together
+REQUESTS_PER_TICK = 256  # of all stations
 _MAX_JOBS = 64
 _MAX_QUEUED = 32  # of one station
 _EXPIRY_PERIOD_S = 1.0
 
-# Carried out anew when they are repeated: they change nothing, and their answers are the same
+# Executed again when repeated: they change nothing
 _READS = frozenset(
     (Opcode.NONE, Opcode.LIST_DIRECTORY, Opcode.READ_FILE, Opcode.BURST_READ_FILE, Opcode.CALC_FILE_CRC32)
 )
@@ -37,7 +36,7 @@ _OPENS = frozenset((Opcode.OPEN_FILE_RO, Opcode.OPEN_FILE_WO, Opcode.CREATE_FILE
 
 
 class _Job(NamedTuple):
-    """What the worker does for a request, and how its result becomes the reply."""
+    """Work in progress for a request, and how to make its reply."""
 
     station: Station
     request: Request
@@ -45,15 +44,15 @@ class _Job(NamedTuple):
     then: Callable[[Any], bytes]
 
     def reply(self) -> bytes:
-        """Once the work is done. Raises what the work did."""
+        """The reply, once the work is done. Raises what the work raised."""
         return self.then(self.future.result(timeout=0))
 
 
 class FtpService:
-    """Serves a tree of files. The worker is shut down with the service."""
+    """Serves a file tree. The worker is shut down with the service."""
 
     def __init__(self, own: Address, outbox: Outbox, tree: FileTree, worker: Executor) -> None:
-        self.dropped = 0  # requests beyond what a tick or a table holds
+        self.dropped = 0  # requests beyond the capacity
         self._own = own
         self._outbox = outbox
         self._worker = worker
@@ -72,7 +71,7 @@ class FtpService:
         self._expire_at_s = 0.0
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
-        """Take one request; what is none, or for somebody else, is passed over."""
+        """Handle a request; others are ignored."""
         self._now_s = now_s
         request = parse_request(bytes(message.payload))
         if request is None or not is_named(self._own, message.target_system, message.target_component):
@@ -92,7 +91,7 @@ class FtpService:
             self._carry_out(station, request)
 
     def tick(self, now_s: float) -> None:
-        """Answer what the worker has done, go on with bursts, close what nobody uses."""
+        """Answer finished work, continue bursts, close idle sessions."""
         self._now_s = now_s
         self._requests_left = REQUESTS_PER_TICK
         while self._jobs and self._jobs[0].future.done():
@@ -108,17 +107,17 @@ class FtpService:
             self._release(self._stations.expire(now_s))
 
     def forget(self, channel: int) -> None:
-        """A channel has gone, and with it what was open on it."""
+        """A channel has closed."""
         self._release(self._stations.forget(channel))
 
     def close(self) -> None:
-        """Close every file and let the worker end. May be called twice."""
+        """Close all files and the worker. May be called twice."""
         for channel in {station.origin.channel for station in self._stations}:
             self.forget(channel)
         self._worker.shutdown(wait=True)
 
     def _queue(self, station: Station, request: Request) -> None:
-        """Stations send on without waiting for answers; what they send is carried out in its order."""
+        """Queue a request of a busy session, in order."""
         if request.raw in station.waiting or request in station.queued:
             return
         if len(station.queued) < _MAX_QUEUED:
@@ -141,7 +140,7 @@ class FtpService:
         self._answer(station, request, lambda: self._operations.carry_out(station, request, self._now_s))
 
     def _answer(self, station: Station, request: Request, carry_out: Callable[[], Reply]) -> None:
-        """Send the reply, if it is there already, and keep it for a repeat."""
+        """Send the reply if available, and keep it for a repeat."""
         opened = None
         try:
             reply = carry_out()
@@ -165,7 +164,7 @@ class FtpService:
         work: Callable[[], Any],
         then: Callable[[Any], bytes],
     ) -> Reply:
-        """Do what may wait for a disk on the worker, anything else now."""
+        """Run disk access in the worker, other work now."""
         if not on_disk:
             return then(work())
         job = _Job(station, request, self._worker.submit(work), then)

@@ -1,4 +1,4 @@
-"""Who has which files open. A station is a channel and an address; each has sessions of its own."""
+"""Open files by station. A station is a channel and an address, each with its own sessions."""
 
 import errno
 import math
@@ -11,17 +11,17 @@ from companion.services.ftp.frames import SESSION_AT, Code, Refusal, Request
 from companion.services.ftp.tree import Place, Reading
 from companion.services.outbox import Origin
 
-IDLE_S = 30.0  # a session that is not used for so long is closed
+IDLE_S = 30.0  # an unused session is closed
 MAX_STATIONS = 32
-MAX_SESSIONS = 8  # of one station
+MAX_SESSIONS = 8  # per station
 MAX_UPLOAD_BYTES = 4 * 1024 * 1024
-MAX_UPLOADS_BYTES = 16 * 1024 * 1024  # of all stations together
-_REPEAT_S = 10.0  # a request that comes again within this is a repeat
+MAX_UPLOADS_BYTES = 16 * 1024 * 1024  # of all stations
+_REPEAT_S = 10.0  # window in which an identical request is a repeat
 _REPEATS = 64
 
 
 class Upload:
-    """A file being written: in memory, until its session is closed."""
+    """A file being written, in memory until its session is closed."""
 
     def __init__(self, place: Place, content: bytes) -> None:
         self.place = place
@@ -29,17 +29,17 @@ class Upload:
         self.is_written = False
 
     def growth(self, end: int) -> int:
-        """How much longer the file becomes when it is written up to an offset.
+        """Growth of the file when written up to an offset.
 
         Raises:
-            OSError: it would be too long.
+            OSError: too long.
         """
         if end > MAX_UPLOAD_BYTES:
             raise OSError(errno.EFBIG, "too long")
         return max(end - len(self.content), 0)
 
     def write(self, offset: int, data: bytes) -> None:
-        """Put data at an offset; a gap before it holds zeros."""
+        """Write data at an offset; a gap is filled with zeros."""
         end = offset + len(data)
         if offset > len(self.content):
             self.content.extend(bytes(offset - len(self.content)))
@@ -47,13 +47,13 @@ class Upload:
         self.is_written = True
 
     def save(self) -> None:
-        """Replace the file. Raises what its mount does."""
+        """Replace the file. Raises what its mount raises."""
         self.place.mount.save(self.place.names, bytes(self.content))
 
 
 @dataclass(slots=True)
 class Burst:
-    """A file on its way block by block, without being asked for each."""
+    """State of a burst."""
 
     request: Request
     offset: int
@@ -64,7 +64,7 @@ class Burst:
 
 @dataclass(slots=True)
 class Session:
-    """An open file: one that is read, or one that is written."""
+    """An open file, for reading or writing."""
 
     number: int
     file: Reading | Upload
@@ -75,10 +75,10 @@ class Session:
 
     @property
     def reading(self) -> Reading:
-        """The file that is read.
+        """The file being read.
 
         Raises:
-            Refusal: it is written.
+            Refusal: it is being written.
         """
         if isinstance(self.file, Upload):
             raise Refusal(Code.FILE_PROTECTED)
@@ -86,13 +86,13 @@ class Session:
 
     @property
     def upload(self) -> Upload | None:
-        """The file that is written, None where one is read."""
+        """The file being written, or None."""
         return self.file if isinstance(self.file, Upload) else None
 
 
 @dataclass(slots=True)
 class Answer:
-    """What a request was answered with, and which session it opened."""
+    """An answer, and the session that it opened."""
 
     reply: bytes
     at_s: float
@@ -106,19 +106,19 @@ class Station:
     origin: Origin
     is_gone: bool = False
     sessions: dict[int, Session] = field(default_factory=dict)
-    waiting: set[bytes] = field(default_factory=set)  # requests whose answer is being worked on
-    queued: deque[Request] = field(default_factory=deque)  # and what came for the same sessions since
+    waiting: set[bytes] = field(default_factory=set)  # requests in progress
+    queued: deque[Request] = field(default_factory=deque)  # later requests for the same sessions
     _answers: OrderedDict[bytes, Answer] = field(default_factory=OrderedDict)
 
     def is_busy(self, number: int) -> bool:
-        """Whether a request for a session is being worked on: the next one has to wait for it."""
+        """Whether a request for a session is in progress."""
         return any(raw[SESSION_AT] == number for raw in self.waiting)
 
     def session(self, number: int, now_s: float) -> Session:
-        """An open session, in use now.
+        """An open session; marks it as used.
 
         Raises:
-            Refusal: there is none of this number.
+            Refusal: no such session.
         """
         session = self.sessions.get(number)
         if session is None:
@@ -127,10 +127,10 @@ class Station:
         return session
 
     def open(self, wanted: int, file: Reading | Upload, on_disk: bool, now_s: float) -> Session:
-        """A new session: of the number that the station wants, or the lowest free one where that is taken.
+        """Open a session with the wanted number, or the lowest free one.
 
         Raises:
-            Refusal: it has as many open as it may.
+            Refusal: too many sessions.
         """
         if len(self.sessions) >= MAX_SESSIONS or self.is_gone:
             raise Refusal(Code.NO_SESSIONS_AVAILABLE)
@@ -141,10 +141,10 @@ class Station:
         return session
 
     def close(self, number: int) -> Session:
-        """Forget a session, and that it was ever opened.
+        """Close a session.
 
         Raises:
-            Refusal: there is none of this number.
+            Refusal: no such session.
         """
         session = self.sessions.pop(number, None)
         if session is None:
@@ -154,24 +154,24 @@ class Station:
         return session
 
     def remember(self, request: Request, reply: bytes, now_s: float, opened: int | None = None) -> None:
-        """Keep an answer for when the request is repeated."""
+        """Keep an answer for a repeat."""
         self._answers[request.raw] = Answer(reply, now_s, opened)
         if len(self._answers) > _REPEATS:
             self._answers.popitem(last=False)
 
     def repeated(self, request: Request, now_s: float) -> bytes | None:
-        """The answer of a moment ago; None for a request that is new."""
+        """The answer to a repeated request; None for a new one."""
         answer = self._answers.get(request.raw)
         return answer.reply if answer is not None and now_s - answer.at_s < _REPEAT_S else None
 
     def is_idle(self, now_s: float) -> bool:
-        """Whether nothing need be remembered of this station."""
+        """Whether nothing is open or remembered."""
         newest_s = max((answer.at_s for answer in self._answers.values()), default=-math.inf)
         return not self.sessions and not self.waiting and now_s - newest_s >= _REPEAT_S
 
 
 class Stations:
-    """All clients, and what they have open."""
+    """All clients and their open files."""
 
     def __init__(self) -> None:
         self._stations: dict[Origin, Station] = {}
@@ -184,11 +184,10 @@ class Stations:
         return iter(self._stations.values())
 
     def get(self, origin: Origin) -> Station | None:
-        """The client at an origin; None where there are too many others.
+        """The client at an origin; None if there are too many.
 
-        The longest silent one without an open file makes way. Where all have files open, one makes way of the
-        channel that has most, for one of a channel that has fewer: addresses are easily made up, and must not
-        take the places of other links.
+        The longest idle one without open files is displaced. If all have open files, one of the channel with
+        the most clients is displaced for a channel with fewer, as addresses are easily forged.
         """
         station = self._stations.pop(origin, None)
         if station is None:
@@ -213,17 +212,17 @@ class Stations:
         return True
 
     def take_displaced(self) -> list[Session]:
-        """The sessions of those who had to make way since the last call."""
+        """Sessions of clients displaced since the last call."""
         displaced, self._displaced = self._displaced, []
         return displaced
 
     def uploads_bytes(self) -> int:
-        """What all uploads hold in memory."""
+        """Memory used by all uploads."""
         uploads = (session.upload for station in self for session in station.sessions.values())
         return sum(len(upload.content) for upload in uploads if upload is not None)
 
     def expire(self, now_s: float) -> list[Session]:
-        """Sessions that nobody has used for long; they are forgotten, and so are stations without any."""
+        """Close idle sessions and return them; idle stations are removed."""
         closed = []
         for origin, station in list(self._stations.items()):
             for number, session in list(station.sessions.items()):
@@ -234,7 +233,7 @@ class Stations:
         return closed
 
     def forget(self, channel: int) -> list[Session]:
-        """A channel has gone: the sessions that were open on it."""
+        """A channel has closed: its sessions."""
         gone = [origin for origin in self._stations if origin.channel == channel]
         stations = [self._stations.pop(origin) for origin in gone]
         for station in stations:

@@ -1,7 +1,7 @@
-"""The tree of files that stations see: names at its root, each a folder of the disk or one that is made up.
+"""The file tree seen by stations: mounts at its root, each a folder on disk or virtual.
 
-A path is taken to pieces here, and only here: what is left of it are plain names, so nothing below can be led
-out of its folder by `..`, a leading slash or a byte of zero.
+Paths are parsed only here, into plain names, so nothing below can leave its folder through `..`, a leading
+slash or a zero byte.
 """
 
 import errno
@@ -12,42 +12,42 @@ from typing import NamedTuple, Protocol
 from companion.services.ftp.frames import DATA_BYTES, Code, Refusal
 
 Names = tuple[str, ...]
-MAX_DEPTH = 16  # names in a path, the mount's with them
+MAX_DEPTH = 16  # names in a path, including the mount
 _CHUNK_BYTES = 64 * 1024
 
 
 class Reading(Protocol):
-    """A file opened for reading; of the size that it had then."""
+    """A file open for reading, with its size at that time."""
 
     size: int
 
     def has(self, offset: int, count: int) -> bool:
-        """Whether `read` can answer at once, without the disk."""
+        """Whether `read` can answer without the disk."""
 
     def read(self, offset: int, count: int) -> bytes:
-        """Up to count bytes of what is at hand; none at the end of the file."""
+        """Up to count bytes in memory; none at the end of the file."""
 
     def load(self, offset: int) -> None:
-        """Bring what begins at an offset to hand. May wait for the disk."""
+        """Load the part at an offset. May wait for the disk."""
 
     def fetch(self, offset: int, count: int) -> bytes:
-        """Up to count bytes of any part. May wait for the disk; what is at hand stays."""
+        """Up to count bytes of any part. May wait for the disk; the loaded part is kept."""
 
     def close(self) -> None:
-        """Let the file go. May be called twice."""
+        """Close the file. May be called twice."""
 
 
 class DirectoryEntry(NamedTuple):
-    """One line of a folder's list; size is None for a folder, −1 for what can be neither read nor entered."""
+    """An entry of a listing; size is None for a folder, −1 if not accessible."""
 
     name: str
     size: int | None
 
 
 class Mount(Protocol):
-    """A folder of the tree and everything below it. All of it raises Refusal or OSError.
+    """A folder of the tree and everything below. Methods raise Refusal or OSError.
 
-    is_disk: calls may wait for a medium, and are made on a worker thread.
+    is_disk: calls may wait for the disk and run in the worker.
     """
 
     is_disk: bool
@@ -56,16 +56,16 @@ class Mount(Protocol):
         """Open a file for reading."""
 
     def entries(self, names: Names) -> list[DirectoryEntry]:
-        """What is in a folder, in a fixed order."""
+        """The entries of a folder, in a fixed order."""
 
     def begin(self, names: Names, keep: bool) -> bytes:
-        """Check that a file may be written; what it holds before the first write: nothing unless keep."""
+        """Check that a file may be written; returns its initial content: empty unless keep."""
 
     def save(self, names: Names, content: bytes) -> None:
-        """Replace a file's content, or make the file."""
+        """Create or replace a file."""
 
     def truncate(self, names: Names, size: int) -> None:
-        """Cut a file short."""
+        """Shorten a file."""
 
     def remove(self, names: Names) -> None:
         """Remove a file."""
@@ -77,28 +77,28 @@ class Mount(Protocol):
         """Remove an empty folder."""
 
     def rename(self, names: Names, to: Names) -> None:
-        """Give a file or folder another place within this mount, where nothing is yet."""
+        """Move a file or folder within this mount to a free name."""
 
 
 class Place(NamedTuple):
-    """A mount, and names from there on."""
+    """A mount and the names below it."""
 
     mount: Mount
     names: Names
 
 
 class FileTree:
-    """The mounts by name. An alias is a mount that lists do not show."""
+    """The mounts by name. An alias is a mount that is not listed."""
 
     def __init__(self, mounts: Mapping[str, Mount], aliases: Mapping[str, Mount] | None = None) -> None:
         self._mounts = dict(mounts)
         self._all = {**self._mounts, **(aliases or {})}
 
     def find(self, path: bytes) -> Place | None:
-        """Where a path leads; None is the root itself.
+        """Resolve a path; None is the root.
 
         Raises:
-            Refusal: no such place can be.
+            Refusal: no such place.
         """
         names = split_path(path)
         if not names:
@@ -117,7 +117,7 @@ def split_path(path: bytes) -> Names:
     """The names of a path.
 
     Raises:
-        Refusal: it leads upwards, is no text, or nests too deep.
+        Refusal: it leads upwards, is not text, or is too deep.
     """
     try:
         text = path.rstrip(b"\x00").decode("utf-8")
@@ -130,10 +130,10 @@ def split_path(path: bytes) -> Names:
 
 
 def page_of(entries: list[DirectoryEntry], first: int) -> bytes:
-    """As much of a folder's list, from an index on, as one reply holds.
+    """The part of a listing from an index that fits one reply.
 
     Raises:
-        Refusal: the list has ended.
+        Refusal: the end of the listing.
     """
     page = b""
     for entry in entries[first:]:
@@ -156,7 +156,7 @@ def _line(entry: DirectoryEntry) -> bytes:
 
 
 def checksum(reading: Reading) -> int:
-    """CRC-32 as MAVLink wants it: begun with 0 and not inverted at the end."""
+    """CRC-32 as in MAVLink: starts with 0, not inverted at the end."""
     crc = 0xFFFFFFFF  # undoes zlib's first inversion
     offset = 0
     while part := reading.fetch(offset, _CHUNK_BYTES):
@@ -166,7 +166,7 @@ def checksum(reading: Reading) -> int:
 
 
 def refusal_of(error: OSError) -> Refusal:
-    """What the system said, as the protocol says it."""
+    """A system error as a refusal."""
     number = error.errno or errno.EIO
     for code, numbers in _CODES.items():
         if number in numbers:

@@ -1,4 +1,4 @@
-"""Files that are on no disk: made when they are opened, and perhaps taken in when they are written."""
+"""Virtual files: generated when opened, optionally processed when written."""
 
 import errno
 from collections.abc import Callable, Mapping
@@ -11,15 +11,15 @@ _MAX_UPLOAD_BYTES = 64 * 1024
 
 
 class Options(NamedTuple):
-    """What stands behind a `?` in a file's name, such as `start=10&count=5`."""
+    """Options after a `?` in a file name, such as `start=10&count=5`."""
 
     values: Mapping[str, str]
 
     def whole(self, key: str) -> int:
-        """An option as a number; 0 when it is not there.
+        """An option as a number; 0 if missing.
 
         Raises:
-            OSError: it is no such number.
+            OSError: not a number.
         """
         text = self.values.get(key, "0")
         if not (text.isascii() and text.isdigit() and len(text) <= 9):
@@ -27,19 +27,19 @@ class Options(NamedTuple):
         return int(text)
 
     def wrong(self, key: str) -> OSError:
-        """What to raise of an option that cannot be met."""
+        """The error for an invalid option."""
         return OSError(errno.EINVAL, f"{key}={self.values.get(key)}")
 
 
 class VirtualFile(NamedTuple):
-    """make: the content, given the options. take: what is done with an uploaded one; None: read only."""
+    """make: returns the content for the options. take: processes an upload; None: read only."""
 
     make: Callable[[Options], bytes]
     take: Callable[[bytes], None] | None = None
 
 
 class Content:
-    """Satisfies `Reading`: all of it is at hand, and stays as it was when it was opened."""
+    """Satisfies `Reading` with constant content in memory."""
 
     def __init__(self, content: bytes) -> None:
         self.size = len(content)
@@ -54,18 +54,18 @@ class Content:
         return self._content[offset : offset + count]
 
     def load(self, offset: int) -> None:
-        """Nothing to wait for."""
+        """No effect."""
 
     def fetch(self, offset: int, count: int) -> bytes:
         """The same as `read`."""
         return self.read(offset, count)
 
     def close(self) -> None:
-        """Nothing to let go."""
+        """No effect."""
 
 
 class VirtualMount:
-    """Satisfies `Mount`: one folder of virtual files."""
+    """Satisfies `Mount`: a folder of virtual files."""
 
     is_disk = False
 
@@ -73,27 +73,27 @@ class VirtualMount:
         self._files = dict(files)
 
     def open(self, names: Names) -> Content:
-        """Make the content now; it does not change while it is read."""
+        """Generate the content."""
         name, _, query = _single(names).partition("?")
         pairs = (pair.partition("=") for pair in query.split("&"))
         options = Options({key: value for key, _, value in pairs})
         return Content(self._file(name).make(options))
 
     def entries(self, names: Names) -> list[DirectoryEntry]:
-        """The files with the sizes that they would have now."""
+        """The files with their present sizes."""
         if names:
             raise Refusal(Code.FILE_NOT_FOUND)
         nothing = Options({})
         return [DirectoryEntry(name, len(file.make(nothing))) for name, file in sorted(self._files.items())]
 
     def begin(self, names: Names, keep: bool) -> bytes:  # noqa: ARG002
-        """Only what is taken in; an upload always begins with nothing."""
+        """Only for writable files; an upload always starts empty."""
         if self._file(_single(names)).take is None:
             raise Refusal(Code.FILE_PROTECTED)
         return b""
 
     def save(self, names: Names, content: bytes) -> None:
-        """Take the content in."""
+        """Process the content."""
         take = self._file(_single(names)).take
         if take is None:
             raise Refusal(Code.FILE_PROTECTED)

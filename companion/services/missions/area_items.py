@@ -1,4 +1,4 @@
-"""Fence and rally items: checked one by one as they arrive, and as a whole once all are there."""
+"""Fence and rally items: checked one by one on arrival, and as a whole at the end."""
 
 import math
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ _FEWEST_VERTICES = 3
 
 
 def check_fence_item(item: MissionItem) -> ItemFault | None:
-    """Why this is not a fence item, None where it is one."""
+    """Why this is not a fence item, or None."""
     count = item.param1
     if item.command in _POLYGONS:
         if not math.isfinite(count) or count != int(count) or count < _FEWEST_VERTICES:
@@ -43,14 +43,14 @@ def check_fence_item(item: MissionItem) -> ItemFault | None:
 
 
 def check_rally_item(item: MissionItem) -> ItemFault | None:
-    """Why this is not a rally point, None where it is one."""
+    """Why this is not a rally point, or None."""
     if item.command != dialect.MAV_CMD_NAV_RALLY_POINT:
         return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)} is not a rally point")
     return _fault_of(item)
 
 
 def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
-    """Polygons must be whole, vertices one behind the other, and one return point is enough."""
+    """Polygons must be complete and contiguous, with at most one return point."""
     seq = 0
     while seq < len(items):
         first = items[seq]
@@ -68,7 +68,7 @@ def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
 
 
 def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
-    """What a whole list encloses and shuts out. Only for items that have passed both checks."""
+    """The areas of a checked list."""
     areas: list[FenceArea] = []
     seq = 0
     while seq < len(items):
@@ -85,7 +85,7 @@ def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
 
 
 def rally_points(items: Sequence[MissionItem]) -> list[LatLon]:
-    """The places of a rally list whose items have passed their check."""
+    """The positions of a checked list."""
     return [_position(item) for item in items]
 
 

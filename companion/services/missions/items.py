@@ -1,4 +1,4 @@
-"""MAVLink mission items → the vehicle's steps. What a boat cannot do is refused, naming item and field."""
+"""Converts MAVLink mission items to mission steps. Unsupported items are refused by item and field."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -26,10 +26,10 @@ from companion.vehicle.mission.steps import (
     WithinDistance,
 )
 
-HIGHEST_M = 83_000.0  # ArduPilot's limit: the most that its 24 bits of centimetres hold
-_LOCAL_SCALE = 1e-4  # x and y of a local frame are whole tenths of a millimetre
+HIGHEST_M = 83_000.0  # ArduPilot's limit: 24 bits of centimetres
+_LOCAL_SCALE = 1e-4  # x and y of a local frame are in tenths of a millimetre
 
-# Camera, mount and markers: a survey plan is sailed without them, and the operator is told
+# Camera, mount and markers are skipped, and the operator is told
 IGNORED = frozenset(
     {
         dialect.MAV_CMD_DO_LAND_START,
@@ -53,7 +53,7 @@ IGNORED = frozenset(
     }
 )
 
-# What the operator counts on must not be passed over in silence
+# Refused explicitly, as the operator may rely on them
 _REFUSED = {
     dialect.MAV_CMD_DO_SET_REVERSE: "this boat does not sail its legs astern",
     dialect.MAV_CMD_DO_SET_RELAY: "there is no relay",
@@ -64,13 +64,13 @@ _REFUSED = {
 
 
 def command_name(command: int) -> str:
-    """A command for a person: its number, and its name where it has one."""
+    """A command's number, with its name if it has one."""
     entry = dialect.enums["MAV_CMD"].get(command)
     return f"command {command}" + (f" ({entry.name.removeprefix('MAV_CMD_')})" if entry else "")
 
 
 def to_step(seq: int, item: MissionItem) -> Step | ItemFault:
-    """One item of a mission as something to sail, or why not. Sequence 0 is home and never sailed."""
+    """A mission item as a step, or the reason for its refusal. Sequence 0 is home."""
     if seq == 0:
         return Home()
     if item.command in IGNORED:
@@ -83,7 +83,7 @@ def to_step(seq: int, item: MissionItem) -> Step | ItemFault:
 
 
 def check_jumps(steps: Sequence[Step]) -> ItemFault | None:
-    """Jump targets can only be checked once the whole list is there."""
+    """Check the jump targets of a complete list."""
     for seq, step in enumerate(steps):
         if isinstance(step, Jump) and not 1 <= step.target < len(steps):
             text = f"item {seq} jumps to {step.target}, the list ends at {len(steps) - 1}"
@@ -92,7 +92,7 @@ def check_jumps(steps: Sequence[Step]) -> ItemFault | None:
 
 
 def global_position(item: MissionItem) -> LatLon | ItemFault:
-    """The place on the globe that an item names, or what is wrong with it."""
+    """The global position of an item, or what is wrong with it."""
     if item.frame not in GLOBAL_FRAMES:
         return ItemFault(MissionResult.UNSUPPORTED_FRAME, f"frame {item.frame} is not a global frame")
     if item.x == 0 and item.y == 0:
@@ -107,8 +107,8 @@ def global_position(item: MissionItem) -> LatLon | ItemFault:
 
 
 def _place(item: MissionItem) -> Place | ItemFault:
-    """MAV_FRAME_LOCAL_NED counts from the local frame's origin, as LOCAL_POSITION_NED does;
-    MAV_FRAME_LOCAL_OFFSET_NED from where the leg begins.
+    """MAV_FRAME_LOCAL_NED is relative to the origin of the local frame, as LOCAL_POSITION_NED;
+    MAV_FRAME_LOCAL_OFFSET_NED to the start of the leg.
     """
     if fault := _altitude_fault(item):
         return fault
@@ -123,7 +123,7 @@ def _place(item: MissionItem) -> Place | ItemFault:
 
 
 def _altitude_fault(item: MissionItem) -> ItemFault | None:
-    """A boat has one altitude and looks at none; but a list with one that cannot be meant is damaged."""
+    """Altitudes are ignored, but an invalid one means a damaged list."""
     if abs(item.z) <= HIGHEST_M:
         return None
     return ItemFault(MissionResult.INVALID_PARAM7, f"altitude {item.z:g} m is not valid")

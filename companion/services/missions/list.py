@@ -1,4 +1,4 @@
-"""One of the boat's lists (mission, fence, rally): what it holds, what is arriving, what is being written."""
+"""One stored list (mission, fence, rally): its content, its uploads, and its saves."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -19,11 +19,11 @@ from companion.services.missions.area_items import check_fence, check_fence_item
 from companion.services.missions.items import check_jumps, to_step
 from companion.vehicle.mission.steps import Home, Step
 
-_ITEM_RETRIES = 2  # times mavlink.retries: items are asked for twice as often, for as long
+_ITEM_RETRIES = 2  # times mavlink.retries: items are requested twice as often, for as long
 
 
 class ListEntry(NamedTuple):
-    """An item, what the vehicle makes of it (Home in lists that are not sailed), and its line on disk."""
+    """An item, its mission step (Home in other lists), and its line on disk."""
 
     item: MissionItem
     step: Step
@@ -31,7 +31,7 @@ class ListEntry(NamedTuple):
 
 
 class Part(NamedTuple):
-    """Items that a station has asked for without a transfer, and that are still to be sent."""
+    """Items requested without a transfer, still to be sent."""
 
     partner: Address
     next_seq: int
@@ -39,18 +39,18 @@ class Part(NamedTuple):
 
 
 class MissionList:
-    """Its items are replaced whole, and only once the medium has the new ones."""
+    """Its items are replaced as a whole, once the new ones are stored."""
 
     def __init__(self, own: Address, mission_type: MissionType, config: BoatConfig, storage: Storage) -> None:
         self.type = mission_type
         self.entries: tuple[ListEntry, ...] = ()
-        self.steps: tuple[Step, ...] = ()  # what the vehicle makes of them
+        self.steps: tuple[Step, ...] = ()  # the mission steps
         self.upload_channel = 0
         self.senders: dict[int, Sender] = {}
         self.parts: dict[int, Part] = {}
         self.saving: Saving | None = None
-        self.loss = ""  # what of the stored list is lost, and what is held instead
-        self.home: Callable[[], LatLon | None] = lambda: None  # the vehicle's to say
+        self.loss = ""  # what of the stored list is lost, and what is used instead
+        self.home: Callable[[], LatLon | None] = lambda: None  # set by the owner
         self._own = own
         self._timers = config.mavlink
         self._storage = storage
@@ -69,22 +69,21 @@ class MissionList:
 
     @property
     def items(self) -> tuple[MissionItem, ...]:
-        """What it holds."""
+        """The stored items."""
         return tuple([entry.item for entry in self.entries])
 
     def offered(self) -> tuple[MissionItem, ...]:
-        """What stations are given: item 0 of a mission is the boat's home, as on ArduPilot, and not what a
-        station has put in its place."""
+        """The items sent to stations: item 0 of a mission is home, as on ArduPilot, not the uploaded one."""
         home = self.home() if self.type is MissionType.MISSION else None
         return self.items if home is None else (_home_item(home), *self.items[1:])[: len(self.entries)]
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is under way that time could change."""
+        """Whether no transfer or save is in progress."""
         return not (self.senders or self.parts or self.saving) and self.receiver.state is State.IDLE
 
     def sender(self, channel: int) -> Sender:
-        """The machine for downloads on a channel."""
+        """The sender of a channel's downloads."""
         if channel not in self.senders:
             timers = self._timers
             self.senders[channel] = Sender(
@@ -93,8 +92,9 @@ class MissionList:
         return self.senders[channel]
 
     def store(self, completed: Completed) -> ItemFault | None:
-        """Begin to write what has arrived, spliced in where it is a part. A Fault, and nothing changes, when
-        the list does not hold together."""
+        """Check an uploaded list, or a list with an uploaded part, and start saving it. Returns a fault if it
+        is inconsistent.
+        """
         entries = tuple(self._arriving[: len(completed.items)])
         self._arriving = []
         if completed.first is not None:
@@ -107,16 +107,16 @@ class MissionList:
         return None
 
     def swap_in(self) -> None:
-        """The medium has it: from now on it is the list."""
+        """Replace the list after it was stored."""
         self.entries, self._arrived = self._arrived, ()
         self.steps = tuple([entry.step for entry in self.entries])
 
     def drop(self) -> None:
-        """The medium does not take it: the old list stays."""
+        """Drop a list that could not be stored."""
         self._arrived = ()
 
     def clear(self) -> Saving:
-        """Begin to write an empty list, to be swapped in."""
+        """Start saving an empty list, for `swap_in`."""
         self._arrived = ()
         return save_lines(self._storage, self.type, ())
 
@@ -138,7 +138,7 @@ class MissionList:
         self._arriving = []
 
     def _check(self, seq: int, item: MissionItem) -> ItemFault | None:
-        """Look at an item as it arrives, and keep what it comes to."""
+        """Check and keep an item on arrival."""
         step: Step | ItemFault = Home()
         if self.type is MissionType.MISSION:
             step = to_step(seq, item)

@@ -1,7 +1,7 @@
-"""The mission protocol for mission, fence and rally: uploads, downloads, clearing, the current item.
+"""The mission protocol for mission, fence and rally: uploads, downloads, clearing, current item.
 
-One upload of a kind runs at a time, whoever sends it; downloads run side by side, one a channel. A list
-that has come whole is written to disk, then swapped in, then acknowledged; so is a part of a list.
+One upload per list at a time, from any station; downloads run in parallel, one per channel. An uploaded list,
+or part of one, is stored, then used, then acknowledged.
 """
 
 import logging
@@ -41,14 +41,14 @@ _NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionTyp
 
 
 class _Clearing(NamedTuple):
-    """All lists are being emptied on the medium, for one station."""
+    """All lists are being cleared for a station."""
 
     origin: Origin
     savings: list[Saving]
 
 
 class MissionService:
-    """Owns the three lists and keeps the vehicle's mission in step with the first."""
+    """Owns the three lists and updates the vehicle."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class MissionService:
         self._texts = texts
         self._clearing: _Clearing | None = None
         self._current_said = 0
-        self._busy: list[MissionList] = []  # something is under way that time can change
+        self._busy: list[MissionList] = []  # lists with a transfer or save in progress
         self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
         for one in self._lists.values():
             if one.loss:
@@ -78,13 +78,13 @@ class MissionService:
         vehicle.set_rally(rally_points(self.items(MissionType.RALLY)))
 
     def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
-        """What the boat holds of a kind."""
+        """The stored items of a list."""
         return self._lists[mission_type].items
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
-        """Take one message of the protocol."""
+        """Handle a message of the protocol."""
         if not is_named(self._own, message.target_system, message.target_component):
-            return  # a list offered to every boat within reach is offered to none
+            return  # broadcast transfers are ignored
         for one in self._busy:
             if one.upload_channel == origin.channel:
                 one.receiver.rest(origin.address)
@@ -115,7 +115,7 @@ class MissionService:
             self._post(sender, origin.channel)
 
     def tick(self, now_s: float) -> None:
-        """Retries, time-outs, and lists whose writing has ended."""
+        """Retries, time-outs and finished saves."""
         if self._clearing is not None:
             self._finish_clearing(self._clearing)
         for one in self._busy:
@@ -144,7 +144,7 @@ class MissionService:
             self._send_parts(one)
 
     def forget(self, channel: int, now_s: float) -> None:
-        """A channel has gone: an upload on it has broken off, and others need not wait for its time-out."""
+        """A channel has closed: cancel its transfers."""
         for one in self._lists.values():
             one.senders.pop(channel, None)
             one.parts.pop(channel, None)
@@ -157,7 +157,7 @@ class MissionService:
         self._outbox.broadcast(mission_current(self._vehicle))
 
     def _receive(self, one: MissionList, message: Message, origin: Origin, now_s: float) -> None:
-        # Two stations may well have the same ids: the channel tells them apart
+        # Two stations may have the same ids: compare the channel
         busy = one.receiver.partner is not None and one.upload_channel != origin.channel
         if busy or self._clearing is not None:
             if message.get_type() in _OFFERS:
@@ -171,7 +171,7 @@ class MissionService:
         self._after_receiver(one, now_s)
 
     def _receive_part(self, one: MissionList, message: Message, origin: Origin, now_s: float) -> None:
-        """A part may begin at any item held, or right behind the last, and may reach beyond it."""
+        """A part may start at any stored item or right after the last, and may extend the list."""
         first, last = message.start_index, message.end_index
         if not 0 <= first <= min(last, len(one.entries)):
             self._acknowledge(origin, MissionResult.INVALID_SEQUENCE, one.type)
@@ -247,8 +247,9 @@ class MissionService:
         self._acknowledge(clearing.origin, result, _ALL_TYPES)
 
     def _request_part(self, one: MissionList, message: Message, origin: Origin) -> None:
-        """The items are sent as they are, a few a tick, and nothing is waited for: a station asks again for
-        what it misses. An end of −1 is the last item."""
+        """Send the items, a few per tick, without acknowledgement: a station requests lost ones again. An end
+        of −1 is the last item.
+        """
         held = len(one.entries)
         first = message.start_index
         last = held - 1 if message.end_index == -1 else message.end_index
@@ -276,7 +277,7 @@ class MissionService:
         for message in machine.take_outbox():
             self._outbox.send(channel, message)
         if isinstance(machine, Sender):
-            machine.take_events()  # a download that fails is the station's affair
+            machine.take_events()  # failed downloads are not reported
 
     def _acknowledge(self, origin: Origin, result: MissionResult, mission_type: int) -> None:
         address = origin.address

@@ -1,4 +1,4 @@
-"""AVAILABLE_MODES, CURRENT_MODE and AVAILABLE_MODES_MONITOR: which modes there are, and which one is on."""
+"""AVAILABLE_MODES, CURRENT_MODE and AVAILABLE_MODES_MONITOR."""
 
 from companion.core.modes import Mode
 from companion.mavlink.dialect import Message, dialect
@@ -8,13 +8,13 @@ from companion.vehicle.vehicle import Vehicle
 PERIOD_S = 2.0
 
 _MODES = tuple(Mode)
-# None of Rover's modes promises all that a standard mode does, and ArduPilot does not say that one does
+# None of Rover's modes is a standard mode
 _STANDARD: int = dialect.MAV_STANDARD_MODE_NON_STANDARD
 _ADVANCED = frozenset((Mode.ACRO, Mode.STEERING, Mode.SIMPLE, Mode.FOLLOW))
 
 
 def available_mode(index: int) -> Message | None:
-    """The mode with this index, from 1 on; None where there is no such index."""
+    """The mode with this index, from 1; None if there is none."""
     if not 1 <= index <= len(_MODES):
         return None
     mode = _MODES[index - 1]
@@ -29,7 +29,7 @@ def available_mode(index: int) -> Message | None:
 
 
 def available_modes(which: float) -> list[Message]:
-    """What REQUEST_MESSAGE's second parameter asks for: one mode, all of them for 0, none beyond."""
+    """By REQUEST_MESSAGE's second parameter: one mode, or all for 0."""
     if not 0.0 <= which <= len(_MODES):
         return []
     indexes = range(1, len(_MODES) + 1) if which == 0.0 else (int(which),)
@@ -37,19 +37,19 @@ def available_modes(which: float) -> list[Message]:
 
 
 def current_mode(vehicle: Vehicle) -> Message:
-    """The mode that is on. A mode that cannot be entered is refused, so none is ever only intended."""
+    """The present mode; there are no pending mode changes."""
     message: Message = dialect.MAVLink_current_mode_message(_STANDARD, int(vehicle.mode), int(vehicle.mode))
     return message
 
 
 def available_modes_monitor() -> Message:
-    """The list of modes never changes, nor does its number."""
+    """The list of modes is constant."""
     message: Message = dialect.MAVLink_available_modes_monitor_message(0)
     return message
 
 
 class AvailableModesService:
-    """Says which mode is on, every PERIOD_S and whenever it changes."""
+    """Sends the present mode every PERIOD_S and on change."""
 
     def __init__(self, vehicle: Vehicle, outbox: Outbox) -> None:
         self._vehicle = vehicle
@@ -58,7 +58,7 @@ class AvailableModesService:
         self._said = vehicle.mode
 
     def tick(self, now_s: float) -> None:
-        """Send when due or changed."""
+        """Send if due or changed."""
         if now_s >= self._due_s:
             self._due_s = now_s + PERIOD_S
             self._outbox.broadcast(available_modes_monitor())
@@ -67,7 +67,7 @@ class AvailableModesService:
             self.announce_change()
 
     def announce_change(self) -> None:
-        """Send if the mode is not the one said last."""
+        """Send if the mode has changed."""
         if self._vehicle.mode is not self._said:
             self._broadcast()
 

@@ -1,4 +1,4 @@
-"""Telemetry of the estimate: how well it stands, and how water and wind carry the boat."""
+"""Telemetry of the estimate: its quality, and the current."""
 
 from companion.core.state import EstimateFault
 from companion.mavlink.dialect import Message, dialect
@@ -6,14 +6,14 @@ from companion.services.telemetry.snapshot import Snapshot
 
 _GNSS_BAD = EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
 _GLITCH = EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
-_SHAKEN = 0.8  # where stations turn a bar yellow: measured by something else than it should be
+_SHAKEN = 0.8  # where stations turn a bar yellow: a substitute source is in use
 _RELATIVE_FLAGS = dialect.EKF_VELOCITY_HORIZ | dialect.EKF_POS_HORIZ_REL | dialect.EKF_PRED_POS_HORIZ_REL
 _ABSOLUTE_FLAGS = dialect.EKF_POS_HORIZ_ABS | dialect.EKF_PRED_POS_HORIZ_ABS
-_SET_NAME = b"SET"
+_CURRENT_NAME = b"CURRENT"
 
 
 def _health(now: Snapshot) -> tuple[int, float, float]:
-    """Flags, and how near position and heading are to being given up: 1 is there.
+    """Flags, and the state of position and heading from 0 to 1 (lost).
 
     ESTIMATOR_STATUS_FLAGS and EKF_STATUS_FLAGS have the same bits up to EKF_PRED_POS_HORIZ_ABS.
     """
@@ -40,10 +40,9 @@ def _health(now: Snapshot) -> tuple[int, float, float]:
 
 
 def ekf_status_report(now: Snapshot) -> Message:
-    """Which parts of the estimate may be relied on.
+    """Which parts of the estimate are usable.
 
-    The variances are shares of what makes the boat give that part up, so that 1 is where stations (and the
-    gate) draw the line.
+    The variances are normalised: 1 is the limit used by stations and the boat.
     """
     flags, position, heading = _health(now)
     if now.frame is None:
@@ -54,7 +53,7 @@ def ekf_status_report(now: Snapshot) -> Message:
 
 
 def estimator_status(now: Snapshot) -> Message | None:
-    """The same for stations that ask the standard's way, with the position's accuracy in metres."""
+    """The same in the standard message, with the position accuracy in metres."""
     nav = now.nav
     if nav is None or now.frame is None:
         return None
@@ -75,15 +74,14 @@ def estimator_status(now: Snapshot) -> Message | None:
     )
 
 
-def water_set(now: Snapshot) -> Message | None:
-    """How water and wind carry the boat, m/s north and east.
+def water_current(now: Snapshot) -> Message | None:
+    """Current and leeway, m/s north and east.
 
-    MAVLink has messages for wind and none for current. WIND would put the water's motion where stations draw
-    the air's, so it goes as a named vector, which they list and plot.
+    MAVLink has no message for a current, and WIND would show it as wind, so it is sent as a named vector.
     """
     nav = now.nav
     if nav is None or now.frame is None:
         return None
     return dialect.MAVLink_debug_vect_message(
-        _SET_NAME, now.boot_us, nav.current_north_m_s, nav.current_east_m_s, 0.0
+        _CURRENT_NAME, now.boot_us, nav.current_north_m_s, nav.current_east_m_s, 0.0
     )

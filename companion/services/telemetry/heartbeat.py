@@ -1,7 +1,7 @@
-"""HEARTBEAT: once a second, and at once whenever what it says has changed.
+"""HEARTBEAT: once a second, and at once on change.
 
-A ground station waits 1.3 s for a new mode and 1.5 s for the armed bit; at 1 Hz alone it would sometimes
-report a failure that never was.
+A ground station waits 1.3 s for a new mode and 1.5 s for the armed bit; at 1 Hz it would sometimes report a
+failure.
 """
 
 from companion.calibration.motor_test import MotorTest
@@ -32,16 +32,16 @@ class HeartbeatService:
 
     @property
     def _is_armed(self) -> bool:
-        """Whether propellers may turn, a motor test included: as ArduPilot says it."""
+        """Whether propellers may turn, including a motor test, as with ArduPilot."""
         return self._vehicle.armed or self._motor_test.is_running
 
     def message(self) -> Message:
-        """The heartbeat of now."""
+        """The present heartbeat."""
         vehicle = self._vehicle
         base_mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | _BASE_MODE[vehicle.mode]
         if self._is_armed:
             base_mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
-        # ACTIVE makes stations offer Return and go-to; a boat that holds is STANDBY so that they offer Disarm
+        # With ACTIVE, stations offer Return and go-to; in HOLD it is STANDBY, so that they offer Disarm
         is_active = vehicle.armed and vehicle.mode is not Mode.HOLD
         return dialect.MAVLink_heartbeat_message(
             type=dialect.MAV_TYPE_SURFACE_BOAT,
@@ -53,7 +53,7 @@ class HeartbeatService:
         )
 
     def tick(self, now_s: float) -> None:
-        """Send when due or changed."""
+        """Send if due or changed."""
         if now_s >= self._due_s:
             self._due_s = now_s + _PERIOD_S
             self._broadcast()
@@ -61,7 +61,7 @@ class HeartbeatService:
             self.announce_change()
 
     def announce_change(self) -> None:
-        """Send if mode or arming differ from what was said last."""
+        """Send if mode or arming has changed."""
         said, vehicle = self._said, self._vehicle
         if vehicle.mode is not said[0] or self._is_armed is not said[1]:
             self._broadcast()

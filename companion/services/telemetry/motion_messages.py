@@ -1,4 +1,4 @@
-"""Telemetry of the boat's motion: one function per message, None while there is nothing true to say."""
+"""Telemetry of motion: one function per message, None if not available."""
 
 import math
 
@@ -11,7 +11,7 @@ from companion.services.telemetry.snapshot import Snapshot
 _POSITION_AND_VELOCITY = 0b1001_1110_0100
 
 
-# What a field holds: a cold receiver reports any altitude and any accuracy
+# Limits of the fields: a cold receiver reports arbitrary values
 _INT32_MAX, _UINT32_MAX = 0x7FFFFFFF, 0xFFFFFFFF
 
 
@@ -24,7 +24,7 @@ def _heading_cdeg(heading_rad: float) -> int:
 
 
 def attitude(now: Snapshot) -> Message | None:
-    """A boat's roll and pitch are not measured: both stay 0."""
+    """Roll and pitch are 0: the estimate has none."""
     if now.nav is None:
         return None
     return dialect.MAVLink_attitude_message(
@@ -62,7 +62,7 @@ def global_position_int(now: Snapshot) -> Message | None:
 
 
 def local_position_ned(now: Snapshot) -> Message | None:
-    """Relative to the frame's origin, which is where the first fix was."""
+    """Relative to the frame's origin."""
     nav = now.nav
     if nav is None or now.frame is None:
         return None
@@ -72,19 +72,19 @@ def local_position_ned(now: Snapshot) -> Message | None:
 
 
 def global_origin(origin: LatLon, time_us: int = 0) -> Message:
-    """Where local positions are measured from."""
+    """The origin of local positions."""
     return dialect.MAVLink_gps_global_origin_message(
         deg_to_e7(origin.lat_deg), deg_to_e7(origin.lon_deg), 0, time_us
     )
 
 
 def gps_global_origin(now: Snapshot) -> Message | None:
-    """LOCAL_POSITION_NED's origin, once it is laid."""
+    """The origin of LOCAL_POSITION_NED, once set."""
     return None if now.frame is None else global_origin(now.frame.origin, now.boot_us)
 
 
 def position_target_global_int(now: Snapshot) -> Message | None:
-    """Where the boat is heading, and how fast; silent while it steers for no place."""
+    """The target position and speed; None without a target."""
     target, demand = now.vehicle.destination, now.demand
     if target is None or demand is None:
         return None
@@ -109,7 +109,7 @@ def position_target_global_int(now: Snapshot) -> Message | None:
 
 
 def vfr_hud(now: Snapshot) -> Message | None:
-    """Ground speed, heading and throttle for the instrument panel."""
+    """Ground speed, heading and throttle."""
     nav = now.nav
     if nav is None:
         return None
@@ -120,7 +120,7 @@ def vfr_hud(now: Snapshot) -> Message | None:
 
 
 def gps_raw_int(now: Snapshot) -> Message | None:
-    """The receiver's fix as it came; "no fix" while there is none, so that stations show why."""
+    """The receiver's fix; "no fix" without one."""
     fix = now.fix
     if fix is None:
         return dialect.MAVLink_gps_raw_int_message(
@@ -148,7 +148,7 @@ def gps_raw_int(now: Snapshot) -> Message | None:
 
 
 def nav_controller_output(now: Snapshot) -> Message | None:
-    """Where guidance wants to go. xtrack_error is positive to the right of the line."""
+    """Guidance output. xtrack_error is positive to the right of the line."""
     nav, demand = now.nav, now.demand
     if nav is None:
         return None
@@ -173,7 +173,7 @@ def nav_controller_output(now: Snapshot) -> Message | None:
 
 
 def servo_output_raw(now: Snapshot) -> Message:
-    """Motor commands as the pulse widths that stations draw: 1 left, 3 right, as Rover's skid steering."""
+    """Motor commands as pulse widths: 1 left, 3 right, as Rover's skid steering."""
     left, right = (round(1500.0 + 500.0 * share) for share in (now.command.left, now.command.right))
     return dialect.MAVLink_servo_output_raw_message(
         now.boot_us & 0xFFFFFFFF, 0, left, 0, right, 0, 0, 0, 0, 0
@@ -181,7 +181,7 @@ def servo_output_raw(now: Snapshot) -> Message:
 
 
 def pid_tuning(now: Snapshot) -> Message | None:
-    """The heading PID at work; silent while no heading is steered."""
+    """The heading PID; None while it is inactive."""
     pid, demand, nav = now.heading_pid, now.demand, now.nav
     if pid is None or demand is None or nav is None:
         return None

@@ -1,4 +1,4 @@
-"""Telemetry of what lies and moves around the boat."""
+"""Telemetry of obstacles."""
 
 import math
 
@@ -10,8 +10,8 @@ from companion.services.telemetry.snapshot import Snapshot
 
 
 def obstacle_distance(now: Snapshot) -> Message | None:
-    """The rangers' latest sweep and what is remembered beyond it, 72 sectors clockwise from the bow; silent
-    while nothing is heard at all.
+    """The latest sweep and the remembered obstacles, 72 sectors clockwise from the bow; None without
+    pings.
     """
     sweep = now.sweep
     if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
@@ -34,7 +34,7 @@ def obstacle_distance(now: Snapshot) -> Message | None:
 
 
 def _remembered_cm(now: Snapshot) -> dict[int, int]:
-    """The nearest solid thing on the map, for each sector that there is one in."""
+    """The nearest solid cell in each sector."""
     nearest: dict[int, int] = {}
     perception, nav = now.perception, now.nav
     if perception is None or nav is None:
@@ -51,7 +51,7 @@ def _remembered_cm(now: Snapshot) -> dict[int, int]:
 
 
 def obstacle_distance_3d(now: Snapshot) -> Message | None:
-    """The nearest thing that is followed, ahead and to starboard of the boat, with its own number."""
+    """The nearest track, ahead and to starboard, with its number."""
     perception, nav = now.perception, now.nav
     known = [] if perception is None else perception.tracks.known(now.now_s)
     if perception is None or nav is None or not known:

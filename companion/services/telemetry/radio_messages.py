@@ -1,4 +1,4 @@
-"""Telemetry of the sticks, the transmitter's and the stations'."""
+"""Telemetry of the RC channels."""
 
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.snapshot import Snapshot
@@ -10,10 +10,10 @@ _BEST_SIGNAL, _UNKNOWN_SIGNAL = 254.0, 0xFF
 
 
 def rc_channels(now: Snapshot) -> Message:
-    """The receiver's channels, none while the transmitter is lost, and the link's quality as the signal.
+    """The receiver's channels (none while RC is lost), and the link quality as the signal.
 
-    Sticks that a station holds stand in the place of the transmitter's. Without a receiver they are all there
-    is, centred when released.
+    Manual input from a station replaces the transmitter's sticks. Without a receiver it is all there is,
+    centred when released.
     """
     sticks, config = now.vehicle.manual_input, now.config
     radio, rc, reading = sticks.rc, config.rc, sticks.rc.latest

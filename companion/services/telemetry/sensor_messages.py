@@ -1,4 +1,4 @@
-"""Telemetry of what is measured: gyro, compass, power and rangers."""
+"""Telemetry of sensors: gyro, compass, power."""
 
 import math
 
@@ -6,11 +6,11 @@ from companion.core.units import clamp
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.snapshot import Snapshot
 
-_FIELD = 1000.0  # of the unit vector that stands for the magnetic field
+_FIELD = 1000.0  # length of the magnetic field vector
 
 
 def _imu(now: Snapshot) -> tuple[int, int, int] | None:
-    """Yaw rate in mrad/s and the direction of magnetic north in the hull's axes; None without a compass."""
+    """Yaw rate in mrad/s and direction of north in body axes; None without a compass."""
     reading = now.heading
     if reading is None:
         return None
@@ -20,7 +20,7 @@ def _imu(now: Snapshot) -> tuple[int, int, int] | None:
 
 
 def scaled_imu(now: Snapshot) -> Message | None:
-    """Only the yaw gyro and the compass are there. The field is a direction, not a strength."""
+    """Only yaw gyro and compass. The field is a direction without a strength."""
     if (imu := _imu(now)) is None:
         return None
     zgyro, xmag, ymag = imu
@@ -28,7 +28,7 @@ def scaled_imu(now: Snapshot) -> Message | None:
 
 
 def raw_imu(now: Snapshot) -> Message | None:
-    """The same numbers: the part gives no rawer ones."""
+    """The same numbers: there are no raw ones."""
     if (imu := _imu(now)) is None:
         return None
     zgyro, xmag, ymag = imu
@@ -36,7 +36,7 @@ def raw_imu(now: Snapshot) -> Message | None:
 
 
 def power_status(now: Snapshot) -> Message | None:
-    """The pack as the motors' rail. The computer's own 5 V are not measured: 0, which stations leave out."""
+    """The pack as the motor rail. The computer's 5 V are not measured: 0."""
     if now.battery is None:
         return None
     flags = dialect.MAV_POWER_STATUS_BRICK_VALID
@@ -48,7 +48,7 @@ def power_status(now: Snapshot) -> Message | None:
 
 
 def meminfo(now: Snapshot) -> Message | None:
-    """Free memory of the computer, where somebody looks after it."""
+    """Free memory of the computer, if known."""
     free = now.free_memory_bytes
     if free <= 0:
         return None

@@ -1,4 +1,4 @@
-"""Telemetry: the table of messages that the boat can send, each channel's timetable, and single requests."""
+"""Telemetry: the table of messages, a schedule per channel, and single requests."""
 
 import math
 from collections.abc import Callable
@@ -30,7 +30,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_RC_CHANNELS: radio.rc_channels,
     _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
-    _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_set,
+    _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_current,
     _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: estimate.ekf_status_report,
     _ID.MAVLINK_MSG_ID_ESTIMATOR_STATUS: estimate.estimator_status,
     _ID.MAVLINK_MSG_ID_MEMINFO: sensor.meminfo,
@@ -54,7 +54,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
 }
 
-# What is sent only when it is asked for, by REQUEST_MESSAGE's second parameter
+# Sent only on request, with REQUEST_MESSAGE's second parameter
 INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {
     _ID.MAVLINK_MSG_ID_AVAILABLE_MODES: lambda _, which: modes.available_modes(which),
 }
@@ -66,7 +66,7 @@ MaySend = Callable[[int, float], bool]
 """Whether a channel has room for telemetry now."""
 
 TakeSnapshot = Callable[[], Snapshot | None]
-"""Takes stock of the boat."""
+"""The present state of the boat."""
 
 
 def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
@@ -75,10 +75,10 @@ def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
 
 
 class TelemetryService:
-    """Sends what is due on each channel; where there is no room, it all waits and becomes slower alike."""
+    """Sends due messages on each channel; without room, all messages wait."""
 
     def __init__(self, outbox: Outbox, take_snapshot: TakeSnapshot, may_send: MaySend = always) -> None:
-        """look: what the boat knows now, None before its first step. Asked only when something is due."""
+        """take_snapshot: the present state, None before the first step. Called only if something is due."""
         self._outbox = outbox
         self._take_snapshot = take_snapshot
         self._may_send = may_send
@@ -94,13 +94,13 @@ class TelemetryService:
 
     @staticmethod
     def answers(message_id: int) -> bool:
-        """Whether this is a message that the boat can be asked for."""
+        """Whether this message can be requested."""
         return message_id in BUILDERS or message_id in INDEXED
 
     def build_all(self, message_id: int, which: float) -> list[Message]:
-        """What answers a request as of now; none when there is nothing to say yet.
+        """The messages for a request; empty if not available yet.
 
-        which: the request's second parameter, an index where the message has one.
+        which: the request's second parameter, an index for some messages.
         """
         now = self._take_snapshot()
         if now is None:
@@ -112,7 +112,7 @@ class TelemetryService:
         return [] if message is None else [message]
 
     def set_interval_us(self, channel: int, message_id: int, interval_us: float, now_s: float) -> bool:
-        """SET_MESSAGE_INTERVAL: −1 stops, 0 asks for the default rate. False for a message we never send."""
+        """SET_MESSAGE_INTERVAL: −1 stops, 0 sets the default rate. False for an unknown message."""
         if message_id not in BUILDERS or not math.isfinite(interval_us):
             return False
         if (streams := self._streams.get(channel)) is not None:
@@ -121,7 +121,7 @@ class TelemetryService:
         return True
 
     def interval_us(self, channel: int, message_id: int) -> int:
-        """GET_MESSAGE_INTERVAL: −1 when it is not sent, 0 when it never can be."""
+        """GET_MESSAGE_INTERVAL: −1 if not sent, 0 if not supported."""
         if message_id not in BUILDERS:
             return 0
         streams = self._streams.get(channel)
@@ -129,13 +129,13 @@ class TelemetryService:
         return -1 if math.isinf(interval_s) else round(interval_s * 1e6)
 
     def on_request_data_stream(self, message: Message, channel: int, now_s: float) -> None:
-        """The old way to ask for rates, a group at a time."""
+        """Deprecated request for the rate of a group."""
         if (streams := self._streams.get(channel)) is not None:
             rate_hz = float(message.req_message_rate) if message.start_stop else 0.0
             streams.set_group(message.req_stream_id, rate_hz, now_s)
 
     def tick(self, now_s: float) -> None:
-        """Send what is due. A message that several channels want is built once."""
+        """Send what is due. A message for several channels is built once."""
         built: dict[int, Message | None] = {}
         now: Snapshot | None = None
         for channel, streams in self._streams.items():

@@ -1,4 +1,4 @@
-"""The boat at one instant, as telemetry reports it."""
+"""The state of the boat at one tick, for telemetry and logs."""
 
 from msgspec import Struct
 
@@ -13,7 +13,7 @@ from companion.vehicle.vehicle import Vehicle
 
 
 class Snapshot(Struct, frozen=True):
-    """One tick's knowledge. unix_s is 0 while the date is not known; load is the share of the tick used."""
+    """unix_s is 0 if the date is unknown; load is the share of the tick used."""
 
     now_s: float
     unix_s: float
@@ -28,18 +28,18 @@ class Snapshot(Struct, frozen=True):
     heading_pid: PidOutput | None
     command: MotorCommand
     consumed_mah: float
-    battery_percent: int  # charge left, −1 without a monitor
+    battery_percent: int  # remaining charge, −1 without a monitor
     load: float
     speed_pid: PidOutput | None = None
-    heading: HeadingReading | None = None  # as the part gave it
-    sweep: SonarScan | None = None  # what the rangers have seen around
-    perception: ObstaclePerception | None = None  # what lies and moves around
-    avoidance: Avoidance | None = None  # what is being done about it
-    free_memory_bytes: int = 0  # of the boat's computer, 0 while not known
+    heading: HeadingReading | None = None  # as measured
+    sweep: SonarScan | None = None  # latest ranges
+    perception: ObstaclePerception | None = None  # obstacles
+    avoidance: Avoidance | None = None  # present avoidance
+    free_memory_bytes: int = 0  # of the computer, 0 if unknown
 
     @property
     def boot_ms(self) -> int:
-        """Milliseconds since boot, as most messages stamp themselves."""
+        """Milliseconds since boot, modulo 2³²."""
         return round(self.now_s * 1e3) & 0xFFFFFFFF
 
     @property

@@ -1,4 +1,4 @@
-"""Telemetry of the boat's condition: one function per message, None while there is nothing true to say."""
+"""Telemetry of the boat's status: one function per message, None if not available."""
 
 import math
 import re
@@ -10,7 +10,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
 
-# A real Rover version (major, minor, patch, stage): stations pick their parameter descriptions by it
+# A real Rover version (major, minor, patch, stage): stations select parameter descriptions by it
 _ROVER_VERSION = (4, 6, 0, 0)
 
 _SENSOR = dialect
@@ -26,12 +26,12 @@ _PRESENT = (
 
 
 def sys_status(now: Snapshot) -> Message:
-    """Health bits. Stations take the boat for armable by the PREARM_CHECK bit."""
+    """Health bits. Stations use the PREARM_CHECK bit as "ready to arm"."""
     vehicle, estimate_timeout_s = now.vehicle, now.config.motors.estimate_timeout_s
     nav = now.nav
     health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
     if not vehicle.failsafes.fence.is_outside:
-        # A fence that is not there cannot be breached; MAVProxy warns of a breach where this bit is missing
+        # Also set without a fence: MAVProxy reports a breach if this bit is missing
         health |= dialect.MAV_SYS_STATUS_GEOFENCE
     if nav is None or nav.heading_age_s > estimate_timeout_s:
         health &= ~(dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_YAW_POSITION)
@@ -69,7 +69,7 @@ def sys_status(now: Snapshot) -> Message:
 
 
 def _optional_parts(now: Snapshot) -> tuple[int, int]:
-    """The bits of parts that not every boat has, and of those among them that are well."""
+    """Bits of the optional parts that are fitted, and of those that work."""
     fitted = well = 0
     if now.vehicle.fence.is_active:
         fitted |= dialect.MAV_SYS_STATUS_GEOFENCE
@@ -94,7 +94,7 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
 
 
 def battery_status(now: Snapshot) -> Message | None:
-    """The pack; cells are not measured one by one, so the whole voltage stands in the first place."""
+    """The pack; the total voltage is in the first cell's field."""
     battery = now.battery
     if battery is None:
         return None
@@ -114,7 +114,7 @@ def battery_status(now: Snapshot) -> Message | None:
 
 
 def fence_status(now: Snapshot) -> Message | None:
-    """How the boat stands to its fence; silent without one."""
+    """State of the fence; None without one."""
     if not now.vehicle.fence.is_active:
         return None
     watch = now.vehicle.failsafes.fence
@@ -128,12 +128,12 @@ def fence_status(now: Snapshot) -> Message | None:
 
 
 def system_time(now: Snapshot) -> Message:
-    """The date is 0 until the receiver or the computer knows it."""
+    """The date is 0 until known."""
     return dialect.MAVLink_system_time_message(round(now.unix_s * 1e6), now.boot_ms)
 
 
 def home_position(now: Snapshot) -> Message | None:
-    """Home, once it is known."""
+    """Home, if set."""
     home = now.vehicle.home
     if home is None:
         return None
@@ -154,7 +154,7 @@ def home_position(now: Snapshot) -> Message | None:
 
 
 def mission_current(vehicle: Vehicle) -> Message:
-    """The current item and how the mission stands. The total leaves home out, as the protocol asks."""
+    """The present item and mission state. The total excludes home, as the protocol requires."""
     progress = vehicle.progress
     if progress.is_empty:
         state = dialect.MISSION_STATE_NO_MISSION
@@ -173,7 +173,7 @@ def mission_current(vehicle: Vehicle) -> Message:
 
 
 def distance_sensor(now: Snapshot) -> Message | None:
-    """The latest ping. A bearing between the compass points goes out as a custom orientation."""
+    """The latest ping. Other bearings than multiples of 45° use a custom orientation."""
     ping = now.sonar
     if ping is None:
         return None
@@ -206,15 +206,15 @@ def _orientation(bearing_rad: float) -> int:
 
 
 def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
-    """A boat neither lands nor takes off: both undefined, as Rover says."""
+    """Both undefined, as for Rover."""
     return dialect.MAVLink_extended_sys_state_message(
         dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_UNDEFINED
     )
 
 
 def _hex_version(version: str) -> str:
-    """A version as eight hexadecimal digits: tools take this field for the head of a commit's hash, and fail
-    on anything else. Two digits for major and minor each, four for the patch.
+    """A version as eight hexadecimal digits, two each for major and minor, four for patch: tools read this
+    field as a commit hash.
     """
     numbers = [int(number) for number in re.findall(r"\d+", version)[:3]]
     major, minor, patch = [*numbers, 0, 0, 0][:3]
@@ -222,7 +222,9 @@ def _hex_version(version: str) -> str:
 
 
 def autopilot_version(now: Snapshot) -> Message:
-    """Capabilities decide what stations even try: fence and rally transfers, COMMAND_INT, MISSION_INT."""
+    """Stations use the capabilities to select protocols: fence and rally transfers, COMMAND_INT,
+    MISSION_INT.
+    """
     capabilities = (
         dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST

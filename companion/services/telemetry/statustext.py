@@ -1,6 +1,5 @@
-"""STATUSTEXT: lines for the operator. Long ones go out in MAVLink 2's chunks of 50 bytes.
-
-A program that keeps a journal has each line that is told logged as well.
+"""STATUSTEXT: messages to the operator. Long ones are sent in MAVLink 2's chunks of 50 bytes, and may be
+logged.
 """
 
 import logging
@@ -16,24 +15,24 @@ _LEVELS = {Severity.WARNING: logging.WARNING, Severity.NOTICE: logging.INFO, Sev
 
 _CHUNK_BYTES = 50
 
-# Lines at once, and lines a second: a station that provokes refusals by the thousand must not drown others
+# Burst and rate limit: refusals must not flood the other messages
 _MOST, _PER_SECOND = 40.0, 10.0
-_RESERVED = 20.0  # for what is critical: an error may be a refusal
+_RESERVED = 20.0  # for critical messages
 
 
 class StatusTextService:
-    """Tells every station what the vehicle has to say, but not more than somebody could read."""
+    """Sends status texts to all stations, rate-limited."""
 
     def __init__(self, outbox: Outbox) -> None:
         self._outbox = outbox
         self._next_id = 1
         self.dropped = 0
         self._left = _MOST
-        self.listener: Callable[[StatusText], object] | None = None  # whoever keeps a log
-        self.logs_texts = False  # whether lines are logged too
+        self.listener: Callable[[StatusText], object] | None = None  # the onboard log
+        self.logs_texts = False  # whether messages are also logged
 
     def send(self, status_texts: Iterable[StatusText]) -> None:
-        """Send lines to everyone; what is too much is dropped and counted, the least severe first."""
+        """Send to all; the excess is dropped and counted, the least severe first."""
         for notice in status_texts:
             if self.listener is not None:
                 self.listener(notice)
@@ -46,18 +45,18 @@ class StatusTextService:
                 self._outbox.broadcast(message)
 
     def tick(self, dt_s: float) -> None:
-        """Let a little more out after dt_s."""
+        """Refill the rate limit after dt_s."""
         self._left = min(self._left + _PER_SECOND * dt_s, _MOST)
 
     def send_to(self, channel: int, notice: StatusText) -> None:
-        """Send a line to whoever listens on one channel."""
+        """Send on one channel."""
         self._log(notice)
         for message in self._chunks(notice):
             self._outbox.send(channel, message)
 
     def _log(self, notice: StatusText) -> None:
         if self.logs_texts:
-            text = "".join(one if one.isprintable() else " " for one in notice.text)  # a line stays one
+            text = "".join(one if one.isprintable() else " " for one in notice.text)  # keep it one line
             logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
 
     def _chunks(self, notice: StatusText) -> Iterator[Message]:

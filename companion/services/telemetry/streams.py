@@ -1,10 +1,10 @@
-"""Which messages go out on which channel, and how often."""
+"""Schedule of telemetry messages per channel."""
 
 import math
 
 from companion.mavlink.dialect import dialect
 
-# REQUEST_DATA_STREAM's groups, as ArduPilot Rover fills them; HOME_POSITION is in none: it keeps its own rate
+# REQUEST_DATA_STREAM's groups, as in ArduPilot Rover; HOME_POSITION is in none
 _ID = dialect
 GROUPS: dict[int, tuple[int, ...]] = {
     _ID.MAV_DATA_STREAM_RAW_SENSORS: (_ID.MAVLINK_MSG_ID_RAW_IMU, _ID.MAVLINK_MSG_ID_SCALED_IMU),
@@ -37,7 +37,7 @@ GROUPS: dict[int, tuple[int, ...]] = {
     ),
 }
 
-# What flows before anyone has asked, as a share of the configured stream rate
+# Default rates, as a share of the configured stream rate
 _UNASKED: dict[int, float] = {
     _ID.MAVLINK_MSG_ID_ATTITUDE: 1.0,
     _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 1.0,
@@ -64,12 +64,12 @@ _UNASKED: dict[int, float] = {
 }
 
 MIN_INTERVAL_S = 0.02  # the tick
-_SLACK_S = 1e-6  # sums of intervals are not exact: without it a message of every tick would miss some
+_SLACK_S = 1e-6  # rounding errors of the intervals
 _ONCE_A_SECOND_S = 1.0
 
 
 class Streams:
-    """The timetable of one channel. A late tick piles up no work: what was missed is not sent later."""
+    """The schedule of one channel. Missed messages are not sent later."""
 
     def __init__(self, stream_hz: float) -> None:
         self._interval_s: dict[int, float] = {}
@@ -81,12 +81,12 @@ class Streams:
                 self.set_interval(message_id, self.default_s(message_id), 0.0)
 
     def default_s(self, message_id: int) -> float:
-        """The interval before anyone has asked; once a second for what is not sent unasked."""
+        """The default interval; a second for messages not sent by default."""
         rate_hz = self._stream_hz * _UNASKED.get(message_id, 0.0)
         return 1.0 / rate_hz if rate_hz > 0.0 else _ONCE_A_SECOND_S
 
     def set_interval(self, message_id: int, interval_s: float, now_s: float) -> None:
-        """Send a message every interval_s seconds from now on; infinite stops it."""
+        """Send a message every interval_s; infinite stops it."""
         if math.isinf(interval_s):
             self._interval_s.pop(message_id, None)
             self._due_s.pop(message_id, None)
@@ -96,22 +96,22 @@ class Streams:
         self._next_s = min(self._due_s.values(), default=math.inf)
 
     def interval_s(self, message_id: int) -> float:
-        """The interval of a message, infinite when it is not sent."""
+        """The interval of a message, infinite if not sent."""
         return self._interval_s.get(message_id, math.inf)
 
     def set_group(self, group: int, rate_hz: float, now_s: float) -> None:
-        """REQUEST_DATA_STREAM: the rate of a whole group; 0 stops it. Group 0 is all groups."""
+        """REQUEST_DATA_STREAM: rate of a group; 0 stops it. Group 0 is all groups."""
         interval_s = 1.0 / rate_hz if rate_hz > 0.0 else math.inf
         groups = list(GROUPS) if group == dialect.MAV_DATA_STREAM_ALL else [group]
         for message_id in (number for one in groups for number in GROUPS.get(one, ())):
             self.set_interval(message_id, interval_s, now_s)
 
     def has_due(self, now_s: float) -> bool:
-        """Whether there is anything to send now."""
+        """Whether any message is due."""
         return now_s + _SLACK_S >= self._next_s
 
     def due(self, now_s: float) -> list[int]:
-        """The messages to send now."""
+        """The messages due now."""
         now_s += _SLACK_S
         if now_s < self._next_s:
             return []

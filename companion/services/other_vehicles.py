@@ -1,4 +1,4 @@
-"""Where other vehicles say that they are: FOLLOW_TARGET, and the GLOBAL_POSITION_INT of another system."""
+"""Positions of other vehicles: FOLLOW_TARGET, and GLOBAL_POSITION_INT of other systems."""
 
 import math
 
@@ -10,20 +10,20 @@ from companion.services.outbox import Origin
 from companion.vehicle.vehicle import Vehicle
 
 _UNKNOWN_HEADING = 0xFFFF
-_STILL_M_S = 0.2  # slower than this, a course over ground is no heading
+_STILL_M_S = 0.2  # below it, the course over ground is not a heading
 _WHOLE_SYSTEMS = frozenset((dialect.MAV_COMP_ID_AUTOPILOT1, dialect.MAV_COMP_ID_MISSIONPLANNER))
 _HAS_VELOCITY = 1 << 1  # FOLLOW_TARGET.est_capabilities: position, velocity, acceleration, attitude
 _HAS_ATTITUDE = 1 << 3
 
 
 class OtherVehicleService:
-    """Turns their reports into requests; the vehicle knows whom it follows."""
+    """Converts the reports to requests; the vehicle selects the one to follow."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
 
     def on_follow_target(self, message: Message, origin: Origin) -> None:
-        """FOLLOW_TARGET, which ground stations send for the operator's own position."""
+        """FOLLOW_TARGET, sent by ground stations for the operator's position."""
         known = message.est_capabilities
         north_m_s, east_m_s = message.vel[:2] if known & _HAS_VELOCITY else (0.0, 0.0)
         w, x, y, z = message.attitude_q
@@ -31,7 +31,7 @@ class OtherVehicleService:
         self._request(message, origin, north_m_s, east_m_s, heading if known & _HAS_ATTITUDE else None)
 
     def on_global_position(self, message: Message, origin: Origin) -> None:
-        """GLOBAL_POSITION_INT of another vehicle, or of a ground station whose operator walks about."""
+        """GLOBAL_POSITION_INT of another vehicle or a mobile ground station."""
         if origin.address.component not in _WHOLE_SYSTEMS:
             return
         heading = None if message.hdg == _UNKNOWN_HEADING else math.radians(message.hdg * 0.01)
