@@ -145,7 +145,7 @@ class Endpoint:
         self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
         self._manual = ManualControlService(vehicle, self._texts)
         self._guided = GuidedService(vehicle, self._texts)
-        self._sightings = OtherVehicleService(vehicle)
+        self._other_vehicles = OtherVehicleService(vehicle)
         self._modes = AvailableModesService(vehicle, self.outbox)
         self.roles = Roles()
         folder = storage.folder if isinstance(storage, FolderStorage) else None
@@ -181,9 +181,9 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: self._guided.on_global_target,
             dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._guided.on_local_target,
             dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: self._guided.on_attitude_target,
-            dialect.MAVLINK_MSG_ID_FOLLOW_TARGET: lambda m, o, t: self._sightings.on_follow_target(m, o),
+            dialect.MAVLINK_MSG_ID_FOLLOW_TARGET: lambda m, o, t: self._other_vehicles.on_follow_target(m, o),
             dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: (
-                lambda m, o, t: self._sightings.on_global_position(m, o)
+                lambda m, o, t: self._other_vehicles.on_global_position(m, o)
             ),
             dialect.MAVLINK_MSG_ID_SETUP_SIGNING: self._signing.on_setup,
         }

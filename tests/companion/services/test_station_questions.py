@@ -272,7 +272,7 @@ def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> N
     rig.run(20.0)
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 250) == OK
     (drift,) = rig.peer.said("DEBUG_VECT")
-    assert drift.name == "SET"
+    assert drift.name == "CURRENT"
     assert (drift.x, drift.y) == pytest.approx((0.0, 0.5), abs=0.1)
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 230) == OK
     (status,) = rig.peer.said("ESTIMATOR_STATUS")
