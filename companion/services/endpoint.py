@@ -297,7 +297,7 @@ class Endpoint:
         vehicle = self._vehicle
         is_order = getattr(message, "command", _REPOSITION) == _REPOSITION
         if is_order and self.roles.of(sender) is Role.PLANNER and vehicle.is_guided:
-            vehicle.planner.steers(now_s)
+            vehicle.failsafes.planner.steers(now_s)
 
     def announce_changes(self) -> None:
         """Send changes by the last message at once."""
@@ -318,9 +318,9 @@ class Endpoint:
         chosen = self._parameters.config.identity.operator_system_id
         role = self.roles.update(message, origin.address, chosen)
         if role is Role.OPERATOR:
-            self._vehicle.operator.heard(now_s)
+            self._vehicle.failsafes.operator.heard(now_s)
         elif role is Role.PLANNER:
-            self._vehicle.planner.heard(now_s)
+            self._vehicle.failsafes.planner.heard(now_s)
         self._addresses.on_heartbeat(origin, self._heartbeat, now_s)
 
     def _on_ping(self, message: Message, origin: Origin) -> None:

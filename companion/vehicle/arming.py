@@ -1,15 +1,37 @@
-"""What must be well before the motors may turn."""
+"""The arming checks: everything that must be in order before the motors may turn."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
 
 from companion.config.boat_config import Arming, BoatConfig, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
+from companion.persistence.losses import FENCE
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
 
+if TYPE_CHECKING:
+    from companion.vehicle.vehicle import Vehicle
 
-def arming_faults(
+RESTARTING: Final = "Program: restarting"
+
+
+def arming_faults(vehicle: "Vehicle", now_s: float) -> list[str]:
+    """Reasons not to arm, worst first, for the operator; empty when all is well."""
+    config, mode = vehicle.config, vehicle.mode
+    faults = sensor_faults(config.arming, config.motors, mode, vehicle.nav, vehicle.fix, vehicle.battery)
+    if config.arming.check and vehicle.is_outside and not mode.rules.comes_inside:
+        faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
+    if config.arming.check and vehicle.losses.text(FENCE):
+        faults.append("Fence: the stored fence is lost: upload or clear it")
+    if fault := rc_fault(vehicle.manual_input, config, now_s):
+        faults.append(fault)
+    if vehicle.is_restarting:
+        faults.append(RESTARTING)
+    return faults
+
+
+def sensor_faults(
     setting: Arming,
     motors: MotorLimits,
     mode: Mode,
@@ -38,7 +60,7 @@ def arming_faults(
     return faults
 
 
-def radio_fault(sticks: ManualInput, config: BoatConfig, now_s: float) -> str:
+def rc_fault(sticks: ManualInput, config: BoatConfig, now_s: float) -> str:
     """Why the boat should not be armed with the transmitter as it is; empty when all is well.
 
     A transmitter that has never been heard keeps nobody from arming, nor does one while a station steers.

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from companion.core.geo import LatLon
 from companion.core.modes import Mode, mode_from_number
 from companion.core.requests import (
     ACCEPTED,
@@ -19,6 +20,7 @@ from companion.core.requests import (
     SetPoint,
     StartMission,
 )
+from companion.vehicle.modes.rtl import home_fault
 
 if TYPE_CHECKING:
     from companion.vehicle.vehicle import Vehicle
@@ -66,7 +68,7 @@ def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
                 vehicle.speed_m_s = speed_m_s
             return ACCEPTED
         case SetHome(position):
-            return vehicle.set_home(position)
+            return _set_home(vehicle, position)
 
 
 def _start_mission(vehicle: "Vehicle", first_seq: int | None) -> Outcome:
@@ -99,4 +101,15 @@ def _go_to(vehicle: "Vehicle", request: GoTo) -> Outcome:
     if request.speed_m_s is not None:
         vehicle.speed_m_s = request.speed_m_s
     vehicle.modes.guided.go_to(request.position)
+    return ACCEPTED
+
+
+def _set_home(vehicle: "Vehicle", position: LatLon | None) -> Outcome:
+    if position is None:
+        if vehicle.nav is None or vehicle.frame is None:
+            return vehicle.refuse("Home: no position yet")
+        position = vehicle.frame.to_global(vehicle.nav.point)
+    if fault := home_fault(position, vehicle.frame):
+        return vehicle.refuse(f"Home: {fault}")
+    vehicle.home, vehicle.is_home_set = position, True
     return ACCEPTED

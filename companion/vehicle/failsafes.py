@@ -10,10 +10,11 @@ from companion.core.intent import Intent
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
 from companion.failsafe.actions import AssumeFailed, Decision, Disarm, LimitSpeed, Notify, Recover, Retreat
+from companion.failsafe.guards import may_drift
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.monitor import PERIOD_S
 from companion.failsafe.recovery.transition_table import Trigger
-from companion.failsafe.response import respond, routine_check
+from companion.failsafe.response import RECHECK_DRIFT_S, respond, routine_check
 from companion.failsafe.table import Condition
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
     endurance, check = failsafes.endurance, vehicle.recovery.motor_check
     if endurance.is_due(now_s):
         home = None if vehicle.home is None or frame is None else frame.to_local(vehicle.home)
-        home_m = math.inf if nav is None else vehicle.home_distance_m(nav.point)
+        home_m = math.inf if nav is None else vehicle.route.home_distance_m(nav.point)
         endurance.compare(nav, home, home_m, battery, board.consumed_mah, config)
     endurance.learn(battery, nav, config, PERIOD_S)
     failsafes.fence.update(vehicle.fence, nav, config.motors, now_s)
@@ -132,3 +133,13 @@ def run_recovery(vehicle: "Vehicle", now_s: float) -> Intent:
     elif step.cleared is not None:
         vehicle.failsafes.motors.reset()
     return step.intent
+
+
+def recheck_motors(vehicle: "Vehicle", now_s: float) -> None:
+    """Check a failed motor again from time to time, where the boat has room to drift."""
+    check = vehicle.recovery.motor_check
+    if not check.motors.has_failed:
+        return
+    has_room = may_drift(vehicle.nav, vehicle.fence, RECHECK_DRIFT_S)
+    if check.is_due(now_s, has_room=has_room):
+        vehicle.recovery.handle(Trigger.CHECK, now_s)

@@ -9,7 +9,7 @@ import math
 
 from companion.core.geo import LatLon
 from companion.core.modes import Mode, mode_from_number
-from companion.core.requests import Arm, ChangeMode
+from companion.core.requests import Arm, ChangeMode, SetHome
 from companion.core.status_text import Severity
 from companion.persistence.storage import Storage
 from companion.persistence.track_record import TrackRecord
@@ -167,5 +167,5 @@ def _restore(voyage: Voyage, vehicle: Vehicle) -> bool:
     if mode is Mode.AUTO and not is_restored:
         return False
     if home is not None:
-        vehicle.set_home(home)
+        vehicle.request(SetHome(home))
     return True

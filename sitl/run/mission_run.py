@@ -178,5 +178,5 @@ class MissionRun:
 def _is_under_way(vehicle: Vehicle) -> bool:
     """Whether the boat sails its mission, or home because the mission's last item says so."""
     goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home
-    is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.has_returned)
+    is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.route.has_arrived)
     return vehicle.armed and is_on_its_way

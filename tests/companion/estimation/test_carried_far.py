@@ -4,6 +4,7 @@ import pytest
 from boat_rig import OK, Rig
 
 from companion.core.geo import LatLon, LocalFrame
+from companion.core.requests import SetHome
 
 HOME, LAKE = LatLon(50.0, -1.2), LatLon(51.2, -1.2)  # 133 km
 LOITER = 5
@@ -40,7 +41,7 @@ def test_a_disarmed_boat_that_was_carried_far_knows_where_it_is_and_arms() -> No
 
 def test_a_home_that_somebody_chose_stays() -> None:
     rig = Rig().ready()
-    assert rig.boat.vehicle.set_home(HOME).accepted
+    assert rig.boat.vehicle.request(SetHome(HOME)).accepted
     carried(rig)
     rig.run(10.0)
     assert rig.boat.vehicle.home == HOME

@@ -130,7 +130,7 @@ class Failsafes(RuleBasedStateMachine):
     @rule()
     def a_planner_steers(self) -> None:
         if self.vehicle.request(GoTo(FRAME.to_global(nav_at(50.0, 50.0).point))).accepted:
-            self.vehicle.planner.steers(self.now_s)
+            self.vehicle.failsafes.planner.steers(self.now_s)
         self.read_notices()
 
     @rule(seconds=st.sampled_from((0.2, 3.0, 15.0, 100.0)))
@@ -144,9 +144,9 @@ class Failsafes(RuleBasedStateMachine):
         nav = nav_at(time_s=self.now_s, age_s=100.0 if self.is_stale else 0.1)
         self.nav = replace(nav, faults=self.faults, current_east_m_s=0.4)
         if self.operator_is_there:
-            vehicle.operator.heard(self.now_s)
+            vehicle.failsafes.operator.heard(self.now_s)
         if self.planner_is_there:
-            vehicle.planner.heard(self.now_s)
+            vehicle.failsafes.planner.heard(self.now_s)
         battery = BatteryReading(self.now_s, self.volt, 2.0)
         vehicle.update_state(self.nav, FRAME, GOOD_FIX, battery, self.now_s)
         if self.hand_is_there:

@@ -45,7 +45,7 @@ def live(
 
 
 def lose_operator(vehicle: Vehicle, seconds: float = 10.0) -> list[str]:
-    vehicle.operator.heard(vehicle._now_s)
+    vehicle.failsafes.operator.heard(vehicle._now_s)
     return live(vehicle, seconds)
 
 
@@ -56,7 +56,7 @@ def test_an_operator_who_was_never_heard_is_never_missed() -> None:
 def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> None:
     vehicle = armed_vehicle(long_timeout_s=0.0)
     assert lose_operator(vehicle, 600.0) == ["Failsafe: Operator lost for 5 s", "Mode LOITER: failsafe"]
-    vehicle.operator.heard(vehicle._now_s)
+    vehicle.failsafes.operator.heard(vehicle._now_s)
     assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"]
     assert "Failsafe: Operator lost for 5 s" in live(vehicle, 5.0)
 
@@ -130,7 +130,7 @@ def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Act
 def test_a_boat_that_cannot_go_home_stays_where_it_is_and_does_not_drift() -> None:
     vehicle = armed_vehicle(action=int(Action.RTL))
     vehicle.home = None
-    vehicle.operator.heard(0.0)
+    vehicle.failsafes.operator.heard(0.0)
     for now_s in range(1, 10):
         vehicle.home = None
         vehicle.nav, vehicle._now_s = nav_at(time_s=now_s), float(now_s)
@@ -195,21 +195,21 @@ def test_an_operator_who_stays_away_is_come_home_to() -> None:
 def guided_by_a_planner() -> Vehicle:
     vehicle = armed_vehicle()
     assert vehicle.request(GoTo(vehicle.frame.to_global(nav_at(500.0).point))).accepted  # type: ignore[union-attr]
-    vehicle.planner.steers(vehicle._now_s)
+    vehicle.failsafes.planner.steers(vehicle._now_s)
     return vehicle
 
 
 def test_a_planner_that_steers_and_falls_silent_leaves_the_boat_keeping_station() -> None:
     vehicle = guided_by_a_planner()
     assert live(vehicle, 6.0) == ["Failsafe: Planner lost for 5 s", "Mode LOITER: failsafe"]
-    vehicle.planner.heard(vehicle._now_s)
+    vehicle.failsafes.planner.heard(vehicle._now_s)
     assert live(vehicle, 3.0) == ["Failsafe over: planner heard again"]
     assert vehicle.mode.name == "LOITER"
 
 
 def test_a_planner_that_only_listens_is_not_missed() -> None:
     vehicle = armed_vehicle()
-    vehicle.planner.heard(0.0)
+    vehicle.failsafes.planner.heard(0.0)
     assert live(vehicle, 60.0) == []
 
 

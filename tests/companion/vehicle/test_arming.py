@@ -8,7 +8,7 @@ from companion.config.boat_config import Arming, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.vehicle.arming import PreArmReport, arming_faults
+from companion.vehicle.arming import PreArmReport, sensor_faults
 
 FULL = BatteryReading(0.0, 12.4)
 
@@ -20,7 +20,7 @@ def faults(
     battery: BatteryReading | None = FULL,
     setting: Arming = Arming(),  # noqa: B008
 ) -> list[str]:
-    return arming_faults(setting, MotorLimits(), mode, nav, fix, battery)
+    return sensor_faults(setting, MotorLimits(), mode, nav, fix, battery)
 
 
 def test_a_boat_that_is_well_arms() -> None:

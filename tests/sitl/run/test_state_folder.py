@@ -9,6 +9,7 @@ from fake_clock import FakeClock
 
 from companion.core.errors import StorageError
 from companion.core.modes import Mode
+from companion.core.requests import SetHome
 from sitl.run.serve import Server
 from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
 from sitl.run.state_folder import StateInUseError, default_folder, hold
@@ -64,7 +65,7 @@ def sail(folder: Path, *, is_cut: bool) -> None:
     def begin() -> bool:
         if clock.time_s > 4.0 and not vehicle.armed:
             vehicle.mode = Mode.RTL
-            vehicle.set_home(scenario("open").frame.to_global(scenario("open").start))
+            vehicle.request(SetHome(scenario("open").frame.to_global(scenario("open").start)))
             vehicle.arm(force=True)
         return clock.time_s > 8.0
 
