@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Intent, Stop
 from companion.core.modes import Mode
@@ -37,7 +37,7 @@ class Vehicle:
     """The vehicle's state. Modes, failsafes and requests are objects and functions of their own."""
 
     def __init__(self, config: BoatConfig) -> None:
-        self.config = config  # replaced by the owner whenever a parameter changes
+        self.config = config  # replaced by the boat when a parameter changes
         self.mode = Mode.HOLD
         self.armed = False
         self.home: LatLon | None = None
@@ -52,17 +52,17 @@ class Vehicle:
         )
         self.failsafes = Failsafes(config, self.manual_input)
         self.recovery = RecoveryManeuvers()
-        self.board = BoardReadings()  # replaced by the owner before each cycle of the failsafes
-        self.speed_m_s: float | None = None  # asked for by the operator; None: cruise speed
+        self.board = BoardReadings()  # replaced by the boat before each cycle of the failsafes
+        self.speed_m_s: float | None = None  # set by the operator; None: cruise speed
         self.nav: NavState | None = None
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
-        self.is_returning_from_mission = False  # RTL is the mission's last item, and it is under way
-        self.is_restarting = False  # the program is about to begin anew: it does not arm any more
-        self.is_resuming = False  # it is about to arm itself, or to go on; any mode or disarming ends that
+        self.is_returning_from_mission = False  # in RTL, as the mission's last item
+        self.is_restarting = False  # the program restarts soon: no arming
+        self.is_resuming = False  # by itself after a power loss; selecting a mode or disarming ends that
         self.losses = Losses()
-        self.is_home_set = False
+        self.is_home_set = False  # by a request: arming does not move it
         self._pre_arm = PreArmReport()
         self._now_s = 0.0
 
@@ -123,7 +123,8 @@ class Vehicle:
                 self.notify(Severity.CRITICAL, f"PreArm: {fault}")
             return _STOP
         inputs = self._mode_inputs()
-        self._record_track()
+        if inputs is not None and not lacks_position(inputs.nav, self.config.motors.estimate_timeout_s):
+            self._record_track(inputs.nav.point)
         if self.recovery.is_active:
             return run_recovery(self, self._now_s)
         if self.mode is Mode.MANUAL:
@@ -249,15 +250,12 @@ class Vehicle:
             return "position is stale"
         return NO_HEADING if lacks_heading(self.nav, self.config.motors.estimate_timeout_s) else ""
 
-    def _record_track(self) -> None:
-        """Record the way back; in SMART_RTL it is being sailed."""
-        nav, setting = self.nav, self.config.modes
-        if nav is None or self.frame is None or lacks_position(nav, self.config.motors.estimate_timeout_s):
-            return
+    def _record_track(self, at: Point) -> None:
+        """Record the way back, which SMART_RTL consumes."""
         if self.mode is Mode.SMART_RTL:
-            self.track.resume_at(nav.point)
+            self.track.resume_at(at)
         else:
-            self.track.add(nav.point, setting.trail_accuracy_m, setting.trail_points)
+            self.track.add(at, self.config.modes.trail_accuracy_m, self.config.modes.trail_points)
 
     def _mode_fault(self, mode: Mode) -> str:
         inputs = self._mode_inputs()
