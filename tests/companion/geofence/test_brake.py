@@ -1,0 +1,263 @@
+"""The fence brake against v = √((a t)² + 2 a d) − a t, with a = 0.4 m/s², t = 1 s, d half of the room left.
+
+The water is a square of 100 m, the margin 2 m. The room left is the way to the line less the margin.
+"""
+
+import math
+
+import pytest
+from msgspec.structs import replace
+from test_fence_lines import globe, laid, square
+
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.geo import Point
+from companion.core.intent import Drive, FollowCircle, FollowLeg, HoldCourse, Intent, KeepStation, Stop
+from companion.core.state import Demand, NavState
+from companion.core.status_text import Severity, StatusText
+from companion.geofence.brake import FenceBrake
+from companion.geofence.fence import Fence, FenceCircle
+
+CONFIG = BoatConfig()
+NORTHWARD = Demand(0.0, 2.0, 0.3, 7.0, 0.01)
+
+
+def allowed_m_s(room_left_m: float) -> float:
+    return math.sqrt(0.16 + 2.0 * 0.4 * 0.5 * room_left_m) - 0.4
+
+
+def nav_at(
+    north_m: float,
+    north_m_s: float = 0.0,
+    *,
+    east_m: float = 0.0,
+    east_m_s: float = 0.0,
+    heading: float = 0.0,
+    current: tuple[float, float] = (0.0, 0.0),
+    age_s: float = 0.1,
+) -> NavState:
+    surge = north_m_s * math.cos(heading) + east_m_s * math.sin(heading)
+    return NavState(
+        0.0, north_m, east_m, heading, 0.0, north_m_s, east_m_s, surge, 0.0, age_s, 0.1,
+        current_north_m_s=current[0], current_east_m_s=current[1],
+    )  # fmt: skip
+
+
+def limited(
+    steered: Demand | Drive | Stop,
+    nav: NavState | None,
+    *,
+    config: BoatConfig = CONFIG,
+    fence: Fence | None = None,
+    intent: Intent = Stop(),  # noqa: B008
+) -> Demand | Drive | Stop:
+    return FenceBrake([]).limit(steered, intent, nav, fence or laid(square(50.0)), config, 0.1)
+
+
+def speed_of(steered: Demand | Drive | Stop) -> float:
+    assert isinstance(steered, Demand)
+    return steered.speed_m_s
+
+
+# How fast
+
+
+@pytest.mark.parametrize("room_m", [6.0, 12.0, 14.0])
+def test_toward_a_line_the_boat_keeps_the_speed_that_it_can_lose_in_half_of_the_room(room_m: float) -> None:
+    braked = limited(NORTHWARD, nav_at(50.0 - room_m, 2.0))
+    assert braked == replace(NORTHWARD, speed_m_s=pytest.approx(allowed_m_s(room_m - 2.0), abs=1e-3))
+
+
+def test_what_it_can_lose_in_time_goes_through() -> None:
+    demand = Demand(0.0, 1.6)
+    assert limited(demand, nav_at(38.0, 1.6)) is demand  # 1.64 m/s are allowed
+    assert speed_of(limited(Demand(0.0, 1.7), nav_at(38.0, 1.6))) == pytest.approx(
+        allowed_m_s(10.0), abs=1e-3
+    )
+
+
+@pytest.mark.parametrize("heading", [0.5 * math.pi, -0.5 * math.pi, math.pi])
+def test_a_line_abeam_or_astern_slows_nobody(heading: float) -> None:
+    nav = nav_at(47.0, 2.0 * math.cos(heading), east_m_s=2.0 * math.sin(heading), heading=heading)
+    demand = Demand(heading, 2.0)
+    assert limited(demand, nav) is demand
+
+
+def test_astern_it_brakes_for_the_line_astern() -> None:
+    braked = limited(Demand(0.0, -1.0), nav_at(-44.0, -1.0))
+    assert speed_of(braked) == pytest.approx(-allowed_m_s(4.0), abs=1e-3)
+
+
+@pytest.mark.parametrize(("room_m", "speed_m_s"), [(1.5, -0.2), (1.25, -0.3), (0.5, -0.4)])
+def test_within_the_margin_it_backs_off_by_its_depth_and_no_faster_than_steerage_way(
+    room_m: float, speed_m_s: float
+) -> None:
+    braked = limited(NORTHWARD, nav_at(50.0 - room_m))
+    assert speed_of(braked) == pytest.approx(speed_m_s, abs=1e-3)
+
+
+def test_it_does_not_back_into_a_line_astern() -> None:
+    island = FenceCircle(globe([(45.5, 0.0)])[0], 2.0, is_inclusion=False)
+    fence = laid(square(50.0), island)  # a channel from 47.5 to 50 m
+    assert speed_of(limited(NORTHWARD, nav_at(48.75), fence=fence)) == 0.0
+
+
+def test_the_current_takes_two_seconds_of_the_room_and_counts_only_toward_the_line() -> None:
+    with_it = limited(NORTHWARD, nav_at(38.0, 2.0, current=(0.5, 0.0)))
+    assert speed_of(with_it) == pytest.approx(allowed_m_s(9.0), abs=1e-3)
+    against = limited(NORTHWARD, nav_at(38.0, 2.0, current=(-0.5, 0.0)))
+    assert speed_of(against) == pytest.approx(allowed_m_s(10.0), abs=1e-3)
+
+
+def test_the_way_asked_for_includes_the_current_across_it() -> None:
+    # Bow east, current north 1 m/s, asked for 1 m/s: 45° toward the line 3 m away, which is 4.24 m that way,
+    # and 2 s of √½ m/s along it are lost
+    nav = nav_at(47.0, 0.0, heading=0.5 * math.pi, current=(1.0, 0.0))
+    braked = limited(Demand(0.5 * math.pi, 1.0), nav)
+    room_left_m = 3.0 * math.sqrt(2.0) - 2.0 - 2.0 / math.sqrt(2.0)
+    assert speed_of(braked) == pytest.approx(allowed_m_s(room_left_m), abs=0.01)
+
+
+def test_the_course_made_good_counts_even_where_another_one_is_asked_for() -> None:
+    # Asked for the north-east line's direction east; still makes 2 m/s north-east toward the north line
+    nav = nav_at(44.0, 1.5, heading=math.radians(80.0), east_m_s=0.5)
+    demand = Demand(math.radians(100.0), 2.0)
+    along = math.cos(math.radians(100.0)) * 1.5 + math.sin(math.radians(100.0)) * 0.5
+    assert along > 0.1
+    way_m = 6.0 * math.hypot(1.5, 0.5) / 1.5
+    assert speed_of(limited(demand, nav)) == pytest.approx(allowed_m_s(way_m - 2.0), abs=1e-3)
+
+
+def test_a_faint_course_made_good_is_noise() -> None:
+    demand = Demand(math.radians(100.0), 1.0)
+    assert limited(demand, nav_at(48.5, 0.05, heading=math.radians(100.0), east_m_s=0.05)) is demand
+
+
+# When not
+
+
+def test_without_position_fence_or_permission_everything_goes_through() -> None:
+    near = nav_at(49.0, 2.0)
+    assert limited(NORTHWARD, near) != NORTHWARD
+    assert limited(NORTHWARD, None) is NORTHWARD
+    assert limited(NORTHWARD, near, fence=laid()) is NORTHWARD
+    assert limited(Stop(), near) == Stop()
+    assert limited(NORTHWARD, replace(near, position_age_s=3.1)) is NORTHWARD
+    assert limited(NORTHWARD, replace(near, position_age_s=2.9)) != NORTHWARD
+    for enable, brakes in ((0, False), (2, False), (1, True), (3, True)):
+        config = with_value(CONFIG, "avoidance.enable", enable)
+        assert (limited(NORTHWARD, near, config=config) != NORTHWARD) is brakes
+
+
+# By hand. Full throttle makes 3.33 m/s; the gain of the speed loop is 2 per m/s, the feed-forward 0.3
+
+
+def throttle_of(steered: Demand | Drive | Stop) -> float:
+    assert isinstance(steered, Drive)
+    return steered.throttle
+
+
+def test_by_hand_the_throttle_is_what_holds_the_allowed_speed() -> None:
+    allowed = allowed_m_s(10.0)
+    braked = limited(Drive(1.0, 0.3), nav_at(38.0, 1.6))
+    assert braked == Drive(pytest.approx(0.3 * allowed + 2.0 * (allowed - 1.6), abs=2e-3), 0.3)
+
+
+def test_by_hand_a_boat_that_coasts_toward_the_line_is_braked_astern() -> None:
+    allowed = allowed_m_s(4.0)
+    braked = limited(Drive(0.0, 0.0), nav_at(44.0, 1.2))
+    assert throttle_of(braked) == pytest.approx(0.3 * allowed + 2.0 * (allowed - 1.2), abs=2e-3)
+    assert throttle_of(limited(Drive(1.0, 0.0), nav_at(44.0, 2.5))) == -1.0
+
+
+def test_by_hand_less_throttle_than_allowed_goes_through() -> None:
+    drive = Drive(0.1, 0.0)
+    assert throttle_of(limited(drive, nav_at(44.0, 0.5))) == 0.1
+    assert throttle_of(limited(Drive(-0.1, 0.0), nav_at(-44.0, -0.5))) == -0.1
+
+
+def test_by_hand_astern_the_throttle_is_held_back_the_other_way() -> None:
+    allowed = allowed_m_s(4.0)
+    braked = limited(Drive(-1.0, 0.0), nav_at(-44.0, -0.8))
+    assert throttle_of(braked) == pytest.approx(-0.3 * allowed - 2.0 * (allowed - 0.8), abs=2e-3)
+
+
+def test_by_hand_the_feed_forward_is_through_the_water() -> None:
+    allowed = allowed_m_s(10.0 - 0.4)
+    braked = limited(Drive(1.0, 0.0), nav_at(38.0, 1.6, current=(0.2, 0.0)))
+    assert throttle_of(braked) == pytest.approx(0.3 * (allowed - 0.2) + 2.0 * (allowed - 1.6), abs=2e-3)
+
+
+# A boat that has been stopped keeps station
+
+
+NORTH = HoldCourse(0.0, 2.0)
+
+
+class Stopped:
+    """A boat that lies 3 m before the line, where less than steerage way is allowed."""
+
+    def __init__(self) -> None:
+        self.texts: list[StatusText] = []
+        self.brake = FenceBrake(self.texts)
+        self.fence = laid(square(50.0))
+
+    def look(self, count: int, intent: Intent = NORTH, nav: NavState | None = None) -> Intent:
+        """Tenths of a second. Returns what is sailed."""
+        for _ in range(count):
+            self.brake.hold(intent)
+            self.brake.limit(NORTHWARD, intent, nav or nav_at(47.0), self.fence, CONFIG, 0.1)
+        return self.brake.hold(intent)
+
+
+def test_after_half_a_second_it_keeps_station_inside_and_says_so_once() -> None:
+    boat = Stopped()
+    assert boat.look(4) is NORTH
+    assert boat.texts == []
+    station = boat.look(2)
+    assert isinstance(station, KeepStation)
+    assert station.point == pytest.approx((50.0 - 2.0 - 1.5, 0.0), abs=0.01)
+    boat.look(20)
+    assert [(one.severity, one.text[:12]) for one in boat.texts] == [(Severity.WARNING, "Fence ahead:")]
+
+
+def test_another_intent_ends_the_station_and_the_wait() -> None:
+    boat, other = Stopped(), HoldCourse(0.1, 2.0)
+    boat.look(6)
+    assert boat.brake.hold(HoldCourse(0.0, 2.0)) != NORTH, "the same intent, made anew"
+    assert boat.brake.hold(other) is other
+    assert boat.look(4) is NORTH
+    assert isinstance(boat.look(2), KeepStation)
+
+
+def test_a_wait_that_is_interrupted_begins_anew() -> None:
+    boat = Stopped()
+    boat.look(4)
+    boat.look(1, nav=nav_at(45.6))
+    assert boat.look(4) is NORTH
+    assert isinstance(boat.look(2), KeepStation)
+
+
+def test_a_boat_beyond_the_line_does_not_keep_station_there() -> None:
+    boat = Stopped()
+    assert boat.look(20, nav=nav_at(50.5)) is NORTH
+
+
+@pytest.mark.parametrize(
+    ("intent", "is_kept"),
+    [
+        (HoldCourse(0.0, 1.0), True),
+        (HoldCourse(0.5 * math.pi, 1.0), False),
+        (FollowLeg(Point(0.0, 0.0), Point(60.0, 0.0), 1.0), True),
+        (FollowLeg(Point(0.0, 0.0), Point(49.0, 0.0), 1.0), False),
+        (KeepStation(Point(60.0, 0.0)), False),
+        (Stop(), False),
+    ],
+)
+def test_only_what_leads_over_the_line_is_ended(intent: Intent, is_kept: bool) -> None:
+    assert isinstance(Stopped().look(20, intent), KeepStation) is (is_kept or isinstance(intent, KeepStation))
+
+
+@pytest.mark.parametrize(("north_m_s", "is_kept"), [(0.3, True), (-0.3, False)])
+def test_a_circle_leads_where_the_boat_goes(north_m_s: float, is_kept: bool) -> None:
+    circle = FollowCircle(Point(40.0, 0.0), 12.0, True, 1.0)
+    assert isinstance(Stopped().look(20, circle, nav_at(47.5, north_m_s)), KeepStation) is is_kept
