@@ -35,11 +35,10 @@ def test_a_boat_with_no_fence_may_be_anywhere() -> None:
 def test_what_was_uploaded_is_kept_and_counts_from_the_next_update() -> None:
     fence = Fence()
     assert fence.version == 0
-    assert fence.uploaded == ()
     fence.set_areas([square(50.0)])
     assert fence.uploaded == (square(50.0),)
-    assert not fence.is_active
     setting = FenceSetting()
+    assert fence.margin_m(Point(0.0, 0.0)) == math.inf
     fence.update(FRAME, None, setting)
     assert fence.is_active
     assert fence.version == 1
