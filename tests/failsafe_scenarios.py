@@ -139,12 +139,12 @@ SCENARIOS: dict[Condition, Scenario] = {
     ),
     Condition.STEERING_LOST: Scenario(
         with_verdict(Fault.REVERSED), with_verdict(Fault.DEAD), "Steering lost: left motor reversed",
-        "steering turns the boat again", Action.CHECK_MOTORS, 0.0, 10.0,
+        "steering works again", Action.CHECK_MOTORS, 0.0, 10.0,
         ((15.0, Action.CHECK_MOTORS), (15.0, LOITER)), modes=AUTONOMOUS, spared=set(), relapse_s=60.0,
     ),
     Condition.MOTOR_FAILING: Scenario(
         with_verdict(Fault.BLOCKED), with_verdict(Fault.REVERSED),
-        "Left motor is blocked", "motors pull again",
+        "Left motor is blocked", "motors work again",
         Action.CHECK_MOTORS, 0.0, 15.0, (CLEAR_AGAIN, CLEAR_AGAIN, HOME, GIVE_UP),
         modes=AUTONOMOUS, spared=set(), relapse_s=60.0, is_slow=True, thresholds=("failsafe.clearing_tries",),
     ),
@@ -161,7 +161,7 @@ SCENARIOS: dict[Condition, Scenario] = {
     ),
     Condition.NO_HEADWAY: Scenario(
         with_board(stall=StallVerdict.NO_HEADWAY), with_board(stall=StallVerdict.STUCK),
-        "No headway: the water is as fast as the boat", "making way again", RTL, 0.0, 10.0, ((60.0, LOITER),),
+        "No headway: current as fast as the boat", "making way again", RTL, 0.0, 10.0, ((60.0, LOITER),),
         modes=AUTONOMOUS, spared=set(), relapse_s=60.0,
     ),
     Condition.OPERATOR_LOST: Scenario(
@@ -177,7 +177,7 @@ SCENARIOS: dict[Condition, Scenario] = {
     ),
     Condition.HELM_LOST: Scenario(
         given(sticks_dropped=True), given(sticks_dropped=True, radio_heard=True),
-        "RC lost: nobody holds the sticks", "sticks held again", LOITER, 1.5, 1.0, (LONG,),
+        "RC lost: no stick input", "stick input again", LOITER, 1.5, 1.0, (LONG,),
         thresholds=("failsafe.rc_timeout_s", "failsafe.long_timeout_s"),
     ),
     Condition.RC_LOST: Scenario(
@@ -199,11 +199,11 @@ SCENARIOS: dict[Condition, Scenario] = {
         modes=AUTONOMOUS, thresholds=("failsafe.sonar_timeout_s",),
     ),
     Condition.OVERRUN: Scenario(
-        with_board(load=1.01), with_board(load=0.99), "Computer overloaded: 101 % of its time",
-        "computer keeps up again", LOITER, 3.0, 10.0,
+        with_board(load=1.01), with_board(load=0.99), "Computer overloaded: load 101 %",
+        "computer load normal again", LOITER, 3.0, 10.0,
     ),
     Condition.STORAGE_FAILED: Scenario(
-        with_board(storage_fault="disk full"), given(), "Not written: disk full", "written again",
+        with_board(storage_fault="disk full"), given(), "Storage failed: disk full", "storage works again",
         NONE, 0.0, 10.0, is_watched_disarmed=True,
     ),
     Condition.FENCE_BREACHED: Scenario(

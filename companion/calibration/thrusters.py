@@ -118,7 +118,7 @@ def _balanced(setting: Thrusters, pairs: list[Pair]) -> Thrusters:
             from_pwm(pair.right, setting.right_ahead, 1.0),
         )
         if not (left > 0.0 and right > 0.0):
-            raise CalibrationError("one motor does not pull")
+            raise CalibrationError("one motor gives no thrust")
         ratios.append(left / right)
     ratio = sum(ratios) / len(ratios)
     if not _LEAST_GAIN <= ratio <= 1.0 / _LEAST_GAIN:

@@ -33,7 +33,7 @@ MODES: Final[dict[Action, tuple[Mode, ...]]] = {
 
 RECOVERIES: Final[dict[Action, tuple[Trigger, str]]] = {
     Action.CLEAR_PROPELLERS: (Trigger.CLEAR, "Clearing the propellers"),
-    Action.CHECK_MOTORS: (Trigger.CHECK, "Trying the motors"),
+    Action.CHECK_MOTORS: (Trigger.CHECK, "Checking the motors"),
     Action.UNGROUND: (Trigger.UNGROUND, ""),
 }
 """The recovery of an action, and what the operator is told. The mode goes on afterwards."""

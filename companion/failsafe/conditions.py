@@ -93,7 +93,7 @@ def steering_lost(inputs: FailsafeInputs) -> str:
 def no_headway(inputs: FailsafeInputs) -> str:
     """Full ahead, and the current is as fast as the boat."""
     is_stalled = inputs.board.stall is StallVerdict.NO_HEADWAY
-    return "No headway: the water is as fast as the boat" if is_stalled else ""
+    return "No headway: current as fast as the boat" if is_stalled else ""
 
 
 def stuck(inputs: FailsafeInputs) -> str:
@@ -165,7 +165,7 @@ def planner_lost(inputs: FailsafeInputs) -> str:
 def helm_lost(inputs: FailsafeInputs) -> str:
     """A station's sticks that steered the boat are stale."""
     is_lost = inputs.config.failsafe.rc_enabled and inputs.sticks_dropped and not inputs.radio_heard
-    return "RC lost: nobody holds the sticks" if is_lost else ""
+    return "RC lost: no stick input" if is_lost else ""
 
 
 def rc_lost(inputs: FailsafeInputs) -> str:
@@ -188,10 +188,10 @@ def sonar_lost(inputs: FailsafeInputs) -> str:
 def overrun(inputs: FailsafeInputs) -> str:
     """The control loop takes longer than its tick."""
     load = inputs.board.load
-    return f"Computer overloaded: {100.0 * load:.0f} % of its time" if load > 1.0 else ""
+    return f"Computer overloaded: load {100.0 * load:.0f} %" if load > 1.0 else ""
 
 
 def storage_failed(inputs: FailsafeInputs) -> str:
     """Data that must survive a restart could not be written."""
     fault = inputs.board.storage_fault
-    return f"Not written: {fault}" if fault else ""
+    return f"Storage failed: {fault}" if fault else ""

@@ -57,9 +57,7 @@ class Endurance:
             need_mah *= home_distance_m / max(straight_m, 1.0)
         left_mah = self.left_mah(consumed_mah, config)
         if left_mah < need_mah:
-            self.shortfall = (
-                f"Point of no return: {left_mah:.0f} mAh left, {need_mah:.0f} wanted for the way home"
-            )
+            self.shortfall = f"Point of no return: {left_mah:.0f} mAh, {need_mah:.0f} needed"
 
     def is_due(self, now_s: float) -> bool:
         """Whether it is time to compare; true once a period."""

@@ -39,8 +39,8 @@ def respond(alarm: Alarm, inputs: FailsafeInputs) -> list[Decision]:
     if alarm.change is Change.ESCALATES and not acts:
         return []
     severity = Severity.WARNING if action is Action.NONE else Severity.CRITICAL
-    still = ", still" if alarm.change is Change.ESCALATES else ""
-    told = Notify(severity, f"Failsafe: {alarm.text}{still}")
+    persists = " (persists)" if alarm.change is Change.ESCALATES else ""
+    told = Notify(severity, f"Failsafe: {alarm.text}{persists}")
     if not acts:
         return [told]
     if action is Action.DISARM:
@@ -69,7 +69,7 @@ def _recover(action: Action, inputs: FailsafeInputs) -> list[Decision]:
         and trigger is Trigger.CHECK
         and not may_drift(nav, fence, _CHECK_DRIFT_S)
     ):
-        text = "No room to try the motors: going on with one"
+        text = "No room for a motor check: using one motor"
         return [AssumeFailed(verdict.is_left), Notify(Severity.WARNING, text)]
     return [Recover(trigger, Severity.WARNING, text)]
 
@@ -81,5 +81,5 @@ def routine_check(inputs: FailsafeInputs) -> list[Decision]:
     is_free = is_driven and is_wanted and inputs.recovery is State.IDLE
     if not inputs.needs_motor_check or not is_free or not may_drift(inputs.nav, inputs.fence, _CHECK_DRIFT_S):
         return []
-    text = "Steering does not turn the boat: trying the motors"
+    text = "Steering has no effect: checking the motors"
     return [Recover(Trigger.CHECK, Severity.NOTICE, text)]

@@ -132,11 +132,11 @@ ROWS: tuple[Row, ...] = (
         after=5.0, clear_s=_NEVER,
     ),
     Row(
-        Condition.STEERING_LOST, conditions.steering_lost, "steering_action", "steering turns the boat again",
+        Condition.STEERING_LOST, conditions.steering_lost, "steering_action", "steering works again",
         guard=_AUTONOMOUS, then=(_CHECK, Step(15.0, Action.LOITER_OR_HOLD)), clear_s=10.0, relapse_s=60.0,
     ),
     Row(
-        Condition.MOTOR_FAILING, conditions.motor_failing, "motor_action", "motors pull again",
+        Condition.MOTOR_FAILING, conditions.motor_failing, "motor_action", "motors work again",
         guard=_AUTONOMOUS, then=(_CLEAR_AGAIN, _GO_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
         is_slow=True,
     ),
@@ -162,7 +162,7 @@ ROWS: tuple[Row, ...] = (
         then=(_LONG,),
     ),
     Row(
-        Condition.HELM_LOST, conditions.helm_lost, "action", "sticks held again",
+        Condition.HELM_LOST, conditions.helm_lost, "action", "stick input again",
         after="rc_timeout_s", then=(_LONG,),
     ),
     Row(
@@ -182,11 +182,11 @@ ROWS: tuple[Row, ...] = (
         guard=Guard(guards.AUTONOMOUS_MODES), clear_s=3.0,
     ),
     Row(
-        Condition.OVERRUN, conditions.overrun, "overrun_action", "computer keeps up again",
+        Condition.OVERRUN, conditions.overrun, "overrun_action", "computer load normal again",
         after=3.0, clear_s=10.0,
     ),
     Row(
-        Condition.STORAGE_FAILED, conditions.storage_failed, "storage_action", "written again",
+        Condition.STORAGE_FAILED, conditions.storage_failed, "storage_action", "storage works again",
         guard=_DISARMED_TOO, clear_s=10.0,
     ),
     Row(

@@ -115,7 +115,7 @@ def _retreat(modes: tuple[Mode, ...], vehicle: "Vehicle") -> None:
             vehicle.force_mode(mode, "failsafe, by dead reckoning")
             return
         if fault == NO_HEADING:
-            vehicle.force_mode(mode, "failsafe, feeling for its heading")
+            vehicle.force_mode(mode, "failsafe, without heading")
             return
         if vehicle.change_mode(mode, "failsafe").accepted:
             return

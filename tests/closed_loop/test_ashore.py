@@ -71,7 +71,7 @@ def test_a_boat_pressed_against_the_shore_gets_off_and_sails_its_mission() -> No
     rig.until(lambda: "Failsafe over: afloat again" in rig.peer.texts, 60.0)
     assert AGROUND in rig.peer.texts
     assert margin_m(rig) > 1.0
-    assert not any("does not pull" in text for text in rig.peer.texts)
+    assert not any("gives no thrust" in text for text in rig.peer.texts)
     assert rig.boat.vehicle.failsafes.fence.breaches, "its position was outside meanwhile"
     assert not any(text.startswith("Failsafe: Outside the fence") for text in rig.peer.texts)
     rig.until(lambda: rig.boat.vehicle.progress.finished, 150.0)
@@ -81,7 +81,7 @@ def test_one_that_cannot_get_off_rests_its_motors_between_tries() -> None:
     rig = pressed(5007)
     assert thrust_s(rig, 150.0) < 75.0
     assert AGROUND in rig.peer.texts
-    assert "Aground: motors rest, then it tries again" in rig.peer.texts
+    assert "Aground: motors rest before the next try" in rig.peer.texts
 
 
 def test_hold_ends_the_trying() -> None:

@@ -98,13 +98,15 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_w
 ) -> None:
     rig = under_way()
     begin(rig, motor)
-    told(rig, f"Failsafe: {name} motor does not pull", 20.0)
-    told(rig, "Trying the motors", 1.0)
+    told(rig, f"Failsafe: {name} motor gives no thrust", 20.0)
+    told(rig, "Checking the motors", 1.0)
     told(rig, "Clearing the propellers", 30.0)
     rig.until(lambda: rig.boat.command.left < -0.5 and rig.boat.command.right < -0.5, 3.0)
     rig.until(lambda: rig.mode == "RTL", 120.0)
     assert sum(text == "Clearing the propellers" for text in rig.peer.texts) == 2
-    found = [text for text in rig.peer.texts if text.endswith("does not pull") or "does not pull, r" in text]
+    found = [
+        text for text in rig.peer.texts if text.endswith("gives no thrust") or "gives no thrust, r" in text
+    ]
     assert len(found) >= 3, "tried at once, and after each clearing"
     rig.until(lambda: rig.mode == "LOITER", 120.0)
     dead = 0 if name == "Left" else 1
@@ -123,7 +125,7 @@ def test_weed_that_comes_off_lets_the_mission_go_on() -> None:
     told(rig, "Clearing the propellers", 50.0)
     rig.run(4.0)
     rig.world.electronics.faults.end("motor_left")
-    told(rig, "Failsafe over: motors pull again", 60.0)
+    told(rig, "Failsafe over: motors work again", 60.0)
     assert rig.mode == "AUTO"
     rig.run(10.0)
     assert math.hypot(rig.world.truth.north_m_s, rig.world.truth.east_m_s) > 1.5
@@ -139,7 +141,7 @@ def test_a_motor_that_runs_the_wrong_way_is_found_out_and_driven_the_other_way_r
     assert rig.world.truth.surge_m_s > 1.5
     assert abs(rig.world.truth.yaw_rate_rad_s) < 0.2
     rig.world.electronics.faults.end("motor_left")
-    told(rig, "Left motor pulls, right pulls", 90.0)
+    told(rig, "Left motor works, right works", 90.0)
     rig.run(30.0)
     assert rig.mode == "AUTO"
     assert rig.world.truth.north_m_s > 1.0

@@ -42,7 +42,7 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
     slow = ("environment.current_m_s=0.2",)
     mission_run, result = sail("what='motor_left', at_s=15.0", *slow, linger_s=60.0)
     assert not result.completed
-    assert any("Left motor does not pull" in text for text in said(mission_run))
+    assert any("Left motor gives no thrust" in text for text in said(mission_run))
     rows = mission_run.recorder.rows
     late = rows[rows[:, 0] > 60.0]
     adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])

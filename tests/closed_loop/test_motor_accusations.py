@@ -40,14 +40,14 @@ def test_a_healthy_boat_in_wind_and_current_is_told_nothing_of_its_motors(
 ) -> None:
     mission_run, result = sail(course, *settings)
     assert motor_figures(mission_run) == {"motor_alarms": 0}, said(mission_run)
-    assert "Trying the motors" not in said(mission_run)
+    assert "Checking the motors" not in said(mission_run)
     assert result.completed
 
 
 @pytest.mark.parametrize(
     ("what", "kind", "text"),
     [
-        ("motor_right", "off", "Failsafe: Right motor does not pull"),
+        ("motor_right", "off", "Failsafe: Right motor gives no thrust"),
         ("motor_left", "stuck", "Failsafe: Left motor is blocked"),
         ("motor_right", "weed", "Failsafe: Weed on the right propeller"),
         ("motor_left", "wrong", "Failsafe: Steering lost: left motor reversed"),

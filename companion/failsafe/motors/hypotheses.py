@@ -49,7 +49,9 @@ class Hypothesis(NamedTuple):
             return f"Weed on the {side} propeller"
         if self.fault is Fault.REVERSED:
             return f"Steering lost: {side} motor reversed"
-        return f"{side.capitalize()} motor {'is blocked' if self.fault is Fault.BLOCKED else 'does not pull'}"
+        return (
+            f"{side.capitalize()} motor {'is blocked' if self.fault is Fault.BLOCKED else 'gives no thrust'}"
+        )
 
 
 # The current of a fouled propeller and the thrust of a reversed one are worked out in `evidence`. In 144

@@ -1,4 +1,4 @@
-"""Trying the motors one by one: which of them answers, and which runs the wrong way round.
+"""Checking the motors one by one: which of them answers, and which runs the wrong way round.
 
 Each in turn is driven ahead and then astern, and the turn rate r is fitted by what the motors were given,
 
@@ -35,9 +35,9 @@ _SAMPLE_S = 0.1
 _DEAD_SHARE = 0.2  # of the better motor's answer
 _FAINT_RAD_S2 = 0.05  # at full drive: less than this from both tells nothing
 _WORDS = {
-    MotorState.HEALTHY: "pulls",
-    MotorState.FAILED: "does not pull",
-    MotorState.REVERSED: "is reversed: turned round",
+    MotorState.HEALTHY: "works",
+    MotorState.FAILED: "gives no thrust",
+    MotorState.REVERSED: "is reversed: compensated",
 }
 _UNEXPLAINED = 0.8  # of the turning's squares: with more left over, something else turned the boat
 
@@ -118,15 +118,15 @@ class MotorCheck:
             self._wait_s = _SOON_S
 
     def fault(self) -> str:
-        """Which motor does not pull; empty when both do."""
+        """Which motor gives no thrust, in words; empty when both work."""
         if not self.motors.has_failed:
             return ""
-        return f"{'Left' if self.motors.left is MotorState.FAILED else 'Right'} motor does not pull"
+        return f"{'Left' if self.motors.left is MotorState.FAILED else 'Right'} motor gives no thrust"
 
     def found(self) -> str:
         """The outcome, in words."""
         if self.is_unclear:
-            return "Motors tried: their answer is not clear"
+            return "Motor check: result unclear"
         return f"Left motor {_WORDS[self.motors.left]}, right {_WORDS[self.motors.right]}"
 
 

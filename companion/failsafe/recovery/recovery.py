@@ -85,7 +85,7 @@ class RecoveryManeuvers:
         if trigger is not None:
             self.handle(trigger, now_s)
         is_next_round = self._ungrounding.rounds > rounds
-        return Step(intent, "Aground: motors rest, then it tries again" if is_next_round else "")
+        return Step(intent, "Aground: motors rest before the next try" if is_next_round else "")
 
     def _check_motors(self, nav: NavState | None, left: float, right: float, now_s: float) -> Step:
         check = self.motor_check

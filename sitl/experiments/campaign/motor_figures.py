@@ -19,7 +19,7 @@ IN_TIME_S: Final = 8.0
 
 _NAMED: Final = {_PREFIX + one.text: one for one in HYPOTHESES}
 # What a trial of the motors finds, which is as much of an accusation
-_FOUND: Final = ("motor does not pull, right", "right does not pull", "is reversed: turned round")
+_FOUND: Final = ("motor gives no thrust, right", "right gives no thrust", "is reversed: compensated")
 
 
 def motor_figures(mission_run: MissionRun) -> dict[str, int | float | None]:

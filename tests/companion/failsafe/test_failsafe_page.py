@@ -4,10 +4,12 @@ import re
 from pathlib import Path
 
 import pytest
+from failsafe_scenarios import SCENARIOS
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS as PARAMETERS
 from companion.failsafe.actions import Action
+from companion.failsafe.motors.hypotheses import HYPOTHESES
 from companion.failsafe.table import ROWS, Condition, Row
 from companion.guidance.stall_detector import HELD_S, STALL_S
 
@@ -65,3 +67,9 @@ def test_the_page_names_no_parameter_that_is_not_there() -> None:
 
 def test_a_cell_of_a_table_has_at_most_fifteen_words() -> None:
     assert [cell for line in TABLE_LINES for cell in line.split("|") if len(cell.split()) > 15] == []
+
+
+def test_what_a_failsafe_tells_fits_one_statustext() -> None:
+    texts = [*(one.text for one in SCENARIOS.values()), *(one.text for one in HYPOTHESES)]
+    assert [text for text in texts if len(f"Failsafe: {text}") > 50] == []
+    assert [row.over for row in ROWS if len(f"Failsafe over: {row.over}") > 50] == []

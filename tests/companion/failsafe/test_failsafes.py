@@ -184,7 +184,7 @@ def test_an_operator_who_stays_away_is_come_home_to() -> None:
     vehicle = armed_vehicle(long_timeout_s=60.0)
     lose_operator(vehicle, 60.0)
     assert vehicle.mode.name == "LOITER"
-    assert "Failsafe: Operator lost for 5 s, still" in live(vehicle, 10.0)
+    assert "Failsafe: Operator lost for 5 s (persists)" in live(vehicle, 10.0)
     assert vehicle.mode.name == "RTL"
     assert live(vehicle, 600.0) == []
 
@@ -234,12 +234,12 @@ def driven_by_hand(mode: Mode = Mode.MANUAL) -> Vehicle:
 def test_a_hand_that_falls_silent_leaves_the_boat_keeping_station_and_not_adrift() -> None:
     vehicle = driven_by_hand()
     assert live(vehicle, 2.0) == []
-    assert live(vehicle, 1.5) == ["Failsafe: RC lost: nobody holds the sticks", "Mode LOITER: failsafe"]
+    assert live(vehicle, 1.5) == ["Failsafe: RC lost: no stick input", "Mode LOITER: failsafe"]
     told = []
     for _ in range(4):
         vehicle.request(ManualControl(0.5, 0.0))
         told += live(vehicle, 0.5)
-    assert told == ["Failsafe over: sticks held again"]
+    assert told == ["Failsafe over: stick input again"]
     assert vehicle.mode.name == "LOITER"
 
 
@@ -281,7 +281,7 @@ def test_motors_are_not_judged_while_the_boat_gives_way_to_an_obstacle(gives_way
         vehicle.board = board
         rate += 0.1 * (0.4 * (left * abs(left) - board.right * abs(board.right)) - 0.8 * rate)
         told += live(vehicle, 0.1, step_s=0.1, yaw_rate_rad_s=rate)
-    assert any(text.endswith("motor does not pull") for text in told) is not gives_way
+    assert any(text.endswith("motor gives no thrust") for text in told) is not gives_way
 
 
 def test_a_relapse_that_is_only_told_stays_told() -> None:
@@ -290,7 +290,7 @@ def test_a_relapse_that_is_only_told_stays_told() -> None:
     row = next(row for row in ROWS if row.condition is Condition.MOTOR_FAILING)
     ladder, moves = Escalation(row), []
     for tick in range(1200):
-        text = "Left motor does not pull" if tick % 400 < 100 else ""
+        text = "Left motor gives no thrust" if tick % 400 < 100 else ""
         move = ladder.update(text, setting, 0.1 * tick)
         if move is not Change.STAYS:
             moves.append((move, ladder.action if move is not Change.ENDS else Action.NONE))

@@ -123,7 +123,7 @@ SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 @pytest.mark.parametrize(
     ("fault", "within_s", "text"),
     [
-        (Fault.DEAD, 3.0, "{Side} motor does not pull"),
+        (Fault.DEAD, 3.0, "{Side} motor gives no thrust"),
         (Fault.BLOCKED, 3.5, "{Side} motor is blocked"),
         (Fault.FOULED, 8.0, "Weed on the {side} propeller"),
         (Fault.REVERSED, 8.0, "Steering lost: {side} motor reversed"),

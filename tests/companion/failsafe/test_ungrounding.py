@@ -125,4 +125,4 @@ def test_the_operator_is_told_when_a_round_of_tries_did_not_help() -> None:
         step = recovery.update(ASHORE, water, CONFIG, 0.0, 0.0, tick * DT)
         if step.text:
             told.append((round(tick * DT), step.text))
-    assert told == [(22, "Aground: motors rest, then it tries again")]
+    assert told == [(22, "Aground: motors rest before the next try")]

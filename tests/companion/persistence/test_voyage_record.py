@@ -207,11 +207,11 @@ def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
     rig = Rig(storage=storage).sail(waypoint(400.0, 0.0))
     storage.error_text = "No space left on device"
     rig.until(
-        lambda: "Failsafe: Not written: No space left on device" in rig.peer.texts,
+        lambda: "Failsafe: Storage failed: No space left on device" in rig.peer.texts,
         30.0,
     )
     storage.error_text = ""
-    rig.until(lambda: "Failsafe over: written again" in rig.peer.texts, 40.0)
+    rig.until(lambda: "Failsafe over: storage works again" in rig.peer.texts, 40.0)
     assert rig.mode == "AUTO"
 
 
