@@ -13,7 +13,7 @@ MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of
 # and this share of its own evidence: what the models get wrong grows with it. While both motors are commanded
 # alike, a blocked one had 104 nats and the other, healthy one 99.
 MARGIN_SHARE: Final = 0.1
-CLEARED_S: Final = 180.0  # for which a trial that has found both motors well stands
+CLEARED_S: Final = 180.0  # for which the result of a motor check that finds both healthy stands
 # Without a break: a shaft that is thrown into reverse draws as a blocked one does at first
 PROVED_S: Final = 0.8
 # A motor that runs the wrong way makes the heading loop steer hard, for nothing, within seconds. Wind does so
@@ -30,7 +30,7 @@ _WITHOUT_CURRENT: Final = (Fault.DEAD, Fault.REVERSED)
 class MotorWatch:
     """Which motor has failed, and how: decided by `MotorEvidence`.
 
-    verdict: the hypothesis that has won, until evidence for healthy motors has used up all that spoke for it.
+    verdict: the hypothesis that is proved, until evidence for healthy motors has outweighed it.
     """
 
     __slots__ = (
@@ -61,23 +61,23 @@ class MotorWatch:
         return self._helpless_s >= _CHECK_S and not self._evidence.has_current
 
     def reset(self) -> None:
-        """Judge anew; what was learned of the boat stays."""
+        """Drop the verdict and its evidence; keep the learned gains."""
         self.verdict = None
         self.pause()
 
     def rearm(self) -> None:
-        """The boat is disarmed: the next voyage begins without a verdict, and no trial counts any more."""
+        """The boat is disarmed: the next voyage begins without a verdict or the result of a motor check."""
         self.reset()
         self._cleared_until_s = -math.inf
 
     def pause(self) -> None:
-        """The motors do something else for a while. A verdict stands."""
+        """The motion says nothing of the motors for now. A verdict stands."""
         self._evidence.restart()
         self._steered = self._turn_rad_s = self._helpless_s = self._proved_s = 0.0
         self._suspect = None
 
     def clear(self, now_s: float) -> None:
-        """A trial has found both motors well: that outweighs what is inferred under way, for CLEARED_S."""
+        """A motor check has found both healthy: for CLEARED_S that outweighs what is inferred under way."""
         self.reset()
         self._cleared_until_s = now_s + CLEARED_S
 

@@ -1,12 +1,11 @@
-"""Checking the motors one by one: which of them answers, and which runs the wrong way round.
+"""Motor check: drive each motor alone, and tell by the turn rate whether it gives thrust, and which way.
 
-Each in turn is driven ahead and then astern, and the turn rate r is fitted by what the motors were given,
+Each motor in turn is driven ahead and then astern. Least squares fit the turn rate r by the commands u,
 
     r' = k_l u_l |u_l| − k_r u_r |u_r| − r / τ + b
 
-where τ damps the turn and b is what wind and swing do. The gain of a motor without thrust is nearly nought,
-that of one that runs the wrong way round is negative. What a hull that touches ground does, the fit leaves
-over.
+where τ damps the turn and b is the moment of wind and of the swing before. The gain k of a motor without
+thrust is close to zero, that of a reversed motor negative. A hull that touches ground leaves large residuals.
 """
 
 import math
@@ -19,31 +18,31 @@ _STOP = Stop()
 _SETTLE_S = 1.5
 _PULSE_S = 1.0
 _REST_S = 0.5
-_HALF = 0.45  # throttle and steering of this much drive one motor alone at twice as much
-_PULSES = (  # of the left motor and of the right, ahead and astern: when it begins, and what is driven
+_HALF = 0.45  # of throttle and of steering: together they drive one motor alone, at 0.9
+_PULSES = (  # start and command: left motor ahead and astern, right motor ahead and astern
     (_SETTLE_S, Drive(_HALF, _HALF)),
     (_SETTLE_S + _PULSE_S, Drive(-_HALF, -_HALF)),
     (_SETTLE_S + 2.0 * _PULSE_S + _REST_S, Drive(_HALF, -_HALF)),
     (_SETTLE_S + 3.0 * _PULSE_S + _REST_S, Drive(-_HALF, _HALF)),
 )
 _LENGTH_S = _SETTLE_S + 4.0 * _PULSE_S + _REST_S
-_AGAIN_S = 60.0  # a motor that did not pull is tried again after this,
+_AGAIN_S = 60.0  # a failed motor is checked again after this,
 _SLACK_S = 1e-6
-_SOON_S = 25.0  # or after this, where there is room to drift meanwhile; twice as long after each try
+_SOON_S = 25.0  # or after this with room to drift, twice as long each time
 _LONGEST_S = 120.0
 _SAMPLE_S = 0.1
-_DEAD_SHARE = 0.2  # of the better motor's answer
-_FAINT_RAD_S2 = 0.05  # at full drive: less than this from both tells nothing
+_DEAD_SHARE = 0.2  # of the better motor's gain: less counts as no thrust
+_FAINT_RAD_S2 = 0.05  # gain: with less from both motors the result is unclear
 _WORDS = {
     MotorState.HEALTHY: "works",
     MotorState.FAILED: "gives no thrust",
     MotorState.REVERSED: "is reversed: compensated",
 }
-_UNEXPLAINED = 0.8  # of the turning's squares: with more left over, something else turned the boat
+_UNEXPLAINED = 0.8  # of the squares: with larger residuals something else turned the hull
 
 
 class MotorCheck:
-    """motors: what the checks have found. is_unclear: the last one has found nothing."""
+    """motors: the result so far. is_unclear: the last check gave none."""
 
     __slots__ = ("_again_s", "_began_s", "_fit", "_last", "_soon_s", "_wait_s", "is_unclear", "motors")
 
@@ -99,7 +98,7 @@ class MotorCheck:
             self._last = now_s, rate_rad_s
 
     def _judge(self) -> None:
-        """Both motors ahead turn the boat away from their own side."""
+        """A motor ahead turns the boat away from its own side."""
         solved = self._fit.solve()
         self.is_unclear = solved is None
         if solved is None:
@@ -124,14 +123,14 @@ class MotorCheck:
         return f"{'Left' if self.motors.left is MotorState.FAILED else 'Right'} motor gives no thrust"
 
     def found(self) -> str:
-        """The outcome, in words."""
+        """The result, for the operator."""
         if self.is_unclear:
             return "Motor check: result unclear"
         return f"Left motor {_WORDS[self.motors.left]}, right {_WORDS[self.motors.right]}"
 
 
 def _answer(share: float, before: MotorState) -> MotorState:
-    """The state of a motor by its share of the better one's answer, driven as its state before asks."""
+    """The state of a motor by its share of the better one's gain; a reversed one is driven inverted."""
     if abs(share) < _DEAD_SHARE:
         return MotorState.FAILED
     is_reversed = (share < 0.0) is not (before is MotorState.REVERSED)

@@ -22,14 +22,14 @@ _STOP = Stop()
 _TRY_S = 4.0
 _LONGEST_S = 20.0  # of a try that makes way
 _PAUSE_S = 1.5
-_REST_S = (15.0, 30.0, 60.0)  # after each round; the last one ever after
+_REST_S = (15.0, 30.0, 60.0)  # after the first, the second and every later round
 _TRIES = 4
 _SLIDES_M = 0.6  # within _TRY_S: less is no way made
 _ALONG, _HELM = 0.8, 0.2  # throttle along the shore, and steering off it
 _OFF_M = 1.0  # from the line: the hull is afloat
 _CLEAR_MARGINS = 1.5  # of the fence's margin: far enough off to end
-_STANDS_OFF_S = 20.0  # longest time under way there
-_SEEN_M = 3.0  # beyond the fence's margin: where it looks for the water
+_STANDS_OFF_S = 20.0  # at most
+_SEEN_M = 3.0  # beyond the fence's margin: the point that gives the bearing of open water
 
 
 class Ungrounding:
@@ -45,14 +45,14 @@ class Ungrounding:
         self.rounds = 0
         self._try = 0  # of the round
         self._rest_s = now_s + _PAUSE_S  # until then the motors rest
-        self._began_s = self._looked_s = now_s  # the present try, and when its way was measured last
+        self._began_s = self._looked_s = now_s  # of the present try, and of its last measured position
         self._looked_at = Point(0.0, 0.0)
         self._off_s = 0.0  # when it began to stand off
 
     def update(
         self, state: State, nav: NavState | None, fence: Fence, config: BoatConfig, now_s: float
     ) -> tuple[Intent, Trigger | None]:
-        """What the motors do now, and what has happened, if anything has."""
+        """What the motors do now, and the trigger that follows from the motion, if any."""
         timeout_s = config.motors.estimate_timeout_s
         is_lost = nav is None or lacks_position(nav, timeout_s) or lacks_heading(nav, timeout_s)
         if nav is None or is_lost or not fence.is_active:
@@ -63,17 +63,17 @@ class Ungrounding:
         if room_m >= max(_CLEAR_MARGINS * margin_m, _OFF_M) or is_past:
             return _STOP, Trigger.DONE
         away_rad = bearing_rad(nav.point, fence.inside(nav.point, margin_m + _SEEN_M))
+        is_off = state is State.STANDING_OFF
         if room_m >= _OFF_M:
-            if state is State.STANDING_OFF:
-                return HoldCourse(away_rad, config.speed.cruise_m_s), None
-            self._off_s = now_s
-            return HoldCourse(away_rad, config.speed.cruise_m_s), Trigger.FREED
-        if state is State.STANDING_OFF:
+            if not is_off:
+                self._off_s = now_s
+            return HoldCourse(away_rad, config.speed.cruise_m_s), None if is_off else Trigger.FREED
+        if is_off:
             self._rest_s = now_s + _PAUSE_S
         if now_s < self._rest_s:
             self._began_s = self._looked_s = now_s
             self._looked_at = nav.point
-            return _STOP, Trigger.CARRIED_BACK if state is State.STANDING_OFF else None
+            return _STOP, Trigger.CARRIED_BACK if is_off else None
         trigger = Trigger.RESTED if state is State.RESTING else None
         if now_s - self._looked_s >= _TRY_S:
             if now_s - self._began_s > _LONGEST_S or distance_m(self._looked_at, nav.point) < _SLIDES_M:
