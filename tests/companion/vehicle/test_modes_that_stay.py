@@ -1,0 +1,243 @@
+"""The modes by hand and those that stay, each alone: what it does as it begins, and its intent."""
+
+import math
+
+import pytest
+from boat_rig import FRAME, nav_at, place
+from mode_inputs import mode_inputs
+from msgspec.structs import replace
+
+from companion.config.boat_config import BoatConfig, with_value
+from companion.core.geo import Point
+from companion.core.intent import (
+    Drive,
+    FollowLeg,
+    HoldCourse,
+    HoldHeading,
+    HoldTurn,
+    Intent,
+    KeepStation,
+    Stop,
+)
+from companion.core.requests import ManualControl, OtherVehicle, SetPoint
+from companion.core.state import NavState
+from companion.core.status_text import StatusText
+from companion.geofence.fence import Fence, FenceCircle
+from companion.rc.manual_input import ManualInput, top_speed_m_s
+from companion.vehicle.modes.acro import AcroMode
+from companion.vehicle.modes.follow import FollowMode
+from companion.vehicle.modes.guided import GuidedMode
+from companion.vehicle.modes.hold import HoldMode
+from companion.vehicle.modes.loiter import LoiterMode
+from companion.vehicle.modes.manual import ManualMode
+from companion.vehicle.modes.simple import SimpleMode
+from companion.vehicle.modes.steering import SteeringMode
+
+CONFIG = BoatConfig()
+TOP_M_S = top_speed_m_s(CONFIG.speed)
+STALE_S = CONFIG.failsafe.manual_timeout_s + 0.1
+
+
+def held(throttle: float, steering: float) -> ManualInput:
+    sticks = ManualInput()
+    sticks.ingest(ManualControl(throttle, steering), 0.0)
+    return sticks
+
+
+def fenced(radius_m: float = 50.0) -> Fence:
+    fence = Fence()
+    fence.set_areas([FenceCircle(FRAME.origin, radius_m, is_inclusion=True)])
+    fence.update(FRAME, FRAME.origin, CONFIG.fence)
+    return fence
+
+
+def turned(heading_rad: float) -> NavState:
+    return replace(nav_at(), heading_rad=heading_rad)
+
+
+def without_position(north_m_s: float = 0.0, east_m_s: float = 0.0) -> NavState:
+    return replace(
+        nav_at(),
+        position_age_s=100.0,
+        current_north_m_s=north_m_s,
+        current_east_m_s=east_m_s,
+        heading_rad=1.0,
+    )
+
+
+def without_heading(east_m_s: float) -> NavState:
+    return replace(nav_at(), heading_age_s=100.0, current_east_m_s=east_m_s)
+
+
+def local(intent: Intent) -> Point:
+    assert isinstance(intent, KeepStation)
+    return intent.point
+
+
+# By hand
+
+
+def test_hold_gives_no_thrust() -> None:
+    assert HoldMode().intent(mode_inputs()) == Stop()
+
+
+@pytest.mark.parametrize("mode", [ManualMode, AcroMode, SteeringMode, SimpleMode])
+def test_stale_sticks_give_no_thrust(mode: type[ManualMode | AcroMode | SteeringMode | SimpleMode]) -> None:
+    assert mode(held(1.0, 1.0)).intent(mode_inputs(now_s=STALE_S)) == Stop()
+
+
+def test_manual_passes_the_sticks_on() -> None:
+    assert ManualMode(held(0.5, -0.25)).intent(mode_inputs()) == Drive(0.5, -0.25)
+    assert ManualMode(held(0.5, -0.25)).drive(CONFIG, 0.0) == Drive(0.5, -0.25)
+
+
+def test_acro_asks_for_speed_and_turn_rate() -> None:
+    wanted = HoldTurn(-0.5 * CONFIG.modes.turn_rate_rad_s, 0.5 * TOP_M_S)
+    assert AcroMode(held(0.5, -0.5)).intent(mode_inputs()) == wanted
+
+
+def test_steering_asks_for_a_lateral_acceleration() -> None:
+    accel = CONFIG.guidance.corner_accel_m_s2
+    fast = SteeringMode(held(1.0, 0.5)).intent(mode_inputs())
+    assert isinstance(fast, HoldTurn)
+    assert fast.speed_m_s == pytest.approx(TOP_M_S)
+    assert fast.yaw_rate_rad_s * TOP_M_S == pytest.approx(0.5 * accel)
+
+
+def test_steering_never_turns_faster_than_acro() -> None:
+    config = with_value(CONFIG, "guidance.corner_accel_m_s2", 100.0)
+    slow = SteeringMode(held(0.0, -1.0)).intent(mode_inputs(config=config))
+    assert slow == HoldTurn(-CONFIG.modes.turn_rate_rad_s, 0.0)
+
+
+def test_simple_goes_where_the_stick_points_as_seen_at_entry() -> None:
+    mode = SimpleMode(held(0.0, 0.6))
+    mode.enter(mode_inputs(turned(1.0)))
+    intent = mode.intent(mode_inputs(turned(2.0)))
+    assert isinstance(intent, HoldHeading)
+    assert intent.heading_rad == pytest.approx(1.0 + math.pi / 2.0)
+    assert intent.speed_m_s == pytest.approx(0.6 * TOP_M_S)
+
+
+def test_simple_may_take_north_for_ahead() -> None:
+    mode = SimpleMode(held(1.0, 0.0))
+    mode.enter(mode_inputs(turned(1.0)))
+    north = mode.intent(mode_inputs(config=with_value(CONFIG, "modes.simple_type", 1)))
+    assert north == HoldHeading(0.0, TOP_M_S)
+
+
+def test_simple_holds_its_heading_while_the_stick_is_centred() -> None:
+    mode = SimpleMode(held(0.03, 0.03))
+    mode.enter(mode_inputs(turned(1.0)))
+    assert mode.intent(mode_inputs(turned(2.0))) == HoldHeading(1.0, 0.0)
+
+
+# That stay
+
+
+def test_loiter_stays_where_it_begins() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs(nav_at(3.0, 4.0)))
+    assert local(mode.intent(mode_inputs(nav_at(30.0, 4.0)))) == pytest.approx((3.0, 4.0), abs=1e-3)
+    assert mode.needs_position
+    assert mode.destination is not None
+
+
+def test_loiter_comes_back_inside_the_fence() -> None:
+    mode = LoiterMode(fenced(50.0))
+    mode.enter(mode_inputs(nav_at(60.0, 0.0)))
+    inside_m = 50.0 - CONFIG.fence.margin_m - CONFIG.guidance.station_radius_m
+    assert local(mode.intent(mode_inputs(nav_at(60.0, 0.0)))) == pytest.approx((inside_m, 0.0), abs=0.2)
+
+
+def test_loiter_without_a_position_holds_into_the_current() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    into = mode.intent(mode_inputs(without_position(north_m_s=0.3)))
+    assert isinstance(into, HoldHeading)
+    assert (abs(into.heading_rad), into.speed_m_s) == pytest.approx((math.pi, 0.0))
+    assert not mode.needs_position
+    assert mode.intent(mode_inputs(without_position(east_m_s=0.3))) == into  # held, not chased
+    mode.exit()
+    assert mode.needs_position
+
+
+def test_loiter_without_a_position_in_still_water_holds_its_heading() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    assert mode.intent(mode_inputs(without_position(north_m_s=0.04))) == HoldHeading(1.0, 0.0)
+
+
+def test_loiter_stays_where_its_position_comes_back() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    mode.intent(mode_inputs(without_position(north_m_s=0.3)))
+    assert local(mode.intent(mode_inputs(nav_at(12.0, 0.0)))) == pytest.approx((12.0, 0.0), abs=1e-3)
+
+
+def test_loiter_searches_its_heading_by_turns_in_a_current() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    ahead = [
+        isinstance(mode.intent(mode_inputs(without_heading(0.5), now_s=0.5 + now_s)), Drive)
+        for now_s in range(20)
+    ]
+    assert ahead == [True] * 6 + [False] * 10 + [True] * 4
+
+
+def test_loiter_without_a_heading_drifts_in_a_slow_current() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    assert mode.intent(mode_inputs(without_heading(0.25))) == Stop()
+
+
+def test_guided_holds_a_set_point_until_it_is_stale() -> None:
+    texts: list[StatusText] = []
+    mode = GuidedMode(Fence(), texts)
+    mode.enter(mode_inputs())
+    mode.hold(SetPoint(HoldCourse(1.0, 2.0)), 0.0)
+    timeout_s = CONFIG.modes.set_point_timeout_s
+    assert mode.intent(mode_inputs(now_s=timeout_s)) == HoldCourse(1.0, 2.0)
+    stays = mode.intent(mode_inputs(nav_at(9.0, 0.0), now_s=timeout_s + 0.1))
+    assert local(stays) == pytest.approx((9.0, 0.0), abs=1e-3)
+    assert [one.text for one in texts] == ["GUIDED: set-point is stale, keeping station"]
+
+
+def test_guided_sails_to_its_target_then_stays_there() -> None:
+    texts: list[StatusText] = []
+    mode = GuidedMode(Fence(), texts)
+    mode.enter(mode_inputs())
+    mode.go_to(place(20.0, 0.0))
+    leg = mode.intent(mode_inputs())
+    assert isinstance(leg, FollowLeg)
+    assert mode.destination == place(20.0, 0.0)
+    stays = mode.intent(mode_inputs(nav_at(20.0, 0.0)))
+    assert local(stays) == pytest.approx((20.0, 0.0), abs=1e-3)
+    assert mode.target is None
+    assert mode.destination == place(20.0, 0.0)
+    assert [one.text for one in texts] == ["GUIDED: arrived"]
+
+
+@pytest.mark.parametrize("ends", ["enter", "exit"])
+def test_guided_drops_target_and_set_point(ends: str) -> None:
+    mode = GuidedMode(Fence(), [])
+    mode.go_to(place(20.0, 0.0))
+    mode.hold(SetPoint(HoldCourse(1.0, 2.0)), 0.0)
+    if ends == "enter":
+        mode.enter(mode_inputs())
+    else:
+        mode.exit()
+    assert (mode.target, mode.set_point) == (None, None)
+    assert local(mode.intent(mode_inputs())) == pytest.approx((0.0, 0.0), abs=1e-3)
+
+
+def test_follow_stays_where_it_loses_its_lead() -> None:
+    texts: list[StatusText] = []
+    mode = FollowMode(texts)
+    mode.ingest(OtherVehicle(2, place(20.0, 0.0), 1.0, 0.0, 0.0), CONFIG.follow, 0.0)
+    mode.enter(mode_inputs())
+    assert isinstance(mode.intent(mode_inputs()), HoldCourse)
+    for now_s in (10.0, 11.0):
+        stays = mode.intent(mode_inputs(nav_at(now_s, 0.0), now_s=now_s))
+        assert local(stays) == pytest.approx((10.0, 0.0), abs=1e-3)
+    assert [one.text for one in texts] == ["FOLLOW: no vehicle is heard, keeping station"]
