@@ -15,13 +15,12 @@ from companion.config.boat_config import BoatConfig, LinkConfig
 from companion.config.parts import CompassPart
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
-from companion.hal.absent import Absent
-from companion.hal.battery import open_ina219
-from companion.hal.compass import open_bno055, open_nmea_compass
-from companion.hal.gnss import open_nmea_gnss
+from companion.hal.bno055 import open_bno055
 from companion.hal.hull import open_hull
+from companion.hal.ina219 import open_ina219
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Port, Sonar
 from companion.hal.l298n import open_l298n
+from companion.hal.nmea import open_nmea_compass, open_nmea_gnss
 from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.ultrasonic import open_ultrasonic
 from companion.hal.watched_motors import WatchedMotors
@@ -114,6 +113,16 @@ def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
     return ports
 
 
+class _Absent:
+    """A receiver or compass that is not fitted: readings come over MAVLink instead."""
+
+    def read(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
 def open_hardware(config: BoatConfig, now: Now) -> Hardware:
     """Open every part that the configuration names; the motors first, so that they are off from the start.
 
@@ -125,7 +134,7 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         motors = WatchedMotors(open_l298n(parts.motors, now), now, config.motors.command_timeout_s)
         undo.callback(motors.close)
         motors.start()
-        gnss: Gnss = Absent() if parts.gnss.driver == "none" else open_nmea_gnss(parts.gnss, now)
+        gnss: Gnss = _Absent() if parts.gnss.driver == "none" else open_nmea_gnss(parts.gnss, now)
         undo.callback(gnss.close)
         compass = open_compass(parts.compass, now)
         undo.callback(compass.close)
@@ -157,7 +166,7 @@ def open_compass(part: CompassPart, now: Now) -> Compass:
         case "nmea":
             return open_nmea_compass(part, now)
         case "none":
-            return Absent()
+            return _Absent()
 
 
 def open_storage(folder: str) -> Storage:

@@ -2,11 +2,14 @@
 
 import logging
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import Generic, TypeVar
 
 from companion.links.backoff import Backoff
 
 _log = logging.getLogger(__name__)
+Reading = TypeVar("Reading")
 
 
 class Background:
@@ -58,3 +61,28 @@ class Background:
                     _log.info("%s: answers again", self._name)
                 self._retry.succeeded()
                 is_well = True
+
+
+class PolledSensor(ABC, Generic[Reading]):
+    """A sensor that a thread polls; its latest reading is available without waiting."""
+
+    def __init__(self, name: str, now: Callable[[], float]) -> None:
+        self._now = now
+        self._latest: Reading | None = None
+        self._background = Background(self.step, name)
+
+    def start(self) -> None:
+        """Begin to poll."""
+        self._background.start()
+
+    @abstractmethod
+    def step(self) -> float:
+        """Read the part once; returns the seconds to wait before the next reading."""
+
+    def read(self) -> Reading | None:
+        """The latest reading, None before the first."""
+        return self._latest
+
+    def close(self) -> None:
+        """Stop the thread. May be called twice."""
+        self._background.close()

@@ -1,4 +1,4 @@
-"""Registers of the BNO055, from its data sheet (Bosch BST-BNO055-DS000-14, June 2016).
+"""BNO055 compass on I²C, from its data sheet (Bosch BST-BNO055-DS000-14, June 2016).
 
 The part fuses accelerometer, magnetometer and gyroscope in NDOF mode. It is not reset at program start, which
 would lose its magnetometer calibration.
@@ -6,10 +6,15 @@ would lose its magnetometer calibration.
 
 import math
 import struct
+from collections.abc import Callable
 from typing import Final, NamedTuple
 
+from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.i2c import I2cBus
+from companion.core.units import wrap_pi
+from companion.hal.background import PolledSensor
+from companion.hal.raspberry_pi import I2cBus, open_i2c_part
+from companion.sensors.readings import HeadingReading
 
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
 CHIP_ID: Final = 0xA0
@@ -17,12 +22,11 @@ CONFIG_MODE, NDOF_MODE = 0x00, 0x0C  # table 3-5
 UNITS: Final = 0x80  # table 3-11: degrees, degrees per second, Android's signs; the reset default
 _CHIP_ID_AT, _PAGE_AT, _DATA_AT, _STATUS_AT = 0x00, 0x07, 0x18, 0x35
 _UNITS_AT, _MODE_AT, _POWER_AT = 0x3B, 0x3D, 0x3E
-_DATA: Final = struct.Struct(
-    "<4h"
-)  # GYR_DATA_Z, EUL_Heading, EUL_Roll, EUL_Pitch, least significant byte first
+_DATA: Final = struct.Struct("<4h")  # GYR_DATA_Z, EUL_Heading, EUL_Roll, EUL_Pitch
 _STATUS_BYTES: Final = _MODE_AT + 1 - _STATUS_AT  # CALIB_STAT to OPR_MODE
 _PER_DEGREE: Final = 16.0  # tables 3-22 and 3-29: of angles and of rates
 _MODE_BITS: Final = 0x0F
+_PERIOD_S: Final = 0.04
 
 
 class Bno055Sample(NamedTuple):
@@ -39,7 +43,7 @@ class Bno055Sample(NamedTuple):
 
 
 class Bno055:
-    """The part at one bus address. Calls do not wait; it needs 20 ms between two."""
+    """Registers of the part at one bus address. Calls do not wait; it needs 20 ms between two."""
 
     def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
         """Raises:
@@ -96,3 +100,53 @@ class Bno055:
 
     def _write(self, register: int, value: int) -> None:
         self._bus.write_i2c_block_data(self._address, register, [value])
+
+
+class Bno055Compass(PolledSensor[HeadingReading]):
+    """Satisfies `companion.hal.interfaces.Compass`.
+
+    The part lies flat with z up: its heading grows clockwise and its z rate is positive counter-clockwise
+    (Bosch data sheet BST-BNO055-DS000), so the rate changes sign. Its north is magnetic; correction_rad
+    includes variation and mounting angle. Headings are used only after the magnetometer has been calibrated
+    since power-up: before, they start at zero in any direction.
+    """
+
+    def __init__(self, part: Bno055, now: Callable[[], float], correction_rad: float = 0.0) -> None:
+        super().__init__("BNO055", now)
+        self._part = part
+        self._correction_rad = correction_rad
+        self._knows_north = False
+
+    def step(self) -> float:
+        """Read the part once; returns the seconds to wait before the next reading."""
+        sample = self._part.read()
+        if sample is None:
+            # A supply dip resets the part to configuration mode.
+            self._knows_north = False
+            self._part.set_up()
+        elif not self._knows_north:
+            self._knows_north = sample.magnet > 0
+        elif 0.0 <= sample.heading_deg <= 360.0:  # reject corrupted transfers
+            heading_rad = wrap_pi(math.radians(sample.heading_deg) + self._correction_rad)
+            roll_rad, pitch_rad = math.radians(sample.roll_deg), math.radians(sample.pitch_deg)
+            rate_rad_s = -sample.yaw_rate_rad_s
+            self._latest = HeadingReading(self._now(), heading_rad, rate_rad_s, roll_rad, pitch_rad)
+        return _PERIOD_S
+
+    def close(self) -> None:
+        """Stop the thread and close the bus. May be called twice."""
+        super().close()
+        self._part.close()
+
+
+def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Compass:
+    """Open the part on the Pi's I²C bus and start reading.
+
+    Raises:
+        HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
+    """
+    compass = open_i2c_part(
+        "BNO055", part.address, lambda bus: Bno055Compass(Bno055(bus, part.address), now, part.correction_rad)
+    )
+    compass.start()
+    return compass

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.config import parts
-from companion.hal.background import Background
-from companion.hal.pins import opening_pins
+from companion.hal.background import PolledSensor
+from companion.hal.raspberry_pi import opening_pins
 from companion.sensors.readings import HullReading
 
 _PERIOD_S = 1.0
@@ -20,7 +20,7 @@ class DigitalInput(Protocol):
     def close(self) -> None: ...
 
 
-class HullSensor:
+class HullSensor(PolledSensor[HullReading]):
     """Satisfies `companion.hal.interfaces.Hull`.
 
     thermometer: a file with millidegrees Celsius, as below /sys/class/thermal; None is reported if it cannot
@@ -28,15 +28,9 @@ class HullSensor:
     """
 
     def __init__(self, thermometer: Path, switch: DigitalInput | None, now: Callable[[], float]) -> None:
+        super().__init__("hull sensor", now)
         self._thermometer = thermometer
         self._switch = switch
-        self._now = now
-        self._latest: HullReading | None = None
-        self._background = Background(self.step, "hull sensor")
-
-    def start(self) -> None:
-        """Begin to read in a thread."""
-        self._background.start()
 
     def step(self) -> float:
         """Read once; returns the seconds to wait before the next reading."""
@@ -44,13 +38,9 @@ class HullSensor:
         self._latest = HullReading(self._now(), is_wet, _celsius(self._thermometer))
         return _PERIOD_S
 
-    def read(self) -> HullReading | None:
-        """The latest reading, None before the first."""
-        return self._latest
-
     def close(self) -> None:
         """Stop the thread and release the pin. May be called twice."""
-        self._background.close()
+        super().close()
         if self._switch is not None:
             self._switch.close()
 

@@ -17,7 +17,7 @@ from typing import Protocol
 from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.core.units import clamp
-from companion.hal.pins import opening_pins
+from companion.hal.raspberry_pi import opening_pins
 
 
 class DigitalOutput(Protocol):

@@ -1,12 +1,12 @@
 """RC receivers on a UART: CRSF (ExpressLRS, Crossfire), iBUS, S.BUS."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
 from companion.hal.interfaces import Port
-from companion.hal.port_reader import PortReader
+from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_port
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
 from companion.rc import crsf as rc_crsf
@@ -30,26 +30,19 @@ _PROTOCOLS = {
 }
 
 
-class SerialRcReceiver:
+class SerialRcReceiver(PortSensor[RcReading]):
     """Satisfies `companion.hal.interfaces.RcReceiver`. Readings are stamped when read."""
 
     def __init__(self, port: Port, now: Callable[[], float], parser: RcParser, rest_s: float = 0.0) -> None:
+        super().__init__(port, now, rest_s)
         self.parser = parser
-        self._latest: RcReading | None = None
-        self.part = PortReader(port, now, self._feed, parser.forget, rest_s)
 
-    def read(self) -> RcReading | None:
-        """The latest frame, None before the first."""
-        return self._latest
-
-    def close(self) -> None:
-        """Stop the thread and close the port. May be called twice."""
-        self.part.close()
-
-    def _feed(self, chunk: bytes, time_s: float) -> None:
+    def _decode(self, chunk: bytes, time_s: float) -> Iterable[RcReading]:
         reading = self.parser.feed(chunk, time_s)
-        if reading is not None:
-            self._latest = reading
+        return () if reading is None else (reading,)
+
+    def _forget(self) -> None:
+        self.parser.forget()
 
 
 def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
@@ -67,5 +60,5 @@ def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
     else:
         port = open_port(setting.port, now)
     receiver = SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s)
-    receiver.part.start()
+    receiver.start()
     return receiver

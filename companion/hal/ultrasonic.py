@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.hal.background import Background
-from companion.hal.pins import opening_pins
+from companion.hal.raspberry_pi import opening_pins
 from companion.obstacles.perception.servo_scan import ServoScan
 from companion.sensors.readings import SonarReading
 

@@ -48,7 +48,7 @@ class RadioBoat:
             self.now_s += TICK_S
             if data:
                 self.far.send(data)
-            self.receiver.part.step()
+            self.receiver.step()
             self.boat.step(self.now_s)
             assert self.boat.vehicle.armed or self.pi.is_off, "not armed, and yet a pin is on"
 

@@ -141,5 +141,5 @@ def plug_in(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, parts: dict[int, Pa
     device = tmp_path / "i2c-1"
     device.touch()
     monkeypatch.setattr("smbus2.smbus2.ioctl", bus.ioctl)
-    monkeypatch.setattr("companion.hal.i2c.DEVICE", device)
+    monkeypatch.setattr("companion.hal.raspberry_pi.DEVICE", device)
     return bus

@@ -11,12 +11,9 @@ from i2c_twins import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, Ina219Twin, plug_in
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.battery import Ina219Battery, open_ina219
-from companion.hal.bno055 import Bno055
-from companion.hal.compass import Bno055Compass, open_bno055
-from companion.hal.i2c import I2cBus, open_i2c
-from companion.hal.ina219 import CONFIGURATION, Ina219
-from companion.hal.optional import import_optional
+from companion.hal.bno055 import Bno055, Bno055Compass, open_bno055
+from companion.hal.ina219 import CONFIGURATION, Ina219, Ina219Battery, open_ina219
+from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
 
 COMPASS, BATTERY = parts.CompassPart(driver="bno055"), parts.BatteryPart(driver="ina219")
 
@@ -214,7 +211,7 @@ def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
 def test_a_pi_without_i2c_is_told_how_to_switch_it_on(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("companion.hal.i2c.DEVICE", tmp_path / "i2c-1")
+    monkeypatch.setattr("companion.hal.raspberry_pi.DEVICE", tmp_path / "i2c-1")
     with pytest.raises(HardwareError, match=r"BNO055: there is no .*i2c-1; .* raspi-config nonint do_i2c 0"):
         open_bno055(COMPASS, HandClock())
 
@@ -230,7 +227,7 @@ def test_a_bus_that_this_user_may_not_open_names_the_group(monkeypatch: pytest.M
 
 def test_a_file_that_is_no_bus_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "i2c-1").touch()
-    monkeypatch.setattr("companion.hal.i2c.DEVICE", tmp_path / "i2c-1")
+    monkeypatch.setattr("companion.hal.raspberry_pi.DEVICE", tmp_path / "i2c-1")
     with pytest.raises(HardwareError, match=r"BNO055: .*i2c-1 cannot be opened: .*ioctl"):
         open_bno055(COMPASS, HandClock())
 

@@ -9,8 +9,7 @@ from hardware_twins import HandClock, PtyLine, eventually
 
 from companion.config import parts
 from companion.core.errors import LinkError
-from companion.hal.compass import NmeaCompass, open_nmea_compass
-from companion.hal.gnss import NmeaGnss, open_nmea_gnss
+from companion.hal.nmea import NmeaCompass, NmeaGnss, open_nmea_compass, open_nmea_gnss
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 
@@ -38,15 +37,15 @@ def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_tim
     gnss = NmeaGnss(port, clock)
     assert gnss.read() is None
     receiver.send(epoch(0))
-    gnss.part.step()
+    gnss.step()
     clock.advance(1.0)
     receiver.send(epoch(1))
-    gnss.part.step()
+    gnss.step()
     first = gnss.read()
     assert first is not None
     assert first.time_s == clock()
     clock.advance(0.5)
-    gnss.part.step()
+    gnss.step()
     assert gnss.read() is first
 
 
@@ -58,7 +57,7 @@ def test_fixes_bear_the_time_of_their_measurement_however_late_the_line_brings_t
     for second, late_s in enumerate([0.3, 0.15, 0.4, 0.12, 0.25, 0.9, 0.12]):
         clock.advance(began_s + second + late_s - clock())
         receiver.send(epoch(second))
-        gnss.part.step()
+        gnss.step()
         if (fix := gnss.read()) is not None:  # the first epoch ends when the second begins
             dates_s.append(fix.time_s - began_s - second)
     # From the fastest one on, all are off only by what that took longer than assumed.
@@ -70,11 +69,11 @@ def test_noise_on_the_line_is_counted_and_does_not_stop_the_compass() -> None:
     compass = NmeaCompass(port, HandClock(), correction_rad=math.radians(2.0))
     for piece in (b"\x00\xff$$$*\r\n", sentence("HCHDM,88.0,M")[:9], b"\r\n", sentence("HCHDM,88.0,M")):
         part.send(piece)
-        compass.part.step()
+        compass.step()
     reading = compass.read()
     assert reading is not None
     assert math.degrees(reading.heading_rad) == pytest.approx(90.0)
-    assert compass.part.reader.malformed == 2
+    assert compass.reader.malformed == 2
 
 
 def test_half_a_sentence_of_an_unplugged_part_is_forgotten() -> None:
@@ -83,13 +82,13 @@ def test_half_a_sentence_of_an_unplugged_part_is_forgotten() -> None:
     compass = NmeaCompass(port, HandClock())
     whole = sentence("HEHDT,90.0,T")
     part.send(whole[:8])
-    compass.part.step()
+    compass.step()
     part.close()
     again, part = memory_pair(is_datagram=False)
     port.offer(again)
     part.send(whole[8:] + whole)
-    compass.part.step()
-    assert compass.part.reader.accepted == 1
+    compass.step()
+    assert compass.reader.accepted == 1
 
 
 def test_a_closed_part_lets_its_port_go() -> None:
@@ -145,4 +144,4 @@ def test_a_receiver_may_also_be_on_the_network() -> None:
 def test_a_receiver_that_is_missing_is_named() -> None:
     with pytest.raises(LinkError, match="there is no device /dev/ttyNONE"):
         open_nmea_gnss(parts.GnssPart(driver="nmea", port="/dev/ttyNONE"), HandClock())
-    assert "companion.hal.gnss" in sys.modules
+    assert "companion.hal.nmea" in sys.modules

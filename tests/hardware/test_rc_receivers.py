@@ -28,16 +28,16 @@ def test_the_latest_frame_stays_until_a_new_one_has_come_and_bears_its_arrival_t
     receiver = SerialRcReceiver(MemoryPort(near), clock, CrsfParser())
     assert receiver.read() is None
     far.send(CRSF[:20])
-    receiver.part.step()
+    receiver.step()
     assert receiver.read() is None
     clock.advance(0.004)
     far.send(CRSF[20:])
-    receiver.part.step()
+    receiver.step()
     first = receiver.read()
     assert first is not None
     assert first.time_s == clock()
     clock.advance(1.0)
-    receiver.part.step()
+    receiver.step()
     assert receiver.read() is first
 
 

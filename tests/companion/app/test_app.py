@@ -178,7 +178,9 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
 
 
 def test_the_boat_can_see_how_often_its_motors_were_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("companion.app.open_l298n", lambda *_: Parts().open(BoatConfig(), float).motors)
+    monkeypatch.setattr(
+        "companion.app.composition.open_l298n", lambda *_: Parts().open(BoatConfig(), float).motors
+    )
     parts = {"motors": {"driver": "l298n"}}
     hardware = open_hardware(config("udpin:127.0.0.1:0", parts=parts), lambda: 0.0)
     try:

@@ -336,7 +336,7 @@ def test_whoever_makes_way_is_the_longest_silent_of_the_fullest_link_and_its_fil
     first = invented(7, 1)[0]
     opened(served, first)  # which is now the latest to be heard
     closed: list[Session] = []
-    monkeypatch.setattr(served.service, "_let_go", closed.extend)
+    monkeypatch.setattr(served.service, "_release", closed.extend)
     opened(served, STATION)
     assert len(closed) == 1
     kept = {station.origin for station in served.service._stations}

@@ -1,36 +1,41 @@
-"""A part that sends bytes over a port, read in a thread."""
+"""A sensor that sends bytes over a port, read in a thread."""
 
 import select
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+from typing import Generic
 
-from companion.hal.background import Background
+from companion.hal.background import Background, Reading
 from companion.hal.interfaces import Link, Port
 
 _PATIENCE_S = 0.2  # longest wait for bytes, and period of reconnection attempts
 
 
-class PortReader:
-    """Passes each chunk to `take`, with its time; `begin` is called after a reconnect.
+class PortSensor(ABC, Generic[Reading]):
+    """Keeps the latest reading. The port reconnects an unplugged part.
 
-    The port reconnects an unplugged part. rest_s: minimum time between reads, for a part whose every byte
-    would wake the thread.
+    rest_s: minimum time between reads, for a part whose every byte would wake the thread.
     """
 
-    def __init__(
-        self,
-        port: Port,
-        now: Callable[[], float],
-        take: Callable[[bytes, float], object],
-        begin: Callable[[], object],
-        rest_s: float = 0.0,
-    ) -> None:
+    def __init__(self, port: Port, now: Callable[[], float], rest_s: float = 0.0) -> None:
         self._port = port
         self._now = now
-        self._on_chunk = take
-        self._on_open = begin
         self._rest_s = rest_s
+        self._latest: Reading | None = None
         self._links: list[Link] = []
         self._background = Background(self._wait_and_step, port.name)
+
+    @abstractmethod
+    def _decode(self, chunk: bytes, time_s: float) -> Iterable[Reading]:
+        """The readings that these bytes complete."""
+
+    @abstractmethod
+    def _forget(self) -> None:
+        """Drop a partial message, after a reconnect."""
+
+    def read(self) -> Reading | None:
+        """The latest reading, None before the first."""
+        return self._latest
 
     def start(self) -> None:
         """Begin to read in a thread."""
@@ -40,10 +45,11 @@ class PortReader:
         """Process received bytes. Never waits."""
         for link in self._port.accept():
             self._links.append(link)
-            self._on_open()  # drop a partial sentence
+            self._forget()
         for link in self._links:
             for chunk in link.receive():
-                self._on_chunk(chunk, self._now())
+                for reading in self._decode(chunk, self._now()):
+                    self._latest = reading
         self._links = [link for link in self._links if not link.is_closed]
 
     def close(self) -> None:

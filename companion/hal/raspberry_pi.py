@@ -1,0 +1,110 @@
+"""The Pi's pins through gpiozero, and its I²C bus through smbus2 and i2c-dev. Errors say what to do."""
+
+import importlib
+import os
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Protocol, TypeVar
+
+from companion.core.errors import HardwareError
+
+DEVICE = Path("/dev/i2c-1")  # on header pins 3 and 5 of every Pi with 40 pins
+_PIPE = ".lgd-nfy"  # created by lgpio in LG_WD or the working directory
+_Part = TypeVar("_Part")
+
+
+def import_optional(module: str, part: str) -> ModuleType:
+    """Import a module of the extra `pi`.
+
+    Raises:
+        HardwareError: it is not installed or does not load; the message says what to do.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise HardwareError(
+            f"{part}: the Python module {error.name or module!r} is missing; install mavboat[pi]"
+        ) from None
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise HardwareError(
+            f"{part}: the Python module {module!r} does not load on this machine ({reason}); "
+            "install mavboat[pi] anew, or set the part's driver to none"
+        ) from error
+
+
+@contextmanager
+def opening_pins(part: str) -> Iterator[ModuleType]:
+    """gpiozero, in a context that explains its errors.
+
+    Raises:
+        HardwareError: gpiozero is missing, there are no pins, or one is in use.
+    """
+    gpiozero = import_optional("gpiozero", part)
+    with warnings.catch_warnings(record=True) as fallbacks:  # why gpiozero could not use lgpio
+        warnings.simplefilter("always")
+        try:
+            yield gpiozero
+        except Exception as error:
+            reasons = [str(one.message) for one in fallbacks]
+            raise HardwareError(f"{part}: the pins cannot be opened: {_reason(error, reasons)}") from error
+
+
+def _reason(error: Exception, fallbacks: list[str]) -> str:
+    if any(_PIPE in reason for reason in fallbacks):
+        return f"lgpio cannot write to {os.getcwd()}; start in a folder of this user's, or name one in LG_WD"
+    first = f" ({fallbacks[0]})" if fallbacks else ""
+    return " ".join(f"{error}{first}".split())
+
+
+class I2cBus(Protocol):
+    """The used part of smbus2's SMBus. Every call raises OSError if the part does not answer."""
+
+    def read_i2c_block_data(self, address: int, register: int, length: int) -> list[int]:
+        """Read bytes from a register."""
+
+    def write_i2c_block_data(self, address: int, register: int, data: Sequence[int]) -> None:
+        """Write bytes to a register."""
+
+    def close(self) -> None:
+        """Close the bus."""
+
+
+def open_i2c(part: str) -> I2cBus:
+    """Open the bus for one part. Each part opens its own: the address belongs to the file, not to the call.
+
+    Raises:
+        HardwareError: smbus2 is missing, or the bus cannot be opened; the message says what to do.
+    """
+    smbus2 = import_optional("smbus2", part)
+    try:
+        bus: I2cBus = smbus2.SMBus(str(DEVICE))
+    except FileNotFoundError:
+        raise HardwareError(
+            f"{part}: there is no {DEVICE}; switch I²C on: sudo raspi-config nonint do_i2c 0"
+        ) from None
+    except PermissionError:
+        raise HardwareError(f"{part}: {DEVICE} may not be opened; add the user to the group i2c") from None
+    except OSError as error:
+        raise HardwareError(f"{part}: {DEVICE} cannot be opened: {error}") from error
+    return bus
+
+
+def open_i2c_part(part: str, address: int, create: Callable[[I2cBus], _Part]) -> _Part:
+    """Open the bus and create the part on it.
+
+    Raises:
+        HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
+    """
+    bus = open_i2c(part)
+    try:
+        return create(bus)
+    except HardwareError:
+        bus.close()
+        raise
+    except OSError as error:
+        bus.close()
+        raise HardwareError(f"{part}: no answer at I²C address {address:#x}: {error}") from error
