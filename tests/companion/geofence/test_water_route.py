@@ -1,0 +1,124 @@
+"""The route through the water: its legs go straight to the farthest corner in sight."""
+
+import math
+
+import pytest
+from test_costmap import field_of
+from test_distance_field import L_WATER
+from test_fence_lines import laid, square
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point
+from companion.core.state import NavState
+from companion.geofence.fence import Fence
+from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
+
+CONFIG = BoatConfig()
+HOME = Point(0.0, 0.0)
+
+
+def nav_at(point: Point) -> NavState:
+    return NavState(0.0, *point, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
+
+
+def sailed(route: WaterRoute) -> list[Point]:
+    """The ends of its legs, reached one after the other."""
+    ends = []
+    for _ in range(100):
+        ends.append(route.leg.end)
+        assert route.is_last is (route.leg.end == route.end)
+        if route.advance(nav_at(route.leg.end), CONFIG):
+            return ends
+    raise AssertionError("the end is never reached")
+
+
+def row(*norths: float) -> list[Point]:
+    return [Point(north_m, 0.0) for north_m in norths]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 8, 9, 31])
+def test_corners_in_a_straight_line_are_one_leg(count: int) -> None:
+    corners = row(*range(-40, -40 + 2 * count, 2))
+    route = WaterRoute(laid(square(50.0)), Point(-45.0, 0.0), corners, 2.0, CONFIG)
+    assert sailed(route) == [corners[-1]]
+    assert route.leg.start == Point(-45.0, 0.0)
+    assert route.leg.next_end is None
+
+
+@pytest.mark.parametrize("before", range(1, 12))
+def test_the_leg_ends_at_the_last_corner_in_sight_however_many_there_are(before: int) -> None:
+    # East along the wide part, then south: the corner of the water hides everything beyond the bend
+    east = [Point(60.0, 70.0 - number) for number in range(before)]
+    bend = Point(60.0, 70.0 - before)
+    south = [Point(60.0 - number, 0.0) for number in range(0, 55, 5)]
+    fence, start, corners = laid(L_WATER), Point(60.0, 72.0), [*east, bend, *south]
+    route = WaterRoute(fence, start, corners, 3.0, CONFIG)
+    visible = [corner for corner in corners if is_clear(fence, start, corner, 3.0)]
+    assert route.leg.end == visible[-1]
+
+
+def test_the_next_leg_and_the_radius_of_a_corner_are_known_to_the_leg() -> None:
+    corners = [Point(60.0, 60.0), Point(12.0, 48.0), Point(0.0, 40.0), HOME]
+    route = WaterRoute(laid(L_WATER), Point(70.0, 60.0), corners, 3.0, CONFIG)
+    assert route.leg.next_end is not None
+    assert route.leg.radius_m == 1.5, "half of the clearance, where that is less than the configured 2 m"
+    wide = WaterRoute(laid(L_WATER), Point(70.0, 60.0), corners, 5.0, CONFIG)
+    assert wide.leg.radius_m == 2.0
+    ends = sailed(route)
+    assert ends[-1] == HOME
+    assert route.end == HOME
+
+
+def test_the_end_counts_within_the_configured_radius() -> None:
+    route = WaterRoute(laid(square(50.0)), Point(-20.0, 0.0), row(0.0), 3.0, CONFIG)
+    assert not route.advance(nav_at(Point(-2.1, 0.0)), CONFIG)
+    assert route.advance(nav_at(Point(-1.9, 0.0)), CONFIG)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "is_seen"),
+    [
+        (Point(0.0, -40.0), Point(0.0, 40.0), True),
+        (Point(45.5, -40.0), Point(45.5, 40.0), True),
+        (Point(48.0, -40.0), Point(48.0, 40.0), True),  # as near as its ends are
+        (Point(51.0, -40.0), Point(0.0, 40.0), False),
+        (Point(0.0, -40.0), Point(51.0, 40.0), False),
+    ],
+)
+def test_a_leg_keeps_the_clearance_of_its_ends(start: Point, end: Point, is_seen: bool) -> None:
+    assert is_clear(laid(square(50.0)), start, end, 5.0) is is_seen
+
+
+@pytest.mark.parametrize(("north_m", "is_seen"), [(15.3, True), (14.6, False)])
+def test_a_leg_past_an_island_keeps_nearly_the_clearance(north_m: float, is_seen: bool) -> None:
+    fence = laid(square(50.0), square(10.0, is_inclusion=False))
+    assert is_clear(fence, Point(north_m, -40.0), Point(north_m, 40.0), 5.0) is is_seen
+
+
+def way_from(fence: Fence, here: Point) -> WaterRoute | None:
+    return way_by_water(fence, field_of(fence, HOME, clearance_m=3.0), here, CONFIG)
+
+
+def test_from_inside_the_route_begins_where_the_boat_is() -> None:
+    route = way_from(laid(L_WATER), Point(60.0, 60.0))
+    assert route is not None
+    assert route.leg.start == Point(60.0, 60.0)
+    assert sailed(route)[-1] == HOME
+
+
+def test_from_outside_the_route_leads_first_to_the_nearest_water() -> None:
+    route = way_from(laid(L_WATER), Point(60.0, 80.0))
+    assert route is not None
+    assert route.leg.start == Point(60.0, 80.0)
+    assert route.leg.end.east_m == pytest.approx(72.0, abs=0.1)
+    assert route.leg.end.north_m == pytest.approx(60.0, abs=0.1)
+
+
+def test_without_water_there_is_no_route() -> None:
+    wall = square(60.0, is_inclusion=False, north_m=100.0)
+    fence = laid(square(200.0), wall)
+    assert way_from(fence, Point(100.0, 0.0)) is not None
+    closed = laid(square(20.0), square(15.0, is_inclusion=False))
+    field = field_of(closed, Point(0.0, 0.0), clearance_m=6.0)
+    assert way_by_water(closed, field, Point(0.0, 17.5), CONFIG) is None
+    assert math.isinf(field.distance_m(Point(0.0, 17.5)))
