@@ -1,11 +1,11 @@
-"""How much speaks for each hypothesis about the motors, and against healthy ones: one CUSUM for each.
+"""The evidence for each hypothesis about the motors, against healthy ones: one CUSUM each.
 
-For every measurement of turn rate, speed and current, each hypothesis has a residual with a known variance;
-so have healthy motors in a wind that may push and turn the hull as it likes, within its rate of change. The
+For every measurement of turn rate, speed and current, each hypothesis has a residual with a known variance.
+So have healthy motors in an unknown wind, which may push and turn the hull within its rate of change. The
 sum of the log likelihood ratios of a hypothesis against healthy motors, never below zero, is E. S. Page's
 CUSUM (*Continuous inspection schemes*, Biometrika 41, 1954; M. Basseville, I. V. Nikiforov, *Detection of
 Abrupt Changes*, 1993, chapter 2): it stays near zero while motors are healthy and climbs from the moment of
-the fault. Three things allow for models that are wrong: no single measurement counts for more than
+the fault. Three rules allow for wrong models: no single measurement counts for more than
 MOST_SQUARE, neighbouring samples, whose errors are alike, count for WEIGHT of independent ones, and evidence
 fades by DRIFT_S.
 """
@@ -21,27 +21,25 @@ from companion.failsafe.motors.motion_filter import MotionFilter
 from companion.sensors.readings import BatteryReading, GnssFix
 
 # Tuned on sample seeds 101 and 102 of examples/campaigns/motors_*.toml
-WEIGHT: Final = 0.5
-VAGUE: Final = 0.5
-MOST_SQUARE: Final = 25.0  # five standard deviations: beyond, no hypothesis explains it
-DRIFT_S: Final = (
-    0.5  # nats/s by which evidence fades that nothing adds to: what is odd for a while is no fault
-)
-_LEARNING: Final = 5.0  # more evidence than this against the motors, and nothing is learned of healthy ones
+WEIGHT: Final = 0.5  # of a sample, whose error is like that of its neighbour
+VAGUE: Final = 0.5  # of a sample of the motion, for weed: how much thrust it leaves varies
+MOST_SQUARE: Final = 25.0  # five standard deviations: no hypothesis explains a larger residual
+DRIFT_S: Final = 0.5  # nats/s by which evidence fades, so that a short disturbance proves nothing
+_LEARNING: Final = 5.0  # with more evidence than this against the motors, no gain is learned
 
 _SHAFT_S: Final = 0.1  # lag of the thrust behind the command,
 _SPIN_S: Final = 0.2  # and of the shaft's speed, as the current shows it (sampled ten times a second)
 _ADVANCE: Final = 0.4  # of the duty that holds cruise speed: below it the propeller brakes at that speed
-_LEAST_THROTTLE: Final = 0.05  # at cruise speed; below this it is not a measured one
+_LEAST_THROTTLE: Final = 0.05  # at cruise speed: a lower value was not measured
 _ASTERN: Final = 0.7  # of the thrust ahead (0.6 to 0.8 for fixed propellers)
-# Of the stall current, at full command, that weed costs more: its drag is a friction, whatever the speed
+# Of the stall current, at full command: what weed adds. Its drag is a friction, independent of the speed
 WEED: Final = 0.1
 _DRIVEN: Final = 0.1  # of command: less says nothing about the current
 _RESTING_RATE_S: Final = 0.5  # decay of the turn rate of a hull at rest, 1/s (Nomoto: 0.8 to 2 s),
 _CRUISING_RATE_S: Final = 0.3  # and what cruise speed adds
 _RESTING_SPEED_S, _CRUISING_SPEED_S = 0.05, 0.2  # the same for the speed ahead
-# The estimator takes thrust that is missing for a set within seconds, so its set of some time ago counts
-_SET_S: Final = 15.0
+# The estimator takes missing thrust for a current within seconds, so its current of some time ago counts
+_WATER_S: Final = 15.0
 # rad/s² per √s that wind adds to the turn: maximum likelihood over healthy runs in gusts of 7 to 12 m/s
 _TURN_WANDER: Final = 0.08
 _TURN_SIGMA: Final = 0.0055  # rad/s: of the gyro
@@ -52,7 +50,7 @@ _SPEED_SIGMA: Final = 0.06  # m/s: of the receiver
 _TURN_CORRELATION_S: Final = 6.0
 _SPEED_CORRELATION_S: Final = math.inf  # an error of the estimated current stays for minutes
 _TURN_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering,
-_SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong set make look slower
+_SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong current make look slower
 
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _NO_COMPASS: Final = int(
@@ -75,8 +73,8 @@ class MotorEvidence:
 
     __slots__ = (
         "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_cruise_m_s", "_current",
-        "_current_a", "_duties", "_fix_s", "_set_east_m_s", "_set_north_m_s", "_shafts", "_since_battery_s",
-        "_since_fix_s", "_speed", "_spins", "_turn", "against", "has_current",
+        "_current_a", "_duties", "_fix_s", "_shafts", "_since_battery_s", "_since_fix_s", "_speed", "_spins",
+        "_turn", "_water_east_m_s", "_water_north_m_s", "against", "has_current",
     )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:
@@ -100,7 +98,7 @@ class MotorEvidence:
         self._shafts, self._spins = [0.0, 0.0], [0.0, 0.0]
         self._battery_s = self._fix_s = -math.inf
         self._current_a = math.nan
-        self._set_north_m_s = self._set_east_m_s = 0.0
+        self._water_north_m_s = self._water_east_m_s = 0.0
         self._since_battery_s = self._since_fix_s = 0.0
 
     def restart(self) -> None:
@@ -132,9 +130,9 @@ class MotorEvidence:
         """
         self._spin(left, right, dt_s)
         water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
-        share = min(dt_s / _SET_S, 1.0)
-        self._set_north_m_s += share * (nav.current_north_m_s - self._set_north_m_s)
-        self._set_east_m_s += share * (nav.current_east_m_s - self._set_east_m_s)
+        share = min(dt_s / _WATER_S, 1.0)
+        self._water_north_m_s += share * (nav.current_north_m_s - self._water_north_m_s)
+        self._water_east_m_s += share * (nav.current_east_m_s - self._water_east_m_s)
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
         self._predict(water_m_s, astern, dt_s)
         is_learning = max(self.against) < _LEARNING
@@ -186,7 +184,7 @@ class MotorEvidence:
     def _take_fix(
         self, fix: GnssFix | None, nav: NavState, gained: list[float], is_learning: bool, dt_s: float
     ) -> None:
-        """The speed through the water, from each new velocity over ground less the set."""
+        """The speed through the water, from each new velocity over ground less the current."""
         self._since_fix_s += dt_s
         if fix is None or nav.faults & (_NO_GNSS | _NO_COMPASS):
             self._speed.restart()
@@ -194,8 +192,8 @@ class MotorEvidence:
         if fix.time_s == self._fix_s or fix.north_m_s is None or fix.east_m_s is None:
             return
         self._fix_s = fix.time_s
-        cos, sin = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        ahead_m_s = (fix.north_m_s - self._set_north_m_s) * cos + (fix.east_m_s - self._set_east_m_s) * sin
+        north_m_s, east_m_s = fix.north_m_s - self._water_north_m_s, fix.east_m_s - self._water_east_m_s
+        ahead_m_s = north_m_s * math.cos(nav.heading_rad) + east_m_s * math.sin(nav.heading_rad)
         if self._speed.correct(ahead_m_s, self._since_fix_s, is_learning=is_learning):
             _weigh(self._speed, gained)
         self._since_fix_s = 0.0

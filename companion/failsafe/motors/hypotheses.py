@@ -23,7 +23,7 @@ class Fault(IntEnum):
 
 
 class Hypothesis(NamedTuple):
-    """One motor has one fault; the other is well.
+    """One motor has one fault; the other is healthy.
 
     thrust: share of its thrust that is left. load: its current, in shares of the usual one; spread: one
     standard deviation of that share. threshold: evidence, in nats, that proves it.
