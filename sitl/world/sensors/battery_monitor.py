@@ -5,24 +5,21 @@ import msgspec
 from companion.sensors.readings import BatteryReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
+from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import BatteryMonitorSettings
 
 _PERFECT = BatteryMonitorSettings()
 
 
-class SimBattery:
+class SimBattery(Sensor[BatteryReading]):
     """The monitor of the simulated pack."""
 
     def __init__(self, rate_hz: float, settings: BatteryMonitorSettings = _PERFECT, seed: int = 0) -> None:
-        self.fault: SensorFault[BatteryReading] | None = None
-        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        super().__init__()
         self._rate_hz = rate_hz
         self._settings = settings
         self._random = generator(seed, "battery")
         self._is_noisy = bool(settings.voltage_noise_v or settings.current_noise_a)
-        self._latest: BatteryReading | None = None
-        self._sampled: BatteryReading | None = None
-        self._count, self.due_s = 0, 0.0
 
     def sample(self, now_s: float, voltage_v: float, current_a: float) -> None:
         """Sample when due."""
@@ -58,14 +55,3 @@ class SimBattery:
                 return replace(reading, voltage_v=max(0.0, reading.voltage_v + fault.size))
             case _:
                 return fault.output_at(reading, now_s)
-
-    def read(self) -> BatteryReading | None:
-        """The latest reading."""
-        return self._latest
-
-    def restart(self) -> None:
-        """Forget what was read: the boat's computer begins anew."""
-        self._latest = None
-
-    def close(self) -> None:
-        """Nothing to let go."""

@@ -8,20 +8,20 @@ from companion.core.units import wrap_pi
 from companion.sensors.readings import HeadingReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
+from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import CompassSettings
 
 _GRAVITY_M_S2 = 9.81
 _SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not from sample to sample
 
 
-class SimCompass:
+class SimCompass(Sensor[HeadingReading]):
     """Compass and gyro, read once per period. They fail apart: `fault` is the compass's."""
 
     def __init__(self, settings: CompassSettings, seed: int, correction_rad: float = 0.0) -> None:
         """Start without a reading. correction_rad: what the boat's configuration adds to every heading."""
-        self.fault: SensorFault[HeadingReading] | None = None
+        super().__init__()
         self.gyro_fault: SensorFault[HeadingReading] | None = None
-        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         radians = math.radians
         self._random = generator(seed, "compass")
         self._rate_hz = settings.rate_hz
@@ -46,11 +46,8 @@ class SimCompass:
         self._gyro_walk = radians(settings.gyro_walk_deg_s) * math.sqrt(
             max(_SLOW_S, 1.0 / settings.rate_hz) / 60.0
         )
-        self._latest: HeadingReading | None = None
-        self._sampled: HeadingReading | None = None
         self._deviation_rad = 0.0
         self._slow_due_s = 0.0
-        self._count, self.due_s = 0, 0.0
 
     def sample(
         self,
@@ -138,14 +135,3 @@ class SimCompass:
                 return replace(reading, heading_rad=wrap_pi(heading_rad + off_rad))
             case _:
                 return fault.output_at(reading, now_s)
-
-    def read(self) -> HeadingReading | None:
-        """The latest reading."""
-        return self._latest
-
-    def restart(self) -> None:
-        """Forget what was read: the boat's computer begins anew."""
-        self._latest = None
-
-    def close(self) -> None:
-        """Nothing to let go."""

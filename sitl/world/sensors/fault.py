@@ -9,9 +9,16 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, RcReading, SonarReading
+from companion.sensors.readings import (
+    BatteryReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    RcReading,
+    SonarReading,
+)
 
-R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading)
+R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading, HullReading)
 
 _LONGEST_QUEUE = 1024
 

@@ -18,6 +18,7 @@ from companion.sensors.readings import GnssFix
 from companion.sensors.receiver_clock import DAY_S, ReceiverClock
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
+from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import GnssSettings
 from sitl.world.shore import Shore
 
@@ -30,7 +31,7 @@ _STATED = {4: (0.7, 0.1), 5: (0.3, 0.1), 6: (0.015, 0.005)}
 _STATED_ALONE = (1.2, 0.1)
 
 
-class SimGnss:
+class SimGnss(Sensor[GnssFix]):
     """The receiver: a queue of fixes on their way, and the latest that has arrived."""
 
     def __init__(
@@ -45,11 +46,10 @@ class SimGnss:
 
         assumed_latency_s: what the boat's configuration takes for the receiver's shortest delay.
         """
+        super().__init__()
         self._clock = ReceiverClock(assumed_latency_s)
         self._assumed_latency_s = assumed_latency_s
         self._delays = generator(seed, "gnss.delay")
-        self.fault: SensorFault[GnssFix] | None = None
-        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
         self._settings = settings
         self._frame = frame
         self._random = generator(seed, "gnss")
@@ -58,10 +58,7 @@ class SimGnss:
         self._drive_m = settings.wander_m * math.sqrt(1.0 - self._keep * self._keep)
         self._accuracy_m = stated_accuracy_m(settings.fix_type, settings.hdop)
         self._under_way: deque[tuple[float, GnssFix]] = deque(maxlen=1024)
-        self._latest: GnssFix | None = None
-        self._sampled: GnssFix | None = None
-        self._count, self._next_s = 0, 0.0
-        self.due_s = 0.0  # when there is something to do: a sample, or a fix that arrives
+        self._next_s = 0.0
         self._wander_n = self._random.gauss(0.0, settings.wander_m)
         self._wander_e = self._random.gauss(0.0, settings.wander_m)
         self._multipath: _Multipath | None = None
@@ -167,18 +164,11 @@ class SimGnss:
         there = self._frame.to_global(Point(here.north_m + north_m, here.east_m + east_m))
         return msgspec.structs.replace(fix, position=there)
 
-    def read(self) -> GnssFix | None:
-        """The latest fix that has arrived."""
-        return self._latest
-
     def restart(self) -> None:
-        """Forget what was read: the boat's computer begins anew."""
-        self._latest = None
+        """Forget all fixes: the boat's computer restarts."""
+        super().restart()
         self._under_way.clear()
         self._clock = ReceiverClock(self._assumed_latency_s)
-
-    def close(self) -> None:
-        """Nothing to let go."""
 
 
 def stated_accuracy_m(fix_type: int, hdop: float) -> float:

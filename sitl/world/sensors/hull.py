@@ -4,13 +4,14 @@ from typing import Final
 
 from companion.sensors.readings import HullReading
 from sitl.world.sensors.sampling import TIME_SLACK_S
+from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import HullSensorSettings
 
 PERIOD_S: Final = 1.0
 HOTTEST_C: Final = 110.0
 
 
-class SimHull:
+class SimHull(Sensor[HullReading]):
     """Dry, and as warm as its settings say, until faults or parameters have it otherwise.
 
     is_wet: water at the probe; None: the probe says nothing. offset_c: what the thermometer is off by;
@@ -18,15 +19,13 @@ class SimHull:
     """
 
     def __init__(self, settings: HullSensorSettings) -> None:
-        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
-        self.due_s = 0.0
+        super().__init__()
         self.is_wet: bool | None = False
         self.hears_heat = True
         self.offset_c = 0.0
         self.warming_c_s = 0.0
         self._hot_since_s = 0.0
         self._temperature_c = settings.temperature_c
-        self._latest: HullReading | None = None
 
     def set_warming(self, warming_c_s: float, now_s: float) -> None:
         """Get hotter by so much a second from now on; with 0 be as cool as before."""
@@ -48,14 +47,3 @@ class SimHull:
                 grown_c = temperature_c + self.warming_c_s * (now_s - self._hot_since_s)
                 temperature_c = max(temperature_c, min(HOTTEST_C, grown_c))
         self._latest = HullReading(now_s + self.clock_offset_s, self.is_wet, temperature_c)
-
-    def read(self) -> HullReading | None:
-        """The latest reading."""
-        return self._latest
-
-    def restart(self) -> None:
-        """Forget what was read: the boat's computer begins anew."""
-        self._latest = None
-
-    def close(self) -> None:
-        """Nothing to let go."""

@@ -7,6 +7,7 @@ import msgspec
 from companion.sensors.readings import RcReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
+from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import RcSettings
 
 _NEUTRAL_US = (1500,) * 16
@@ -15,7 +16,7 @@ _GARBAGE_US = (700, 2300)
 _NEAR_M = 10.0  # where the signal is as strong as the settings say
 
 
-class SimRc:
+class SimRc(Sensor[RcReading]):
     """Plays the scenario's sticks. A transmitter that is switched off leaves its receiver silent; of one that
     is out of range it says so.
     """
@@ -23,15 +24,11 @@ class SimRc:
     def __init__(self, settings: RcSettings, seed: int, north_m: float = 0.0, east_m: float = 0.0) -> None:
         """Start without a frame, all in the middle. north_m, east_m: where the hand stands."""
         self._north_m, self._east_m = north_m, east_m
-        self.fault: SensorFault[RcReading] | None = None
-        self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
+        super().__init__()
         self._settings = settings
         self._random = generator(seed, "rc")
         self._channels_us: tuple[int, ...] = _NEUTRAL_US
         self._next = 0  # of the settings' sticks
-        self._latest: RcReading | None = None
-        self._sampled: RcReading | None = None
-        self._count, self.due_s = 0, 0.0
 
     def hold(self, channels_us: tuple[int, ...]) -> None:
         """Move sticks and switches, none switches the transmitter off, until the scenario's next step."""
@@ -91,14 +88,3 @@ class SimRc:
                 return replace(reading, is_failsafe=True, quality=0.0)
             case _:
                 return fault.output_at(reading, now_s)
-
-    def read(self) -> RcReading | None:
-        """The latest frame."""
-        return self._latest
-
-    def restart(self) -> None:
-        """Forget what was heard: the boat's computer begins anew."""
-        self._latest = None
-
-    def close(self) -> None:
-        """Nothing to let go."""
