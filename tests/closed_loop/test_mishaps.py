@@ -19,8 +19,7 @@ def said(mission_run: MissionRun) -> list[str]:
     return [event.text for event in mission_run.timeline.events if event.kind == "text"]
 
 
-@pytest.mark.parametrize("at_s", [15.0, 15.06, 15.12, 15.18])
-@pytest.mark.parametrize("size", [2.0, 4.0])
+@pytest.mark.parametrize(("size", "at_s"), [(2.0, 15.0), (2.0, 15.12), (4.0, 15.06), (4.0, 15.18)])
 def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, at_s: float) -> None:
     mission_run, result = sail(f"what='clock', kind='wrong', size={size}, at_s={at_s}")
     assert result.completed
@@ -50,7 +49,7 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
     assert float(late[-1, 2] - late[0, 2]) < 0.55 * adrift_m  # with 0.55 of the thrust astern
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_station(seed: int) -> None:
     mission_run, result = sail("what='compass', at_s=30.0", f"seed={seed}", linger_s=60.0)
     assert result.completed, said(mission_run)

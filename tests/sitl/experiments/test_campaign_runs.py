@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from companion.core.errors import ConfigError
+from mission_tools.mission.plan_file import save_mission
 from sitl.__main__ import run_program
 from sitl.experiments.campaign.campaign import load_campaign
 from sitl.experiments.campaign.table import tabulate, write_csv
@@ -19,11 +20,13 @@ from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.result_log import NAME, ResultLog
 from sitl.experiments.runner import cluster_pool, local_pool
 from sitl.experiments.trial import Task, Trial, TrialResult, attempt
+from sitl.scenarios.scenario import load_scenario
+from sitl.scenarios.station_keeping import station_mission
 
 SHORT = """
 [run]
 mission = "short.waypoints"
-seeds = 4
+seeds = 2
 [grid]
 environment.current_m_s = [0.0, 0.2]
 [[expect]]
@@ -52,10 +55,10 @@ def test_a_campaign_is_tabulated_judged_and_done(file: Path, capsys: pytest.Capt
     out = file.parent / "out"
     assert run_program(["campaign", str(file), "-o", str(out), "--workers", "2", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
-    assert said["ended"] == {"completed": 8}
+    assert said["ended"] == {"completed": 4}
     assert said["expectations"][0]["is_met"] is True
     table = rows(out / "runs.csv")
-    assert [row["run"] for row in table] == [str(n) for n in range(1, 9)]
+    assert [row["run"] for row in table] == [str(n) for n in range(1, 5)]
     assert {row["environment.current_m_s"] for row in table} == {"0", "0.2"}
     assert all(float(row["cross_track_rms_m"]) < 2.0 and row["late_commands"] == "0" for row in table)
     assert "cpu_seconds" not in table[0]
@@ -97,12 +100,12 @@ def test_an_interrupted_campaign_goes_on_where_it_stopped(
     out = file.parent / "out"
     monkeypatch.setattr("sitl.cli.campaign.local_pool", lambda _: Pool(3))
     assert run_program(["campaign", str(file), "-o", str(out)]) == 130
-    assert "3 of 8 runs are kept" in capsys.readouterr().out
+    assert "3 of 4 runs are kept" in capsys.readouterr().out
     with (out / NAME).open("ab") as ledger:
         ledger.write(b'{"number":4,"ended":"comp')  # what a power cut leaves
     monkeypatch.setattr("sitl.cli.campaign.local_pool", lambda _: Pool(99))
     assert run_program(["campaign", str(file), "-o", str(out)]) == 0
-    assert ran == list(range(1, 9))
+    assert ran == list(range(1, 5))
     resumed = (out / "runs.csv").read_bytes()
     assert run_program(["campaign", str(file), "-o", str(file.parent / "afresh")]) == 0
     assert (file.parent / "afresh" / "runs.csv").read_bytes() == resumed
@@ -185,13 +188,17 @@ def test_a_run_that_does_not_arrive_says_where_it_was() -> None:
     assert outcome.figures["completed"] is False
 
 
-def test_station_keeping_has_figures_of_its_own() -> None:
+def test_station_keeping_has_figures_of_its_own(tmp_path: Path) -> None:
+    open_water = load_scenario("open")
+    mission = station_mission(open_water.frame, open_water.start, stay_s=120.0)
+    save_mission(mission, tmp_path / "station.plan")
     settings = {"environment": {"current_m_s": 0.3}}
-    outcome = attempt(
-        run_mission, Trial(number=1, scenario="open", seed=2, course="station", settings=settings)
+    trial = Trial(
+        number=1, scenario="open", seed=2, mission=str(tmp_path / "station.plan"), settings=settings
     )
+    outcome = attempt(run_mission, trial)
     assert outcome.ended == "completed"
-    assert outcome.figures["station_s"] == pytest.approx(600.0, abs=15.0)
+    assert outcome.figures["station_s"] == pytest.approx(120.0, abs=15.0)
     share = outcome.figures["station_near_share"]
     assert isinstance(share, float)
     assert 0.5 < share <= 1.0

@@ -17,7 +17,7 @@ def world(seed: int, *overrides: str) -> Scenario:
     return load_scenario("random", [f"seed={seed}", *overrides])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 10**9))
 def test_start_and_goal_are_joined_by_a_way_that_keeps_the_clearance(seed: int) -> None:
     scenario = world(seed)
@@ -51,13 +51,13 @@ def test_the_same_seed_is_the_same_world_and_another_seed_is_another() -> None:
 
 def test_there_is_land_in_the_water_and_most_ways_are_not_straight() -> None:
     bent = 0
-    for seed in range(20):
+    for seed in range(8):
         scenario = world(seed)
         assert scenario.chart.features
         assert shapely.area(scenario.chart.water) > 10_000.0
         _, plan = plan_mission(scenario)
         bent += len(plan.points) > 2
-    assert bent >= 12
+    assert bent >= 5
 
 
 def test_what_is_drawn_may_be_said_instead() -> None:
