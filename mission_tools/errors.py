@@ -13,7 +13,7 @@
     │   ├── UploadRejected  1  it refused the mission; says the reason and the item
     │   ├── ReadBackMismatch  1  what it holds is not what was sent; names the item
     │   └── CommandRefused  1  it refused to arm, to change mode or to start
-    └── LinkError           3  nobody to talk to
+    └── LinkError           3  no vehicle answers
         ├── NoVehicle       3  no heartbeat came
         └── LinkLost        3  the vehicle fell silent
 

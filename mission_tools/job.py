@@ -20,7 +20,13 @@ from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
 from mission_tools.mission.compare import Difference, differences
 from mission_tools.mission.mission import MissionItem, MissionType
 from mission_tools.mission.plan_file import check_mission_name, save_mission
-from mission_tools.mission.planned_mission import MissionFile, PlannedMission, PlanOptions, Water, open_source
+from mission_tools.mission.planned_mission import (
+    MapSource,
+    MissionFile,
+    PlannedMission,
+    PlanOptions,
+    open_source,
+)
 from mission_tools.vehicle.connection import DEFAULT_SYSTEM_ID, connect
 from mission_tools.vehicle.follow import follow
 from mission_tools.vehicle.link_url import DEFAULT_LINK, LinkUrl, parse_link
@@ -56,7 +62,7 @@ class Request:
 
 @dataclass(slots=True)
 class Report:
-    """What became of it; grows as the job goes on, so that a failed one still tells how far it came."""
+    """The results so far, also of a job that fails."""
 
     planned: PlannedMission | None = None
     link: str = ""
@@ -157,7 +163,7 @@ async def _run_without_source(
 
 
 async def _propose(
-    source: MissionFile | Water, vehicle: Vehicle | None, patience_s: float, console: Console
+    source: MissionFile | MapSource, vehicle: Vehicle | None, patience_s: float, console: Console
 ) -> PlannedMission:
     here = None
     if vehicle is not None:
@@ -194,7 +200,7 @@ async def _in_thread(work: Callable[[], T]) -> T:
             result = work()
         except Exception as raised:
             error = raised
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+        with contextlib.suppress(RuntimeError):  # the loop is closed
             loop.call_soon_threadsafe(settle, result, error)
 
     threading.Thread(target=run, daemon=True).start()

@@ -1,4 +1,4 @@
-"""`mission-check`: what in a mission file would surprise a boat or its owner."""
+"""`mission-check`: problems in a mission file."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""`mission-upload`: plan a mission, bring it to the boat, start it and follow it."""
+"""`mission-upload`: plan a mission, upload it, start it and follow it."""
 
 import sys
 

@@ -21,7 +21,7 @@ Area: TypeAlias = Polygon | MultiPolygon
 KEPT_OUT: frozenset[str] = frozenset({"keep_out", "swimming"})
 SOLID: frozenset[str] = frozenset({"island", "obstacle", "pier", "raft"})
 REACH_DEG = 2.0  # of latitude or longitude from a chart's origin; nothing farther away belongs to it
-OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice what REACH_DEG comes to: nobody gets to the square's sides
+OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice REACH_DEG: beyond any route
 
 
 @dataclass(frozen=True, slots=True)

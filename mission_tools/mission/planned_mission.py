@@ -1,4 +1,4 @@
-"""From what a person named as SOURCE to a mission: a mission file as it is, or a map planned on."""
+"""From SOURCE to a mission: a mission file, or a route planned on a map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,13 +15,13 @@ from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 
-MOST_MARGIN_M = 0.6  # what a boat sails beside its plan, corners and the receiver's wander together
+MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
 
 
 @dataclass(frozen=True, slots=True)
 class PlanOptions:
-    """What the command line says about the route; None where it says nothing."""
+    """The route options of the command line; None where not given."""
 
     start_at: LatLon | None = None
     goal: LatLon | None = None
@@ -35,10 +35,7 @@ class PlanOptions:
 
 @dataclass(frozen=True, slots=True)
 class PlannedMission:
-    """A mission, and how it was come by: the plan is None for a mission that was read from a file.
-
-    notes: what a person should know.
-    """
+    """A mission and its plan, which is None for a mission from a file. notes: for the user."""
 
     name: str
     mission: Mission
@@ -53,7 +50,7 @@ class PlannedMission:
         return tuple(self.chart.frame.to_local(place) for place in places)
 
 
-def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | Water":
+def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | MapSource":
     """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
 
     Raises:
@@ -66,11 +63,11 @@ def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "Mi
     source = load_source(text)
     if options.case is not None:
         source = source.with_case(options.case)
-    return Water(text, source, options, areas)
+    return MapSource(text, source, options, areas)
 
 
 class MissionFile:
-    """A mission that is ready; nothing is left to plan."""
+    """A finished mission."""
 
     wants_position = needs_position = False
 
@@ -99,8 +96,8 @@ class MissionFile:
         return PlannedMission(self._name, mission, chart, notes=tuple(map(str, leaves)))
 
 
-class Water:
-    """A map, to plan on from a start to a goal."""
+class MapSource:
+    """A map on which a route is planned."""
 
     def __init__(self, text: str, source: Source, options: PlanOptions, areas: Areas = NO_AREAS) -> None:
         self._chart = _within(source.chart, areas)
@@ -127,7 +124,7 @@ class Water:
 
     @property
     def wants_position(self) -> bool:
-        """Whether the route starts where the boat is: nobody has named a start."""
+        """Whether the route starts at the boat: no start is given."""
         return self._named_start is None
 
     @property
@@ -149,7 +146,7 @@ class Water:
         return PlannedMission(self._chart.name, mission, self._chart, found, found.notes)
 
     def _start_of(self, here: LatLon | None) -> Point:
-        """The boat's place, or the scenario's start where that is not known or as good as the same.
+        """The boat's position, or the scenario's start if that is unknown or within the clearance.
 
         Raises:
             UsageError: neither is known.
@@ -180,7 +177,7 @@ class Water:
 
 
 def _within(chart: Chart, areas: Areas) -> Chart:
-    """The chart with the fence on it, if there is one."""
+    """The chart restricted by the fence, if there is one."""
     if areas.fence is None or areas.fence == Fence():
         return chart
     return fenced(chart, areas.fence, areas.fence_name)

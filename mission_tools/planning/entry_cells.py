@@ -1,4 +1,4 @@
-"""Where a boat may start, stop and enter the grid, and whom to blame where it may not."""
+"""Entry cells of the planning grid for start and goal, and errors that name the obstacle."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ NEAREST_CELLS = 400
 
 @dataclass(frozen=True, slots=True)
 class EntryCells:
-    """The cells by which a place joins the grid: for each region the nearest at the end of a clear leg.
+    """The cells that connect a position to the grid: for each region the nearest with a clear leg.
 
     is_relaxed: the leg there may be nearer to a shore than the clearance.
     """
@@ -37,7 +37,7 @@ class FreeWater:
         self._rows, self._columns = np.nonzero(grid.free)
 
     def entry_from_start(self, start: Point) -> EntryCells:
-        """Ways into the grid from the start; relaxed where it is nearer to a shore than the clearance.
+        """Entry cells of the start; relaxed where it is nearer to a shore than the clearance.
 
         Raises:
             StartBlocked: on land, outside, kept out of, or shut in.
@@ -48,7 +48,7 @@ class FreeWater:
         return self._entry_cells(start, "start", StartBlocked, 0.0)
 
     def entry_to_stop(self, stop: Point, name: str) -> EntryCells:
-        """Ways from the grid to the goal or a via point; `name` says which it is.
+        """Entry cells of the goal or a via point, as named.
 
         Raises:
             GoalBlocked: on land, outside, kept out of, nearer to a shore than the clearance, or shut in.
@@ -62,7 +62,7 @@ class FreeWater:
         return self._entry_cells(stop, name, GoalBlocked, self._clearance_m)
 
     def no_route(self, start: Point, goal: Point) -> str:
-        """What to say when no region holds both."""
+        """The message when no region holds both."""
         return (
             f"no route from {self._at(start)} to {self._at(goal)}: no way between them keeps "
             f"{self._clearance_m:g} m clear of the shores (seen in cells of {self._grid.cell_m:.3g} m): "
@@ -70,7 +70,7 @@ class FreeWater:
         )
 
     def _checked_clearance_m(self, point: Point, name: str, blocked: type[NoRouteError]) -> float:
-        """How far the point is from a shore."""
+        """The distance to the shore of a point on the water."""
         where = self._chart.obstruction(point)
         if where is not None:
             raise blocked(f"{name} {self._at(point)} lies {where}: {self._nearest_free(point)}")

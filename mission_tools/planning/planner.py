@@ -35,7 +35,7 @@ MIN_LEG_CLEARANCES = 3.0
 MIN_LEG_CELLS = 3.0
 _MARGIN_SHARES = (1.0, 0.5)
 CORNER_CLEARANCES = 0.5
-"""How near to a waypoint a vehicle is taken to begin its turn: whoever keeps 4 m off turns within 2 m."""
+"""Assumed start of a turn before a waypoint: with 4 m of clearance, 2 m."""
 
 
 @dataclass(frozen=True, slots=True)

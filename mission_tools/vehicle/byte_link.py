@@ -9,7 +9,7 @@ from typing import Protocol, cast
 import serial
 
 OnBytes = Callable[[bytes], bool]
-"""Takes what has arrived; says whether it was from somebody to talk to."""
+"""Receives data; returns whether its sender is accepted as peer."""
 
 _CHUNK_BYTES = 65536
 
@@ -20,7 +20,7 @@ class ByteLink(Protocol):
     is_datagram: bool
 
     def send(self, data: bytes) -> None:
-        """Send one frame; it is lost if nobody is there."""
+        """Send one frame; it is lost without a peer."""
 
     def close(self) -> None:
         """Close. May be called twice."""
@@ -87,7 +87,7 @@ class TcpLink(asyncio.Protocol):
 
 
 class UdpLink(asyncio.DatagramProtocol):
-    """A socket that answers whoever was the last to say something that counts, or calls one that it knows."""
+    """A UDP socket that sends to the last accepted peer, or to a known address."""
 
     is_datagram = True
 

@@ -35,7 +35,7 @@ class LinkUrl:
 
     @property
     def advice(self) -> str:
-        """What to try when nobody answers there."""
+        """What to try when no vehicle answers."""
         scheme = self.mavsdk.partition("://")[0]
         return {
             "tcpout": "is the boat (or `boat-sitl serve`) running, and is this its address?",

@@ -60,7 +60,7 @@ class Vehicle:
 
         Raises:
             UploadRejected: the vehicle refused; says which list, why and at which item.
-            LinkLost: no more answer.
+            LinkLost: the vehicle stopped answering.
         """
         raw = [_raw_item(seq, item, kind) for seq, item in enumerate(items)]
         upload = {
@@ -75,7 +75,7 @@ class Vehicle:
 
         Raises:
             UploadRejected: the vehicle does not hand it out.
-            LinkLost: no more answer.
+            LinkLost: the vehicle stopped answering.
         """
         download = {
             MissionType.MISSION: self._missions.download_mission,
@@ -144,7 +144,7 @@ class Vehicle:
 
         Raises:
             CommandRefused: with the vehicle's reason.
-            LinkLost: no more answer.
+            LinkLost: the vehicle stopped answering.
         """
         with contextlib.suppress(MissionRawError):  # a vehicle without this starts from its first item anyway
             await self._missions.set_current_mission_item(1 if self.state.is_ardupilot else 0)
@@ -155,7 +155,7 @@ class Vehicle:
         try:
             await self._begin(patience_s)
         except CommandRefused:
-            if not was_armed:  # nobody is at the helm of a boat that we armed and that will not sail
+            if not was_armed:  # do not leave a boat armed that did not start
                 with contextlib.suppress(CommandRefused, LinkLost):
                     await self.command(Command.COMPONENT_ARM_DISARM, "disarm", 0.0)
             raise
@@ -229,7 +229,7 @@ class Vehicle:
         return MavlinkMessage("COMMAND_LONG", 0, 0, self.system_id, 1, json.dumps(to | fields))
 
     async def watch(self, name: str) -> None:
-        """Fold one kind of message into the state, for ever."""
+        """Update the state from one kind of message, forever."""
         async for message in self._direct.subscribe_message(name):
             try:
                 fields = json.loads(message.fields_json)

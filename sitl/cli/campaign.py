@@ -61,7 +61,7 @@ def campaign(
         try:
             results = _run(plan, log, pool, console)
         except KeyboardInterrupt:
-            console.print(f"{len(log.results)} of {len(plan.runs)} runs are kept: the same command goes on")
+            console.print(f"{len(log.results)} of {len(plan.runs)} runs are kept: the same command continues")
             raise
     table = tabulate(plan, results)
     write_csv(table, folder / "runs.csv")

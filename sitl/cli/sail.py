@@ -39,7 +39,7 @@ def sail(
         bool, typer.Option("--fence", help="upload the outline of the water as a fence")
     ] = False,
     linger: Annotated[
-        float, typer.Option(metavar="S", min=0.0, help="go on watching a boat that has ended its mission")
+        float, typer.Option(metavar="S", min=0.0, help="continue after the end of the mission")
     ] = 0.0,
     timeout: Annotated[
         float | None, typer.Option(metavar="S", min=0.0, help="simulated seconds [4 × the planned time]")

@@ -19,7 +19,7 @@ from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scena
 from sitl.run.fleet import PORT_STEP, fleet, start_fleet
 from sitl.run.serve import RECORD_EVERY, Server
 from sitl.run.simulated_boat import BoatOptions
-from sitl.run.state_folder import NONE, default_folder, hold
+from sitl.run.state_folder import NONE, default_folder, lock_folder
 
 
 def serve(
@@ -141,7 +141,7 @@ def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, st
     folder = Path(asked).expanduser() if asked is not None else usual
     assert folder is not None  # noqa: S101
     try:
-        hold(folder)
+        lock_folder(folder)
     except BoatError as error:
         if asked is not None:
             raise

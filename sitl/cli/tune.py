@@ -79,7 +79,7 @@ def tune(
         try:
             rankings, checked = _search_and_check(problem, before, seed, candidates, pool, log, console)
         except KeyboardInterrupt:
-            console.print(f"{len(log.results)} runs are kept: the same command goes on")
+            console.print(f"{len(log.results)} runs are kept: the same command continues")
             raise
     best = rankings[-1].best
     verdict = compare(problem.ratios(checked["after"], checked["before"]))

@@ -39,7 +39,7 @@ class TrialPool:
                 error = future.exception()
                 if error is not None:
                     raise BoatError(
-                        f"a worker failed ({error!r}); finished runs are kept, the same command goes on"
+                        f"a worker failed ({error!r}); finished runs are kept, the same command continues"
                     )
                 yield future.result()
 

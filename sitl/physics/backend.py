@@ -20,7 +20,7 @@ class Backend:
     """Steps one world in lockstep with the other side: time passes here only when a new frame comes.
 
     A frame that comes twice is answered twice and stepped once, because the answer was lost. A frame count
-    that falls means that the other side has begun anew, and so does the water. record: is shown each step's
+    that falls means that the other side restarted; the world restarts, too. record: receives each step's
     truth.
 
     The boat is moored, and its motors stand still, until they are first driven, because an autopilot takes a
@@ -72,7 +72,7 @@ class Backend:
         if self._frame is None:
             self._has_rested = packet.frame > 0  # this side has started late or again: the other is at work
         elif packet.frame < self._frame:
-            self._begin_anew()
+            self._restart()
         self._frame = packet.frame
         if self._is_moored and self._is_driven(packet):
             self._is_moored = False
@@ -90,7 +90,7 @@ class Backend:
         self._has_rested = self._has_rested or is_in_the_middle
         return self._has_rested and not is_in_the_middle
 
-    def _begin_anew(self) -> None:
+    def _restart(self) -> None:
         self.restarts += 1
         self.world = World(self._scenario)
         self.world.hold_position()
@@ -121,5 +121,5 @@ class Backend:
             self._range_m = NO_ECHO_M
 
     def _silence_m(self) -> float | None:
-        """The range while nothing is heard: none at all without a sonar."""
+        """The range without an echo; None without a sonar."""
         return None if self.world.hardware.sonar is None else NO_ECHO_M

@@ -1,4 +1,4 @@
-"""The socket of the JSON interface: whoever sends servo packets is answered."""
+"""The UDP server of the JSON interface."""
 
 import socket
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from companion.core.errors import LinkError
 from sitl.physics.backend import Backend
 
 PORT = 9002  # where ArduPilot sends its servo outputs unless it is told --sim-port-out
-_LOOK_S = 0.2  # how often to see whether to stop while nobody sends
+_LOOK_S = 0.2  # interval of checks for a stop while nothing arrives
 _DATAGRAM_BYTES = 2048
 
 
@@ -43,7 +43,7 @@ class PhysicsServer:
                     data, address = self._socket.recvfrom(_DATAGRAM_BYTES)
                 except TimeoutError:
                     continue
-                except ConnectionError:  # the last answer found nobody: the autopilot has ended
+                except ConnectionError:  # the autopilot has ended
                     continue
                 reply = self._backend.handle(data)
                 if reply is None:

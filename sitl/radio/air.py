@@ -1,4 +1,4 @@
-"""The radio between the boat and its stations: links and ports that carry as badly as the scenario says.
+"""The radio between boat and stations: links and ports with the scenario's loss, delay and bandwidth.
 
 The same model serves lockstep (a memory link) and real time (TCP, UDP, serial): it sits on the boat's side
 of a link, between `Boat` and the link's driver. On a stream a chunk counts as a datagram, so a lossy stream
@@ -17,9 +17,9 @@ _SILENT = Quality(loss=1.0)
 
 
 class Air:
-    """What all links of one boat have in common: the scenario's quality, and what faults add to it.
+    """The quality that all links of a boat share: the scenario's, reduced by faults.
 
-    is_perfect: but for faults they are as good as their drivers.
+    is_perfect: without faults, links are not degraded.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class Air:
         self._faulty, self._joined = WHOLE, self._own
 
     def quality(self, now_s: float) -> Quality:
-        """What becomes of what is sent now."""
+        """The quality for messages sent now."""
         if any(from_s <= now_s < to_s for from_s, to_s in self._outages):
             return _SILENT
         faulty = self.computer.link_quality
@@ -93,7 +93,7 @@ class AirLink:
         return inward.receive(now_s)
 
     def send(self, data: bytes) -> bool:
-        """Put a frame on the air: the sender never learns what becomes of it."""
+        """Send a frame, which may be lost."""
         if self._is_open():
             return self._link.send(data)
         now_s = self._air.now()

@@ -1,4 +1,4 @@
-"""A link between two boats of one process. As often as either one's program begins, both are joined anew."""
+"""A link between two boats of one process, restored at each restart of either program."""
 
 from companion.config.boat_config import LinkConfig
 from companion.hal.interfaces import Port
@@ -22,5 +22,5 @@ class Bridge:
             near, far = memory_pair(self._name)
             own.offer(near)
             other.offer(far)
-        # A boat beyond the bridge streams nothing into it that nobody at the far end has asked for
+        # A boat beyond the bridge streams only what was requested at the far end
         return ConfiguredPort(own, Policy(LinkConfig(url="memory")))

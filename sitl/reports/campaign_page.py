@@ -1,4 +1,4 @@
-"""A campaign as a page: verdicts, figures by group, pictures, and every run that somebody should look at."""
+"""A campaign as a page: verdicts, figures by group, pictures, and the runs to look at."""
 
 import json
 import shlex
@@ -39,7 +39,7 @@ def campaign_page(plan: Campaign, results: Sequence[TrialResult]) -> str:
     if missing:
         page.warning(
             f"Stopped early: {missing} of {len(plan.runs)} runs are missing, and all figures are of those "
-            f"that were sailed. The command that began the campaign goes on with it."
+            f"that are finished. The command that began the campaign continues it."
         )
     tiles = [(how, str(count)) for how, count in sorted(ended.items())]
     tiles += [("missing", str(missing))] if missing else []

@@ -1,4 +1,4 @@
-"""A page of HTML that needs nothing but itself: pictures are in it, and no script."""
+"""A self-contained page of HTML: pictures are embedded, and there is no script."""
 
 import base64
 import html
@@ -31,7 +31,7 @@ class Page:
         self._parts.append(f"<p>{_text(text)}</p>")
 
     def warning(self, text: str) -> None:
-        """Text that nobody must overlook."""
+        """Highlighted text."""
         self._parts.append(f'<p class="warning">{_text(text)}</p>')
 
     def tiles(self, figures: Iterable[tuple[str, str]]) -> None:

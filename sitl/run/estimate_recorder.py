@@ -1,4 +1,4 @@
-"""What the boat believed and wanted in a run, beside the truth: for reports, never for the boat itself."""
+"""The boat's estimates, demands and commands during a run, for reports."""
 
 import math
 from array import array
@@ -17,9 +17,9 @@ _NAN = math.nan
 class Estimate(NamedTuple):
     """The estimate, the demand and the command of one tick; NaN where there is none.
 
-    north_m, east_m: in the scenario's frame; the boat lays its own where it boots.
-    set_*: how water and wind carry the boat, as it thinks. faults: bits of EstimateFault. left, right: what
-    the gate let through, −1..1. mode: Rover's number.
+    north_m, east_m: in the scenario's frame; the boat's own frame starts where it boots.
+    current_*: the estimated drift by current and wind. faults: bits of EstimateFault. left, right: the
+    motor commands, −1..1. mode: Rover's number.
     """
 
     time_s: float
@@ -45,7 +45,7 @@ Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
 class EstimateRecorder:
-    """One row a tenth of a second, and every echo of the sonar where the boat took it to be."""
+    """One row a tenth of a second, and every sonar echo at its estimated position."""
 
     def __init__(self, frame: LocalFrame) -> None:
         """Start empty. frame: the scenario's, in which everything is kept."""
@@ -58,7 +58,7 @@ class EstimateRecorder:
         self._ping_s = -math.inf
 
     def tick(self, boat: Boat, now_s: float) -> None:
-        """To be called after each of the boat's steps."""
+        """Call after each step of the boat."""
         own = boat.estimator.frame
         if own is not None and own.origin is not self._origin:
             self._origin, self._shift = own.origin, self._frame.to_local(own.origin)
@@ -82,7 +82,7 @@ class EstimateRecorder:
 
     @property
     def echoes(self) -> Rows:
-        """A copy, shape (echoes, 3): time, north and east of where the boat took each to be."""
+        """A copy, shape (echoes, 3): time, and estimated north and east."""
         return np.array(self._echoes, dtype=np.float64).reshape(-1, 3)
 
 

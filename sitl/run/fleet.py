@@ -1,4 +1,4 @@
-"""Several boats in one process: who they are, where they lie, and how they share links."""
+"""Several boats in one process: system ids, start positions and shared links."""
 
 import dataclasses
 import math
@@ -23,7 +23,7 @@ _PLACES_A_BOAT = 200
 
 
 def fleet(scenario: Scenario, count: int) -> list[Scenario]:
-    """The scenario once for each boat: system ids and seeds count up, places lie side by side.
+    """The scenario once for each boat, with system ids and seeds counting up and separate starts.
 
     The boats do not see or touch each other.
 

@@ -1,6 +1,6 @@
-"""The boat and its water in one process, tick by tick, as fast as the machine goes.
+"""The boat and its world in one process, tick by tick, as fast as possible.
 
-Time is counted in ticks, so a run is a function of the scenario, its seed and what the station says.
+Time is counted in ticks: a run is a function of the scenario, its seed and the station's messages.
 """
 
 from companion.boat import COMPONENT_ID, TICK_S, Boat
@@ -18,7 +18,7 @@ from sitl.scenarios.scenario import Scenario
 from sitl.world.disk import Disk
 from sitl.world.world import World
 
-_STREAM_HZ = 2.0  # half the usual telemetry: this station reads results, it watches no instruments
+_STREAM_HZ = 2.0  # half the usual telemetry rate
 
 
 class Lockstep:
@@ -49,7 +49,7 @@ class Lockstep:
         return self.world.time_s
 
     def step(self) -> None:
-        """One tick: the boat acts on what its sensors say now, then the water moves on."""
+        """One tick: a step of the boat, then a step of the world."""
         now_s = self.world.time_s
         self._program.step()
         self.station.step(now_s)
@@ -67,7 +67,7 @@ class Lockstep:
         )
 
     def close(self) -> None:
-        """Let everything go."""
+        """Close everything."""
         self.boat.close()
 
 

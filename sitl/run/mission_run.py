@@ -1,4 +1,4 @@
-"""One mission from boot to its end, in lockstep: upload, arm, sail, measure."""
+"""One mission from boot to its end, in lockstep: upload, arm, run, measure."""
 
 import math
 import time
@@ -160,13 +160,13 @@ class MissionRun:
             self.estimates.tick(boat, world.time_s)
             if tell is not None and world.tick % ticks_per_second == 0:
                 tell(lockstep.time_s, seq)
-        for _ in range(ticks_per_second):  # let the last telegrams arrive
+        for _ in range(ticks_per_second):  # receive the last messages
             self._step()
         vehicle = lockstep.boat.vehicle
         return vehicle.progress.finished and not _is_under_way(vehicle)
 
     def ending(self) -> str:
-        """How the run ended, for a person: the boat's last words."""
+        """How the run ended: position in the mission and the boat's last messages."""
         vehicle = self.lockstep.boat.vehicle
         said = "; ".join(self.lockstep.station.texts[-3:]) or "nothing"
         where = (
@@ -176,7 +176,7 @@ class MissionRun:
 
 
 def _is_under_way(vehicle: Vehicle) -> bool:
-    """Whether the boat sails its mission, or home because the mission's last item says so."""
+    """Whether the boat is on its mission, or returning home by the mission's last item."""
     goes_home = vehicle.mode is Mode.RTL and vehicle.progress.go_home
     is_on_its_way = vehicle.mode is Mode.AUTO or (goes_home and not vehicle.route.has_arrived)
     return vehicle.armed and is_on_its_way

@@ -1,4 +1,4 @@
-"""What a run was like: the truth of every tick, and the figures that come out of it."""
+"""Ground truth of every tick of a run, and figures from it."""
 
 import csv
 import hashlib
@@ -40,7 +40,7 @@ class TrackMetrics:
 
 
 class Recorder:
-    """Keeps every tick in memory, number by number: 8 bytes each, some 20 MB an hour at 50 Hz."""
+    """Keeps every tick in memory: some 20 MB an hour at 50 Hz."""
 
     def __init__(self) -> None:
         self._numbers = array("d")
@@ -51,7 +51,7 @@ class Recorder:
         return len(self._legs)
 
     def record(self, truth: Truth, leg: int = NO_LEG) -> None:
-        """Keep one tick; leg i leads from planned point i to i + 1, negative is no leg."""
+        """Record one tick; leg i leads from planned point i to i + 1, negative is no leg."""
         self._numbers.extend(truth)
         self._legs.append(leg)
 
@@ -66,7 +66,7 @@ class Recorder:
         return np.array(self._legs, dtype=np.int64)
 
     def track(self) -> list[Point]:
-        """Where the boat was, tick by tick."""
+        """The boat's positions, tick by tick."""
         return [Point(north_m, east_m) for north_m, east_m in self.rows[:, _PLACE].tolist()]
 
     def cross_track_m(self, planned: Sequence[Point]) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":

@@ -11,7 +11,7 @@ from companion.config.boat_config import BoatConfig
 from sitl.run.simulated_boat import SimulatedBoat
 from sitl.run.speed_monitor import SpeedMonitor
 
-PHASES = round(1.0 / TICK_S)  # what boats do more seldom than once a second is of no weight
+PHASES = round(1.0 / TICK_S)  # ticks over which once-a-second work is spread
 RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
 MEMORY = -1  # the descriptor of links that have none: those between boats of one process
 
@@ -26,7 +26,7 @@ class Server:
         speedup: float = 1.0,
         report: Callable[[str], None] = lambda line: None,
     ) -> None:
-        """crafts: at least one. report: called with one line if the host cannot keep up with `speedup`."""
+        """boats: at least one. report: called with one line if the host cannot keep up with `speedup`."""
         self.boats = tuple(boats)
         self._clock = clock
         self._pace = SpeedMonitor(speedup, report)
@@ -50,7 +50,7 @@ class Server:
 
     @property
     def wants_restart(self) -> bool:
-        """Whether a boat that is alone has been asked to begin anew; of several, each does so by itself."""
+        """Whether a single boat was asked to restart; each of several restarts by itself."""
         return len(self.boats) == 1 and self.boats[0].boat.wants_restart
 
     def run(self, should_stop: Callable[[], bool]) -> None:
@@ -67,7 +67,7 @@ class Server:
         self._pace.tick(self._clock.now_s(), TICK_S)
 
     def _begun(self, number: int) -> list[SimulatedBoat]:
-        """One boat more every tick, so that what each does once a second is not done by all in the same."""
+        """One more boat every tick, so that their once-a-second work falls into different ticks."""
         return [boat for place, boat in enumerate(self.boats) if place % PHASES <= number]
 
     def _filenos(self) -> list[int]:
@@ -89,10 +89,7 @@ class Server:
 
 
 def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
-    """The configuration with the timers that wait for people and programs stretched.
-
-    They live by the wall clock: a heartbeat a second is one in `speedup` seconds of the boat's time.
-    """
+    """The configuration with timeouts of stations multiplied by speedup, as stations use the wall clock."""
     replace = msgspec.structs.replace
     failsafe = replace(
         config.failsafe,

@@ -1,4 +1,4 @@
-"""One emulated boat with everything that belongs to it: water, computer, disk, links, program."""
+"""One simulated boat in real time: world, computer, disk, links and program."""
 
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
@@ -30,9 +30,9 @@ from sitl.world.world import World
 
 @dataclass(frozen=True, slots=True)
 class BoatOptions:
-    """How a boat is kept. ports: opens links besides those with a url, to other boats of the same process.
+    """Storage and extra links of a boat. ports: open links to other boats of the process.
 
-    unix_offset_s: what to add to the clock for today's date, where links are signed.
+    unix_offset_s: added to the clock for today's date, where links are signed.
     """
 
     state_folder: str = ""
@@ -43,7 +43,7 @@ class BoatOptions:
 
 
 class SimulatedBoat:
-    """One boat. `step` is one tick of its program and its water, `receive` what its links have to say."""
+    """One boat. `step` is one tick of program and world; `receive` reads the links."""
 
     def __init__(
         self,
@@ -59,9 +59,7 @@ class SimulatedBoat:
             StorageError: the folder cannot be used.
         """
         self._options = options = options or BoatOptions()
-        self.recorder = (
-            Recorder()
-        )  # of the truth, where it was asked for: it grows for as long as the boat runs
+        self.recorder = Recorder()  # of the truth, if options.record
         self.world = World(scenario)
         self._clock = clock
         self._links = [LinkConfig(url=link) if isinstance(link, str) else link for link in links]
@@ -84,7 +82,7 @@ class SimulatedBoat:
 
     @property
     def has_more(self) -> bool:
-        """Whether `receive` has left something behind."""
+        """Whether `receive` left data unread."""
         return self._program.is_running and self.boat.channels.has_more
 
     def step(self, runner: Runner, boats: int = 1) -> None:
@@ -104,7 +102,7 @@ class SimulatedBoat:
             self.recorder.record(truth, NO_LEG)
 
     def time_ticks(self, runner: Runner) -> None:
-        """Let the boat's log know how well the loop keeps time."""
+        """Connect the loop's timing to the boat's log."""
         if self._logbook is not None and self._logbook.onboard is not None:
             self._logbook.onboard.timing = runner.ticks
 
@@ -113,15 +111,11 @@ class SimulatedBoat:
         return self.boat.channels.filenos() if self._program.is_running else []
 
     def receive(self, ready: Collection[int]) -> int:
-        """Take in what links have to say; how many frames that was."""
+        """Read the links; returns the number of frames."""
         return self.boat.receive(self.world.clock_s, ready) if self._program.is_running else 0
 
     def close(self) -> None:
-        """Let everything go.
-
-        This is no power cut: at the next start the boat lies at the scenario's start again, and has no
-        voyage to take up.
-        """
+        """Close everything. Unlike after a power cut, the next start does not resume a mission."""
         self._storage.save(resume.FILE, b"")
         self.boat.close()
         if self._status is not None:
@@ -160,7 +154,7 @@ class SimulatedBoat:
 
 
 def _open_storage(folder: str, computer: Computer) -> Storage:
-    """Memory that survives the program, or memory that survives power cuts alone when no folder is named.
+    """A folder, or without one memory that survives simulated power cuts.
 
     Raises:
         StorageError: the folder cannot be used.

@@ -1,6 +1,6 @@
-"""Where an emulated boat keeps missions, parameters and logs from one start of `boat-sitl serve` to the next.
+"""The folder for missions, parameters and logs of a simulated boat between starts of `boat-sitl serve`.
 
-A ground station remembers its plan when the emulator is restarted; so the boat has to remember it, too.
+A ground station keeps its plan when the emulator restarts, so the boat must keep it, too.
 """
 
 import fcntl
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from companion.core.errors import BoatError, StorageError
 
-NONE = "none"  # instead of a folder: nothing is kept
+NONE = "none"  # instead of a folder: nothing is stored
 
 
 class StateInUseError(BoatError):
@@ -37,8 +37,8 @@ def default_folder(source: str, seed: int, port: int | None) -> Path | None:
     return home / "mavboat" / f"{name}-{'udp' if port is None else port}"
 
 
-def hold(folder: Path) -> int:
-    """Make the folder, and keep other emulators out of it until the descriptor that is returned is closed.
+def lock_folder(folder: Path) -> int:
+    """Create the folder and lock it for other emulators until the returned descriptor is closed.
 
     Raises:
         StorageError: it cannot be made.

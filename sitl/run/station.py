@@ -1,8 +1,7 @@
-"""A ground station in the emulator's own process: it speaks MAVLink with the boat over a memory link.
+"""A ground station in the emulator's process: MAVLink with the boat over a memory link.
 
-It announces itself as an onboard controller, as the planner process does. Beside it an operator's station
-sends heartbeats and nothing else, so that the boat notices when the link is cut. All that a lockstep run
-knows of the boat that is not ground truth, it knows from here.
+It is an onboard controller, as the planner is. An operator's station beside it only sends heartbeats, so that
+the boat notices a cut link.
 """
 
 import math
@@ -21,8 +20,8 @@ OWN = Address(245, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)
 OPERATOR = Address(255, dialect.MAV_COMP_ID_MISSIONPLANNER)  # as ground stations name themselves
 _HEARTBEAT_S = 1.0
 
-# What a station of this kind acts on; telemetry besides is counted and left packed
-_HEARD = frozenset(
+# Messages that the station uses; others are not decoded
+_WANTED = frozenset(
     {
         dialect.MAVLINK_MSG_ID_SYS_STATUS,
         dialect.MAVLINK_MSG_ID_STATUSTEXT,
@@ -56,23 +55,23 @@ class Station:
         self._sender = Sender(OWN, MissionType.MISSION)
         self._acks: dict[int, int] = {}
         self._heartbeat_s = -math.inf
-        self._heard = _HEARD
+        self._wanted = _WANTED
 
     def connect(self, link: Link) -> None:
-        """Go on over another link: the one before has ended with the boat's program."""
+        """Use another link: the previous one ended with the boat's program."""
         self._link = link
         self._finder = FrameFinder(link.is_datagram)
 
     def listen_to(self, *message_ids: int) -> None:
         """Keep the latest of these messages, too."""
-        self._heard = self._heard.union(message_ids)
+        self._wanted = self._wanted.union(message_ids)
 
     def send(self, message: Message) -> None:
         """Send anything."""
         self._link.send(self._encoder.encode(message))
 
     def command(self, number: int, *params: float) -> None:
-        """Send a COMMAND_LONG; its answer is then to be had from `answer`."""
+        """Send a COMMAND_LONG; `answer` returns its result."""
         self._acks.pop(number, None)
         values = [*params, *([0.0] * (7 - len(params)))]
         self.send(dialect.MAVLink_command_long_message(*self.boat, number, 0, *values))
@@ -91,11 +90,11 @@ class Station:
         self._sender.offer(items, self.boat, now_s)
 
     def step(self, now_s: float) -> None:
-        """Hear what has come, answer, keep the heartbeat going."""
+        """Receive, answer, and send heartbeats."""
         for chunk in self._link.receive():
             for frame in self._finder.feed(chunk):
-                if frame.message_id in self._heard and frame.layout is not None:
-                    self._hear(frame.layout.unpack(frame.payload), frame.sender, now_s)
+                if frame.message_id in self._wanted and frame.layout is not None:
+                    self._receive(frame.layout.unpack(frame.payload), frame.sender, now_s)
         if not self._sender.is_idle:
             self._go_on(now_s)
         if now_s - self._heartbeat_s >= _HEARTBEAT_S:
@@ -115,11 +114,11 @@ class Station:
                 self.refusal = "" if isinstance(event, Completed) else self._why(event)
 
     def _why(self, failed: Failed) -> str:
-        """The boat's own words, where it had any."""
+        """The boat's own message, if there is one."""
         said = [text for text in self.texts if "upload failed" in text or "refused" in text]
         return said[-1] if said else f"{MissionResult(failed.result).name}: {failed.text}"
 
-    def _hear(self, message: Message, sender: Address, now_s: float) -> None:
+    def _receive(self, message: Message, sender: Address, now_s: float) -> None:
         name = message.get_type()
         self.latest[name] = message
         if name.startswith("MISSION_"):

@@ -1,4 +1,4 @@
-"""What happened when in a run: modes, arming, the boat's words, waypoints, the shore, late commands."""
+"""The events of a run: modes, arming, messages, waypoints, contacts, faults, late commands."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,7 +13,7 @@ OVER = " is over"  # after a fault's name, when it ends
 
 
 class Event(NamedTuple):
-    """One thing that happened. kind is mode, arming, text, waypoint, touch, fault or motors."""
+    """One event. kind is mode, arming, text, waypoint, touch, fault or motors."""
 
     time_s: float
     kind: str
@@ -21,7 +21,7 @@ class Event(NamedTuple):
 
 
 class Timeline:
-    """Watches a lockstep run, tick by tick, and writes down what changes. Full, it only counts."""
+    """Records changes in a lockstep run, tick by tick, up to MOST_EVENTS."""
 
     def __init__(self) -> None:
         self.events: list[Event] = []

@@ -1,4 +1,4 @@
-"""Courses that show how well a boat keeps its line: the ones on which other autopilots have been measured.
+"""Courses for path-following tests, on which other autopilots have been measured, too.
 
     straight    200 m north
     zigzag      five right angles, alternately to starboard and to port, on legs of 50 m
@@ -10,9 +10,8 @@ distance to the nearest place of the whole planned line. The *overshoot* of a co
 beyond the new leg, seen from the inside of the corner, while it sails the first OVERSHOOT_M of it. A run's
 overshoot is that of its worst corner.
 
-The boat starts at rest, that is adrift: until it has gathered way and turned its bow into the set, a
-current carries it aside, and no helm can help that. How far is said apart (*start*): the other figures
-count from RUN_IN_M down the first leg on.
+The boat starts at rest, so a current displaces it before it gathers speed. That displacement is reported
+separately (*start*); the other figures count from RUN_IN_M along the first leg.
 """
 
 import math
@@ -52,7 +51,7 @@ COURSES: dict[str, tuple[Point, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Tracking:
-    """How well a line was kept, in metres. overshoot_m is None where there is no corner."""
+    """Path-following errors in metres. overshoot_m is None without a corner."""
 
     rms_m: float
     percentile_95_m: float

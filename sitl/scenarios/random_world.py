@@ -1,8 +1,7 @@
-"""Waters, weather and mishaps drawn at random from a seed: a scenario's table [random].
+"""Random worlds from a seed: the scenario's table [random] draws water, weather and faults.
 
-What is drawn lies under the scenario's own tables, which may still say otherwise. Start and goal lie in one
-piece of free water, so that there is always a way between them that keeps the clearance; and from the
-start the boat may drift for as long as it takes to boot.
+The scenario's own tables override it. Start and goal lie in one region of free water, so a route that keeps
+the clearance always exists, and the start leaves room for the drift while booting.
 """
 
 import math
@@ -22,7 +21,7 @@ Place = tuple[float, float]  # east and north, metres
 Crowd = Annotated[int, Meta(ge=0, le=1000)]  # with 1000 of each a world is drawn in some seconds
 
 _BOOT_S = 8.0  # from the first drift to the first thrust
-_LEEWAY = 0.06  # of the wind, at most: what it makes of a boat without thrust
+_LEEWAY = 0.06  # share of the wind speed: the drift of a boat without thrust
 _SPARE_M = 1.0  # of clearance at start and goal beyond what is asked for
 _TRIES = 20  # at a world, each with an islet less
 _PAIRS = 200  # at start and goal in one world
@@ -64,7 +63,7 @@ def random_world(settings: RandomWater, seed: int) -> Tree:
 
 
 def _drift_m(weather: Tree) -> Place:
-    """How far, at most, water and wind carry a boat while it boots and is told what to do."""
+    """The longest drift while the boat boots and receives its mission."""
     towards = math.radians(weather["current_to_deg"])
     blown = math.radians(weather["wind_from_deg"] + 180.0)
     current_m, leeway_m = weather["current_m_s"] * _BOOT_S, _LEEWAY * weather["gust_m_s"] * _BOOT_S

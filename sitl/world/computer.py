@@ -1,7 +1,7 @@
-"""The boat's computer as the world around it knows it: power, clock, disk and radio.
+"""The simulated computer of the boat: power, clock, disk and radio.
 
-The program that runs on it is the companion's own `Boat`; `Lockstep` and `Server` run it while there is power
-and build it anew, over the same storage, when `boots` has gone up.
+`Lockstep` and `Server` run the `Boat` on it while there is power, and build a new one over the same storage
+when `boots` increases.
 """
 
 from collections.abc import Sequence
@@ -11,22 +11,18 @@ from sitl.radio.channel import WHOLE, Quality
 
 
 class Clocked(Protocol):
-    """A driver that stamps readings with the computer's clock, and loses them when the program ends."""
+    """A driver that stamps readings with the computer's clock and loses them at a restart."""
 
     clock_offset_s: float
 
     def restart(self) -> None:
-        """Forget what was read."""
+        """Forget all readings."""
 
 
 class Computer:
-    """Its state. clock_offset_s: what its clock shows more than the world's.
-
-    load: share of a tick that the boat's program needs on this computer, apart from what it costs the host.
-    """
+    """clock_offset_s: its clock minus the world's. load: simulated share of a tick that the program needs."""
 
     def __init__(self, drivers: Sequence[Clocked] = ()) -> None:
-        """Running, at time zero."""
         self._drivers = drivers
         self.boots = 1
         self.has_power = True
@@ -36,11 +32,11 @@ class Computer:
         self.link_quality: Quality = WHOLE  # of every link, on top of its own
 
     def lose_power(self) -> None:
-        """The program is gone at once, and all that was not stored."""
+        """Stop the program at once; unstored data is lost."""
         self.has_power = False
 
     def begin(self, now_s: float) -> None:
-        """Start the program anew; its clock begins at zero."""
+        """Restart the program; its clock starts at zero."""
         self.has_power = True
         self.boots += 1
         self.set_clock_offset(-now_s)
@@ -48,7 +44,7 @@ class Computer:
             driver.restart()
 
     def set_clock_offset(self, offset_s: float) -> None:
-        """Let the clock show so much more than the world's."""
+        """Set the offset of the computer's clock from the world's."""
         self.clock_offset_s = offset_s
         for driver in self._drivers:
             driver.clock_offset_s = offset_s

@@ -1,14 +1,12 @@
-"""Where the hull meets the shore, an obstacle or another body: it scrapes along, stops, or sticks.
+"""Contact of the hull with the shore, an obstacle or a mover: it scrapes, stops or grounds.
 
 The hull is a pentagon: bow, both sides amidships, both corners of the transom. It touches where one of its
-sides crosses a stretch of shore or comes into a mover's circle. A touch is a blow without rebound at the
+sides crosses a stretch of shore or comes into a mover's circle. A touch is an inelastic impact at the
 point of contact: the impulse along the normal takes the speed into the shore, friction takes at most its
 coefficient times as much of the speed along it (Coulomb), both through the hull's own inertia, so that a
-blow at the bow turns it. No such blow adds energy over ground. A pose that lies in the shore is never
-taken: the hull's outline stays on the water.
+impact at the bow turns it. No impact adds energy over ground. The hull's outline stays on the water.
 
-A soft shore stops a hull that runs upon it, and holds it until thrust, wind and current together pull with
-more than hold_n.
+A soft shore holds a grounded hull until thrust, wind and current together exceed hold_n.
 """
 
 import math
@@ -20,8 +18,8 @@ from sitl.world.shore import Shore
 from sitl.world.vessel import Vessel
 
 FRICTION = 0.3  # plastic on wet stone or wood
-_ATTEMPTS = 3  # to find a pose beside the shore: in a corner one blow leads into the next
-_PUSH = 1e-3  # of half the hull's length: the gap that a blow leaves
+_ATTEMPTS = 3  # to find a pose beside the shore: in a corner one impact leads to the next
+_PUSH = 1e-3  # of half the hull's length: the gap after an impact
 
 
 class Touch(NamedTuple):
@@ -34,11 +32,11 @@ class Touch(NamedTuple):
 
 
 class Contact:
-    """One hull's touch with shore and movers.
+    """Contact of one hull with shore and movers.
 
-    room_m is how far the hull may go before it can touch the shore; the owner takes off what way it makes,
-    and need not ask `meets` while some is left, unless is_watchful: there are movers. is_stuck: a soft
-    shore holds the hull, and no room is left.
+    room_m is the distance that the hull can travel before it can touch the shore; the owner subtracts its
+    travel, and calls `meets` when none is left or if is_watchful (there are movers). is_stuck: a soft shore
+    holds the hull.
     """
 
     def __init__(self, hull: VesselParameters, shore: Shore, movers: Movers, hold_n: float) -> None:
@@ -237,13 +235,13 @@ def _holds_point(corners: tuple[Place, ...], place: Place) -> bool:
 
 def _touch(ahead_m: float, starboard_m: float, normal_ahead: float, normal_starboard: float) -> Touch:
     size = math.hypot(normal_ahead, normal_starboard)
-    if size == 0.0:  # the shore runs through the very centre: astern is as good as anywhere
+    if size == 0.0:  # the shore runs through the centre: any direction will do
         return Touch(ahead_m, starboard_m, -1.0, 0.0)
     return Touch(ahead_m, starboard_m, normal_ahead / size, normal_starboard / size)
 
 
 def apply_contact(vessel: Vessel, touch: Touch, current_north_m_s: float, current_east_m_s: float) -> None:
-    """Take by friction some of the speed over ground along the shore, then all of that into it."""
+    """Reduce the speed over ground along the shore by friction, and remove the speed into it."""
     m11, m22, m33 = vessel.inertia
     along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
     across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
@@ -275,7 +273,7 @@ def stop(
     current_north_m_s: float,
     current_east_m_s: float,
 ) -> None:
-    """Lie still over ground in a pose."""
+    """Stop over ground in a pose."""
     vessel.place(north_m, east_m, heading_rad)
     along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
     across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin

@@ -4,8 +4,8 @@
     boat = Boat(config, world.hardware, …)
     each tick:  boat.step(world.time_s);  world.step(dt_s)
 
-What a sensor says at a time is there to be read before the boat's step of that time. Nothing here looks at a
-clock: the state is a function of the scenario and of the commands written to the motors.
+Sensor readings of a time are available before the boat's step of that time. No clock is read: the state is a
+function of the scenario and of the motor commands.
 """
 
 import math
@@ -35,7 +35,7 @@ _new = tuple.__new__  # half the cost of a NamedTuple's own
 
 
 class Truth(NamedTuple):
-    """What is really so: the emulator's own knowledge, hidden from the boat.
+    """Ground truth, which the boat does not see.
 
     Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
     water, ahead and to starboard; north_m_s and east_m_s over ground; grounded: it touched the shore within
@@ -119,7 +119,7 @@ class World:
 
     @property
     def clock_s(self) -> float:
-        """What the clock of the boat's computer shows."""
+        """The clock of the boat's computer."""
         return self.truth.time_s + self.electronics.computer.clock_offset_s
 
     @property
@@ -128,13 +128,13 @@ class World:
         return self._pack.used_mah
 
     def hold_position(self) -> None:
-        """Hold the boat where it is, at rest over ground; time, water, wind and sensors go on."""
+        """Hold the boat at rest over ground; time, water, wind and sensors continue."""
         self._is_moored = True
         self._vessel.hold(self._flow_n, self._flow_e)
         self.truth = self._observe(self.time_s)
 
     def release(self) -> None:
-        """Let the boat go, if it is moored."""
+        """End hold_position."""
         self._is_moored = False
 
     def step(self, dt_s: float) -> Truth:
@@ -187,7 +187,7 @@ class World:
         return truth
 
     def _feed_computer(self, time_s: float) -> None:
-        """Take the computer's power when the pack sags too deep; give it back once that is over."""
+        """Cut the computer's power at a brown-out of the pack, and restore it afterwards."""
         computer = self.electronics.computer
         if self._pack.is_browned_out:
             self._dark_until_s = time_s + POWER_UP_S
@@ -199,14 +199,14 @@ class World:
             computer.begin(time_s)
 
     def _turn_tide(self) -> None:
-        """The current is another all of a sudden."""
+        """Apply a change of the tidal stream."""
         vessel = self._vessel
         self._current_n, self._current_e = self._current.at(vessel.north_m, vessel.east_m, self.time_s)
         if not self._is_open:
             self._flow_n, self._flow_e = self._current_n, self._current_e
 
     def _flow(self, dt_s: float) -> float:
-        """Let the current and waves of here and now carry the hull; the moment with which they turn it."""
+        """Apply current and waves at the boat; returns their yaw moment."""
         vessel, waves, time_s = self._vessel, self.waves, self.time_s
         if not self._current.is_uniform:
             north_m, east_m = vessel.north_m, vessel.east_m

@@ -1,7 +1,7 @@
-"""What a campaign's figures must be, and whether they are.
+"""Expectations of a campaign's figures.
 
-A figure that some run does not have, because the run failed or has no such thing, makes the expectation fail:
-a mean over the runs that went well would be no mean.
+An expectation fails if any run lacks the figure, for example because it failed: a mean over the remaining
+runs would be biased.
 """
 
 import statistics

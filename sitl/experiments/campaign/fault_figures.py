@@ -1,7 +1,6 @@
-"""How soon the boat notices that a sensor lies, how far its position goes astray, and how far the boat does.
+"""Detection time, position error and track error for faults of GNSS and compass.
 
-Only for runs with a single fault, of a part that the estimate rests on. All against the truth; the boat's
-estimate is looked at ten times a second.
+Only for runs with a single such fault, against ground truth, ten times a second.
 """
 
 import math
@@ -46,7 +45,7 @@ def fault_figures(mission_run: MissionRun) -> dict[str, float | None]:
             out[name] = float(since[int((bits & wanted != 0).argmax()), 0] - fault.at_s)
     given_up_s = out["given_up_s"]
     ends_s = min(fault.ends_s, math.inf if given_up_s is None else fault.at_s + given_up_s)
-    _go_astray(out, since[since[:, 0] < ends_s], truth)
+    _add_position_errors(out, since[since[:, 0] < ends_s], truth)
     sailed = mission_run.recorder.legs >= 0
     late = truth[sailed, 0] >= fault.at_s
     off = off_path_m(mission_run.recorder, mission_run.planned)[late]
@@ -54,7 +53,7 @@ def fault_figures(mission_run: MissionRun) -> dict[str, float | None]:
     return out
 
 
-def _go_astray(
+def _add_position_errors(
     out: dict[str, float | None],
     estimates: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
     truth: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",

@@ -20,7 +20,7 @@ _OF_THE_RUN = frozenset(("scenario", "seed"))  # columns of the run already
 
 
 def figures_of(mission_run: MissionRun, result: Result) -> Figures:
-    """What `boat-sitl sail` measures, and besides: tracking, station keeping, conduct."""
+    """The figures of `boat-sitl sail`, and those of path following, station keeping and faults."""
     out: Figures = {
         name: value
         for name, value in dataclasses.asdict(result).items()
@@ -49,13 +49,13 @@ def figures_of(mission_run: MissionRun, result: Result) -> Figures:
 
 
 def _still_sails(mission_run: MissionRun) -> bool:
-    """Whether an armed boat was still at its mission when its time was over."""
+    """Whether the boat was armed and in AUTO at the end."""
     vehicle = mission_run.lockstep.boat.vehicle
     return vehicle.armed and vehicle.mode is Mode.AUTO
 
 
 def _command_travel_per_s(mission_run: MissionRun) -> float | None:
-    """How much both commands together go up and down in a second: what steering costs motors and gears."""
+    """The sum of both commands' changes per second: the wear on motors and gears."""
     rows = mission_run.estimates.rows
     if len(rows) < 2:
         return None

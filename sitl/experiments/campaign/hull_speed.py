@@ -1,8 +1,7 @@
-"""What speeds a hull and its thrusters can reach, whoever steers: found by sailing them, in calm water.
+"""The top speed of a hull with two motors and with one, by simulation in calm water.
 
-With one motor dead the other one turns the boat. Every way of sailing that is tried here drives full ahead
-until the bow has swung so far past a heading, then astern until it has swung so far back past it. The best
-pair of angles counts.
+One motor turns the boat. Each strategy drives it full ahead until the heading has swung past one angle, then
+astern until it has swung back past another. The best pair of angles counts.
 """
 
 import math

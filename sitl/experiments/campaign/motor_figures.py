@@ -1,4 +1,4 @@
-"""What the boat says of its motors, against what is wrong with them."""
+"""The boat's motor failsafe messages compared with the simulated motor faults."""
 
 from typing import Final
 
@@ -18,7 +18,7 @@ _PREFIX: Final = "Failsafe: "
 IN_TIME_S: Final = 8.0
 
 _NAMED: Final = {_PREFIX + one.text: one for one in HYPOTHESES}
-# What a trial of the motors finds, which is as much of an accusation
+# Results of the boat's motor check, which count as well
 _FOUND: Final = ("motor gives no thrust, right", "right gives no thrust", "is reversed: compensated")
 
 

@@ -1,4 +1,4 @@
-"""A campaign as a table: a row a run, the runs in order, so that equal campaigns are equal byte for byte."""
+"""A campaign as a table with a row for each run, in order; equal campaigns give equal bytes."""
 
 import csv
 import importlib

@@ -1,18 +1,13 @@
-"""Whether anybody could have avoided a touch: told by thrust, set and shore, not by what the boat did.
+"""Contacts that no boat could have avoided, judged by thrust, current and shore, not by the boat's steering.
 
-From the fault on, every place is kept that a hull could have reached by then with what speed through the
-water the fault leaves it, carried by the current and the leeway of the run's own weather, and never touching
-anything: a set of places on a grid, grown and carried on step by step. If that set is not empty HORIZON_S
-after the touch, or once the fault is over, a perfect helmsman would have kept clear, and the touch counts as
-avoidable; else the water would have set anybody onto something by then. He knows chart and weather, and after
-_RECOGNISED_S the fault; until then he sails as the boat did. Doubts go against the boat: a place counts as
-reached that is so nearly.
+From the fault on, a grid holds every position that the hull could have reached without a contact, at the
+speed through the water that the fault leaves, carried by the current and the leeway of the run's weather. If
+any position is left HORIZON_S after the contact, or when the fault ends, a perfect controller would have kept
+clear, and the contact was avoidable. That controller knows chart and weather, and the fault after
+_RECOGNISED_S; until then it follows the boat. In doubt a contact counts as avoidable.
 
-What speed a fault leaves: none without power, which makes what happens then inevitable; with one motor dead
-the best that was found for this hull; its top speed in every other case. Both come from the emulated hull
-and its thrusters (`hull_speed.py`), not from the boat's configuration or from its own steering with one
-motor. With a motor dead or reversed the boat steers otherwise than it means to until that is recognised;
-who touches before had no time.
+Without power no speed is left; with one motor dead, the best speed found for this hull (`hull_speed.py`);
+otherwise its top speed. With a motor dead or reversed, a contact before _RECOGNISED_S was unavoidable.
 """
 
 import math
@@ -64,7 +59,7 @@ def unavoidable_cause(mission_run: MissionRun) -> str:
     if has_way_clear(scenario, rows, fault, speed_m_s, touch_s):
         return ""
     what = "no power" if speed_m_s == 0.0 else f"one motor: {speed_m_s:.2f} m/s"
-    return f"{what}, in a set of {math.hypot(*_current_m_s(scenario, row)):.2f} m/s"
+    return f"{what}, in a current of {math.hypot(*_current_m_s(scenario, row)):.2f} m/s"
 
 
 def remaining_speed_m_s(fault: FaultSetting, scenario: Scenario) -> float:
@@ -88,7 +83,7 @@ def _top_speed_m_s(scenario: Scenario) -> float:
 def has_way_clear(
     scenario: Scenario, rows: Rows, fault: FaultSetting, speed_m_s: float, until_s: float
 ) -> bool:
-    """Whether some way stays clear until HORIZON_S after until_s, when the boat touched."""
+    """Whether some path stays clear until HORIZON_S after the contact at until_s."""
     if speed_m_s == 0.0:  # without power there is one way only, and that is the one that it went
         return until_s > fault.ends_s + _RESTART_S
     since = rows[(rows[:, 0] >= fault.at_s + _RECOGNISED_S) & (rows[:, 0] <= until_s)]
@@ -116,7 +111,7 @@ def has_way_clear(
 
 
 def _current_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
-    """North and east: the current, and what the wind of the moment makes of a hull that lies beam on."""
+    """North and east: the current plus the leeway of a hull beam on to the wind."""
     current = row[Truth._fields.index("current_north_m_s")], row[Truth._fields.index("current_east_m_s")]
     wind = row[Truth._fields.index("wind_north_m_s")], row[Truth._fields.index("wind_east_m_s")]
     past = wind[0] - current[0], wind[1] - current[1]
@@ -133,7 +128,7 @@ def _current_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
 
 
 class _ReachableSet:
-    """The places that can have been reached, as a mask that moves with the set over the fixed shore."""
+    """The reachable positions, as a mask on the grid that drifts with the current."""
 
     def __init__(self, water: shapely.Geometry, at: Rows) -> None:
         west, south, east, north = water.bounds
@@ -149,11 +144,11 @@ class _ReachableSet:
 
     @property
     def is_left(self) -> bool:
-        """Whether there is any place."""
+        """Whether any position is left."""
         return bool(self._mask.any())
 
     def advance(self, current_m_s: tuple[float, float], speed_m_s: float, dt_s: float) -> None:
-        """Go on by dt_s: carried by the set, cell by cell, and spread by the boat's own speed."""
+        """Advance by dt_s: drift with the current, cell by cell, and spread by the boat's own speed."""
         for axis, speed in enumerate(current_m_s):
             self._drift_m[axis] += speed * dt_s
             while abs(self._drift_m[axis]) >= 0.5 * CELL_M:
@@ -174,7 +169,7 @@ class _ReachableSet:
 
 
 def _shifted(mask: Mask, step: int, axis: int) -> Mask:
-    """By one cell, with nothing coming in from beyond the edge."""
+    """Shifted by one cell."""
     out = np.zeros_like(mask)
     if axis == 0:
         out[max(step, 0) : len(out) + min(step, 0)] = mask[max(-step, 0) : len(out) + min(-step, 0)]

@@ -1,1 +1,1 @@
-"""Encounters: what lies or moves in the way of a leg and is on no map, and what the boat makes of it."""
+"""The avoidance experiment: unmapped obstacles and movers on a leg."""

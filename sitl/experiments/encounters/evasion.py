@@ -1,4 +1,4 @@
-"""Whether anybody could have kept clear of a mover, from where the boat was when it could first hear it.
+"""Whether any simple manoeuvre keeps clear of a mover after the sonar could first detect it.
 
 From the moment at which the mover first comes within the ranger's range and field, each of a handful of
 manoeuvres is tried with the same hull and motors: both motors held at one pair of commands for a while, then

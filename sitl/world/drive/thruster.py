@@ -94,7 +94,7 @@ class Thruster:
         else:
             speed = 0.0
 
-        # What comes of it.
+        # Resulting thrust and current.
         self.motor_a = current
         self.current_a = share * current if current > 0.0 else 0.0
         self.speed_rad_s = speed = -speed if astern else speed
@@ -137,7 +137,7 @@ class Thrusters:
         return self.left.current_a + self.right.current_a
 
     def set_immersion(self, above_m: float) -> None:
-        """The water stands so much higher over the shafts than at rest. Near the surface they suck air.
+        """Set the water level above the shafts, relative to rest. Near the surface the propellers ventilate.
 
         The share of thrust that is left falls from 1 at a depth of 1.3 radii to 0 where the disc is out of
         the water, about as K. Minsaas, O. Faltinsen and B. Persson measured (*On the importance of added

@@ -30,7 +30,7 @@ class Current:
         )
 
     def stream(self, north_m_s: float, east_m_s: float) -> None:
-        """From now on so much more flows everywhere, besides what the scenario names."""
+        """Add a uniform stream to the scenario's current."""
         self._north_m_s, self._east_m_s = self._uniform[0] + north_m_s, self._uniform[1] + east_m_s
 
     def at(self, north_m: float, east_m: float, time_s: float) -> tuple[float, float]:

@@ -50,8 +50,7 @@ class Environment(Section, frozen=True):
     correlation time. wave_height_m is the significant height, wave_period_s the period of the highest
     waves.
 
-    shore_hold_n is with how much pull a soft shore holds a hull that has run upon it; 0 is a wall to scrape
-    along.
+    shore_hold_n is the force with which a soft shore holds a grounded hull; 0 is a hard wall.
 
     Raises:
         ValueError: gusts that are weaker than the mean wind, or waves that are too steep to stand.

@@ -30,7 +30,7 @@ class Wind:
         self.set_wind(environment.wind_m_s, math.radians(environment.wind_from_deg), environment.gust_m_s)
 
     def set_wind(self, mean_m_s: float, from_rad: float, gust_m_s: float = 0.0) -> None:
-        """Let another wind blow from now on: its mean, where from (clockwise from north), and its peaks.
+        """Set the wind: mean, direction it comes from (clockwise from north) and gust peaks.
 
         Peaks below the mean are no gusts at all.
         """
@@ -40,7 +40,7 @@ class Wind:
         self._point()
 
     def step(self, now_s: float) -> None:
-        """Let the gusts go on to now_s, when due."""
+        """Advance the gusts to now_s, when due."""
         if now_s + TIME_SLACK_S < self._next / RATE_HZ:
             return
         self._next = math.floor(RATE_HZ * (now_s + TIME_SLACK_S)) + 1

@@ -1,6 +1,6 @@
 """Faults by MAV_CMD_INJECT_FAILURE, while the boat sails.
 
-A fault that is begun so lasts until it is ended the same way.
+Such a fault lasts until it is ended by the same command.
 """
 
 from companion.mavlink.dialect import dialect
@@ -26,7 +26,7 @@ _KINDS: dict[int, str] = {
     dialect.FAILURE_TYPE_DELAYED: "delayed",
     dialect.FAILURE_TYPE_INTERMITTENT: "intermittent",
 }
-_SILENCE_S = 10.0  # a link that was switched off by a station could not be told to come back
+_SILENCE_S = 10.0  # no station could restore a link that it switched off
 
 
 class Injection:
@@ -37,7 +37,7 @@ class Injection:
         self._faults = faults
 
     def inject(self, unit: int, failure: int, instance: int) -> str | None:
-        """Let a part fail, or be well again with failure 0. What was done; None if it cannot be."""
+        """Begin a fault, or end it with failure 0. Returns what was done; None if it is not possible."""
         parts, kind = _UNITS.get(unit, ()), _KINDS.get(failure)
         if not (self.is_enabled and parts and self._faults.parts.issuperset(parts)):
             return None

@@ -36,9 +36,9 @@ class SimBattery(Sensor[BatteryReading]):
         if self.fault is None:
             self._latest = self._sampled = reading
         else:
-            spoilt = self._with_fault(reading, self.fault, now_s)
-            if spoilt is not None:
-                self._latest = spoilt
+            faulty = self._with_fault(reading, self.fault, now_s)
+            if faulty is not None:
+                self._latest = faulty
 
     def _with_fault(
         self, reading: BatteryReading, fault: SensorFault[BatteryReading], now_s: float

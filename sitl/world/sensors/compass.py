@@ -83,9 +83,9 @@ class SimCompass(Sensor[HeadingReading]):
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading
         else:
-            spoilt = self._with_fault(reading, now_s)
-            if spoilt is not None:
-                self._latest = spoilt
+            faulty = self._with_fault(reading, now_s)
+            if faulty is not None:
+                self._latest = faulty
 
     def _deviation(self, heading_rad: float, motor_current_a: float) -> float:
         sin = math.sin
@@ -96,14 +96,14 @@ class SimCompass(Sensor[HeadingReading]):
         )
 
     def _with_fault(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
-        spoilt: HeadingReading | None = reading
+        faulty: HeadingReading | None = reading
         if self.gyro_fault is not None:
-            spoilt = self._spoil_rate(reading, self.gyro_fault)
-        if self.fault is not None and spoilt is not None:
-            spoilt = self._spoil_heading(spoilt, self.fault, now_s)
-        return spoilt
+            faulty = self._faulty_rate(reading, self.gyro_fault)
+        if self.fault is not None and faulty is not None:
+            faulty = self._faulty_heading(faulty, self.fault, now_s)
+        return faulty
 
-    def _spoil_rate(self, reading: HeadingReading, fault: SensorFault[HeadingReading]) -> HeadingReading:
+    def _faulty_rate(self, reading: HeadingReading, fault: SensorFault[HeadingReading]) -> HeadingReading:
         size_rad_s, rate = math.radians(fault.size), reading.yaw_rate_rad_s or 0.0
         heard: float | None = rate
         match fault.kind:
@@ -118,7 +118,7 @@ class SimCompass(Sensor[HeadingReading]):
                 heard = rate + size_rad_s
         return msgspec.structs.replace(reading, yaw_rate_rad_s=heard)
 
-    def _spoil_heading(
+    def _faulty_heading(
         self, reading: HeadingReading, fault: SensorFault[HeadingReading], now_s: float
     ) -> HeadingReading | None:
         replace, heading_rad = msgspec.structs.replace, reading.heading_rad

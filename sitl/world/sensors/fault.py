@@ -1,6 +1,6 @@
-"""What is wrong with a sensor, as far as it is the same for all of them: readings that fail to come in time.
+"""Sensor faults that are the same for all sensors: missing and late readings.
 
-What a fault does to a reading's value is each sensor's own affair, in its own file.
+The effect of a fault on a reading's value is in the file of the sensor.
 """
 
 import random
@@ -28,7 +28,7 @@ class SensorFault(Generic[R]):
 
     kind: `off` puts out nothing; `slow` only every size-th reading; `delayed` each reading size seconds late,
     stamped when it comes, as a driver that knows of no delay stamps it; `intermittent` nothing in the first
-    half of every size seconds. Any other kind spoils values: there size means what the catalogue of faults
+    half of every size seconds. Any other kind changes values: there size means what the catalogue of faults
     says, and bearing_rad is a direction over ground.
     """
 
@@ -50,7 +50,7 @@ class SensorFault(Generic[R]):
         return held
 
     def output_at(self, reading: R, now_s: float) -> R | None:
-        """What the sensor puts out at this sample's time; None for nothing."""
+        """The sensor's output at this sample; None for nothing."""
         match self.kind:
             case "off":
                 return None

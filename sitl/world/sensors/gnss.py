@@ -66,7 +66,7 @@ class SimGnss(Sensor[GnssFix]):
             self._multipath = _Multipath(settings, shore, generator(seed, "gnss.multipath"))
 
     def sample(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> None:
-        """Sample when due; deliver what has travelled long enough."""
+        """Sample when due; deliver fixes whose latency has passed."""
         if now_s < self.due_s:
             return
         if now_s >= self._next_s:
@@ -115,7 +115,7 @@ class SimGnss(Sensor[GnssFix]):
         )
 
     def _with_fault(self, fix: GnssFix, fault: SensorFault[GnssFix], now_s: float) -> GnssFix | None:
-        """What the fault makes of a fix. A receiver that is fooled is as sure of itself as ever."""
+        """The fix with the fault. A deceived receiver reports its usual accuracy."""
         replace, since_s = msgspec.structs.replace, now_s - fault.since_s
         match fault.kind:
             case "stuck":
@@ -172,7 +172,7 @@ class SimGnss(Sensor[GnssFix]):
 
 
 def stated_accuracy_m(fix_type: int, hdop: float) -> float:
-    """What a receiver says of its horizontal accuracy, with this GPS_FIX_TYPE and HDOP."""
+    """The horizontal accuracy that a receiver reports for this GPS_FIX_TYPE and HDOP."""
     range_error_m, step_m = _STATED.get(fix_type, _STATED_ALONE)
     return step_m * max(1, round(hdop * range_error_m / step_m))
 

@@ -1,4 +1,4 @@
-"""What is inside the hull: a probe that tells water, and a thermometer by the computer."""
+"""The hull's water probe and thermometer."""
 
 from typing import Final
 
@@ -12,7 +12,7 @@ HOTTEST_C: Final = 110.0
 
 
 class SimHull(Sensor[HullReading]):
-    """Dry, and as warm as its settings say, until faults or parameters have it otherwise.
+    """Dry and at the temperature of the settings, unless changed by faults or parameters.
 
     is_wet: water at the probe; None: the probe says nothing. offset_c: what the thermometer is off by;
     warming_c_s: how fast it gets hotter, up to HOTTEST_C; hears_heat: False for a thermometer that is silent.
@@ -28,11 +28,11 @@ class SimHull(Sensor[HullReading]):
         self._temperature_c = settings.temperature_c
 
     def set_warming(self, warming_c_s: float, now_s: float) -> None:
-        """Get hotter by so much a second from now on; with 0 be as cool as before."""
+        """Set the heating rate; 0 ends it."""
         self.warming_c_s, self._hot_since_s = warming_c_s, now_s
 
     def set_temperature(self, temperature_c: float) -> None:
-        """From now on it is so warm in there."""
+        """Set the temperature in the hull."""
         self._temperature_c = temperature_c
 
     def sample(self, now_s: float) -> None:

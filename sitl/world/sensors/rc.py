@@ -1,4 +1,4 @@
-"""A radio control transmitter in somebody's hand, and its receiver aboard."""
+"""A radio control transmitter and its receiver aboard."""
 
 import math
 
@@ -31,7 +31,7 @@ class SimRc(Sensor[RcReading]):
         self._next = 0  # of the settings' sticks
 
     def hold(self, channels_us: tuple[int, ...]) -> None:
-        """Move sticks and switches, none switches the transmitter off, until the scenario's next step."""
+        """Set sticks and switches until the scenario's next step; none: transmitter off."""
         self._channels_us = channels_us
 
     def sample(self, now_s: float, north_m: float, east_m: float) -> None:
@@ -58,8 +58,8 @@ class SimRc(Sensor[RcReading]):
         reading = RcReading(now_s + self.clock_offset_s, channels_us, quality <= 0.0, quality, rssi_dbm)
         if self.fault is None:
             self._latest = self._sampled = reading
-        elif (spoilt := self._with_fault(reading, self.fault, now_s)) is not None:
-            self._latest = spoilt
+        elif (faulty := self._with_fault(reading, self.fault, now_s)) is not None:
+            self._latest = faulty
 
     def _quality(self, off_m: float) -> float:
         """Share of the frames that arrive so far off."""

@@ -42,7 +42,7 @@ class SimSonar:
         self._grazing = math.cos(math.radians(settings.specular_deg)) if settings.specular_deg < 90.0 else 0.0
         self._swing = ServoScan(sweep_bearings_rad(settings))
         self._servo = _Servo(settings, self._swing.bearing_rad)
-        self._pings: deque[SonarReading] = deque(maxlen=64)  # nobody reading must not cost memory
+        self._pings: deque[SonarReading] = deque(maxlen=64)  # bounded when nothing reads it
         self._last_range_m: float | None = None
         self._count, self.due_s = 0, 0.0
 
@@ -71,9 +71,9 @@ class SimSonar:
             self._last_range_m = heard_m
             self._pings.append(ping)
         else:
-            spoilt = self._with_fault(ping, self.fault, now_s)
-            if spoilt is not None:
-                self._pings.append(spoilt)
+            faulty = self._with_fault(ping, self.fault, now_s)
+            if faulty is not None:
+                self._pings.append(faulty)
 
     def _echo_m(self, rays_rad: list[float], north_m: float, east_m: float, now_s: float) -> float | None:
         max_range_m = self._settings.max_range_m
@@ -122,34 +122,33 @@ class SimSonar:
         return pings
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
-        """Sweep between these bearings from now on."""
+        """Sweep between these bearings."""
         self._swing.set_sector(port_rad, starboard_rad)
 
     def restart(self) -> None:
-        """Forget what was heard: the boat's computer begins anew."""
+        """Forget all pings: the boat's computer restarts."""
         self._pings.clear()
 
     def close(self) -> None:
-        """Nothing to let go."""
+        """Nothing to close."""
 
 
 class _Servo:
-    """It starts for a new bearing after a dead time and turns at an even rate."""
+    """It starts to turn after a dead time and turns at a constant rate."""
 
     def __init__(self, settings: SonarSettings, bearing_rad: float) -> None:
-        """Stand at a bearing."""
         self._dead_s, self._rate_rad_s = settings.servo_dead_s, math.radians(settings.servo_deg_s)
         self._here_rad = self._before_rad = self._aim_rad = bearing_rad
         self._told_s = 0.0
 
     def at(self, now_s: float) -> float:
-        """Where it points now."""
+        """Its bearing now."""
         since_s = now_s - self._told_s
         here_rad = self._towards(self._here_rad, self._before_rad, min(since_s, self._dead_s))
         return self._towards(here_rad, self._aim_rad, max(since_s - self._dead_s, 0.0))
 
     def turn(self, now_s: float, bearing_rad: float) -> None:
-        """Tell it another bearing."""
+        """Command another bearing."""
         self._here_rad = self.at(now_s)
         self._before_rad, self._aim_rad, self._told_s = self._aim_rad, bearing_rad, now_s
 

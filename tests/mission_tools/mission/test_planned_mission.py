@@ -13,7 +13,7 @@ from mission_tools.mission.areas import Areas
 from mission_tools.mission.check import check_mission
 from mission_tools.mission.mission import Command, Fence, FenceCircle, FencePolygon, Mission, MissionItem
 from mission_tools.mission.plan_file import save_mission
-from mission_tools.mission.planned_mission import MissionFile, PlannedMission, PlanOptions, Water
+from mission_tools.mission.planned_mission import MapSource, MissionFile, PlannedMission, PlanOptions
 
 POND = LatLon(50.0, -1.2)
 START, GOAL = Point(0.0, 0.0), Point(200.0, 0.0)
@@ -34,7 +34,7 @@ def first_point(planned: PlannedMission) -> Point:
 
 def test_under_way_a_scenarios_route_starts_at_the_boat() -> None:
     source = open_source()
-    water = Water("sea", source, PlanOptions(goal=source.chart.frame.to_global(GOAL)))
+    water = MapSource("sea", source, PlanOptions(goal=source.chart.frame.to_global(GOAL)))
     assert water.wants_position
     assert not water.needs_position
     at = Point(190.0, 3.0)
@@ -50,7 +50,7 @@ def test_a_boat_within_the_clearance_of_the_scenarios_start_has_not_left_it(
 ) -> None:
     source = open_source()
     here = source.chart.frame.to_global(Point(0.0, off_m))
-    start = first_point(Water("sea", source, PlanOptions()).prepare(here))
+    start = first_point(MapSource("sea", source, PlanOptions()).prepare(here))
     expected = START if from_scenario else Point(0.0, off_m)
     assert distance_m(start, expected) < 0.02
 
@@ -58,14 +58,14 @@ def test_a_boat_within_the_clearance_of_the_scenarios_start_has_not_left_it(
 def test_a_start_that_was_named_goes_before_the_boat() -> None:
     source = open_source()
     to_global = source.chart.frame.to_global
-    water = Water("sea", source, PlanOptions(start_at=to_global(Point(50.0, 50.0))))
+    water = MapSource("sea", source, PlanOptions(start_at=to_global(Point(50.0, 50.0))))
     assert not water.wants_position
     assert distance_m(first_point(water.prepare(to_global(Point(9.0, 9.0)))), Point(50.0, 50.0)) < 0.02
 
 
 def test_without_a_boat_the_scenarios_start_is_the_start_and_without_either_there_is_none() -> None:
-    assert distance_m(first_point(Water("sea", open_source(), PlanOptions()).prepare()), START) < 0.02
-    bare = Water("sea", open_source(start=None), PlanOptions())
+    assert distance_m(first_point(MapSource("sea", open_source(), PlanOptions()).prepare()), START) < 0.02
+    bare = MapSource("sea", open_source(start=None), PlanOptions())
     assert bare.needs_position
     with pytest.raises(UsageError, match="no start: add --start-at"):
         bare.prepare()
@@ -124,7 +124,7 @@ def test_two_waypoints_half_a_world_apart_are_not() -> None:
 
 def test_a_goal_beyond_the_antimeridian_is_near() -> None:
     source = open_source(LatLon(-17.0, 179.9995), goal=None)
-    water = Water("sea", source, PlanOptions(goal=LatLon(-17.0, -179.9995)))
+    water = MapSource("sea", source, PlanOptions(goal=LatLon(-17.0, -179.9995)))
     planned = water.prepare()
     assert planned.plan is not None
     assert planned.plan.length_m == pytest.approx(106.5, abs=0.5)
@@ -133,7 +133,7 @@ def test_a_goal_beyond_the_antimeridian_is_near() -> None:
 @pytest.mark.parametrize(("lat_deg", "lon_deg"), [(-17.0, 177.9), (-17.0, -177.9), (-14.9, 180.0)])
 def test_a_goal_beyond_two_degrees_is_far(lat_deg: float, lon_deg: float) -> None:
     with pytest.raises(UsageError, match="nowhere near sea"):
-        Water("sea", open_source(MERIDIAN), PlanOptions(goal=LatLon(lat_deg, lon_deg)))
+        MapSource("sea", open_source(MERIDIAN), PlanOptions(goal=LatLon(lat_deg, lon_deg)))
 
 
 def test_the_picture_of_a_chart_across_the_antimeridian_has_its_degrees() -> None:

@@ -12,7 +12,7 @@ from companion.core.modes import Mode
 from companion.core.requests import SetHome
 from sitl.run.serve import Server
 from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
-from sitl.run.state_folder import StateInUseError, default_folder, hold
+from sitl.run.state_folder import StateInUseError, default_folder, lock_folder
 
 
 @pytest.fixture(autouse=True)
@@ -42,17 +42,17 @@ def test_a_port_that_changes_with_every_start_has_no_folder() -> None:
 
 
 def test_one_folder_is_for_one_emulator_at_a_time(tmp_path: Path) -> None:
-    first = hold(tmp_path / "state")
+    first = lock_folder(tmp_path / "state")
     with pytest.raises(StateInUseError, match="another boat-sitl stores there"):
-        hold(tmp_path / "state")
+        lock_folder(tmp_path / "state")
     os.close(first)
-    os.close(hold(tmp_path / "state"))
+    os.close(lock_folder(tmp_path / "state"))
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(StorageError, match=r"file/state: cannot be used"):
-        hold(tmp_path / "file" / "state")
+        lock_folder(tmp_path / "file" / "state")
 
 
 def sail(folder: Path, *, is_cut: bool) -> None:
