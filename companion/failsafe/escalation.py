@@ -21,17 +21,9 @@ class Escalation:
     """One row's timing: since when its condition has held, or not. action: what the present step asks for."""
 
     __slots__ = (
-        "_calm_s",
-        "_ended_s",
-        "_next",
-        "_since_s",
-        "_step_s",
-        "action",
-        "is_active",
-        "is_overruled",
-        "row",
+        "_calm_s", "_ended_s", "_next", "_since_s", "_step_s", "action", "is_active", "is_overruled", "row",
         "text",
-    )
+    )  # fmt: skip
 
     def __init__(self, row: Row) -> None:
         self.row = row
@@ -70,40 +62,39 @@ class Escalation:
         if now_s - self._since_s < _seconds(self.row.after, setting):
             return Change.STAYS
         self.is_active, self._step_s = True, now_s
-        step, first = self._next_step(setting), _action(self.row.action, setting)
-        is_relapse = now_s - self._ended_s < self.row.relapse_s
-        if step is not None and is_relapse and first is not Action.NONE:
-            self._next += 1  # what was done before has not lasted
-            self.action = _action(step.action, setting)
+        steps, first = _steps(self.row, setting), _action(self.row.action, setting)
+        is_relapse = now_s - self._ended_s < self.row.relapse_s and first is not Action.NONE
+        if is_relapse and self._next < len(steps):
+            self._take(steps[self._next], setting)  # what was done before has not lasted
         else:
             self._next, self.action = 0, first
         return Change.FIRES
 
     def _escalate(self, setting: Failsafe, now_s: float) -> Change:
-        step = self._next_step(setting)
-        if step is None or self.is_overruled or self.action is Action.NONE:
+        steps = _steps(self.row, setting)
+        if self._next >= len(steps) or self.is_overruled or self.action is Action.NONE:
             return Change.STAYS
-        wait_s = _seconds(step.after, setting)
+        wait_s = _seconds(steps[self._next].after, setting)
         if wait_s <= 0.0 or now_s - self._step_s < wait_s:
             return Change.STAYS
-        self._next += 1
         self._step_s = now_s
-        self.action = _action(step.action, setting)
+        self._take(steps[self._next], setting)
         return Change.ESCALATES
 
-    def _next_step(self, setting: Failsafe) -> Step | None:
-        """The step to come. The propellers are cleared as often as is set."""
-        steps = self.row.then
-        if not steps or steps[0].action is not Action.CLEAR_PROPELLERS:
-            return steps[self._next] if self._next < len(steps) else None
-        begun = _action(self.row.action, setting)
-        again = 0
-        if begun in (Action.CLEAR_PROPELLERS, Action.CHECK_MOTORS):
-            again = setting.clearing_tries - (begun is Action.CLEAR_PROPELLERS)
-        if self._next < again:
-            return steps[0]
-        place = self._next - again + 1
-        return steps[place] if place < len(steps) else None
+    def _take(self, step: Step, setting: Failsafe) -> None:
+        self.action = _action(step.action, setting)
+        self._next += 1
+
+
+def _steps(row: Row, setting: Failsafe) -> tuple[Step, ...]:
+    """The steps of a row. The propellers are cleared as often as is set, the first action included."""
+    steps = row.then
+    if not steps or steps[0].action is not Action.CLEAR_PROPELLERS:
+        return steps
+    first = _action(row.action, setting)
+    is_tried = first in (Action.CLEAR_PROPELLERS, Action.CHECK_MOTORS)
+    again = setting.clearing_tries - (first is Action.CLEAR_PROPELLERS) if is_tried else 0
+    return steps[:1] * again + steps[1:]
 
 
 def _seconds(value: float | str, setting: Failsafe) -> float:
