@@ -4,19 +4,20 @@ import logging
 import math
 from collections.abc import Collection, Sequence
 
+from companion.app.board_readings import board_readings
+from companion.app.motor_output import MotorOutput
+from companion.app.origin import OriginMonitor
 from companion.app.safety_net import Fall, SafetyNet
+from companion.app.station_links import StationLinks
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.config.thrusters import Thrusters
-from companion.control.allocation import motor_pwm
-from companion.core.state import STOPPED, MotorCommand, NavState
+from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
-from companion.failsafe.guards import HELD_S
-from companion.failsafe.inputs import BoardReadings
 from companion.guidance.pipeline import GuidancePipeline
 from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
@@ -33,22 +34,22 @@ from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
-from companion.services.telemetry.snapshot import Snapshot
+from companion.services.telemetry.snapshot import Snapshot, take_snapshot
 from companion.vehicle.resume import VoyageResume
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
 
-COMPONENT_ID = 1  # a ground station makes a vehicle only of component 1
+COMPONENT_ID = 1  # ground stations accept only component 1 as a vehicle
 TICK_S = 0.02
-_BARE = Thrusters()  # a motor gets its thrust share as it is, while the motors are measured
-_LINKS_S = 0.1  # how often a tick looks for links that come and go without a descriptor to tell of it
+_BARE = Thrusters()  # without trim, while the motors are measured
+_LINKS_S = 0.1  # how often links without a descriptor are checked
 
 
 class Boat:
-    """Everything on board but the hardware and the clock, which are handed in.
+    """Everything on board except hardware and clock, which are passed in.
 
-    `step` is called once a tick, `receive` whenever a link has something; both with the seconds since boot.
+    `step` is called every tick, `receive` whenever a link has data; both with the seconds since boot.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class Boat:
         self.parameters = Parameters(config, ROWS, storage, hardware.parameter_hooks)
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
+        self.motors = MotorOutput(hardware)
         self.motor_test = MotorTest()
         self.calibration = CalibrationRunner()
         self.rc_control = RcControl()
@@ -93,71 +95,59 @@ class Boat:
             logbook.onboard = OnboardLog(
                 logbook.sink, self.parameters, self.endpoint.mission_items, self.vehicle
             )
+        self._links = StationLinks(self.channels, self.endpoint, logbook)
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
+        self._origin = OriginMonitor(self.estimator, self.sensors.external)
         self.steering = GuidancePipeline(config, self.vehicle.status_texts)
         self.net = SafetyNet()
         self.resume = VoyageResume(storage, self.vehicle)
-        self.load = 0.0  # share of the tick that the last steps took; the runner's to say
-        self.free_memory_bytes = 0  # of the computer; the program's to say
-        self.command: MotorCommand = STOPPED
+        self.load = 0.0  # share of the tick that the last steps took; set by the runner
+        self.free_memory_bytes = 0  # of the computer; set by the program
         self.nav: NavState | None = None
         self._hardware = hardware
         self._storage = storage
         self._logbook = logbook
         self._wall_time = WallTime(unix_offset_s)
-        self._now_s = self._far_m = 0.0
-        self._trips = 0  # of the motor cutoff, as far as stations know
+        self._now_s = 0.0
         self._links_due_s = 0.0
 
     def receive(self, now_s: float, ready: Collection[int] | None = None) -> int:
-        """Take in new links and what stations have said, pass on what is for others, and answer at once.
+        """Accept links, handle messages, forward those for others, and answer at once.
 
-        ready: the descriptors that have something to say; None looks everywhere, as every tick does.
-        Returns how many frames it took. `channels.has_more` says whether there are more to take.
+        ready: the descriptors with data; None checks all. Returns the number of frames taken;
+        `channels.has_more` says whether there are more.
         """
         try:
-            return self._receive(now_s, ready, looks_for_links=True)
+            return self._receive(now_s, ready, accepts_links=True)
         except Exception as error:
             self._catch(error)
             return 0
 
-    def _receive(self, now_s: float, ready: Collection[int] | None, *, looks_for_links: bool) -> int:
-        channels = self.channels
-        taken, is_news = channels.taken, False
-        if looks_for_links:
-            for number in channels.accept(ready):
-                self.endpoint.open(number, channels.open[number].policy.stream_hz)
-                is_news = True
-        if self._logbook is not None:
-            self._logbook.follow(channels, now_s + self._wall_time.offset_s)
-        for number, received in channels.receive(now_s, ready):
-            self.endpoint.handle(number, received, now_s)
-            is_news = True
-        if is_news:
+    def _receive(self, now_s: float, ready: Collection[int] | None, *, accepts_links: bool) -> int:
+        taken, unix_s = self.channels.taken, now_s + self._wall_time.offset_s
+        if self._links.receive(now_s, unix_s, ready, accepts_links=accepts_links):
             self._act_on_news()
-        if looks_for_links:
-            for number in channels.drop_closed():
-                self.endpoint.forget(number, now_s)
-        return channels.taken - taken
+        if accepts_links:
+            self._links.drop_closed(now_s)
+        return self.channels.taken - taken
 
     def _act_on_news(self) -> None:
-        """What stations have just changed takes effect, and is told, at once."""
+        """Apply and announce at once what stations have changed."""
         self.vehicle.config = self.parameters.config
         may_drive = self.vehicle.armed or self.motor_test.is_running
         if not may_drive and (self.command.left or self.command.right):
-            self._hardware.motors.stop()  # a disarmed boat does not wait for its next tick
-            self.command = STOPPED
+            self.motors.stop()  # a disarmed boat does not wait for its next tick
         self.steering.request_update()
         self.endpoint.announce_changes()
-        self._flush()
+        self._links.flush()
 
     def step(self, now_s: float) -> None:
-        """One tick: sense, listen, decide, steer, drive, tell.
+        """One tick: sense, receive, decide, steer, drive, send.
 
         Raises:
-            Exception: a fault of ours that does not end; the motors are off, and the boat is disarmed.
+            Exception: a fault that persists; the motors are off, and the boat is disarmed.
         """
         self._now_s = now_s
         try:
@@ -169,34 +159,31 @@ class Boat:
                 self.net.passed()
 
     def _step(self, now_s: float) -> None:
-        self._report_cutoff()
+        if text := self.motors.trip_text(self.parameters.config.motors.command_timeout_s):
+            self.vehicle.notify(Severity.CRITICAL, text)
         self._sense(now_s)
-        looks_for_links = now_s >= self._links_due_s
-        if looks_for_links:
+        accepts_links = now_s >= self._links_due_s
+        if accepts_links:
             self._links_due_s = now_s + _LINKS_S
-        self._receive(now_s, None, looks_for_links=looks_for_links)
-        self.command = self._steer(now_s)
+        self._receive(now_s, None, accepts_links=accepts_links)
+        command = self._steer(now_s)
         is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
-        self._hardware.motors.write(*motor_pwm(self.command, self.vehicle.status.motors, setting))
+        self.motors.write(command, self.vehicle.status.motors, setting)
         if self._logbook is not None:
             self._logbook.tick(now_s, self.take_snapshot, self.channels)
         self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.sensors.compass, self.load)
         self.resume.update(self.vehicle, now_s)
-        self._flush()
+        self._links.flush()
 
     def _catch(self, error: Exception) -> None:
-        """A tick has gone wrong: motors off before anything else, and what was steering begins anew.
-
-        Motors that do not stop disarm the boat; the driver is asked again at every tick from then on.
-        """
+        """A fault in a tick: motors off first, then HOLD. Motors that do not stop disarm the boat."""
         outcome, has_stopped = "motors off", True
         try:
-            self._hardware.motors.stop()
+            self.motors.stop()
         except Exception as stuck:
             logger.exception("the motors do not stop")
             outcome, has_stopped = f"motors do not stop: {stuck}", False
-        self.command = STOPPED
         self.motor_test.stop()
         self.calibration.stop("fault in the program")
         self.steering.reset()
@@ -205,50 +192,24 @@ class Boat:
         self.vehicle.stop_on_fault(what, disarms=fall is not Fall.HOLD or not has_stopped)
         try:
             self.endpoint.announce_changes()
-            self._flush()
+            self._links.flush()
         except Exception:
-            logger.exception("what has happened cannot be told")
+            logger.exception("the fault cannot be announced")
         if fall is Fall.GIVE_UP:
             raise error
 
-    def _report_cutoff(self) -> None:
-        """The loop was stalled and runs again: say why the motors were off meanwhile."""
-        cutoff = self._hardware.cutoff
-        if cutoff is not None and cutoff.trips != self._trips:
-            self._trips = cutoff.trips
-            timeout_s = self.parameters.config.motors.command_timeout_s
-            self.vehicle.notify(Severity.CRITICAL, f"Program stalled: motors cut off after {timeout_s:g} s")
-
-    def _board_readings(self) -> BoardReadings:
-        """What the failsafes look at and the vehicle does not know itself."""
-        sensors, steering = self.sensors, self.steering
-        gives_way = steering.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
-        is_held = steering.headway.held_s > HELD_S
-        sonar_s = self.vehicle.board.sonar_s
-        if sensors.sonar is not None and not steering.perception.is_noisy:
-            sonar_s = sensors.sonar.time_s
-        log_fault = "" if self._logbook is None else self._logbook.sink.fault
-        return BoardReadings(
-            left=self.command.left,
-            right=self.command.right,
-            judges_motors=not (gives_way or is_held or self.calibration.is_running),
-            stall=steering.headway.verdict,
-            held_s=steering.headway.held_s,
-            load=self.load,
-            consumed_mah=sensors.consumed_mah,
-            heading=sensors.compass,
-            hull=sensors.hull,
-            sonar_s=sonar_s,
-            storage_fault=log_fault or self.resume.fault,
-        )
+    @property
+    def command(self) -> MotorCommand:
+        """What the motors are given."""
+        return self.motors.command
 
     @property
     def wants_restart(self) -> bool:
-        """Whether a station has asked for the program to begin anew."""
+        """Whether a station has requested a restart of the program."""
         return self._now_s >= self.endpoint.restart_due_s
 
     def close(self) -> None:
-        """Motors off first, then everything else. May be called twice."""
+        """Motors off first, then the rest. May be called twice."""
         self._hardware.close()
         self.endpoint.close()
         self.channels.close()
@@ -260,13 +221,10 @@ class Boat:
     def _sense(self, now_s: float) -> None:
         sensors, estimator = self.sensors, self.estimator
         sensors.read(self.parameters.config, now_s, self.command)
-        if estimator.frame is None:
-            estimator.preset_frame = sensors.external.frame
-        elif sensors.external.frame is None:
-            sensors.external.frame = estimator.frame
+        self._origin.share_frame()
         self.nav = estimator.update(sensors.fix, sensors.heading, now_s, self.command)
-        if estimator.far_m or self._far_m:
-            self._begin_elsewhere()
+        if self._origin.check(self.vehicle):
+            self.steering.reset()
         if sensors.pings:
             perception = self.steering.perception
             perception.ingest(sensors.pings, self.nav, self.parameters.config.avoidance, now_s)
@@ -286,33 +244,24 @@ class Boat:
         if actions.is_urgent:
             self.steering.request_update()
 
-    def _begin_elsewhere(self) -> None:
-        """Every fix lies beyond the local frame: a disarmed boat lays another, an armed one says so."""
-        estimator, was_far, far_m = self.estimator, self._far_m > 0.0, self.estimator.far_m
-        self._far_m = far_m
-        if far_m == 0.0:
-            return
-        if not self.vehicle.armed:
-            if self.sensors.external.frame is estimator.frame:
-                self.sensors.external.frame = None
-            estimator.reset_origin()
-            self.steering.reset()
-            self.vehicle.reset_position(far_m)
-            self._far_m = 0.0
-        elif not was_far:
-            text = f"GPS: {far_m / 1e3:.0f} km from where the boat was, not used until disarmed"
-            self.vehicle.notify(Severity.WARNING, text)
-
     def _steer(self, now_s: float) -> MotorCommand:
         steering, config, nav, vehicle = self.steering, self.parameters.config, self.nav, self.vehicle
         if steering.is_due(now_s) or self.calibration.is_running:
             if vehicle.failsafes.is_due(now_s):
-                vehicle.board = self._board_readings()
+                log_fault = "" if self._logbook is None else self._logbook.sink.fault
+                vehicle.board = board_readings(
+                    vehicle.board,
+                    self.sensors,
+                    steering,
+                    self.command,
+                    is_calibrating=self.calibration.is_running,
+                    load=self.load,
+                    storage_fault=log_fault or self.resume.fault,
+                )
             intent = vehicle.decide()
             if self.calibration.is_running:
                 if steering.avoidance.stage is not Stage.CLEAR:
                     self.calibration.stop("an obstacle")
-                is_slowed = steering.avoidance.safe_speed.ahead_m_s < math.inf
                 intent = self.calibration.update(
                     intent,
                     vehicle.status,
@@ -322,11 +271,11 @@ class Boat:
                     now_s,
                     fix=self.sensors.fix,
                     command=self.command,
-                    is_slowed=is_slowed,
+                    is_slowed=steering.avoidance.safe_speed.ahead_m_s < math.inf,
                 )
             steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
-            thrust = self.motor_test.thrust(vehicle.status, now_s)  # which may be the end of it
+            thrust = self.motor_test.thrust(vehicle.status, now_s)  # may end the test
             return steering.test_motors(
                 thrust,
                 config,
@@ -337,34 +286,15 @@ class Boat:
         return steering.drive(nav, vehicle.status, config, now_s, TICK_S)
 
     def take_snapshot(self) -> Snapshot:
-        """Everything there is to tell of the present tick."""
-        sensors = self.sensors
-        return Snapshot(
-            now_s=self._now_s,
-            unix_s=self._wall_time.unix_s(self._now_s),
-            config=self.parameters.config,
-            vehicle=self.vehicle,
-            nav=self.nav,
-            frame=self.estimator.frame,
-            fix=sensors.fix,
-            battery=sensors.battery,
-            sonar=sensors.sonar,
-            demand=self.steering.demand,
-            heading_pid=self.steering.helm.heading_pid,
-            command=self.command,
-            consumed_mah=sensors.consumed_mah,
-            battery_percent=sensors.gauge.percent,
+        """The state of the present tick, for telemetry and log."""
+        return take_snapshot(
+            self._now_s,
+            self._wall_time.unix_s(self._now_s),
+            self.parameters.config,
+            self.vehicle,
+            self.sensors,
+            self.steering,
+            self.command,
             load=self.load,
-            speed_pid=self.steering.helm.speed_pid,
-            heading=sensors.compass,
-            sweep=sensors.sweep,
-            perception=self.steering.perception,
-            avoidance=self.steering.avoidance,
             free_memory_bytes=self.free_memory_bytes,
         )
-
-    def _flush(self) -> None:
-        outbox = self.endpoint.outbox
-        if not outbox.is_empty:
-            for message, channel in outbox.drain():
-                self.channels.send(message, channel)

@@ -172,7 +172,7 @@ def test_an_allocation_that_makes_a_command_not_a_number_is_stopped_by_the_drive
 ) -> None:
     boat.sail()
 
-    monkeypatch.setattr("companion.boat.motor_pwm", lambda *_: (NAN, 0.0))
+    monkeypatch.setattr("companion.app.motor_output.motor_pwm", lambda *_: (NAN, 0.0))
     boat.off_after_s(SAME_TICK_S)
 
 

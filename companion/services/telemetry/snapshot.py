@@ -5,10 +5,12 @@ from msgspec import Struct
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LocalFrame
 from companion.core.state import Demand, MotorCommand, NavState, PidOutput
+from companion.guidance.pipeline import GuidancePipeline
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.planning.avoidance import Avoidance
 from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.sensors.suite import SensorSuite
 from companion.vehicle.vehicle import Vehicle
 
 
@@ -46,3 +48,41 @@ class Snapshot(Struct, frozen=True):
     def boot_us(self) -> int:
         """Microseconds since boot."""
         return round(self.now_s * 1e6)
+
+
+def take_snapshot(
+    now_s: float,
+    unix_s: float,
+    config: BoatConfig,
+    vehicle: Vehicle,
+    sensors: SensorSuite,
+    guidance: GuidancePipeline,
+    command: MotorCommand,
+    *,
+    load: float,
+    free_memory_bytes: int,
+) -> Snapshot:
+    """Gather one tick's state from the parts of the boat."""
+    return Snapshot(
+        now_s=now_s,
+        unix_s=unix_s,
+        config=config,
+        vehicle=vehicle,
+        nav=vehicle.nav,
+        frame=vehicle.frame,
+        fix=sensors.fix,
+        battery=sensors.battery,
+        sonar=sensors.sonar,
+        demand=guidance.demand,
+        heading_pid=guidance.helm.heading_pid,
+        command=command,
+        consumed_mah=sensors.consumed_mah,
+        battery_percent=sensors.gauge.percent,
+        load=load,
+        speed_pid=guidance.helm.speed_pid,
+        heading=sensors.compass,
+        sweep=sensors.sweep,
+        perception=guidance.perception,
+        avoidance=guidance.avoidance,
+        free_memory_bytes=free_memory_bytes,
+    )

@@ -1,0 +1,37 @@
+"""What the failsafes look at, as far as the vehicle does not know it itself."""
+
+from companion.core.state import MotorCommand
+from companion.failsafe.guards import HELD_S
+from companion.failsafe.inputs import BoardReadings
+from companion.guidance.pipeline import GuidancePipeline
+from companion.obstacles.planning.avoidance import Stage
+from companion.sensors.suite import SensorSuite
+
+
+def board_readings(
+    before: BoardReadings,
+    sensors: SensorSuite,
+    guidance: GuidancePipeline,
+    command: MotorCommand,
+    *,
+    is_calibrating: bool,
+    load: float,
+    storage_fault: str,
+) -> BoardReadings:
+    """The readings of this cycle. before: those of the last."""
+    gives_way = guidance.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
+    is_held = guidance.headway.held_s > HELD_S
+    has_ping = sensors.sonar is not None and not guidance.perception.is_noisy
+    return BoardReadings(
+        left=command.left,
+        right=command.right,
+        judges_motors=not (gives_way or is_held or is_calibrating),
+        stall=guidance.headway.verdict,
+        held_s=guidance.headway.held_s,
+        load=load,
+        consumed_mah=sensors.consumed_mah,
+        heading=sensors.compass,
+        hull=sensors.hull,
+        sonar_s=sensors.sonar.time_s if has_ping and sensors.sonar is not None else before.sonar_s,
+        storage_fault=storage_fault,
+    )
