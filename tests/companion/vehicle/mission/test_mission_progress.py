@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig
-from companion.core.intent import FollowLeg, HoldHeading, Intent, KeepStation
+from companion.core.geo import Point
+from companion.core.intent import FollowCircle, FollowLeg, HoldHeading, Intent, KeepStation
 from companion.vehicle.mission.places import Offset
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import (
@@ -322,3 +323,136 @@ def test_a_corner_that_fast_water_makes_the_boat_cut_is_passed_within_two_radii(
     leg_at(sharp, 0.0, 0.0)
     leg_at(sharp, 46.5, 0.5)
     assert sharp.current_seq == 1
+
+
+# Taking a voyage up again, and what is kept between items
+
+
+def test_a_voyage_is_taken_up_at_its_item_on_its_leg() -> None:
+    progress = begun(A, B, C)
+    assert progress.restore(2, place(50.0, 10.0), 0.7, {3: 1})
+    assert (progress.current_seq, progress.has_started, progress.speed_m_s) == (2, True, 0.7)
+    assert progress.jumps == {3: 1}
+    leg = leg_at(progress, 48.0, 30.0)
+    assert leg.start == pytest.approx((50.0, 10.0), abs=1e-3)
+    assert leg.speed_m_s == 0.7
+    assert progress.loose_leg is None, "it begins where the plan says"
+    assert progress.restore(2, None, None, {})
+    assert leg_at(progress, 48.0, 30.0).start == (48.0, 30.0)
+    assert progress.loose_leg is not None
+
+
+@pytest.mark.parametrize("seq", [-1, 0, 4, 99])
+def test_an_item_that_is_not_there_is_not_taken_up(seq: int) -> None:
+    progress = begun(A, B, C)
+    assert not progress.restore(seq, None, 0.7, {1: 1})
+    assert (progress.current_seq, progress.has_started, progress.speed_m_s) == (1, False, None)
+    assert not MissionProgress().restore(0, None, None, {})
+
+
+@pytest.mark.parametrize(("seq", "is_there"), [(-1, False), (0, True), (2, True), (3, False)])
+def test_only_an_item_of_the_mission_can_be_made_current(seq: int, is_there: bool) -> None:
+    progress = begun(A, B)
+    assert progress.set_current(seq) is is_there
+    assert progress.current_seq == (seq if is_there else 1)
+    assert MissionProgress().set_current(0)
+    assert not MissionProgress().set_current(1)
+
+
+def test_a_fresh_progress_has_nothing_to_sail() -> None:
+    progress = MissionProgress()
+    assert (progress.is_empty, progress.last_seq, progress.current_seq) == (True, 0, 0)
+    assert (progress.finished, progress.has_started, progress.go_home) == (False, False, False)
+    assert progress.leg_line() is None
+    assert progress.loose_leg is None
+    assert not progress.is_handed_over
+    assert (begun(A, B).is_empty, begun(A, B).last_seq) == (False, 2)
+
+
+def test_the_line_of_the_leg_is_from_where_it_begins_to_its_waypoint() -> None:
+    progress = begun(A, B)
+    leg_at(progress, 3.0, 4.0)
+    line = progress.leg_line()
+    assert line is not None
+    assert line.start == (3.0, 4.0)
+    assert line.end == pytest.approx(PLACES["A"], abs=1e-3)
+    assert progress.loose_leg is not None, "it begins wherever the boat was"
+    leg_at(progress, 49.9, 0.6)
+    line = progress.leg_line()
+    assert line is not None
+    assert line.end == pytest.approx(PLACES["B"], abs=1e-3)
+
+
+def test_a_leg_that_begins_at_a_waypoint_is_not_loose() -> None:
+    progress = begun(A, B)
+    leg_at(progress, 3.0, 4.0)
+    leg_at(progress, 49.9, 0.6)
+    assert progress.loose_leg is None
+
+
+def test_a_leg_that_is_begun_elsewhere_is_loose_no_more() -> None:
+    progress = begun(A, B)
+    leg_at(progress, 3.0, 4.0)
+    progress.begin_leg_at(Point(20.0, 0.0))
+    assert leg_at(progress, 3.0, 4.0).start == (20.0, 0.0)
+    assert progress.loose_leg is None
+
+
+def test_after_the_last_item_the_boat_stays_where_that_was() -> None:
+    progress = begun(A)
+    leg_at(progress, 0.0, 0.0)
+    for north_m in (49.0, 60.0):
+        intent = at(progress, north_m, 0.0)
+        assert isinstance(intent, KeepStation)
+        assert intent.point == pytest.approx(PLACES["A"], abs=1e-3)
+    empty = MissionProgress()
+    assert at(empty, 5.0, 6.0) == KeepStation(Point(5.0, 6.0))
+    assert at(empty, 9.0, 9.0) == KeepStation(Point(5.0, 6.0))
+
+
+@pytest.mark.parametrize(("speed", "expected"), [(None, CRUISE_M_S), (0.6, 0.6)])
+def test_a_circle_is_sailed_round_as_often_as_asked_and_at_the_speed_asked(
+    speed: float | None, expected: float
+) -> None:
+    steps: list[Step] = [GoRound(place(0.0, 20.0), 1.0, radius_m=10.0), A]
+    progress = begun(*([SetSpeed(speed), *steps] if speed else steps))
+    intents = []
+    for degree in range(0, 400, 5):
+        angle = math.radians(degree)
+        intents.append(at(progress, -10.0 * math.cos(angle), 20.0 - 10.0 * math.sin(angle)))
+        if progress.reached:
+            break
+    assert 355 <= degree <= 365
+    circle = intents[0]
+    assert isinstance(circle, FollowCircle)
+    assert circle.centre == pytest.approx((0.0, 20.0), abs=1e-3)
+    assert (circle.radius_m, circle.clockwise, circle.speed_m_s) == (10.0, True, expected)
+    assert isinstance(intents[-1], FollowLeg)
+
+
+def test_a_circle_without_a_radius_has_the_boats_own() -> None:
+    circle = at(begun(GoRound(place(0.0, 20.0), 1.0)), 0.0, 0.0)
+    assert isinstance(circle, FollowCircle)
+    assert circle.radius_m == CONFIG.modes.circle_radius_m
+
+
+def test_a_hand_over_is_told_while_it_lasts_and_the_next_leg_begins_at_the_boat() -> None:
+    progress = begun(LimitHandOver(10.0, 0.0), HandOver(True), A)
+    at(progress, 0.0, 0.0, 100.0)
+    assert progress.is_handed_over
+    assert leg_at(progress, 7.0, 3.0, 110.0).start == (7.0, 3.0)
+    assert not progress.is_handed_over
+
+
+def test_a_restart_forgets_speed_limits_and_jumps() -> None:
+    progress = begun(SetSpeed(0.5), LimitHandOver(10.0, 0.0), A, Jump(3, 1), HandOver(True), B)
+    leg_at(progress, 0.0, 0.0)
+    progress.jumps[4] = 1
+    progress.finished = progress.go_home = True
+    progress.restart()
+    assert (progress.speed_m_s, progress.jumps, progress.current_seq) == (None, {}, 1)
+    assert (progress.finished, progress.go_home, progress.has_started) == (False, False, False)
+    progress.set_current(5)
+    at(progress, 0.0, 0.0, 0.0)
+    at(progress, 0.0, 0.0, 1000.0)
+    assert progress.is_handed_over, "the limit is forgotten"
