@@ -100,7 +100,10 @@ def test_a_wait_keeps_the_boat_where_it_lies(station: Point | None, place: Point
     assert item.intent(Wait(5.0), nav_at(9.0), 105.0) is None
 
 
-@pytest.mark.parametrize(("turn", "heading"), XX)
+@pytest.mark.parametrize(
+    ("turn", "heading"),
+    [(Turn(1.0), 1.0), (Turn(1.0, is_relative=True), 1.5), (Turn(3.0, is_relative=True), 3.5)],
+)
 def test_a_turn_is_to_a_heading_or_by_an_angle_to_starboard(turn: Turn, heading: float) -> None:
     item = HoldItem()
     assert item.begin(turn, nav_at(heading=0.5), END, 10.0) == END

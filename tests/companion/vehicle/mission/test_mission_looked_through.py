@@ -1,7 +1,6 @@
 """The look through a mission for what leaves the fence, and the way onto its first leg."""
 
 import pytest
-from test_fence_lines import globe, square
 
 from companion.config.fence import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -13,7 +12,13 @@ from companion.vehicle.mission.steps import GoRound, Home, SetSpeed, Step, Waypo
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
-WATER = FencePolygon(globe(CORNERS), is_inclusion=True)
+
+
+def area(corners: list[tuple[float, float]]) -> FencePolygon:
+    return FencePolygon(tuple(FRAME.to_global(Point(*corner)) for corner in corners), is_inclusion=True)
+
+
+WATER = area(CORNERS)
 
 
 def fenced(*areas: FencePolygon) -> Fence:
@@ -82,7 +87,7 @@ def test_another_mission_fence_or_frame_is_looked_at_from_the_beginning() -> Non
     assert check.fault
     check.advance(good, fence, FRAME)
     assert not check.fault
-    fence.set_areas([square(5.0, north_m=-50.0)])
+    fence.set_areas([area([(-50.0, 0.0), (-50.0, 5.0), (-45.0, 0.0)])])
     fence.update(FRAME, None, FenceSetting())
     check.advance(good, fence, FRAME)
     assert len(texts) == 2
