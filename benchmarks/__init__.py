@@ -1,1 +1,1 @@
-"""Side by side with peers, never timed tests: one file a question, `make bench` answers all."""
+"""Comparisons with peers; no timed tests. One file per question; `make bench` runs all."""

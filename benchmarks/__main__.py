@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,11 +44,16 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
 
 _INTRODUCTION = """# Benchmarks
 
-Made by `make bench`; one file a question in `benchmarks/`. Ours and the peer run in turn in one process;
-figures are medians ± half the distance between the quartiles, the ratio is the median of the pairs. CPU time,
-but for transfers and garbage, which are wall clock. Shared machines are noisy: trust the ratios.
+Compare this project with pymavlink, networkx and MAVProxy on your machine:
 
-Machine: {machine}.
+    make bench
+
+It rewrites this page. Each section is one file in `benchmarks/`. This project and the peer run
+alternately in one process. Figures are medians ± half the interquartile range; the ratio is the median of
+the pairs. Times are CPU time, except wall-clock time for transfers and garbage. On a shared machine the
+ratios are more reliable than the times.
+
+Machine: {machine}. Measured on {day}.
 """
 
 
@@ -86,7 +92,7 @@ def _print(name: str, rows: list[Row]) -> None:
 def _page(found: dict[str, list[Row]]) -> str:
     cores = len(os.sched_getaffinity(0))
     machine = f"{platform.machine()}, {cores} cores, {platform.system()}, Python {platform.python_version()}"
-    lines = [_INTRODUCTION.format(machine=machine)]
+    lines = [_INTRODUCTION.format(machine=machine, day=time.strftime("%d %B %Y"))]
     for name, rows in found.items():
         lines += [f"## {name}", "", "| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
         lines += [f"| {' | '.join(_cells(row))} |" for row in rows]

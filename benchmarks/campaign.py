@@ -18,7 +18,7 @@ def rows() -> list[Row]:
         return [alone(question, "×", "more", [1.0], "this machine has one core")]
     _seconds(1, 2)
     ratios = [_seconds(1, _RUNS) / _seconds(2, _RUNS) for _ in range(_ROUNDS)]
-    return [alone(question, "×", "more", ratios, "on an idle machine; without their start")]
+    return [alone(question, "×", "more", ratios, "on an idle machine, without the workers' start")]
 
 
 def _seconds(workers: int, count: int) -> float:

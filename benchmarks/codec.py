@@ -13,7 +13,7 @@ _KEY = SigningKey.from_passphrase("benchmark")
 
 
 def _messages() -> list[Message]:
-    """What a boat sends most."""
+    """The most frequent message of a boat."""
     kinds: list[Message] = [
         dialect.MAVLink_attitude_message(1, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1),
         dialect.MAVLink_global_position_int_message(1, 500000000, -12000000, 0, 0, 100, 20, 0, 9000),

@@ -15,8 +15,8 @@ _ROUNDS = 5
 
 def rows() -> list[Row]:
     """A 200 m straight in open water, and the mill pond with sonar echoes from its shores."""
-    note = "ArduPilot Rover's simulator is not installed from the registry; nothing to pair with"
-    question = "simulated seconds a CPU second"
+    note = "no peer: ArduPilot Rover's simulator is not installed"
+    question = "simulated seconds per CPU second"
     straight = [_sail(open_water, _straight(open_water)) for open_water in [load_scenario("open")] * _ROUNDS]
     pond = load_scenario("lake")
     around = [_sail(pond, wire_items(plan_mission(pond)[0])) for _ in range(_ROUNDS)]

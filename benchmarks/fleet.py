@@ -49,33 +49,33 @@ def rows() -> list[Row]:
     ticks = after.ticks - before.ticks
     late = 100.0 * (after.late_ticks - before.late_ticks) / ticks
     skipped = after.skipped_ticks - before.skipped_ticks
-    note = f"{under_way} under way, {ticks / lasted_s:.1f} ticks a second of 50, {skipped} behind"
+    note = f"{under_way} under way, {ticks / lasted_s:.1f} ticks per second of 50, {skipped} skipped"
     return [
         Row(
-            f"core share of {_BOATS} boats in one process",
+            f"share of a core for {_BOATS} boats in one process",
             "%",
             "less",
             100.0 * spent_s / lasted_s,
             0.0,
             note=note,
         ),
-        Row("their ticks that began more than 5 ms late", "%", "less", late, 0.0),
-        alone("CPU time of a tick of theirs", "ms", "less", ticks_ms, _told(ticks_ms)),
+        Row("ticks of these boats that began more than 5 ms late", "%", "less", late, 0.0),
+        alone("CPU time of a tick of these boats", "ms", "less", ticks_ms, _distribution(ticks_ms)),
     ]
 
 
-def _told(ticks_ms: list[float]) -> str:
-    """How they are distributed."""
+def _distribution(ticks_ms: list[float]) -> str:
+    """Percentiles of the ticks' CPU time."""
     hundredths = statistics.quantiles(ticks_ms, n=100)
     over = sum(tick_ms > 1e3 * TICK_S for tick_ms in ticks_ms)
     return (
-        f"90 % within {hundredths[89]:.1f} ms, 99 % within {hundredths[98]:.1f} ms, "
-        f"worst {max(ticks_ms):.1f} ms, {over} of {len(ticks_ms)} longer than a tick's {1e3 * TICK_S:.0f} ms"
+        f"p90 {hundredths[89]:.1f}, p99 {hundredths[98]:.1f}, worst {max(ticks_ms):.1f} ms; "
+        f"{over} of {len(ticks_ms)} above {1e3 * TICK_S:.0f} ms"
     )
 
 
 class _Boat:
-    """What the station knows of one."""
+    """The station's data about one boat."""
 
     def __init__(self, at: tuple[str, int]) -> None:
         self.at = at
@@ -113,7 +113,7 @@ class _Station:
         )
 
     def listen(self, until_s: float) -> None:
-        """Hear everybody, and send the heartbeat."""
+        """Receive from all boats, and send the heartbeat."""
         while (left_s := until_s - time.monotonic()) > 0.0:
             self._line.settimeout(left_s)
             try:

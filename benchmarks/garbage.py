@@ -31,19 +31,19 @@ _DATAGRAM_BYTES = 1400
 _PACE_S = 0.005
 _SILENT = 1000
 _PATTERNS = {
-    "nothing": b"",
+    "no garbage": b"",
     "0x00": b"\0",
     "0xFD": b"\xfd",
     "0xFE": b"\xfe",
     "random bytes": random.Random(1).randbytes(50_000),
-    "headers of no message": b"\xfd\x00\x00",
+    "headers without a message": b"\xfd\x00\x00",
     "heartbeats with a wrong checksum": b"\xfd\x09\x00\x00\x00\x01\x01\x00\x00\x00" + bytes(11),
 }
 
 
 def rows() -> list[Row]:
-    """Ticks that began within 10 ms of their time, with the stations' longest gaps; and the silent
-    thousand.
+    """Ticks that began within 10 ms of their time, with the stations' longest gaps, and the row of
+    the silent connections.
     """
     found: list[Row] = []
     with tempfile.TemporaryDirectory() as room:
@@ -82,7 +82,7 @@ def _flooded(
     what = f"{name}, over {kind}" if pattern else name
     priority = "" if os.sched_getscheduler(0) == os.SCHED_OTHER else ", real-time priority"
     skipped = after.skipped_ticks - before.skipped_ticks
-    note = f"{rate:.1f} MB/s taken, longest gap {max(gaps):.2f} s, {skipped} ticks skipped{priority}"
+    note = f"{rate:.1f} MB/s accepted, longest gap {max(gaps):.2f} s, {skipped} ticks skipped{priority}"
     return Row(f"ticks within 10 ms, {what}", "%", "more", output_at, 0.0, note=note)
 
 
@@ -106,7 +106,7 @@ def _crowded(port: int) -> Row:
 
 
 class _Station:
-    """Announces itself once a second, and notes how long nothing came."""
+    """Sends a heartbeat once a second, and records the longest gap in reception."""
 
     def __init__(self, port: int, *, is_datagram: bool = False) -> None:
         kind = socket.SOCK_DGRAM if is_datagram else socket.SOCK_STREAM
@@ -121,7 +121,7 @@ class _Station:
         self.messages = 0
 
     def step(self) -> None:
-        """Read what there is; say a heartbeat when it is due."""
+        """Read all pending bytes; send a heartbeat when it is due."""
         now_s = time.monotonic()
         if now_s >= self._beat_s:
             self._beat_s = now_s + 1.0
@@ -134,12 +134,12 @@ class _Station:
                 self._heard_s = now_s
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._socket.close()
 
 
 class _Flood:
-    """A thread that sends garbage, as fast as it is taken but no faster than 10 MB/s."""
+    """A thread that sends garbage as fast as the boat accepts it, at most 10 MB/s."""
 
     def __init__(self, kind: str, port: int, pattern: bytes) -> None:
         is_datagram = kind == "UDP"
@@ -200,7 +200,7 @@ def _boat(status: Path) -> Iterator[tuple[int, int]]:
 
 
 def _settled(status: Path, stations: list[_Station]) -> BoatStatus:
-    """The status of now: it is written once a second."""
+    """The current status; the boat writes it once a second."""
     _listen(stations, 1.1)
     return read_status(status)
 

@@ -46,9 +46,9 @@ def rows() -> list[Row]:
     grown_kib = float(memory_after_kib - memory_before_kib)
     note = f"{ticks} ticks, {after.skipped_ticks - before.skipped_ticks} skipped, load {after.load:.0%}"
     return [
-        Row("ticks within 5 ms, four stations, three of them bad", "%", "more", output_at, 0.0, note=note),
+        Row("ticks within 5 ms, four stations, three of them faulty", "%", "more", output_at, 0.0, note=note),
         Row("worst tick since the start", "ms", "less", 1e3 * after.worst_late_s, 0.0),
-        Row(f"memory grown in {_SECONDS:g} s", "KiB", "less", grown_kib, 0.0),
+        Row(f"memory growth in {_SECONDS:g} s", "KiB", "less", grown_kib, 0.0),
     ]
 
 
@@ -61,23 +61,23 @@ class _Station:
         self._encoder = Encoder(Address(system, 190))
 
     def send(self, message: Message) -> None:
-        """One frame; lost where there is no room."""
+        """Send one frame; it is lost if the socket is full."""
         with contextlib.suppress(BlockingIOError):
             self._socket.send(self._encoder.encode(message))
 
     def listen(self) -> None:
-        """Read what there is."""
+        """Read all pending bytes."""
         with contextlib.suppress(BlockingIOError):
             while self._socket.recv(65536):
                 pass
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._socket.close()
 
 
 def _trouble(stations: list[_Station], flood: socket.socket, seconds: float) -> None:
-    """What the four do, for a time."""
+    """The traffic of the four stations, for a time."""
     good, asking, deaf = stations
     encoder = Encoder(Address(200, 1))
     frames = [encoder.encode(dialect.MAVLink_heartbeat_message(11, 3, 0, n, 4, 3)) for n in range(256)]
@@ -111,13 +111,13 @@ def _boat(status: Path) -> Iterator[tuple[Process, int, int]]:
 
 
 def _settled(status: Path) -> BoatStatus:
-    """The status of now: it is written once a second."""
+    """The current status; the boat writes it once a second."""
     time.sleep(1.1)
     return read_status(status)
 
 
 def _memory_kib(pid: int) -> int:
-    """What a process holds of the memory."""
+    """Resident memory of a process."""
     resident_pages = int(Path(f"/proc/{pid}/statm").read_text(encoding="utf-8").split()[1])
     return resident_pages * os.sysconf("SC_PAGE_SIZE") // 1024
 

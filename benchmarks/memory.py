@@ -20,9 +20,9 @@ _SENDERS = 5_000  # more addresses than any table may hold
 
 
 def rows() -> list[Row]:
-    """Growth of the process over 900,000 messages between two links, from ever new senders too."""
+    """Growth of the process over 900,000 messages between two links, with new senders too."""
     return [
-        alone(f"memory grown over 900,000 messages, {count} sender(s)", "KiB", "less", [_growth_kib(count)])
+        alone(f"memory growth over 900,000 messages, {count} sender(s)", "KiB", "less", [_growth_kib(count)])
         for count in (1, _SENDERS)
     ]
 

@@ -52,7 +52,7 @@ def rows() -> list[Row]:
     assert pond.route.goal is not None
     ends = (pond.route.start, pond.route.goal)
     planning = [cpu_seconds(lambda: plan(pond.chart, *ends)) * 1e3 for _ in range(5)]
-    whole = alone("plan on the mill pond, map to taut route", "ms", "less", planning)
+    whole = alone("plan on the mill pond, from map to shortened route", "ms", "less", planning)
     question = f"A*, octile, {_SIDE} × {_SIDE} cells"
     if find_spec("networkx") is None:
         mine = [cpu_seconds(search) * 1e3 for _ in range(9)]

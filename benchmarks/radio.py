@@ -54,7 +54,7 @@ class _Radio:
         self._up.send(frame, self.now_s)
 
     def run(self, machine: Sender | Receiver, is_over: Callable[[], bool]) -> None:
-        """Until a transfer is over."""
+        """Run until a transfer is over."""
         give_up_s = self.now_s + _LIMIT_S
         while not is_over():
             assert self.now_s < give_up_s, "it never ended"
@@ -68,7 +68,7 @@ class _Radio:
             machine.tick(self.now_s)
 
     def _pass_time(self) -> None:
-        """To what happens next: an arrival at either end, or a tick of the boat."""
+        """Advance to the next event: an arrival at either end, or a tick of the boat."""
         tick_s = self._world.time_s
         self.now_s = max(self.now_s, min(tick_s, self._up.next_s, self._down.next_s))
         for frame in self._up.receive(self.now_s):

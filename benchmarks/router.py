@@ -47,13 +47,13 @@ class Carried:
 
 
 def rows() -> list[Row]:
-    """Ours at 20,000 messages a second; ours and the peers in turn at 1,000."""
+    """This router at 20,000 messages a second; this router and the peers alternately at 1,000."""
     fast = [carry(_ours, _OURS_HZ) for _ in range(_ROUNDS)]
     found = [
-        alone(f"CPU a message at {_OURS_HZ}/s", "µs", "less", [one.cpu_us for one in fast]),
+        alone(f"CPU time per message at {_OURS_HZ}/s", "µs", "less", [one.cpu_us for one in fast]),
         alone(f"messages lost at {_OURS_HZ}/s", "%", "less", [100.0 * one.loss for one in fast]),
-        alone(f"half of the messages at {_OURS_HZ}/s take", "µs", "less", [one.p50_us for one in fast]),
-        alone(f"99 % of the messages at {_OURS_HZ}/s take", "µs", "less", [one.p99_us for one in fast]),
+        alone(f"median delay of messages at {_OURS_HZ}/s", "µs", "less", [one.p50_us for one in fast]),
+        alone(f"99 % delay of messages at {_OURS_HZ}/s", "µs", "less", [one.p99_us for one in fast]),
     ]
     for name, program, command in (
         ("MAVProxy", _beside_python("mavproxy.py"), _mavproxy),
@@ -103,10 +103,10 @@ def _paired(name: str, command: Command) -> list[Row]:
         return Row(question, unit, "less", middle(ours), spread(ours), name, middle(theirs), ratio)
 
     return [
-        row(f"CPU a message at {_PEERS_HZ}/s", "µs", lambda one: one.cpu_us),
+        row(f"CPU time per message at {_PEERS_HZ}/s", "µs", lambda one: one.cpu_us),
         row(f"messages lost at {_PEERS_HZ}/s", "%", lambda one: 100.0 * one.loss),
-        row(f"half of the messages at {_PEERS_HZ}/s take", "µs", lambda one: one.p50_us),
-        row(f"99 % of the messages at {_PEERS_HZ}/s take", "µs", lambda one: one.p99_us),
+        row(f"median delay of messages at {_PEERS_HZ}/s", "µs", lambda one: one.p50_us),
+        row(f"99 % delay of messages at {_PEERS_HZ}/s", "µs", lambda one: one.p99_us),
     ]
 
 
@@ -162,7 +162,7 @@ def _load(
 
 @contextlib.contextmanager
 def _bridge(command: Command, station: socket.socket) -> Iterator[tuple[int, int]]:
-    """A bridge that runs: its process id, and the port that it listens on."""
+    """A running bridge: its process id and the port that it listens on."""
     station.bind(("127.0.0.1", 0))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))

@@ -13,7 +13,7 @@ _ROUNDS = 5
 
 def rows() -> list[Row]:
     """Wall-clock seconds for 100, 500 and 5,000 items each way, and for the list of parameters."""
-    note = "ArduPilot Rover's simulator is not installed from the registry; nothing to pair with"
+    note = "no peer: ArduPilot Rover's simulator is not installed"
     found: list[Row] = []
     with served_boat() as (_, port):
         vehicle = mavutil.mavlink_connection(f"tcp:127.0.0.1:{port}", source_system=245)
@@ -24,7 +24,7 @@ def rows() -> list[Row]:
             found.append(alone(f"upload {count} items, TCP loopback", "s", "less", up, note))
             found.append(alone(f"download {count} items, TCP loopback", "s", "less", down, note))
         listed = [_parameters(vehicle) for _ in range(_ROUNDS)]
-        found.append(alone("the whole parameter list, TCP loopback", "s", "less", listed, note))
+        found.append(alone("the complete parameter list, TCP loopback", "s", "less", listed, note))
         vehicle.close()
     return found
 
