@@ -1,14 +1,11 @@
-"""Least squares, for few unknowns and as many measurements as come."""
+"""Recursive least squares for a few unknowns."""
 
 import math
 from collections.abc import Sequence
 
 
 class Fit:
-    """value = Σ coefficient × regressor, measured many times; the normal equations are all that is kept.
-
-    square: the sum of the values' squares.
-    """
+    """value = Σ coefficient × regressor. Keeps only the normal equations. square: sum of squared values."""
 
     __slots__ = ("_rows", "count", "square")
 
@@ -18,7 +15,7 @@ class Fit:
         self.square = 0.0
 
     def add(self, regressors: Sequence[float], value: float, weight: float = 1.0) -> None:
-        """One more measurement, as good as its weight says."""
+        """Add a measurement."""
         self.count += 1
         self.square += weight * value * value
         for row, one in zip(self._rows, regressors, strict=True):
@@ -27,9 +24,9 @@ class Fit:
             row[-1] += weight * one * value
 
     def solve(self) -> tuple[list[float], float] | None:
-        """The coefficients, and one standard deviation of the first; None where they cannot be told apart.
+        """The coefficients, and the standard deviation of the first; None if the equations are singular.
 
-        Gauss-Jordan with the diagonal for pivots, which the equations' symmetry allows.
+        Gauss-Jordan with the diagonal for pivots, which is stable for symmetric equations.
         """
         size = len(self._rows)
         rows = [[*row, float(at == 0)] for at, row in enumerate(self._rows)]  # and a column of the inverse
@@ -45,5 +42,5 @@ class Fit:
         return found, math.sqrt(max(variance * rows[0][size + 1] / rows[0][0], 0.0))
 
     def residual(self, found: Sequence[float]) -> float:
-        """The sum of squares that the solution leaves."""
+        """The residual sum of squares of a solution."""
         return max(self.square - sum(a * row[-1] for a, row in zip(found, self._rows, strict=True)), 0.0)

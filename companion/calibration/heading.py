@@ -1,21 +1,21 @@
-"""The heading's autotune: relay feedback, a model from what it shows, gains from the model.
+"""Heading autotune: relay feedback, a yaw model identified from it, and gains computed from the model.
 
-At cruise speed, steering is thrown from one side to the other whenever the bow has passed the heading by a
-little (K. J. Åström and T. Hägglund, *Automatic tuning of simple regulators with specifications on phase and
-amplitude margins*, Automatica 20, 1984): a swing that stays small whatever the boat. Two hystereses by turns
-make it swing at two periods, from which `yaw_model.py` tells gain, lag and delay. What wind and unequal
-motors do to one side is met by an offset of the throw, moved until both half-periods are alike.
+At cruise speed, steering is switched from one side to the other whenever the heading error exceeds a small
+hysteresis (K. J. Åström and T. Hägglund, *Automatic tuning of simple regulators with specifications on phase
+and amplitude margins*, Automatica 20, 1984). The oscillation stays small on any boat. Two alternating
+hystereses give two periods, from which `yaw_model.py` identifies gain, lag and delay. An offset of the relay,
+adjusted until both half-periods are equal, cancels wind and unequal motors.
 
-The gains are those of S. Skogestad, *Simple analytic rules for model reduction and PID controller tuning*,
+The gains follow S. Skogestad, *Simple analytic rules for model reduction and PID controller tuning*,
 J. Process Control 13, 2003, for an integrating process with a lag, in the parallel form:
 
     Kc = 1 / (K (τc + θ))     Td = τ     Ti = 4 (τc + θ)     Kp = Kc (1 + Td / Ti)     Kd = Kc Td
 
-τc is θ, or longer: a twelfth of the swing's period, for the motors' own slowness is not in θ, and as long as
-the gyro's noise takes to move the steering by no more than _TREMOR.
+τc is the longest of θ, a twelfth of the oscillation's period (θ does not include the motors' lag), and the
+time at which the gyro's noise moves the steering by _NOISE_SHARE.
 
-The integral is left far slower, at _INTEGRAL periods of the swing, for it has nothing fast to do: wind and
-unequal motors change slowly, guidance looks after the drift, and each turn would leave something in it.
+The integral time is far longer, _INTEGRAL periods: wind and unequal motors change slowly, guidance corrects
+the drift, and every turn would wind the integral up.
 """
 
 from statistics import median
@@ -38,21 +38,21 @@ from companion.core.units import clamp, wrap_pi
 _THROW: Final = 0.3
 _LEAST_THROW: Final = 0.1
 _HYSTERESES_RAD: Final = (0.02, 0.08)
-_CYCLES: Final = 4  # of each hysteresis, wanted,
-_FEWEST: Final = 2  # and enough after _LEGS
+_CYCLES: Final = 4  # of each hysteresis
+_FEWEST: Final = 2  # the same, accepted after _LEGS
 _LEGS: Final = 8
-_SETTLING: Final = 3  # half-periods at the start of a leg that do not count
-_EASE: Final = 0.5  # of what the half-periods say the offset lacks
-_MOST_OFFSET: Final = 0.7  # of the throw
+_SETTLING: Final = 3  # half-periods discarded at the start of a leg
+_EASE: Final = 0.5  # share of the offset's error corrected at a time
+_MOST_OFFSET: Final = 0.7  # share of the amplitude
 _LONGEST_HALF_S: Final = 30.0
-_OFF_RAD: Final = 1.0  # off the heading, and the boat is not under control
+_OFF_RAD: Final = 1.0  # a larger heading error ends the test
 _INTEGRAL: Final = 4.0
-_TREMOR: Final = 0.015  # of full steering, one standard deviation, from the gyro's noise times Kd
-_TIGHTEST: Final = 1.0 / 12.0  # of the swing's period: τc, or θ if that is longer
+_NOISE_SHARE: Final = 0.015  # of full steering, one standard deviation: the gyro's noise times Kd
+_SHORTEST: Final = 1.0 / 12.0  # of the oscillation's period: lower bound of τc
 
 
-class Swing:
-    """The relay of one leg: `steering` goes to and fro about `offset`. `periods_s` are those that count."""
+class RelayFeedback:
+    """The relay of one leg: `steering` switches about `offset`. periods_s: the periods measured."""
 
     __slots__ = (
         "_half_s",
@@ -76,24 +76,24 @@ class Swing:
         self._halves = 0
 
     def update(self, off_rad: float, now_s: float) -> None:
-        """off_rad: how far the bow is to starboard of the heading.
+        """Switch the relay if needed. off_rad: heading error, positive to starboard.
 
         Raises:
-            CalibrationError: the bow does not swing.
+            CalibrationError: the heading does not oscillate.
         """
         side = 1.0 if self.steering > self.offset else -1.0
         if side * off_rad > self._hysteresis_rad:
-            self._throw_over(-side, now_s)
+            self._switch(-side, now_s)
         elif now_s - self._turned_s > _LONGEST_HALF_S or abs(off_rad) > _OFF_RAD:
             raise CalibrationError("the bow does not swing about the heading")
 
-    def _throw_over(self, side: float, now_s: float) -> None:
+    def _switch(self, side: float, now_s: float) -> None:
         half_s, before_s = now_s - self._turned_s, self._half_s
         self._turned_s, self._half_s = now_s, half_s
         self._halves += 1
         if side > 0.0 and self._halves > _SETTLING:
             self.periods_s.append(half_s + before_s)
-            # The half that ends was steered to port; the side that takes longer is the weaker one.
+            # The half that ends was steered to port; the side that takes longer is the weaker one
             lacking = _EASE * self._throw * (before_s - half_s) / (before_s + half_s)
             most = _MOST_OFFSET * self._throw
             self.offset = clamp(self.offset + lacking, -most, most)
@@ -101,10 +101,10 @@ class Swing:
 
 
 def tune_heading(inputs: RoutineInputs) -> Routine:
-    """Swing about a heading out and back, until there are cycles enough.
+    """Oscillate about a heading and its opposite until there are enough cycles.
 
     Raises:
-        CalibrationError: the bow does not swing, or there is too little room.
+        CalibrationError: the heading does not oscillate, or there is too little room.
     """
     config, heading, offset = inputs.config, inputs.nav.heading_rad, 0.0
     throw = min(_THROW, 1.0 - config.speed.cruise_throttle)
@@ -118,12 +118,12 @@ def tune_heading(inputs: RoutineInputs) -> Routine:
             break
         inputs = yield from go_to_edge(inputs, heading)
         inputs = yield from aim(inputs, heading, config.speed.cruise_m_s)
-        swing, stretch = Swing(throw, lacking[0], offset, inputs.now_s), YawFit()
+        relay, stretch = RelayFeedback(throw, lacking[0], offset, inputs.now_s), YawFit()
         wanted = _CYCLES - len(periods[lacking[0]])
-        inputs = yield from _swing(inputs, heading, swing, stretch, wanted)
-        heading, offset = opposite(heading), swing.offset
-        periods[lacking[0]] += swing.periods_s
-        if swing.periods_s:
+        inputs = yield from _swing(inputs, heading, relay, stretch, wanted)
+        heading, offset = opposite(heading), relay.offset
+        periods[lacking[0]] += relay.periods_s
+        if relay.periods_s:
             stretches.append(stretch)
     if min(len(found) for found in periods.values()) < _FEWEST:
         raise CalibrationError("too little room to swing")
@@ -134,24 +134,26 @@ def tune_heading(inputs: RoutineInputs) -> Routine:
     return gains(model, median(periods[_HYSTERESES_RAD[0]]))
 
 
-def _swing(inputs: RoutineInputs, heading_rad: float, swing: Swing, stretch: YawFit, wanted: int) -> Step:
-    """Gather way, then throw the steering to and fro."""
+def _swing(
+    inputs: RoutineInputs, heading_rad: float, relay: RelayFeedback, stretch: YawFit, wanted: int
+) -> Step:
+    """Reach cruise speed, then run the relay."""
     config = inputs.config
     until_s = inputs.now_s + config.estimation.surge_time_s
     intent = HoldHeading(heading_rad, config.speed.cruise_m_s)
     while inputs.now_s < until_s:
         inputs = yield intent
-    while len(swing.periods_s) < wanted and has_room(inputs, heading_rad) and not inputs.is_slowed:
-        swing.update(wrap_pi(inputs.nav.heading_rad - heading_rad), inputs.now_s)
-        inputs = yield Drive(config.speed.cruise_throttle, swing.steering)
+    while len(relay.periods_s) < wanted and has_room(inputs, heading_rad) and not inputs.is_slowed:
+        relay.update(wrap_pi(inputs.nav.heading_rad - heading_rad), inputs.now_s)
+        inputs = yield Drive(config.speed.cruise_throttle, relay.steering)
         stretch.add(0.5 * (inputs.command.left - inputs.command.right), inputs.nav.yaw_rate_rad_s)
     return inputs
 
 
 def gains(model: YawModel, period_s: float) -> list[Finding]:
-    """Kp, Ki and Kd: see the text above."""
-    calm_s = model.time_s * model.noise_rad_s / (model.gain_rad_s * _TREMOR)
-    answer_s = max(max(model.delay_s, _TIGHTEST * period_s) + model.delay_s, calm_s)
+    """Kp, Ki and Kd, as derived above."""
+    calm_s = model.time_s * model.noise_rad_s / (model.gain_rad_s * _NOISE_SHARE)
+    answer_s = max(max(model.delay_s, _SHORTEST * period_s) + model.delay_s, calm_s)
     gain = 1.0 / (model.gain_rad_s * answer_s)
     kp = gain * (1.0 + model.time_s / (4.0 * answer_s))
     return [

@@ -1,9 +1,9 @@
-"""Pulses of one thruster on a boat at rest: from what command on it turns the boat, and how well.
+"""Pulse test of one thruster at rest: its dead band, and its thrust above it.
 
-A train is silence and thrust by turns. Thrust shows as a jagged line in the turn rate, over the smooth one,
-here a cubic, that wind and the hull's own swing make of it: a regression tells the two apart. Thrust grows
-about as the square of what a command has over the dead band, and somewhat less as the load slows the motor.
-So with s the root of a pulse's answer and s₁ the largest, the command is taken as
+A pulse train alternates between no thrust and thrust. Thrust appears as a saw-tooth in the turn rate; wind
+and the hull's own rotation appear as a smooth curve, here a cubic. A regression separates the two. Thrust
+grows about with the square of the command above the dead band, and slightly less as the load slows the motor.
+With s the root of a pulse's response and s₁ the largest root, the command is modelled as
 
     c = dead band + slope × (s + BEND s² / s₁)
 """
@@ -18,10 +18,10 @@ from companion.core.intent import Drive, Stop
 LEVELS: Final = (0.08, 0.12, 0.16, 0.2, 0.25, 0.31, 0.4, 0.5)
 BEND: Final = 0.4
 _STOP: Final = Stop()
-_HALF_S: Final = 1.5  # of silence, then of thrust
+_HALF_S: Final = 1.5  # without thrust, then with thrust
 _HALVES: Final = 5
-_LAG_S: Final = 0.15  # until the shaft turns, or has stopped
-_SIGNAL: Final = 4.0  # times its own deviation: less is taken for weather
+_LAG_S: Final = 0.15  # until the shaft turns or stops
+_SIGNAL: Final = 4.0  # standard deviations: a smaller response is taken for weather
 _FEWEST: Final = 3
 _AWAY_SHARE: Final = 0.3  # of the radius
 
@@ -33,12 +33,12 @@ class Thruster(NamedTuple):
     right: float
 
     def drive(self, level: float) -> Drive:
-        """A command of so much to this one alone."""
+        """A command to this thruster alone."""
         return Drive(0.5 * (self.left + self.right) * level, 0.5 * (self.left - self.right) * level)
 
     @property
     def turn(self) -> float:
-        """Which way it turns the boat."""
+        """The sign of its turning moment."""
         return self.left - self.right
 
 
@@ -47,8 +47,8 @@ LEFT_ASTERN, RIGHT_ASTERN = Thruster(-1.0, 0.0), Thruster(0.0, -1.0)
 THRUSTERS = (LEFT_AHEAD, RIGHT_AHEAD, LEFT_ASTERN, RIGHT_ASTERN)
 
 
-class Curve(NamedTuple):
-    """c of the text above; sigma is one standard deviation of the dead band."""
+class ThrustCurve(NamedTuple):
+    """The model above. sigma: one standard deviation of the dead band."""
 
     dead_band: float
     slope: float
@@ -56,18 +56,18 @@ class Curve(NamedTuple):
     sigma: float
 
     def over(self, root: float) -> float:
-        """What a command must have over the dead band for an answer with this root."""
+        """The command above the dead band for a response with this root."""
         return self.slope * (root + BEND * root * root / self.root_max)
 
 
-class Pulses:
-    """`sail` gives them; `curve` then says what came of it."""
+class PulseTest:
+    """`sail` runs the pulses; `curve` evaluates them."""
 
     def __init__(self) -> None:
         self._answers: dict[Thruster, list[tuple[float, float, float]]] = {one: [] for one in THRUSTERS}
 
     def sail(self, inputs: RoutineInputs) -> Step:
-        """All levels of all four."""
+        """All levels of all four thrusters."""
         for level in LEVELS:
             for one in THRUSTERS:
                 if inputs.off_m > _AWAY_SHARE * inputs.radius_m:
@@ -91,8 +91,8 @@ class Pulses:
             self._answers[one].append((level, solved[0][0], solved[1]))
         return inputs
 
-    def curve(self, one: Thruster) -> Curve | None:
-        """None where its thrust is not to be told from the weather."""
+    def curve(self, one: Thruster) -> ThrustCurve | None:
+        """The thrust curve; None if the thrust cannot be told from the weather."""
         told = [
             (level, math.sqrt(answer), sigma)
             for level, answer, sigma in self._answers[one]
@@ -106,4 +106,4 @@ class Pulses:
         solved = fit.solve()
         if solved is None or not solved[0][1] > 0.0:
             return None
-        return Curve(max(solved[0][0], 0.0), solved[0][1], top, solved[1])
+        return ThrustCurve(max(solved[0][0], 0.0), solved[0][1], top, solved[1])

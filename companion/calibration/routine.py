@@ -76,7 +76,7 @@ def come_back(inputs: RoutineInputs, near_m: float) -> Step:
 
 
 def rest(inputs: RoutineInputs, seconds: float) -> Step:
-    """Drift for so long, and on until the boat hardly turns any more."""
+    """Drift for a time, and until the boat has stopped turning."""
     began_s = inputs.now_s
     while inputs.now_s - began_s < seconds or (
         abs(inputs.nav.yaw_rate_rad_s) > _STILL_RAD_S and inputs.now_s - began_s < _RESTING_S
@@ -86,10 +86,10 @@ def rest(inputs: RoutineInputs, seconds: float) -> Step:
 
 
 def aim(inputs: RoutineInputs, heading_rad: float, speed_m_s: float = 0.0) -> Step:
-    """Turn the bow there, and keep it there for a moment.
+    """Turn to a heading, and hold it for _AIMED_S.
 
     Raises:
-        CalibrationError: it does not come there.
+        CalibrationError: the heading is not reached.
     """
     until_s, aimed_s, intent = inputs.now_s + _TURNING_S, math.inf, HoldHeading(heading_rad, speed_m_s)
     while inputs.now_s < aimed_s + _AIMED_S:

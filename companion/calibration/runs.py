@@ -1,8 +1,8 @@
 """Straight runs out and back over the same water, and hard turns from them.
 
-Half the difference of two velocities over ground on opposite headings is the speed through the water,
-whatever current is about; what wind does to throttle and steering on the way out, it does the other way
-round on the way back, so that the mean is right to the first order.
+Half the difference of two velocities over ground on opposite headings is the speed through the water in any
+current. The wind's effect on throttle and steering changes sign between the two runs, so the mean cancels it
+to first order.
 """
 
 import math
@@ -15,27 +15,27 @@ from companion.core.intent import Drive, FollowLeg, HoldHeading
 from companion.core.units import wrap_pi
 from companion.estimation.water_speed import WaterSpeed
 
-START_SHARE: Final = 0.6  # of the radius: where a run begins
-END_SHARE: Final = 0.88  # of it: where a boat that has ended a run, and turns about, is to stop
+START_SHARE: Final = 0.6  # of the radius: start of a run
+END_SHARE: Final = 0.88  # of the radius: where the boat must have stopped
 _GOING_S: Final = 180.0
 _LONGEST_S: Final = 120.0
-_STEADY_SHARE: Final = 0.4  # of a run, its last part
-_SETTLED: Final = 3.0  # of the surge's time constant: a run that spray cuts short is not worth less
-_RISING: Final = 0.06  # of the speed, over that part: more, and it was not steady yet
+_STEADY_SHARE: Final = 0.4  # last part of a run, which is evaluated
+_SETTLED: Final = 3.0  # surge time constants: a shorter run is not evaluated
+_RISING: Final = 0.06  # share of the speed gained in that part: above, the run was not steady
 _FIXES: Final = 2000
-_BRAKED: Final = 2.0  # times the way it takes to stop, the fence's brake begins
-_LATENCY_S: Final = 0.1  # of a receiver
+_BRAKED: Final = 2.0  # stopping distances: where the fence brake starts
+_LATENCY_S: Final = 0.1  # of a GNSS receiver
 _MODEL_S: Final = 0.1
 _SEARCHES: Final = 24
 _TURN_S: Final = 2.25
-_TURNING_S: Final = 0.5  # of it, its last part, is looked at
+_TURNING_S: Final = 0.5  # last part of it, which is evaluated
 
 
 class Run(NamedTuple):
-    """One crossing. north_m_s, east_m_s: over ground, in its steady part, as left and right: commands.
+    """One run. north_m_s, east_m_s (over ground), left, right (commands): means of its steady part.
 
-    samples: time since the start, speed over ground along the heading, and the mean of both commands since
-    the last one. is_steady: it did not gain speed any more.
+    samples: time since the start, speed over ground along the heading, and mean command since the sample
+    before. is_steady: the speed was constant at the end.
     """
 
     heading_rad: float
@@ -47,8 +47,8 @@ class Run(NamedTuple):
     is_steady: bool
 
 
-class Crossing:
-    """Sails one; `run` is there afterwards, unless the boat was slowed before it had reached its speed."""
+class StraightRun:
+    """Sails a run. run: its result, None if the boat was slowed before it reached its speed."""
 
     def __init__(self, heading_rad: float, speed_m_s: float) -> None:
         self.run: Run | None = None
@@ -58,7 +58,7 @@ class Crossing:
         self._commands: list[tuple[float, float, float]] = []
 
     def sail(self, inputs: RoutineInputs) -> Step:
-        """From the near edge to as far as the boat can still stop in."""
+        """From the near edge to where the boat can just stop within the radius."""
         intent = HoldHeading(self._heading_rad, self._speed_m_s)
         inputs = yield from aim(inputs, self._heading_rad)
         began_s, pushed, ticks = inputs.now_s, 0.0, 0
@@ -107,7 +107,7 @@ class Crossing:
 
 
 def over_ground(inputs: RoutineInputs) -> tuple[float, float]:
-    """North and east: as the receiver says, or else as the boat reckons."""
+    """Velocity north and east, by the receiver, else by the estimator."""
     fix, nav = inputs.fix, inputs.nav
     if fix is None or fix.north_m_s is None or fix.east_m_s is None:
         return nav.north_m_s, nav.east_m_s
@@ -115,7 +115,7 @@ def over_ground(inputs: RoutineInputs) -> tuple[float, float]:
 
 
 def has_room(inputs: RoutineInputs, heading_rad: float) -> bool:
-    """Whether the boat can go on that way, and still stop well within the radius."""
+    """Whether a boat that continues on this heading can still stop within the radius."""
     nav, c, s = inputs.nav, math.cos(heading_rad), math.sin(heading_rad)
     north, east = nav.north_m - inputs.centre.north_m, nav.east_m - inputs.centre.east_m
     along, across = c * north + s * east, c * east - s * north
@@ -127,7 +127,7 @@ def has_room(inputs: RoutineInputs, heading_rad: float) -> bool:
 
 
 def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step:
-    """Sail to where a run on this heading begins.
+    """Sail to the start of a run on this heading.
 
     Raises:
         CalibrationError: it is not reached.
@@ -146,21 +146,21 @@ def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step:
     return inputs
 
 
-class Pair(NamedTuple):
-    """A run out and the one back."""
+class RunPair(NamedTuple):
+    """A run and the one back."""
 
     out: Run
     back: Run
 
     @property
     def speed_m_s(self) -> float:
-        """Through the water."""
+        """Speed through the water."""
         out, back = self.out, self.back
         return 0.5 * math.hypot(out.north_m_s - back.north_m_s, out.east_m_s - back.east_m_s)
 
     @property
     def is_steady(self) -> bool:
-        """Whether both had reached their speed."""
+        """Whether both are steady."""
         return self.out.is_steady and self.back.is_steady
 
     @property
@@ -174,14 +174,14 @@ class Pair(NamedTuple):
         return 0.5 * (self.out.right + self.back.right)
 
     def current_along_m_s(self, run: Run) -> float:
-        """What the water adds to a run's speed over ground."""
+        """The current along a run."""
         north = 0.5 * (self.out.north_m_s + self.back.north_m_s)
         east = 0.5 * (self.out.east_m_s + self.back.east_m_s)
         return math.cos(run.heading_rad) * north + math.sin(run.heading_rad) * east
 
 
-class Turn:
-    """Full steering to one side from a straight run; rate_rad_s is what it comes to in two seconds."""
+class HardTurn:
+    """Full steering to one side from a straight run. rate_rad_s: the turn rate after two seconds."""
 
     def __init__(self, heading_rad: float, drive: Drive) -> None:
         self.rate_rad_s = 0.0
@@ -189,7 +189,7 @@ class Turn:
         self._drive = drive
 
     def sail(self, inputs: RoutineInputs) -> Step:
-        """Gather way up to the centre, then turn."""
+        """Run to the centre, then turn."""
         nav, cruise_m_s = inputs.nav, inputs.config.speed.cruise_m_s
         inputs = yield from aim(inputs, self._heading_rad)
         intent, c, s = (
@@ -212,11 +212,11 @@ class Turn:
         return inputs
 
 
-def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle: float) -> float:
-    """The time constant with which the estimator's own model follows both runs best: golden section."""
+def surge_time_s(pair: RunPair, top_m_s: float, cruise_m_s: float, cruise_throttle: float) -> float:
+    """The surge time constant that fits the estimator's model to both runs, by golden-section search."""
     low, high = math.log(0.1), math.log(30.0)
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
-    throttle = cruise_throttle * top_m_s / cruise_m_s  # at which the model's top speed is the boat's
+    throttle = cruise_throttle * top_m_s / cruise_m_s  # at which the model reaches top speed
     for _ in range(_SEARCHES):
         first, second = high - golden * (high - low), low + golden * (high - low)
         costs = [
@@ -236,7 +236,7 @@ def surge_time_s(pair: Pair, top_m_s: float, cruise_m_s: float, cruise_throttle:
 def _misfit(
     run: Run, current_m_s: float, throttle: float, cruise_m_s: float, cruise_throttle: float, time_s: float
 ) -> float:
-    """The sum of squares between a run and the model. throttle: what the steady part's commands come to."""
+    """The sum of squared errors between run and model. throttle: of the steady part."""
     model, now_s, sum_ = WaterSpeed(), 0.0, 0.0
     model.surge_m_s = run.samples[0][1] - current_m_s
     scale = 2.0 * throttle / max(run.left + run.right, 1e-3)

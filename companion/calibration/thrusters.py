@@ -1,4 +1,4 @@
-"""The thruster calibration: pulses on the spot, runs at full throttle and at cruise speed, hard turns."""
+"""Thruster calibration: pulses at rest, runs at full throttle and cruise speed, and hard turns."""
 
 import math
 from typing import Final
@@ -10,11 +10,11 @@ from companion.calibration.pulses import (
     LEFT_ASTERN,
     RIGHT_AHEAD,
     RIGHT_ASTERN,
-    Curve,
-    Pulses,
+    PulseTest,
+    ThrustCurve,
 )
 from companion.calibration.routine import CalibrationError, Finding, Routine, RoutineInputs, Step, come_back
-from companion.calibration.runs import Crossing, Pair, Run, Turn, go_to_edge, opposite, surge_time_s
+from companion.calibration.runs import HardTurn, Run, RunPair, StraightRun, go_to_edge, opposite, surge_time_s
 from companion.config.boat_config import BoatConfig
 from companion.config.thrusters import Thrusters
 from companion.control.allocation import from_pwm, motor_pwm
@@ -22,9 +22,9 @@ from companion.core.intent import Drive
 from companion.core.state import HEALTHY_MOTORS, MotorCommand
 from companion.core.units import clamp
 
-_FULL: Final = 3.0  # times the top speed that is known so far: more than any boat can do
-_TRIES: Final = 5  # of a run that spray on the sonar slows
-_SHORT: Final = 0.9  # of cruise speed, and less: the boat does not reach it
+_FULL: Final = 3.0  # times the known top speed: demands full throttle of any boat
+_TRIES: Final = 5  # of a run that obstacle avoidance slows
+_SHORT: Final = 0.9  # of cruise speed: below, the boat does not reach it
 _BANDS: Final = (
     ("MOT_L_MIN_FWD", "left_ahead", LEFT_AHEAD),
     ("MOT_L_MIN_REV", "left_astern", LEFT_ASTERN),
@@ -36,12 +36,12 @@ _LEAST_GAIN: Final = 0.25
 
 
 def calibrate(inputs: RoutineInputs) -> Routine:
-    """All of it. The motors must be driven bare meanwhile.
+    """The whole calibration. The motors must be driven without trim meanwhile.
 
     Raises:
         CalibrationError: the boat does not do what it is asked to.
     """
-    pulses = Pulses()
+    pulses = PulseTest()
     inputs = yield from pulses.sail(inputs)
     curves = {one: pulses.curve(one) for _, _, one in _BANDS}
     setting = inputs.config.thrusters
@@ -61,9 +61,9 @@ def calibrate(inputs: RoutineInputs) -> Routine:
 
     inputs = yield from come_back(inputs, inputs.config.guidance.station_radius_m)
     heading, config = inputs.nav.heading_rad, inputs.config
-    full: list[Pair] = []
+    full: list[RunPair] = []
     inputs = yield from _out_and_back(inputs, heading, _FULL * config.handling.top_speed_m_s, full)
-    cruising: list[Pair] = []
+    cruising: list[RunPair] = []
     inputs = yield from _out_and_back(inputs, heading, config.speed.cruise_m_s, cruising)
     setting = _balanced(setting, [*full, *cruising])
     findings += [
@@ -75,7 +75,7 @@ def calibrate(inputs: RoutineInputs) -> Routine:
     rates = []
     for side in (1.0, -1.0):
         inputs = yield from go_to_edge(inputs, heading)
-        turn = Turn(heading, _steered(setting, side * config.heading.max_steering))
+        turn = HardTurn(heading, _steered(setting, side * config.heading.max_steering))
         inputs = yield from turn.sail(inputs)
         rates.append(turn.rate_rad_s)
     findings.append(Finding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
@@ -83,24 +83,24 @@ def calibrate(inputs: RoutineInputs) -> Routine:
     return findings
 
 
-def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float, pairs: list[Pair]) -> Step:
+def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float, pairs: list[RunPair]) -> Step:
     runs: list[Run] = []
     for course in (heading_rad, opposite(heading_rad)):
         for _ in range(_TRIES):
             inputs = yield from go_to_edge(inputs, course)
-            crossing = Crossing(course, speed_m_s)
+            crossing = StraightRun(course, speed_m_s)
             inputs = yield from crossing.sail(inputs)
             if crossing.run is not None:
                 runs.append(crossing.run)
                 break
         else:
             raise CalibrationError("something is in the way of every run")
-    pairs.append(Pair(*runs))
+    pairs.append(RunPair(*runs))
     return inputs
 
 
-def _asymmetry(sides: list[tuple[Curve | None, Curve | None]]) -> float | None:
-    """Command astern over command ahead for the same thrust, above the dead bands, mean of both sides."""
+def _asymmetry(sides: list[tuple[ThrustCurve | None, ThrustCurve | None]]) -> float | None:
+    """Ratio of the commands astern and ahead for equal thrust, without the dead bands; mean of both sides."""
     ratios = []
     for ahead, astern in sides:
         if ahead is not None and astern is not None:
@@ -109,8 +109,8 @@ def _asymmetry(sides: list[tuple[Curve | None, Curve | None]]) -> float | None:
     return clamp(sum(ratios) / len(ratios), 1.0, 10.0) if ratios else None
 
 
-def _balanced(setting: Thrusters, pairs: list[Pair]) -> Thrusters:
-    """With the gains of left and right for which the boat went straight."""
+def _balanced(setting: Thrusters, pairs: list[RunPair]) -> Thrusters:
+    """Add the gains of left and right with which the boat went straight."""
     ratios = []
     for pair in pairs:
         left, right = (
@@ -126,7 +126,7 @@ def _balanced(setting: Thrusters, pairs: list[Pair]) -> Thrusters:
     return replace(setting, left_gain=min(ratio, 1.0), right_gain=min(1.0 / ratio, 1.0))
 
 
-def _speeds(setting: Thrusters, full: Pair, cruising: Pair, config: BoatConfig) -> list[Finding]:
+def _speeds(setting: Thrusters, full: RunPair, cruising: RunPair, config: BoatConfig) -> list[Finding]:
     findings, cruise_m_s, top_m_s = [], config.speed.cruise_m_s, full.speed_m_s
     if full.is_steady:
         findings.append(Finding("HND_TOP_SPEED", top_m_s))
@@ -144,6 +144,6 @@ def _speeds(setting: Thrusters, full: Pair, cruising: Pair, config: BoatConfig) 
 
 
 def _steered(setting: Thrusters, steering: float) -> Drive:
-    """What the bare motors must get for steering alone."""
+    """The untrimmed command for pure steering."""
     left, right = motor_pwm(MotorCommand(steering, -steering), HEALTHY_MOTORS, setting)
     return Drive(0.5 * (left + right), 0.5 * (left - right))

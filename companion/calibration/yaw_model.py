@@ -1,11 +1,11 @@
-"""How the bow answers steering: gain K, time constant τ and delay θ of K e^(−θs) / (s (τ s + 1)).
+"""Identifies the yaw model K e^(−θs) / (s (τ s + 1)) from steering to heading: gain, time constant, delay.
 
-With the steering u as the motors got it, the turn rate r and the heading ψ,
+With the steering u as the motors received it, the turn rate r and the heading ψ,
 
     r(t) = (K/τ) ∫ u(t − θ) dt − ψ(t)/τ + a t + b
 
-where a and b take up what wind and unequal motors do. For each θ of a row this is a straight regression; the
-θ that leaves least over is taken.
+where a and b absorb wind and unequal motors. For a given θ this is a linear regression; the θ with the
+smallest residual is chosen.
 """
 
 import math
@@ -19,7 +19,7 @@ SAMPLE_S: Final = 0.02
 
 
 class YawModel(NamedTuple):
-    """K in rad/s for full steering, τ and θ in seconds; one standard deviation of the rate's noise."""
+    """K in rad/s for full steering, τ and θ in seconds. noise_rad_s: one standard deviation of the rate."""
 
     gain_rad_s: float
     time_s: float
@@ -28,10 +28,7 @@ class YawModel(NamedTuple):
 
 
 class YawFit:
-    """Takes one stretch of samples, each SAMPLE_S after the last.
-
-    fits: one for each delay. count: of samples.
-    """
+    """Regressions over one stretch of samples, SAMPLE_S apart. fits: one a delay. count: of samples."""
 
     def __init__(self) -> None:
         self.fits = [Fit(4) for _ in _DELAYS]
@@ -42,7 +39,7 @@ class YawFit:
         self.count = 0
 
     def add(self, steering: float, yaw_rate_rad_s: float) -> None:
-        """The steering of the last SAMPLE_S, −1..1, and the rate at its end."""
+        """Add a sample: the steering of the last SAMPLE_S, −1..1, and the turn rate at its end."""
         self._steered.append(self._steered[-1] + SAMPLE_S * steering)
         self._turned_rad += SAMPLE_S * yaw_rate_rad_s
         self.count += 1
@@ -58,12 +55,12 @@ class YawFit:
 
     @property
     def noise_rad_s(self) -> float:
-        """One standard deviation of what is new in every rate, which second differences show."""
+        """Standard deviation of the rate's white noise, from second differences."""
         return math.sqrt(self._bends / (6.0 * max(self.count - 2, 1)))
 
 
 def yaw_model(stretches: list[YawFit]) -> YawModel | None:
-    """From several stretches together; None where they do not tell."""
+    """The model of all stretches together; None if they do not determine it."""
     best: YawModel | None = None
     least, noise = math.inf, max((stretch.noise_rad_s for stretch in stretches), default=0.0)
     weights = [stretch.count for stretch in stretches]

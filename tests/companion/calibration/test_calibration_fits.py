@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.calibration.fitting import Fit
-from companion.calibration.heading import Swing, gains
+from companion.calibration.heading import RelayFeedback, gains
 from companion.calibration.routine import CalibrationError
 from companion.calibration.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
 from sitl.world.sensors import generator
@@ -48,9 +48,11 @@ def test_a_fit_admits_what_it_cannot_tell_apart() -> None:
     assert fit.solve() is None
 
 
-def swung(model: YawModel, hysteresis_rad: float, load: float = 0.0, seed: int = 1) -> tuple[Swing, YawFit]:
+def swung(
+    model: YawModel, hysteresis_rad: float, load: float = 0.0, seed: int = 1
+) -> tuple[RelayFeedback, YawFit]:
     """A bow that answers exactly as a model says, swung by the relay for a minute."""
-    swing, fit, random = Swing(0.3, hysteresis_rad, 0.0, 0.0), YawFit(), generator(seed, "test/swing")
+    swing, fit, random = RelayFeedback(0.3, hysteresis_rad, 0.0, 0.0), YawFit(), generator(seed, "test/swing")
     heading = rate = 0.0
     waiting = [0.0] * round(model.delay_s / SAMPLE_S)
     for tick in range(3000):
@@ -90,11 +92,11 @@ def test_the_throw_moves_to_meet_what_turns_the_boat_aside() -> None:
 
 
 def test_a_bow_that_does_not_come_back_is_not_swung_on() -> None:
-    swing = Swing(0.3, 0.02, 0.0, 0.0)
+    swing = RelayFeedback(0.3, 0.02, 0.0, 0.0)
     swing.update(0.03, 1.0)
     with pytest.raises(CalibrationError, match="does not swing"):
         swing.update(1.1, 1.02)
-    swing = Swing(0.3, 0.02, 0.0, 0.0)
+    swing = RelayFeedback(0.3, 0.02, 0.0, 0.0)
     with pytest.raises(CalibrationError, match="does not swing"):
         swing.update(0.0, 60.0)
 
