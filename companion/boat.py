@@ -28,7 +28,7 @@ from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import Storage
 from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
-from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import ConfiguredPort
 from companion.sensors.external import ExternalSensors
 from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite

@@ -13,8 +13,7 @@ from companion.mavlink.signing import Guard, Signatory, SigningPolicy, Stamps, t
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE, STAMPS_FILE
 from companion.persistence.storage import MemoryStorage
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 
 KEY = SigningKey.from_passphrase("correct horse")
 OTHER = SigningKey.from_passphrase("battery staple")

@@ -29,8 +29,7 @@ from companion.log.logbook import Logbook, open_logbook
 from companion.mavlink.framing import begins_with_frame
 from companion.mavlink.signing_key import read_key_file
 from companion.persistence.storage import FolderStorage, MemoryStorage, Storage
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 from companion.sensors.external import Use
 
 logger = logging.getLogger(__name__)

@@ -22,12 +22,32 @@ from companion.guidance.course_to_steer import course_to_steer, steerable_speed_
 from companion.guidance.path_following import GLIMPSE_S, Guide, PathFollowing
 from companion.guidance.speed_profile import GAINING_SHARE, leg_speed_m_s, steered_speed_m_s
 from companion.guidance.station_keeping import INTO_CURRENT_SHARE, StationKeeping, turning_s
-from companion.guidance.turning import Turning
 
 _STOP = Stop()
 _LEAP = 2.0  # times the fastest turn: a faster change is a new heading, not a turn
 _MOST_OFF_RAD = 1.2  # from the path, to either side: beyond it the boat makes no way along it
 _LEAD_RAD = 0.5  # of a turn in a current: leaves thrust for the speed
+MAX_LEAD_RAD = 1.0  # beyond the saturation of the heading loop
+
+
+class Turning:
+    """Keeps the heading set-point; None before the first update."""
+
+    __slots__ = ("_heading_rad",)
+
+    def __init__(self) -> None:
+        self._heading_rad: float | None = None
+
+    def reset(self) -> None:
+        """Start again at the present heading."""
+        self._heading_rad = None
+
+    def update(self, yaw_rate_rad_s: float, nav: NavState, dt_s: float) -> float:
+        """The heading for this tick, in [−π, π). At rate 0 it is constant."""
+        heading = nav.heading_rad if self._heading_rad is None else self._heading_rad
+        lead = wrap_pi(heading + yaw_rate_rad_s * dt_s - nav.heading_rad)
+        self._heading_rad = heading = wrap_pi(nav.heading_rad + clamp(lead, -MAX_LEAD_RAD, MAX_LEAD_RAD))
+        return heading
 
 
 class Pilot:

@@ -6,9 +6,8 @@ Received data never raises: invalid bytes are skipped and counted.
 from typing import NamedTuple
 
 from companion.mavlink.address import Address
-from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import Message
-from companion.mavlink.finder import FrameFinder
+from companion.mavlink.finder import Counters, FrameFinder
 from companion.mavlink.framing import build_frame
 from companion.mavlink.layout import LAYOUTS
 

@@ -12,9 +12,9 @@ can limit frames and wasted checks (`find`); the search then continues at the ne
 
 import re
 from collections import OrderedDict
+from dataclasses import dataclass
 
 from companion.mavlink.address import Address
-from companion.mavlink.counters import Counters
 from companion.mavlink.framing import (
     MAGIC_V1,
     MAGIC_V2,
@@ -37,6 +37,24 @@ _run_of = re.compile(rb"\xfd+|\xfe+").match
 NO_LIMIT = 1 << 62
 _LATE = 128  # a larger jump of the sequence number is a late or repeated frame
 _MAX_SENDERS = 256  # with known sequence numbers
+
+
+@dataclass(slots=True)
+class Counters:
+    """Statistics of one link.
+
+    bad_frames: places where invalid bytes were skipped, bad_crc among them; unknown: frames of messages not
+    in the dialect; lost: gaps in sequence numbers.
+    """
+
+    bytes_in: int = 0
+    bytes_out: int = 0
+    frames_in: int = 0
+    frames_out: int = 0
+    bad_frames: int = 0
+    bad_crc: int = 0
+    unknown: int = 0
+    lost: int = 0
 
 
 class FrameFinder:

@@ -8,9 +8,8 @@ from collections.abc import Callable, Sequence
 from companion.hal.interfaces import Link
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
-from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.finder import FrameFinder
+from companion.mavlink.finder import Counters, FrameFinder
 from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame, message_id_of
 from companion.mavlink.signing import Guard, loggable
 from companion.router.admission import Standing

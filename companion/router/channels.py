@@ -11,8 +11,7 @@ from companion.mavlink.dialect import Message
 from companion.mavlink.framing import Frame
 from companion.router.admission import excess_links
 from companion.router.channel import Channel
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import PLAIN
+from companion.router.policy import PLAIN, ConfiguredPort
 from companion.router.router import Router
 
 logger = logging.getLogger(__name__)

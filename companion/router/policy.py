@@ -5,6 +5,7 @@ from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_add
 
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
+from companion.hal.interfaces import Link, Port
 from companion.mavlink.dialect import dialect
 from companion.mavlink.layout import LAYOUTS
 
@@ -72,6 +73,31 @@ class Policy:
     def has_rules(self) -> bool:
         """Whether messages are filtered."""
         return bool(self.denied or self.allowed or self.min_interval_s)
+
+
+class ConfiguredPort:
+    """Satisfies `companion.hal.interfaces.Port`."""
+
+    def __init__(self, port: Port, policy: Policy) -> None:
+        self.policy = policy
+        self._port = port
+
+    @property
+    def name(self) -> str:
+        """The url."""
+        return self._port.name
+
+    def accept(self) -> list[Link]:
+        """New links since the last call."""
+        return self._port.accept()
+
+    def fileno(self) -> int:
+        """A descriptor to wait on for new links, −1 without one."""
+        return self._port.fileno()
+
+    def close(self) -> None:
+        """Close, with all its links. May be called twice."""
+        self._port.close()
 
 
 class Filter:

@@ -1,6 +1,6 @@
 """All sensors and their external substitutes, read once a tick."""
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, Trim
 from companion.core.state import STOPPED, MotorCommand
 from companion.hal.interfaces import Hardware
 from companion.obstacles.perception.sonar_scan import SonarScan
@@ -15,7 +15,6 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
-from companion.sensors.trim import trimmed
 
 
 class SensorSuite:
@@ -93,3 +92,15 @@ class SensorSuite:
             ping, beam_rad = external.pings.popleft()
             self.sweep.add(ping, beam_rad)
             self.pings.append((ping, beam_rad))
+
+
+def trimmed(reading: HeadingReading | None, trim: Trim) -> HeadingReading | None:
+    """The reading with heading trim and gyro bias applied."""
+    if reading is None or (trim.heading_rad == 0.0 and trim.gyro_bias_rad_s == 0.0):
+        return reading
+    rate = reading.yaw_rate_rad_s
+    return HeadingReading(
+        reading.time_s,
+        reading.heading_rad + trim.heading_rad,
+        None if rate is None else rate - trim.gyro_bias_rad_s,
+    )

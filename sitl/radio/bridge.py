@@ -3,8 +3,7 @@
 from companion.config.boat_config import LinkConfig
 from companion.hal.interfaces import Port
 from companion.links.memory import MemoryPort, memory_pair
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 
 
 class Bridge:

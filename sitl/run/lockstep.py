@@ -9,8 +9,7 @@ from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address
 from companion.persistence.storage import MemoryStorage, Storage
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 from sitl.radio.air import Air, AirPort
 from sitl.run.program import Program
 from sitl.run.station import Station

@@ -18,7 +18,7 @@ from companion.log.logbook import Logbook
 from companion.mavlink.signing import timestamp_at
 from companion.persistence import voyage_record as resume
 from companion.persistence.storage import FolderStorage, MemoryStorage, Storage
-from companion.router.configured_port import ConfiguredPort
+from companion.router.policy import ConfiguredPort
 from sitl.radio.air import Air, AirPort
 from sitl.run.program import Program
 from sitl.run.recorder import NO_LEG, Recorder

@@ -22,9 +22,8 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.planning.breadcrumbs import Breadcrumbs
 from companion.obstacles.planning.detour import STARBOARD, Detour
-from companion.obstacles.planning.detour_history import DetourHistory
+from companion.obstacles.planning.detour_history import Breadcrumbs, DetourHistory
 from companion.obstacles.planning.free_space import Bounds
 from companion.obstacles.planning.moving_obstacles import EvasiveManeuver, choose_maneuver
 from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop

@@ -6,11 +6,15 @@ has returned to its start without progress.
 """
 
 import math
+from collections import deque
+from collections.abc import Sequence
 
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.obstacles.planning.detour import Detour, choose_side, open_course_rad
 from companion.obstacles.planning.free_space import FreeSpace
 
+_POINTS = 24
+_STEP = 0.5  # of the margin
 _MOST = 16
 _SAME_SPOT = 1.5  # margins: a start this near an earlier one is a closed loop,
 _GAIN = 0.3  # unless it is this many margins nearer to the goal
@@ -75,3 +79,24 @@ class DetourHistory:
                 if course is not None:
                     return side, course
         return None
+
+
+class Breadcrumbs:
+    """Recent places, half a margin apart."""
+
+    __slots__ = ("_places",)
+
+    def __init__(self) -> None:
+        self._places: deque[Point] = deque(maxlen=_POINTS)
+
+    def add(self, here: Point, margin_m: float) -> None:
+        """Add the present place."""
+        if not self._places or distance_m(self._places[-1], here) > _STEP * margin_m:
+            self._places.append(here)
+
+    def last_with_room(self, here: Point, obstacles: Sequence[Point], margin_m: float) -> Point:
+        """The last place with the margin around it, or the present one."""
+        for place in reversed(self._places):
+            if all(distance_m(place, obstacle) > margin_m for obstacle in obstacles):
+                return place
+        return here

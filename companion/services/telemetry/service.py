@@ -10,7 +10,6 @@ from companion.services.telemetry import available_modes as modes
 from companion.services.telemetry import estimate_messages as estimate
 from companion.services.telemetry import motion_messages as motion
 from companion.services.telemetry import obstacle_messages as obstacle
-from companion.services.telemetry import radio_messages as radio
 from companion.services.telemetry import sensor_messages as sensor
 from companion.services.telemetry import status_messages as status
 from companion.services.telemetry.snapshot import Snapshot
@@ -27,7 +26,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
     _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
     _ID.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
-    _ID.MAVLINK_MSG_ID_RC_CHANNELS: radio.rc_channels,
+    _ID.MAVLINK_MSG_ID_RC_CHANNELS: sensor.rc_channels,
     _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
     _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_current,

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from companion.core.state import NavState
-from companion.guidance.turning import Turning
+from companion.guidance.pilot import Turning
 
 
 def nav_at(heading: float) -> NavState:

@@ -11,8 +11,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
 from companion.router.channels import Channels
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 
 TICK_BYTES = 200_000  # of a link that brings 10 MB/s, in 20 ms
 CALL_LOOKS = 256

@@ -8,8 +8,7 @@ from companion.config.boat_config import LinkConfig
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 from companion.services.ftp.frames import Opcode
 
 LINE_BYTES_S = 5760.0

@@ -18,8 +18,7 @@ from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE
 from companion.persistence.storage import MemoryStorage
 from companion.router.amplification import AmplificationLimit, Question
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Policy
+from companion.router.policy import ConfiguredPort, Policy
 
 ELSEWHERE = "203.0.113.9"
 HEARTBEAT_BYTES, PING_BYTES = 21, 26

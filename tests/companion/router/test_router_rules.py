@@ -12,8 +12,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.router.channels import Channels
-from companion.router.configured_port import ConfiguredPort
-from companion.router.policy import Filter, Policy
+from companion.router.policy import ConfiguredPort, Filter, Policy
 from companion.router.status import Reporter
 from companion.router.token_bucket import TokenBucket
 from companion.router.tx_queue import MAX_BYTES, TxQueue
