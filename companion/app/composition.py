@@ -91,7 +91,7 @@ def policy_of(link: LinkConfig, key: str) -> Policy:
     url = parse_port_url(link.url)
     is_loopback = url.place in ("localhost", "::1") or url.place.startswith("127.")
     baud = url.number if url.kind == "serial" else 0
-    return Policy(link, key, baud, is_loopback, hears_anybody=url.kind == "udpin")
+    return Policy(link, key, baud, is_loopback, accepts_any_source=url.kind == "udpin")
 
 
 def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:

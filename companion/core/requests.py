@@ -35,7 +35,7 @@ class Disarm:
 class ChangeMode:
     """Enter a mode by its ArduPilot Rover number.
 
-    is_initial: the mode switch's position at first sight, which nobody has chosen just now.
+    is_initial: the first known position of the mode switch, not a change by the operator.
     """
 
     number: int

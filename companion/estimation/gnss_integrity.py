@@ -64,14 +64,14 @@ class GnssIntegrityMonitor:
         else:
             self._repetition.change(time_s)
 
-    def _learn(self, time_s: float, told: complex, sigma_m: float) -> None:
+    def _learn(self, time_s: float, expected: complex, sigma_m: float) -> None:
         """Learn the scatter of positions about the path that their velocities integrate to."""
         self._sigma_m = sigma_m
         if self._variance_m2 == 0.0:
             self._variance_m2 = (sigma_m / _SCATTERS) ** 2
         if self._history and self._velocity is not None:
             (before_s, before), variance = self._history[-1], self._variance_m2
-            step = 0.25 * abs(told - before) ** 2  # two axes, two positions
+            step = 0.25 * abs(expected - before) ** 2  # two axes, two positions
             if step < _ODD_STEP * max(variance, (sigma_m / _SCATTERS) ** 2):
                 self._variance_m2 += min((time_s - before_s) / _SCATTER_S, 0.2) * (step - variance)
 
@@ -88,8 +88,8 @@ class GnssIntegrityMonitor:
         repetition = self._repetition
         if repetition.run_s < FROZEN_S:
             return False
-        told = 0.0 if self._velocity is None else abs(self._velocity)
-        if max(told, speed_m_s) > least_m_s or repetition.is_unusual(FROZEN_S):
+        reported_m_s = 0.0 if self._velocity is None else abs(self._velocity)
+        if max(reported_m_s, speed_m_s) > least_m_s or repetition.is_unusual(FROZEN_S):
             repetition.is_faulty = True
         return repetition.is_faulty
 

@@ -116,7 +116,7 @@ class GnssUpdate:
         if PAUSE_S < pause_s < math.inf:
             self.latency.note_gap(time_s, pause_s)
         is_otherwise_late = velocity is not None and self.latency.compare(time_s, velocity)
-        told_s, time_s = time_s, time_s - self.latency.lag_s
+        stamp_s, time_s = time_s, time_s - self.latency.lag_s
         way_m, through = model.history.at(time_s)
         # A camera pose is a hundred times more accurate than GNSS; so is its velocity.
         variance = min(VELOCITY_SIGMA_M_S, sigma_m) ** 2
@@ -125,7 +125,7 @@ class GnssUpdate:
             self.resets += self.accepted_s > -math.inf
             self._reset_counter = reset_counter
             self._start(time_s, at, velocity, sigma_m, variance, way_m, through)
-            self.accepted_s = self._velocity_s = told_s
+            self.accepted_s = self._velocity_s = stamp_s
             return
         if time_s > self._stalled_s:  # an older fix has no information on the drift since
             self._drift_m += self._stall_drift_m
@@ -143,7 +143,7 @@ class GnssUpdate:
         noise = position.noise_m2_s3 + pushed
         is_consistent = watch.is_consistent()
         # Positions that do not fit because they are late have late velocities, too.
-        is_doubtful = self.latency.is_uncertain(told_s) and not position.fits(
+        is_doubtful = self.latency.is_uncertain(stamp_s) and not position.fits(
             at, sigma_m, self._drift_m * self._drift_m
         )
         if (
@@ -153,14 +153,14 @@ class GnssUpdate:
                 velocity - modelled - position.unmodelled_m_s, variance, is_consistent
             )
         ):
-            self._velocity_s = told_s
+            self._velocity_s = stamp_s
             position.unmodelled_m_s -= model.learn(velocity, through, variance, noise, dt)
             position.unmodelled_m_s -= model.absorb_unmodelled(position.unmodelled_m_s, dt)
         if self._accepts(time_s, at, sigma_m, is_consistent, dt):
             position.inflate(self._drift_m * self._drift_m)
             self._drift_m = 0.0
             position.update_position(at, sigma_m)
-            self.accepted_s = told_s
+            self.accepted_s = stamp_s
             if velocity is None:
                 measured = model.current.velocity_m_s(through) + position.unmodelled_m_s
                 position.unmodelled_m_s -= model.learn(

@@ -169,11 +169,11 @@ class HeadingFilter:
         self._block_s = time_s
         if self._is_compass_rejected and not self._is_trusted_again(residual, span):
             return
-        is_odd = self._blocks > 0 and not abs(residual) <= self._open_gate_rad(time_s)
-        self._outlier_share += min(span, 1.0) * ((1.0 if is_odd else 0.0) - self._outlier_share)
-        if is_odd and self._off_since_s == math.inf:
+        is_outlier = self._blocks > 0 and not abs(residual) <= self._open_gate_rad(time_s)
+        self._outlier_share += min(span, 1.0) * ((1.0 if is_outlier else 0.0) - self._outlier_share)
+        if is_outlier and self._off_since_s == math.inf:
             self._off_since_s = time_s
-        if is_odd or (self.is_off and self._outlier_share > _EVEN):
+        if is_outlier or (self.is_off and self._outlier_share > _EVEN):
             self.is_off = self.is_off or self._outlier_share > _ODD
             return
         if self.is_off and abs(residual) > self.gate_rad:

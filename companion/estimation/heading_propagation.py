@@ -28,8 +28,15 @@ class HeadingPropagation:
     """heading_rad and yaw_rate_rad_s are present values; `filter` holds those of the latest reading."""
 
     __slots__ = (
-        "_heard_s", "_pause_s", "_reading_turned_rad", "_reading_turning", "filter", "heading_rad", "latency",
-        "model", "yaw_rate_rad_s",
+        "_pause_s",
+        "_reading_turned_rad",
+        "_reading_turning",
+        "_stamp_s",
+        "filter",
+        "heading_rad",
+        "latency",
+        "model",
+        "yaw_rate_rad_s",
     )  # fmt: skip
 
     def __init__(self, gate_rad: float) -> None:
@@ -38,7 +45,7 @@ class HeadingPropagation:
         self.model = YawRateModel()
         self.latency = LatencyEstimator(_TURNING_RAD_S)  # of compass and gyro
         self.heading_rad = self.yaw_rate_rad_s = 0.0
-        self._heard_s = -math.inf  # arrival of the latest reading
+        self._stamp_s = -math.inf  # arrival of the latest reading
         self._pause_s = 0.0  # mean period of readings
 
         # Of the yaw model, at the measurement time of the latest reading
@@ -52,7 +59,7 @@ class HeadingPropagation:
     def advance(self, reading: HeadingReading | None, now_s: float, dt_s: float) -> None:
         """Advance by dt_s to now_s, with the latest reading."""
         heading = self.filter
-        if reading is not None and self._heard_s < reading.time_s <= now_s:
+        if reading is not None and self._stamp_s < reading.time_s <= now_s:
             self._ingest(reading)
         if heading.time_s == -math.inf:
             return
@@ -62,11 +69,11 @@ class HeadingPropagation:
             self.heading_rad = wrap_pi(heading.heading_rad + heading.yaw_rate_rad_s * ahead_s)
             return
         model, fading = self.model, math.exp(-ahead_s / _FADE_S)
-        odd = heading.yaw_rate_rad_s - model.rate_of(self._reading_turning)  # residual rate
-        self.yaw_rate_rad_s = model.rate_rad_s + odd * fading
+        residual_rate = heading.yaw_rate_rad_s - model.rate_of(self._reading_turning)  # residual rate
+        self.yaw_rate_rad_s = model.rate_rad_s + residual_rate * fading
         turned = model.turned_rad + model.rate_rad_s * (now_s - model.time_s) - self._reading_turned_rad
-        self.heading_rad = wrap_pi(heading.heading_rad + turned + odd * _FADE_S * (1.0 - fading))
-        if now_s - self._heard_s > _SILENT_S:
+        self.heading_rad = wrap_pi(heading.heading_rad + turned + residual_rate * _FADE_S * (1.0 - fading))
+        if now_s - self._stamp_s > _SILENT_S:
             heading.add_process_noise(dt_s)
 
     def steer(self, now_s: float, left: float, right: float) -> None:
@@ -91,21 +98,21 @@ class HeadingPropagation:
     def _ingest(self, reading: HeadingReading) -> None:
         """Process a reading of compass and gyro at its stamp less its latency."""
         heading, model, late = self.filter, self.model, self.latency
-        rate, told_s = reading.yaw_rate_rad_s, reading.time_s
+        rate, stamp_s = reading.yaw_rate_rad_s, reading.time_s
         is_heading = abs(reading.heading_rad) <= MAX_HEADING_RAD
         if not is_heading and (rate is None or not math.isnan(reading.heading_rad)):
             return
         if rate is not None and not abs(rate) <= MAX_RATE_RAD_S:
             return
-        pause_s = told_s - self._heard_s
-        self._heard_s = told_s
+        pause_s = stamp_s - self._stamp_s
+        self._stamp_s = stamp_s
         if pause_s > PAUSE_S:
             if pause_s < math.inf:
-                late.note_gap(told_s, pause_s)
+                late.note_gap(stamp_s, pause_s)
             pause_s = min(pause_s, _MOST_PAUSE_S)
         self._pause_s += _PAUSES * (pause_s - self._pause_s)
         lag_s = late.lag_s
-        time_s = told_s - lag_s
+        time_s = stamp_s - lag_s
         dt = time_s - heading.time_s
         if not dt > 0.0:
             return  # the latency was underestimated before
@@ -117,10 +124,10 @@ class HeadingPropagation:
             extra_turn = turned - self._reading_turned_rad - 0.5 * rates * dt
         heading.update(time_s, reading.heading_rad, rate, extra_turn)
         self._reading_turned_rad, self._reading_turning = turned, turning
-        if told_s > late.until_s and lag_s == 0.0:
+        if stamp_s > late.until_s and lag_s == 0.0:
             return
-        is_otherwise_late = late.compare(told_s, complex(heading.yaw_rate_rad_s, 0.0))
+        is_otherwise_late = late.compare(stamp_s, complex(heading.yaw_rate_rad_s, 0.0))
         if is_otherwise_late and is_heading and not heading.is_off:
-            time_s = told_s - late.lag_s
+            time_s = stamp_s - late.lag_s
             heading.start(time_s, reading.heading_rad, rate)
             self._reading_turned_rad, self._reading_turning = model.at(time_s)

@@ -29,9 +29,24 @@ class LatencyEstimator:
     """lag_s: subtract from the stamps. until_s: end of the period in which `compare` is needed."""
 
     __slots__ = (
-        "_alike", "_best", "_compared_s", "_count", "_expected", "_expected_s", "_heard_mean",
-        "_heard_square", "_lag", "_least", "_means", "_next", "_odd_s", "_paused_s", "_squares", "_usual_s",
-        "lag_s", "until_s",
+        "_alike",
+        "_best",
+        "_compared_s",
+        "_count",
+        "_expected",
+        "_expected_s",
+        "_heard_mean",
+        "_heard_square",
+        "_lag",
+        "_least",
+        "_means",
+        "_mismatch_s",
+        "_next",
+        "_paused_s",
+        "_squares",
+        "_usual_s",
+        "lag_s",
+        "until_s",
     )  # fmt: skip
 
     def __init__(self, least: float) -> None:
@@ -46,11 +61,11 @@ class LatencyEstimator:
         self._means = [0j] * LAGS  # of the predictions at each lag,
         self._squares = [0.0] * LAGS  # their variance,
         self._alike = [0.0] * LAGS  # and their covariance with the readings
-        self._odd_s = self._paused_s = self._usual_s = 0.0
+        self._mismatch_s = self._paused_s = self._usual_s = 0.0
 
     def is_uncertain(self, time_s: float) -> bool:
         """Whether readings may be late without a known latency."""
-        return self._odd_s > 0.0 or (self._lag == 0 and time_s < self.until_s + (_NEWS_S - _WATCH_S))
+        return self._mismatch_s > 0.0 or (self._lag == 0 and time_s < self.until_s + (_NEWS_S - _WATCH_S))
 
     def is_due(self, time_s: float) -> bool:
         """Whether `add_expected` is due."""
@@ -82,12 +97,14 @@ class LatencyEstimator:
             return False
         self._compared_s = time_s
         best, now, least = self._correlate(time_s, min(dt, 1.0) / _MEMORY_S, value)
-        is_odd = now > self._least and least < _BETTER * now and abs(best - self._lag) >= _LEAST_STEPS
-        self._odd_s = self._odd_s + dt if is_odd and abs(best - self._best) < _LEAST_STEPS else 0.0
+        is_mismatch = now > self._least and least < _BETTER * now and abs(best - self._lag) >= _LEAST_STEPS
+        self._mismatch_s = (
+            self._mismatch_s + dt if is_mismatch and abs(best - self._best) < _LEAST_STEPS else 0.0
+        )
         self._best = best
-        if self._odd_s < _FOR_S:
+        if self._mismatch_s < _FOR_S:
             return False
-        self._odd_s = 0.0
+        self._mismatch_s = 0.0
         self._lag = best if best >= _LEAST_STEPS else 0
         self.lag_s = self._lag * STEP_S
         return True

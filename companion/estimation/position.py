@@ -87,13 +87,13 @@ class PositionFilter:
         is_trusted: the receiver is known to be right; a large innovation is then a model error.
         """
         total = self._ee + variance
-        odd = _norm_squared(innovation_m_s) / total
-        if odd > 2.0 * _GATE:
+        error_ratio = _norm_squared(innovation_m_s) / total
+        if error_ratio > 2.0 * _GATE:
             if not is_trusted:
                 return False
             self._ee += _norm_squared(innovation_m_s)
             total = self._ee + variance
-        self.adapt(0.5 * odd)
+        self.adapt(0.5 * error_ratio)
         kp, ke, kw = self._pe / total, self._ee / total, self._ew / total
         self._blend(kp, ke, kw, innovation_m_s)
         pe, ee, ew = self._pe, self._ee, self._ew
@@ -124,9 +124,9 @@ class PositionFilter:
         self._ew -= ke * cw
         self._ww -= kw * cw
 
-    def adapt(self, odd: float) -> None:
-        """Adapt the process noise. odd: normalised squared innovation, 1 on average."""
-        wanted = self._q * (1.0 + _ADAPT * (min(odd, 4.0) - 1.0))
+    def adapt(self, error_ratio: float) -> None:
+        """Adapt the process noise. error_ratio: normalised squared innovation, 1 on average."""
+        wanted = self._q * (1.0 + _ADAPT * (min(error_ratio, 4.0) - 1.0))
         self._q = min(max(wanted, self._least_q), self._most_q)
 
     @property

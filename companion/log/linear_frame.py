@@ -14,7 +14,7 @@ class LinearFrame:
 
     def __init__(self, frame: LocalFrame, here: Point) -> None:
         self._frame = frame
-        self._lay(here)
+        self._set_origin(here)
 
     def is_of(self, frame: LocalFrame) -> bool:
         """Whether it belongs to this frame."""
@@ -25,7 +25,7 @@ class LinearFrame:
         anchor = self._anchor
         north, east = north_m - anchor.north_m, east_m - anchor.east_m
         if not (-_REACH_M < north < _REACH_M and -_REACH_M < east < _REACH_M):
-            self._lay(Point(north_m, east_m))
+            self._set_origin(Point(north_m, east_m))
             north = east = 0.0
         lat, lon = self._lat_per_m, self._lon_per_m
         lon_e7 = round(self._lon_e7 + north * lon[0] + east * lon[1])
@@ -33,7 +33,7 @@ class LinearFrame:
             lon_e7 -= 2 * _HALF_TURN_E7 if lon_e7 > 0 else -2 * _HALF_TURN_E7
         return round(self._lat_e7 + north * lat[0] + east * lat[1]), lon_e7
 
-    def _lay(self, here: Point) -> None:
+    def _set_origin(self, here: Point) -> None:
         """Slopes from places to both sides, so that they are those of the middle."""
         to_global, (north_m, east_m) = self._frame.to_global, here
         self._anchor = here

@@ -60,7 +60,7 @@ class OnboardLog:
         self._items = items
         self._vehicle = vehicle
         self._status_texts: list[StatusText] = []
-        self._said_before: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
+        self._early_texts: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
         self._has_failed = False  # no new attempt until the next arming
         self._end_s = -1.0
         self._block: list[bytes] = []
@@ -68,9 +68,9 @@ class OnboardLog:
         self._log_bytes = 0
         self._blocks = 0
         self._now_s = 0.0
-        self._begin_anew()
+        self._restart()
 
-    def _begin_anew(self) -> None:
+    def _restart(self) -> None:
         self._watch = EventWatch()
         self._backlog: Iterator[bytes] = iter(())
         self._due_s = self._motion_due_s = self._status_due_s = self._flush_due_s = -1.0
@@ -89,7 +89,7 @@ class OnboardLog:
         if self.is_writing:
             self._add(samples.text(self._now_us, notice.text))
         else:
-            self._said_before.append((self._now_us, notice.text))
+            self._early_texts.append((self._now_us, notice.text))
 
     def take_status_texts(self) -> Sequence[StatusText]:
         """Messages to the operator since the last call."""
@@ -156,16 +156,16 @@ class OnboardLog:
                 self._end(now.unix_s)  # the next tick begins another, so that old ones can be removed
 
     def _begin(self) -> None:
-        self._begin_anew()
+        self._restart()
         if not self._sink.begin():
             self._fail("the write queue is full")
             return
         self.is_writing = True
         self._block, self._block_bytes = [r.HEADER], len(r.HEADER)
         self._add(events.introduction(self._now_us))
-        for us, line in self._said_before:
+        for us, line in self._early_texts:
             self._add(samples.text(us, line))
-        self._said_before.clear()
+        self._early_texts.clear()
         self._backlog = events.parameters(self._now_us, self._parameters)
 
     def _end(self, unix_s: float) -> None:
@@ -223,9 +223,9 @@ class OnboardLog:
         yield r.DSF.pack(
             us, self.dropped & 0xFFFFFFFF, self._blocks & 0xFFFF, self._log_bytes, room, room, room
         )
-        self._look_for_lists(now)
+        self._log_changed_lists(now)
 
-    def _look_for_lists(self, now: Snapshot) -> None:
+    def _log_changed_lists(self, now: Snapshot) -> None:
         """Add changed parameters or a changed mission to the backlog."""
         before, self._config = self._config, now.config
         if before is not None and before is not now.config:

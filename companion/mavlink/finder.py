@@ -65,7 +65,7 @@ class FrameFinder:
     """
 
     __slots__ = (
-        "_blamed_to",
+        "_counted_to",
         "_last_sequence",
         "_position",
         "_rest",
@@ -82,7 +82,7 @@ class FrameFinder:
         self.is_behind = False  # the last `find` stopped at its limit
         self._rest = b""
         self._position = 0  # of the first kept byte, since the link opened
-        self._blamed_to = -1  # bytes before this position have been counted as invalid
+        self._counted_to = -1  # bytes before this position have been counted as invalid
         self._last_sequence: OrderedDict[Address, int] = OrderedDict()
 
     def feed(self, data: bytes) -> list[Frame]:
@@ -119,7 +119,7 @@ class FrameFinder:
                 next_v2 = end
             magic = min(next_v1, next_v2)
             if magic > at:
-                self._blame(at, magic)
+                self._count_invalid(at, magic)
                 at = magic
                 continue
             if self.wasted_checks >= last_look or len(found) >= most_frames:
@@ -129,11 +129,11 @@ class FrameFinder:
             run = _RUN_V2 if at == next_v2 else _RUN_V1
             if data.startswith(run, at) and (match := _run_of(data, at)) is not None:
                 begin, at = at, match.end() - len(run) + 1
-                self._blame(begin, at)
+                self._count_invalid(begin, at)
                 continue
             frame = read_frame(data, at)
             if frame is Flaw.UNKNOWN:
-                frame = self._believe(data, at)
+                frame = self._check(data, at)
             if isinstance(frame, Frame):
                 self._count(frame)
                 self.wasted_checks -= 1
@@ -152,11 +152,11 @@ class FrameFinder:
 
     def _end_datagram(self) -> None:
         """A truncated frame does not affect the next datagram."""
-        self._blamed_to = min(self._blamed_to, self._position)
+        self._counted_to = min(self._counted_to, self._position)
 
-    def _believe(self, data: bytes, at: int) -> Frame | Flaw:
+    def _check(self, data: bytes, at: int) -> Frame | Flaw:
         """A frame of an unknown message with a consistent structure."""
-        if self._position + at < self._blamed_to:
+        if self._position + at < self._counted_to:
             return Flaw.UNKNOWN
         frame = read_unknown(data, at)
         end = min(at + claimed_length(data, at), len(data))
@@ -192,17 +192,17 @@ class FrameFinder:
 
     def _refuse(self, flaw: Flaw, begin: int, end: int) -> None:
         """Count an invalid frame, unless its magic byte is within one already counted."""
-        if self._position + begin < self._blamed_to:
+        if self._position + begin < self._counted_to:
             return
         if flaw is Flaw.UNKNOWN:
             self.counters.unknown += 1
         else:
             self.counters.bad_frames += 1
             self.counters.bad_crc += flaw is Flaw.CRC
-        self._blamed_to = self._position + (begin + 1 if flaw is Flaw.HEADER else end)
+        self._counted_to = self._position + (begin + 1 if flaw is Flaw.HEADER else end)
 
-    def _blame(self, begin: int, end: int) -> None:
+    def _count_invalid(self, begin: int, end: int) -> None:
         """Count a run of bytes without a magic byte, unless it continues counted ones."""
-        if self._position + begin > self._blamed_to:
+        if self._position + begin > self._counted_to:
             self.counters.bad_frames += 1
-        self._blamed_to = max(self._blamed_to, self._position + end)
+        self._counted_to = max(self._counted_to, self._position + end)

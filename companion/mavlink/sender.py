@@ -129,7 +129,7 @@ class Sender(Transfer):
             super()._remind()
 
     def _expire(self, now_s: float) -> None:
-        """A partner that asked for the list, or has all items, is not told."""
+        """No message to a partner that asked for the list or has all items."""
         if self._unsent and not self._was_asked:
             super()._expire(now_s)
             return

@@ -1,41 +1,39 @@
-"""The mission transfer protocol: what `Sender` and `Receiver` have in common.
+"""The mission transfer protocol: common part of `Sender` and `Receiver`.
 
 Theory of operation
 -------------------
-A list (mission, fence or rally) goes from a sender to a receiver, which asks for each item:
+A sender transfers a list (mission, fence or rally) to a receiver, which requests each item:
 
     sender                      receiver
-                   ◄─ MISSION_REQUEST_LIST   only when the receiver begins, as in a download
+                   ◄─ MISSION_REQUEST_LIST   only if the receiver starts, as in a download
     MISSION_COUNT ─►
                    ◄─ MISSION_REQUEST_INT 0
     ITEM_INT 0 ───►
                    ◄─ MISSION_REQUEST_INT 1, and so on
                    ◄─ MISSION_ACK
 
-A boat receives uploads and sends downloads; a station has it the other way round. Both are the same machines.
+A boat receives uploads and sends downloads, a station the reverse, with the same machines.
 
-- Each side repeats its last message when nothing has come for `retry_s`, `retries` times, then gives up. Only
-  progress (an item not had before, an item not asked for before) starts the count anew.
-- The wire is untrusted. Before a message can do anything, it must name our system and component, and carry
-  our mission type. One transfer has one partner; another station that begins meanwhile is answered
-  MAV_MISSION_DENIED, whose definition is just that ("not accepting any mission commands from this
-  communication partner"), and disturbs nothing.
-- Either side ends a transfer at once by a MISSION_ACK that is not ACCEPTED. Errors are final (MAVLink guide,
+- Each side repeats its last message after `retry_s` without an answer, `retries` times, then gives up. Only
+  progress (a new item, or a request for a new item) resets the count.
+- Input is untrusted. A message is processed only if it addresses our system and component and has our mission
+  type. A transfer has one partner; another station that starts meanwhile gets MAV_MISSION_DENIED ("not
+  accepting any mission commands from this communication partner").
+- A MISSION_ACK that is not ACCEPTED ends a transfer on either side. Errors are final (MAVLink guide,
   "Errors/Completion"); repeated and skipped items are not errors.
-- Whole or not at all: a receiver hands its list over in one piece, as `Completed`, and stays in STORING until
-  its owner confirms that the list is safe. Only then is ACCEPTED sent. A sender believes ACCEPTED only after
-  every item has been asked for: one that comes sooner belongs to an earlier transfer.
-- MAVLink does not number transfers. An item that the network doubles and delivers into a later transfer of
-  the same partner cannot be told from that one's own; only reading the list back shows it.
-- The last MISSION_ACK may be lost. So a finished machine is SETTLED for a while: it remembers its partner and
-  answers a repeated last message the same way again. Stations in use do not repeat theirs (QGroundControl
-  gives up after 1.5 s, MAVSDK after 2.5 s), so on a line that has lost something in this very transfer a
-  receiver says its last word again by itself, twice, half a second apart, unless the partner's next word
-  shows that it has heard. On a good line it does not: a station that begins anew at once could take it for
-  the next transfer's.
+- Transfers are atomic: a receiver delivers the complete list as `Completed`, and stays in STORING until its
+  owner confirms that the list is stored. Only then it sends ACCEPTED. A sender ignores an ACCEPTED that comes
+  before every item was requested: it belongs to an earlier transfer.
+- MAVLink does not number transfers. An item that the network duplicates and delivers into a later transfer of
+  the same partner is not recognised; only reading the list back shows it.
+- The last MISSION_ACK may be lost. A finished machine is SETTLED for a while: it remembers its partner and
+  repeats its answer to a repeated last message. Common stations do not repeat theirs (QGroundControl gives up
+  after 1.5 s, MAVSDK after 2.5 s). If the line has lost a message in this transfer, a receiver repeats its
+  MISSION_ACK twice, half a second apart, unless the partner's next message shows that it arrived. On a good
+  line it does not: a station that starts again at once could take it for the next transfer's.
 
-The machines do no I/O and read no clock: `handle`, `tick`, `take_outbox`, `take_events`. A message that the
-table has no row for is counted as `ignored`; a call of ours that it has no row for is a LocalProtocolError.
+The machines do no I/O and read no clock: `handle`, `tick`, `take_outbox`, `take_events`. A message
+without a row in the table is counted as `ignored`; a call without one raises LocalProtocolError.
 """
 
 from dataclasses import dataclass

@@ -41,7 +41,7 @@ class _Record(Struct, frozen=True, forbid_unknown_fields=True):
 class TrackRecord:
     """Stores the trail of an armed boat, and restores it once there is a frame."""
 
-    __slots__ = ("_due_s", "_kept", "_laid", "_places", "_saving", "_sign", "_storage", "_trail", "loss")
+    __slots__ = ("_due_s", "_kept", "_places", "_points", "_saving", "_sign", "_storage", "_trail", "loss")
 
     def __init__(self, storage: Storage, trail: SailedTrack, cut_voyage: int | None) -> None:
         """cut_voyage: the voyage interrupted by a power cut, or None."""
@@ -51,7 +51,7 @@ class TrackRecord:
         self.loss = ""  # what of the stored track is lost, and what is in use instead
         if cut_voyage is not None:
             self._kept, self.loss = _load(storage, cut_voyage)
-        self._laid: list[Point] = []  # the points whose places are known,
+        self._points: list[Point] = []  # the points whose places are known,
         self._places: list[_Place] = []  # and these
         self._sign: tuple[int, Point | None] = (-1, None)
         self._due_s = -math.inf
@@ -104,14 +104,14 @@ class TrackRecord:
     def _placed(self, points: Sequence[Point], frame: LocalFrame) -> tuple[_Place, ...]:
         """Places of the points; only new ones are computed."""
         same = 0
-        for old, new in zip(self._laid, points, strict=False):
+        for old, new in zip(self._points, points, strict=False):
             if old is not new:
                 break
             same += 1
-        del self._laid[same:], self._places[same:]
+        del self._points[same:], self._places[same:]
         for point in points[same:]:
             place = frame.to_global(point)
-            self._laid.append(point)
+            self._points.append(point)
             self._places.append((deg_to_e7(place.lat_deg), deg_to_e7(place.lon_deg)))
         return tuple(self._places)
 

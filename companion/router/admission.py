@@ -47,18 +47,18 @@ def excess_links(links: Sequence[L], now_s: float) -> list[L]:
         return []
     proven = [link for link in links if link.standing is Standing.PROVEN]
     others = [link for link in links if link.standing is not Standing.PROVEN]
-    gone: list[L] = []
+    displaced: list[L] = []
     while len(others) > PLACES:
         rivals = others[:-1]
         lowest = min(link.standing for link in rivals)
-        gone.append(_from_largest_host([link for link in rivals if link.standing is lowest]))
-        others.remove(gone[-1])
+        displaced.append(_from_largest_host([link for link in rivals if link.standing is lowest]))
+        others.remove(displaced[-1])
     while len(proven) > PLACES:
         silent = min(proven, key=lambda link: link.heard_s)
         is_silent = now_s - silent.heard_s > SILENT_S
-        gone.append(silent if is_silent else _from_largest_host(proven[::-1]))
-        proven.remove(gone[-1])
-    return gone
+        displaced.append(silent if is_silent else _from_largest_host(proven[::-1]))
+        proven.remove(displaced[-1])
+    return displaced
 
 
 def _from_largest_host(links: Sequence[L]) -> L:

@@ -52,13 +52,13 @@ class Channel:
         "heard_s",
         "is_blocked",
         "is_noisy",
-        "kept_back",
         "link",
         "number",
         "policy",
         "refused",
         "tap",
         "wasted_before",
+        "withheld",
     )
 
     def __init__(self, number: int, link: Link, own: Address, policy: Policy = PLAIN) -> None:
@@ -70,7 +70,7 @@ class Channel:
         self.guard: Guard | None = None
         self.tap: Callable[[bytes], object] | None = None
         self.forwarded = 0  # of other channels' frames, sent by this one
-        self.kept_back = 0  # by allow, deny and rate caps, and for unverified peers
+        self.withheld = 0  # by allow, deny and rate caps, and for unverified peers
         self.refused = 0  # by the guard, in or out
         self.faults = 0  # messages that could not be packed: our defects, see the log
         self.is_blocked = False  # too much garbage: not read before the next tick
@@ -221,10 +221,10 @@ class Channel:
 
     def _emit(self, data: bytes, message_id: int, system: int, is_urgent: bool, now_s: float) -> None:
         if self._is_confidential and message_id != _HEARTBEAT:
-            self.kept_back += 1
+            self.withheld += 1
             return
         if self._filter is not None and not self._filter.passes(message_id, system, now_s):
-            self.kept_back += 1
+            self.withheld += 1
             return
         if self._room is not None:
             self._room.put(data, is_urgent, now_s)
@@ -245,7 +245,7 @@ class Channel:
                 return True
             frame = sealed
         if self._limit is not None and not self._may_spend(self._limit, frame):
-            self.kept_back += 1
+            self.withheld += 1
             return True
         if not self.link.send(frame):
             return False

@@ -83,17 +83,17 @@ class Channels:
             channel.link.close()
 
     def drop_closed(self) -> list[int]:
-        """Remove the channels whose far side is gone, and return their numbers."""
-        gone = [
+        """Remove the channels whose far side is closed, and return their numbers."""
+        closed = [
             number for number, channel in self.open.items() if channel.link.is_closed and not channel.has_more
         ]
-        for number in gone:
+        for number in closed:
             link = self.open.pop(number).link
             link.close()
             self.router.forget(number)
             self._has_changed()
             self._log(f"link {link.name} is down")
-        return gone
+        return closed
 
     def _log(self, text: str) -> None:
         """Log a line, rate-limited; the number of dropped lines is added to the next."""

@@ -32,12 +32,12 @@ class Policy:
         key: str = "links",
         baud: int = 0,
         is_loopback: bool = False,
-        hears_anybody: bool = False,
+        accepts_any_source: bool = False,
     ) -> None:
         """baud: of a serial line, which is a radio unless configured otherwise.
 
-        is_loopback: only reachable from this machine, so trusted with keys. hears_anybody: receives datagrams
-        from anywhere, with forgeable addresses.
+        is_loopback: only reachable from this machine, so trusted with keys. accepts_any_source: receives
+        datagrams from anywhere, with forgeable addresses.
         """
         self.setting = setting
         self.name = setting.name
@@ -45,7 +45,7 @@ class Policy:
         self.stream_hz = setting.stream_hz
         self.is_radio = setting.radio if setting.radio is not None else baud > 0
         self.is_trusted = setting.trusted if setting.trusted is not None else is_loopback
-        self._hears_anybody = hears_anybody
+        self._accepts_any_source = accepts_any_source
         self._local_networks = [_network(text, f"{key}.local_networks") for text in setting.local_networks]
         self.denied = _ids(setting.deny, f"{key}.deny")
         self.allowed = _ids(setting.allow, f"{key}.allow")
@@ -62,7 +62,7 @@ class Policy:
 
         The system drops external datagrams with a loopback address.
         """
-        if not self._hears_anybody:
+        if not self._accepts_any_source:
             return False
         address: IPv4Address | IPv6Address = ip_address(host)
         if isinstance(address, IPv6Address) and address.ipv4_mapped is not None:

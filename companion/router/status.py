@@ -10,7 +10,7 @@ class LinkStatus(Struct, frozen=True):
     """Statistics of one link since it opened. Rates are since the last report.
 
     bad: invalid places in the stream; lost: gaps in sequence numbers; dropped: not taken by the link in time;
-    kept_back: by allow, deny and rate caps, and for unverified peers; refused: by signing.
+    withheld: by allow, deny and rate caps, and for unverified peers; refused: by signing.
     """
 
     number: int
@@ -25,7 +25,7 @@ class LinkStatus(Struct, frozen=True):
     bad: int
     lost: int
     dropped: int
-    kept_back: int
+    withheld: int
     refused: int
     waiting_bytes: int
     in_bytes_s: float
@@ -86,7 +86,7 @@ class Reporter:
             bad=counters.bad_frames,
             lost=counters.lost,
             dropped=channel.dropped,
-            kept_back=channel.kept_back,
+            withheld=channel.withheld,
             refused=channel.refused,
             waiting_bytes=channel.waiting_bytes,
             in_bytes_s=rate * (counters.bytes_in - (before.bytes_in if before is not None else 0)),

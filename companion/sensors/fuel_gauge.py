@@ -19,12 +19,12 @@ _HYSTERESIS = 0.05
 class FuelGauge:
     """`percent`: shown value, −1 before the first reading; `consumed_mah`: counted charge."""
 
-    __slots__ = ("_begun_share", "_counter", "_last_s", "_sag", "_shown_share")
+    __slots__ = ("_counter", "_initial_share", "_last_s", "_sag", "_shown_share")
 
     def __init__(self) -> None:
         self._counter = ChargeCounter()
         self._sag = SagFilter()
-        self._begun_share: float | None = None
+        self._initial_share: float | None = None
         self._shown_share: float | None = None
         self._last_s = 0.0
 
@@ -42,10 +42,10 @@ class FuelGauge:
         """Add a reading. command: motor command at its time."""
         self._counter.add(reading)
         dt_s, self._last_s = max(reading.time_s - self._last_s, 0.0), reading.time_s
-        if self._begun_share is None:
-            self._begun_share = resting_share(reading.voltage_v / battery.cells)
+        if self._initial_share is None:
+            self._initial_share = resting_share(reading.voltage_v / battery.cells)
         if reading.current_a is not None:
-            share = max(self._begun_share - self.consumed_mah / battery.capacity_mah, 0.0)
+            share = max(self._initial_share - self.consumed_mah / battery.capacity_mah, 0.0)
         else:
             self._sag.update(reading.voltage_v, _loads(command), dt_s)
             share = resting_share(self._sag.open_circuit_v / battery.cells)
@@ -58,7 +58,7 @@ class FuelGauge:
         """Set the state of charge of another or recharged pack."""
         self._counter = ChargeCounter()
         self._sag = SagFilter()
-        self._begun_share = self._shown_share = share
+        self._initial_share = self._shown_share = share
 
 
 def _loads(command: MotorCommand) -> tuple[float, float]:

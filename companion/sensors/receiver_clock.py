@@ -29,12 +29,24 @@ AGREE: Final = 10  # in a row: 2 s at 5 Hz, 10 s at 1 Hz
 class ReceiverClock:
     """latency_s: shortest time from measurement to arrival."""
 
-    __slots__ = ("_before_s", "_latency_s", "_least_s", "_odd", "_odd_s", "_offset_s", "_since_s", "_told_s")
+    __slots__ = (
+        "_before_s",
+        "_last_time_of_day_s",
+        "_latency_s",
+        "_least_s",
+        "_offset_s",
+        "_outlier_s",
+        "_outliers",
+        "_since_s",
+    )
 
     def __init__(self, latency_s: float) -> None:
         self._latency_s = latency_s
-        self._told_s = math.nan
-        self._odd, self._odd_s = 0, 0.0  # how many fixes in a row were odd, and how late the latest of them
+        self._last_time_of_day_s = math.nan
+        self._outliers, self._outlier_s = (
+            0,
+            0.0,
+        )  # how many fixes in a row were odd, and how late the latest of them
         self._offset_s = self._since_s = math.nan
         self._least_s = self._before_s = math.inf
 
@@ -44,14 +56,16 @@ class ReceiverClock:
 
     def measured_s(self, time_of_day_s: float | None, arrival_s: float) -> float:
         """The boat's time of a measurement; without a usable time of day, the shortest delay is assumed."""
-        if time_of_day_s is None or time_of_day_s == self._told_s:  # a faulty receiver repeats its time
+        if (
+            time_of_day_s is None or time_of_day_s == self._last_time_of_day_s
+        ):  # a faulty receiver repeats its time
             return arrival_s - self._latency_s
-        self._told_s = time_of_day_s
+        self._last_time_of_day_s = time_of_day_s
         offset_s = arrival_s - time_of_day_s
         # How much later than by _offset_s, around midnight too
         late_s = (offset_s - self._offset_s + 0.5 * DAY_S) % DAY_S - 0.5 * DAY_S
         if self._is_other_clock(late_s):
-            self._offset_s, self._since_s, self._odd = offset_s, arrival_s, 0
+            self._offset_s, self._since_s, self._outliers = offset_s, arrival_s, 0
             self._least_s = self._before_s = math.inf
             late_s = 0.0
         least_s = min(self._least_s, self._before_s)
@@ -68,8 +82,10 @@ class ReceiverClock:
             return True
         least_s = min(self._least_s, self._before_s)
         if least_s - EARLIEST_S <= late_s <= least_s + LATE_S:
-            self._odd = 0  # number of consecutive outliers, and the delay of the latest
+            self._outliers = 0  # number of consecutive outliers, and the delay of the latest
             return False
-        self._odd = self._odd + 1 if self._odd and abs(late_s - self._odd_s) < SAME_S else 1
-        self._odd_s = late_s
-        return self._odd >= AGREE
+        self._outliers = (
+            self._outliers + 1 if self._outliers and abs(late_s - self._outlier_s) < SAME_S else 1
+        )
+        self._outlier_s = late_s
+        return self._outliers >= AGREE

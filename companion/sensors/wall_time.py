@@ -17,8 +17,8 @@ class WallTime:
         self._is_by_satellites = False
         self._dated: GnssFix | None = None
 
-    def update(self, fix: GnssFix | None, told_offset_s: float | None, *, is_fix_own: bool = True) -> None:
-        """Call every tick. told_offset_s: from a station, None if unknown. is_fix_own: not from MAVLink."""
+    def update(self, fix: GnssFix | None, station_offset_s: float | None, *, is_fix_own: bool = True) -> None:
+        """Call every tick. station_offset_s: None if unknown. is_fix_own: not from MAVLink."""
         if fix is self._dated and self._is_by_satellites:
             return
         self._dated = fix
@@ -26,8 +26,8 @@ class WallTime:
             self.offset_s, self._is_by_satellites = fix.unix_time_s - fix.time_s, True
             if is_fix_own:
                 self._own_offset_s = self.offset_s
-        elif told_offset_s is not None and not self._is_by_satellites:
-            self.offset_s = told_offset_s
+        elif station_offset_s is not None and not self._is_by_satellites:
+            self.offset_s = station_offset_s
 
     def unix_s(self, now_s: float) -> float:
         """Unix time at a time since boot, 0 if unknown."""

@@ -73,7 +73,7 @@ class AccessService:
         self._questions = questions
         self._outbox = outbox
         self._texts = texts
-        self._told_s: dict[int, float] = {}  # last report by system id
+        self._reported_s: dict[int, float] = {}  # last report by system id
 
     def refuses(self, message: Message, origin: Origin, now_s: float) -> bool:
         """Whether the sender is refused; the answer has then been sent."""
@@ -84,8 +84,8 @@ class AccessService:
         if origin.address.system == identity.system_id or not self._is_change(message):
             return False
         self._answer(message, origin)
-        if now_s - self._told_s.get(origin.address.system, -math.inf) >= _REPEAT_S:
-            self._told_s[origin.address.system] = now_s
+        if now_s - self._reported_s.get(origin.address.system, -math.inf) >= _REPEAT_S:
+            self._reported_s[origin.address.system] = now_s
             text = f"Station {origin.address.system} refused: not the operator (SYSID_ENFORCE)"
             self._texts.send([StatusText(Severity.WARNING, text)])
         return True

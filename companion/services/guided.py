@@ -77,7 +77,7 @@ class GuidedService:
     def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._texts = texts
-        self._told_s: dict[str, float] = {}  # last report by reason
+        self._reported_s: dict[str, float] = {}  # last report by reason
 
     def on_global_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_GLOBAL_INT."""
@@ -163,11 +163,11 @@ class GuidedService:
     def _tell(self, origin: Origin, reason: str, now_s: float) -> None:
         whom = f"{origin.address.system}/{origin.address.component}"
         text = f"Set-point of {whom} ignored: {reason}"
-        if now_s - self._told_s.get(text, -math.inf) < REPEAT_S:
+        if now_s - self._reported_s.get(text, -math.inf) < REPEAT_S:
             return
-        self._told_s = {one: at_s for one, at_s in self._told_s.items() if now_s - at_s < REPEAT_S}
-        if len(self._told_s) < _MOST_REASONS:
-            self._told_s[text] = now_s
+        self._reported_s = {one: at_s for one, at_s in self._reported_s.items() if now_s - at_s < REPEAT_S}
+        if len(self._reported_s) < _MOST_REASONS:
+            self._reported_s[text] = now_s
             self._texts.send([StatusText(Severity.WARNING, text)])
 
     @staticmethod

@@ -22,7 +22,7 @@ _NAMED_REASONS = 3  # of a refused file; others are counted
 class ParameterService:
     """Confirms a change once it is stored; lists are sent over several ticks.
 
-    A value that cannot be stored stays in use until the restart: it is confirmed, and the operator is told.
+    A value that cannot be stored stays in use until the restart: it is confirmed, and the operator is named.
     """
 
     def __init__(
@@ -99,10 +99,10 @@ class ParameterService:
             raise Refusal(Code.FAIL) from None
         reasons = self._parameters.set_many(values)
         self._answer()
-        told = reasons[:_NAMED_REASONS]
-        if len(reasons) > len(told):
-            told.append(f"{len(reasons) - len(told)} more parameters refused")
-        self._texts.send([StatusText(Severity.WARNING, reason) for reason in told])
+        named = reasons[:_NAMED_REASONS]
+        if len(reasons) > len(named):
+            named.append(f"{len(reasons) - len(named)} more parameters refused")
+        self._texts.send([StatusText(Severity.WARNING, reason) for reason in named])
 
     def forget(self, channel: int) -> None:
         """A channel has closed."""

@@ -116,7 +116,7 @@ class Occupancy:
 
     def forget(self, at: Point, reach_m: float, now_s: float) -> None:
         """Remove decayed cells, and those farther than reach_m from a place."""
-        gone = [
+        expired = [
             key
             for key, cell in self._cells.items()
             if abs(cell.north_m - at.north_m) > reach_m
@@ -124,9 +124,9 @@ class Occupancy:
             or abs(cell.evidence) <= (now_s - cell.seen_s) / self._fade_s
             or (cell.evidence < SOLID and now_s - cell.seen_s > _SECOND_LOOK_S)
         ]
-        for key in gone:
+        for key in expired:
             del self._cells[key]
-        self.version += bool(gone)
+        self.version += bool(expired)
 
     def _decayed(self, cell: Cell, now_s: float) -> float:
         leaked = (now_s - cell.seen_s) / self._fade_s

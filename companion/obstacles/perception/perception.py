@@ -124,9 +124,9 @@ class ObstaclePerception:
             self.tracks.add(beam, self.occupancy)
 
     def _is_noise(self, ping: SonarReading) -> bool:
-        was_babbling = self._noise.is_noisy
+        was_noisy = self._noise.is_noisy
         self._noise.update(ping.range_m, ping.max_range_m)
-        if self._noise.is_noisy and not was_babbling:
+        if self._noise.is_noisy and not was_noisy:
             self._forget()
         return self._noise.is_noisy
 

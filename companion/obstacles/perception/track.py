@@ -247,5 +247,5 @@ class Track:
         """Whether most of its past places were seen through."""
         places = [place for time_s, place in self._trail if now_s - time_s >= _LATELY_S]
         looks = [occupancy.evidence_at(place, now_s) for place in places]
-        gone = sum(1 for left in looks if left is not None and left <= 0.0)
-        return gone >= LEAST_GONE and 2 * gone > len(places)
+        contradicted = sum(1 for left in looks if left is not None and left <= 0.0)
+        return contradicted >= LEAST_GONE and 2 * contradicted > len(places)

@@ -200,13 +200,13 @@ class Avoidance:
 
     def _start_detour(self, scene: Scene) -> Intent | None:
         """The path is blocked: choose a side."""
-        told = self._history.last_side
+        previous_side = self._history.last_side
         detour = self._history.start_detour(
             scene.here, scene.goal(), scene.water, scene.sight_m, scene.margin_m
         )
         if detour is None:
             return self._block(scene)
-        if detour.side != told:
+        if detour.side != previous_side:
             self._notify(Severity.INFO, f"Obstacle: passing to {_name(detour.side)}")
         self._detour, self.stage = detour, Stage.ROUND
         return self._steer_detour(scene, detour)

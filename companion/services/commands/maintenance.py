@@ -61,7 +61,7 @@ class MaintenanceCommands:
         self._tell = tell
         self._send_later = send_later
         self._tester: Origin | None = None  # the station that requested the motor test
-        self._tester_heard_s = -math.inf
+        self._tester_seen_s = -math.inf
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_DO_CANCEL_MAG_CAL: lambda _: ACCEPTED,
             dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
@@ -106,7 +106,7 @@ class MaintenanceCommands:
     def on_message(self, origin: Origin, now_s: float) -> None:
         """Any message from a station."""
         if self._tester == origin:
-            self._tester_heard_s = now_s
+            self._tester_seen_s = now_s
 
     def forget(self, channel: int) -> None:
         """A channel has closed; a motor test requested on it ends."""
@@ -115,7 +115,7 @@ class MaintenanceCommands:
 
     def _watch_tester(self, now_s: float) -> None:
         """The station of a motor test must be present, with the operator's time-out."""
-        if now_s - self._tester_heard_s > self._vehicle.config.failsafe.gcs_timeout_s:
+        if now_s - self._tester_seen_s > self._vehicle.config.failsafe.gcs_timeout_s:
             self._end_test("its station is silent")
 
     def _end_test(self, why: str) -> None:
@@ -144,7 +144,7 @@ class MaintenanceCommands:
             TestedMotor(motor), share, duration_s, self._vehicle.status, command.now_s
         ):
             return self._report(FAILED, f"Motor test: {reason}")
-        self._tester, self._tester_heard_s = command.origin, command.now_s
+        self._tester, self._tester_seen_s = command.origin, command.now_s
         name = TestedMotor(motor).name.lower()
         return self._report(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
 

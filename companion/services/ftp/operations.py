@@ -33,13 +33,13 @@ class Operations:
         tree: FileTree,
         stations: Stations,
         later: Later,
-        let_go: Callable[[list[Session]], None],
+        release: Callable[[list[Session]], None],
         begin_burst: Callable[[Station, Request, Session], None],
     ) -> None:
         self._tree = tree
         self._stations = stations
         self._later = later
-        self._let_go = let_go
+        self._release = release
         self._begin_burst = begin_burst
         change = self._change
         self._table: dict[int, Callable[[Station, Request, float], Reply]] = {
@@ -151,14 +151,14 @@ class Operations:
 
     def _terminate(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         session = station.close(request.session)
-        self._let_go([session])
+        self._release([session])
         if (upload := session.upload) is None:
             return ack(request)
         return self._later(station, request, session.on_disk, upload.save, lambda _: ack(request))
 
     def _reset(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         sessions = [station.close(number) for number in list(station.sessions)]
-        self._let_go(sessions)
+        self._release(sessions)
         uploads = [(s.on_disk, s.upload) for s in sessions if s.upload is not None]
         # An unwritten upload may be a repeated request: it replaces nothing
         for_disk = [upload for is_disk, upload in uploads if is_disk and upload.is_written]

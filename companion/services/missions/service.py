@@ -64,7 +64,7 @@ class MissionService:
         self._outbox = outbox
         self._texts = texts
         self._clearing: _Clearing | None = None
-        self._current_said = 0
+        self._reported_seq = 0
         self._busy: list[MissionList] = []  # lists with a transfer or save in progress
         self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
         for one in self._lists.values():
@@ -126,7 +126,7 @@ class MissionService:
         if progress.reached:
             for seq in progress.take_reached():
                 self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
-        if progress.current_seq != self._current_said:
+        if progress.current_seq != self._reported_seq:
             self._send_current()
 
     def _tick_list(self, one: MissionList, now_s: float) -> None:
@@ -153,7 +153,7 @@ class MissionService:
                 self._after_receiver(one, now_s)
 
     def _send_current(self) -> None:
-        self._current_said = self._vehicle.progress.current_seq
+        self._reported_seq = self._vehicle.progress.current_seq
         self._outbox.broadcast(mission_current(self._vehicle))
 
     def _receive(self, one: MissionList, message: Message, origin: Origin, now_s: float) -> None:
@@ -204,7 +204,7 @@ class MissionService:
         if error := saving.error():
             one.drop()
             one.receiver.confirm(now_s, MissionResult.ERROR)
-            self._tell_not_stored(one, error)
+            self._report_not_stored(one, error)
         else:
             self._swap_in(one)
             one.receiver.confirm(now_s)
@@ -241,7 +241,7 @@ class MissionService:
         for one, saving in zip(self._lists.values(), clearing.savings, strict=True):
             if error := saving.error():
                 result = MissionResult.ERROR
-                self._tell_not_stored(one, error)
+                self._report_not_stored(one, error)
             else:
                 self._swap_in(one)
         self._acknowledge(clearing.origin, result, _ALL_TYPES)
@@ -286,7 +286,7 @@ class MissionService:
             dialect.MAVLink_mission_ack_message(address.system, address.component, result, mission_type),
         )
 
-    def _tell_not_stored(self, one: MissionList, error: str) -> None:
+    def _report_not_stored(self, one: MissionList, error: str) -> None:
         self._tell(Severity.ERROR, f"{_title(one)} not stored: {error}")
 
     def _tell(self, severity: int, text: str) -> None:

@@ -55,7 +55,7 @@ class AvailableModesService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._due_s = 0.0
-        self._said = vehicle.mode
+        self._reported = vehicle.mode
 
     def tick(self, now_s: float) -> None:
         """Send if due or changed."""
@@ -68,9 +68,9 @@ class AvailableModesService:
 
     def announce_change(self) -> None:
         """Send if the mode has changed."""
-        if self._vehicle.mode is not self._said:
+        if self._vehicle.mode is not self._reported:
             self._broadcast()
 
     def _broadcast(self) -> None:
-        self._said = self._vehicle.mode
+        self._reported = self._vehicle.mode
         self._outbox.broadcast(current_mode(self._vehicle))

@@ -28,7 +28,7 @@ class HeartbeatService:
         self._outbox = outbox
         self._motor_test = motor_test
         self._due_s = 0.0
-        self._said = (vehicle.mode, vehicle.armed)
+        self._reported = (vehicle.mode, vehicle.armed)
 
     @property
     def _is_armed(self) -> bool:
@@ -62,10 +62,10 @@ class HeartbeatService:
 
     def announce_change(self) -> None:
         """Send if mode or arming has changed."""
-        said, vehicle = self._said, self._vehicle
-        if vehicle.mode is not said[0] or self._is_armed is not said[1]:
+        reported, vehicle = self._reported, self._vehicle
+        if vehicle.mode is not reported[0] or self._is_armed is not reported[1]:
             self._broadcast()
 
     def _broadcast(self) -> None:
-        self._said = (self._vehicle.mode, self._is_armed)
+        self._reported = (self._vehicle.mode, self._is_armed)
         self._outbox.broadcast(self.message())

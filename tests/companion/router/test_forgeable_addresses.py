@@ -67,7 +67,7 @@ class OpenRig(Rig):
         super().__init__(storage=storage)
 
     def _build(self) -> Boat:
-        port = ConfiguredPort(self.port, Policy(self.setting, hears_anybody=True))
+        port = ConfiguredPort(self.port, Policy(self.setting, accepts_any_source=True))
         return Boat(self.config, self.hardware, [port], self.storage)
 
     def connect(self, address: Address = QGC, is_datagram: bool = True) -> MeteredPeer:

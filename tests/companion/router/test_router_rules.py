@@ -80,7 +80,7 @@ def test_what_is_denied_or_not_allowed_does_not_leave() -> None:
     list(channels.receive(0.0))
     assert names(denying) == ["HEARTBEAT"]
     assert names(allowing) == ["ATTITUDE"]
-    assert [channel.kept_back for channel in channels.open.values()] == [0, 1, 1]
+    assert [channel.withheld for channel in channels.open.values()] == [0, 1, 1]
 
 
 @given(st.floats(1.0, 50.0), st.floats(0.5, 20.0))
