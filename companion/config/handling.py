@@ -4,7 +4,7 @@ from companion.config.section import NonNegative, Positive, Section
 
 
 class Handling(Section, frozen=True):
-    """Figures of the hull, measured afloat. Defaults: a hull of one metre with two thrusters."""
+    """Figures of the hull, measured on the water. Defaults: a hull of one metre with two thrusters."""
 
     top_speed_m_s: Positive = 3.0  # through the water, at full throttle
     surge_time_s: Positive = 1.0  # delay from throttle to speed

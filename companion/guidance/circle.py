@@ -17,7 +17,7 @@ _MAX_LEAD_RAD = 1.0
 
 
 def circle_speed_m_s(circle: FollowCircle, config: BoatConfig) -> float:
-    """The requested speed, or what the centripetal acceleration v²/r allows if that is less."""
+    """The requested speed, or the limit of the centripetal acceleration v²/r if that is less."""
     setting = config.guidance
     allowed = math.sqrt(setting.corner_accel_m_s2 * circle.radius_m)
     return min(circle.speed_m_s, max(allowed, setting.min_speed_m_s))

@@ -21,7 +21,7 @@ HELD_S = 6.0  # at the shore
 # Least motion meanwhile; the estimated speed is unreliable, as thrust drives it
 HELD_M = 1.0
 HELD_RAD = 0.25
-STEERED = 1.0  # difference of the commands, of 2: it turns a boat afloat
+STEERED = 1.0  # difference of the commands, of 2: it turns a floating boat
 UNMET_M_S = 0.6  # expected speed over ground from thrust and current
 
 

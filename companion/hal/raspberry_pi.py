@@ -32,7 +32,7 @@ def import_optional(module: str, part: str) -> ModuleType:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise HardwareError(
             f"{part}: the Python module {module!r} does not load on this machine ({reason}); "
-            "install mavboat[pi] anew, or set the part's driver to none"
+            "reinstall mavboat[pi], or set the part's driver to none"
         ) from error
 
 

@@ -1,8 +1,8 @@
 """SMART_RTL's track on disk, so that it survives a power cut.
 
-It is written when the track has turned or grown: at most every ten seconds, and at most a kilobyte per second
-on average, which an SD card endures for years. After a power cut the end of the track is known to about 45 m
-at 2 m/s; from there to the boat a straight line is assumed.
+It is written when the track turns or grows: at most every ten seconds, and at most a kilobyte per second on
+average, which an SD card endures for years. After a power cut the end of the track is known to about 45 m at
+2 m/s; a straight line from there to the boat is assumed.
 """
 
 import logging
@@ -23,7 +23,7 @@ logger = logging.getLogger(__name__)
 FILE = "trail.json"
 SOONEST_S = 10.0
 BYTES_S = 1000.0
-ON_M = 25.0  # so far on from the last record is worth a new one, though the track has not turned
+ON_M = 25.0  # distance from the last record that is worth a new one without a turn
 
 _Place = tuple[
     Annotated[int, Meta(ge=-900_000_000, le=900_000_000)],
@@ -48,10 +48,10 @@ class TrackRecord:
         self._storage = storage
         self._trail = trail
         self._kept: tuple[_Place, ...] = ()
-        self.loss = ""  # what of the stored track is lost, and what is in use instead
+        self.loss = ""  # the lost part of the stored track, and its substitute
         if cut_voyage is not None:
             self._kept, self.loss = _load(storage, cut_voyage)
-        self._points: list[Point] = []  # the points whose places are known,
+        self._points: list[Point] = []  # points with known places,
         self._places: list[_Place] = []  # and these
         self._sign: tuple[int, Point | None] = (-1, None)
         self._due_s = -math.inf
@@ -79,7 +79,7 @@ class TrackRecord:
             if self._saving.error():
                 self._sign = (-1, None)
             self._saving = None
-        if now_s < self._due_s or not self._is_news():
+        if now_s < self._due_s or not self._has_changed():
             return
         trail = self._trail
         points = [] if trail.is_incomplete else [*trail.points]
@@ -94,7 +94,7 @@ class TrackRecord:
         """A new voyage: its first record is due at once."""
         self._due_s, self._sign = -math.inf, (-1, None)
 
-    def _is_news(self) -> bool:
+    def _has_changed(self) -> bool:
         trail, (count, end) = self._trail, self._sign
         if len(trail.points) != count or end is None:
             return len(trail.points) != count
@@ -127,5 +127,5 @@ def _load(storage: Storage, voyage: int) -> tuple[tuple[_Place, ...], str]:
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         logger.warning("%s ignored: %s", FILE, error)
         return (), f"{FILE} cannot be read, none is in use"
-    # Written before the voyage's own record, it may already be the next one's, which goes on with this
+    # Written before the voyage's own record, it may belong to the next voyage, which continues this one
     return record.places if record.voyage in (voyage, voyage + 1) else (), loss

@@ -1,6 +1,6 @@
-"""The voyage on disk, so that it can be resumed after a power loss.
+"""State of the voyage on disk, restored after a power cut.
 
-A record is written when mode, arming or item change, and now and then along a leg, off the control loop.
+A record is written when mode, arming or item change, and periodically along a leg, outside the control loop.
 """
 
 import hashlib
@@ -21,12 +21,12 @@ from companion.vehicle.mission.steps import Mission
 logger = logging.getLogger(__name__)
 
 FILE = "voyage.json"
-ALONG_M = 5.0  # along the leg: less is not worth a new record,
-ALONG_S = 10.0  # nor is it written more often than this
+ALONG_M = 5.0  # progress along the leg that is worth a new record,
+ALONG_S = 10.0  # at most this often
 
 
 class Voyage(Struct, frozen=True, forbid_unknown_fields=True):
-    """One record. plan: the mission's hash. number: of armings. Places: latitude and longitude in degrees."""
+    """One record. plan: hash of the mission. number: count of armings. Places: latitude, longitude in °."""
 
     plan: str
     mode: int
@@ -97,11 +97,11 @@ class VoyageRecord:
             dict(progress.jumps),
             number,
         )
-        if self._is_news(voyage, now_s):
+        if self._has_changed(voyage, now_s):
             self.voyage, self._saved_s = voyage, now_s
             self._saving = self._storage.save(FILE, msgspec.json.encode(voyage))
 
-    def _is_news(self, voyage: Voyage, now_s: float) -> bool:
+    def _has_changed(self, voyage: Voyage, now_s: float) -> bool:
         saved = self.voyage
         if saved is None:
             return True

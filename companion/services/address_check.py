@@ -2,7 +2,7 @@
 
 The question is a PING with a random number, which QGroundControl and MAVSDK return; it follows a heartbeat,
 as QGroundControl only answers known vehicles. Without an answer `AmplificationLimit` applies, and the
-operator is told once how to change that.
+operator gets one message how to change that.
 """
 
 import logging

@@ -67,7 +67,7 @@ _LOGS = (
     dialect.MAVLINK_MSG_ID_LOG_ERASE,
 )
 
-_UPKEEP_S = 0.1  # period of what is not urgent
+_SLOW_S = 0.1  # period of slow tasks
 
 _STEERING = frozenset(
     (
@@ -122,9 +122,9 @@ class Endpoint:
         self._telemetry = TelemetryService(self.outbox, take_snapshot, may_send)
         self._time = TimeService(self.outbox)
         self._addresses = AddressCheck(channels, self.outbox, self._texts)
-        tell = self._texts.send
+        send_texts = self._texts.send
         self._pose = ExternalPoseService(
-            external, vehicle, parameters, self.outbox, tell, self._time.to_own_clock
+            external, vehicle, parameters, self.outbox, send_texts, self._time.to_own_clock
         )
         self._listings = ParameterService(parameters, self.outbox, self._texts, vehicle.losses)
         self._commands = CommandService(
@@ -133,7 +133,7 @@ class Endpoint:
             self.outbox,
             motor_test,
             self._listings,
-            tell,
+            send_texts,
             self._pose,
             calibration,
             gauge,
@@ -284,10 +284,10 @@ class Endpoint:
         self._files.tick(now_s)
         self._logs.tick(now_s, load)
         if now_s >= self._upkeep_s:
-            self._upkeep_s = now_s + _UPKEEP_S
+            self._upkeep_s = now_s + _SLOW_S
             self._modes.tick(now_s)
             self._time.tick(now_s)
-            self._texts.tick(_UPKEEP_S)
+            self._texts.tick(_SLOW_S)
         if status_texts := self._vehicle.take_status_texts():
             self._texts.send(status_texts)
         self._telemetry.tick(now_s)

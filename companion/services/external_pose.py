@@ -17,7 +17,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.external import ExternalSensors, Use
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
-from companion.services.commands.vehicle import Tell
+from companion.services.commands.vehicle import SendTexts
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.motion_messages import global_origin
 from companion.vehicle.vehicle import Vehicle
@@ -49,7 +49,7 @@ class ExternalPoseService:
         vehicle: Vehicle,
         parameters: Parameters,
         outbox: Outbox,
-        tell: Tell,
+        send_texts: SendTexts,
         to_own_clock: ToOwnClock,
     ) -> None:
         self.dropped = 0
@@ -57,7 +57,7 @@ class ExternalPoseService:
         self._vehicle = vehicle
         self._parameters = parameters
         self._outbox = outbox
-        self._tell = tell
+        self._send_texts = send_texts
         self._to_own_clock = to_own_clock
         self._source: Address | None = None
         self._source_s = -math.inf
@@ -78,7 +78,7 @@ class ExternalPoseService:
     def set_origin(self, origin: LatLon) -> bool:
         """Set the origin of local poses. Refused once the boat has a frame: it would jump."""
         if self._vehicle.frame is not None:
-            self._tell([StatusText(Severity.WARNING, "Origin: already set, not moved")])
+            self._send_texts([StatusText(Severity.WARNING, "Origin: already set, not moved")])
             return False
         self._external.frame = LocalFrame(origin)
         self._outbox.broadcast(global_origin(origin))

@@ -98,7 +98,7 @@ class GuidedService:
             values += message.q
         is_nothing = len(values) > 2 and math.hypot(*message.q) < _SHORTEST_Q
         if not all(math.isfinite(v) for v in values) or abs(thrust) > 1.0 or is_nothing:
-            self._tell(origin, "a number is out of range", now_s)
+            self._notify(origin, "a number is out of range", now_s)
             return
         speed_m_s = thrust * top_speed_m_s(self._vehicle.config.speed)
         hold: Hold
@@ -125,15 +125,15 @@ class GuidedService:
         """
         nav, mask = self._vehicle.nav, message.type_mask
         if nav is None or self._vehicle.frame is None:
-            self._tell(origin, "no position yet", now_s)
+            self._notify(origin, "no position yet", now_s)
         elif message.coordinate_frame not in frames:
-            self._tell(origin, f"frame {message.coordinate_frame} is not supported", now_s)
+            self._notify(origin, f"frame {message.coordinate_frame} is not supported", now_s)
         elif mask & _NO_ACCELERATION != _NO_ACCELERATION:
-            self._tell(origin, "accelerations and forces are not supported", now_s)
+            self._notify(origin, "accelerations and forces are not supported", now_s)
         elif not mask & _NO_POSITION:
             self._go_to(message, locate(message, nav), origin, now_s)
         elif (hold := _motion(message, nav)) is None:
-            self._tell(origin, "neither position nor velocity nor yaw, or not a number", now_s)
+            self._notify(origin, "neither position nor velocity nor yaw, or not a number", now_s)
         else:
             self._hold(hold, origin, now_s)
 
@@ -143,11 +143,11 @@ class GuidedService:
         if not message.type_mask & _NO_VELOCITY:
             speed_m_s = math.hypot(message.vx, message.vy) or None
         if position is None or (speed_m_s is not None and not math.isfinite(speed_m_s)):
-            self._tell(origin, "a number is out of range", now_s)
+            self._notify(origin, "a number is out of range", now_s)
         elif not self._vehicle.is_guided:
-            self._tell(origin, "not in GUIDED", now_s)
+            self._notify(origin, "not in GUIDED", now_s)
         elif self._is_beyond_fence(position):
-            self._tell(origin, "outside the fence", now_s)
+            self._notify(origin, "outside the fence", now_s)
         else:
             self._vehicle.request(GoTo(position, speed_m_s))
 
@@ -158,9 +158,9 @@ class GuidedService:
     def _hold(self, hold: Hold, origin: Origin, now_s: float) -> None:
         outcome = self._vehicle.request(SetPoint(hold))
         if not outcome.accepted:
-            self._tell(origin, outcome.reason, now_s)
+            self._notify(origin, outcome.reason, now_s)
 
-    def _tell(self, origin: Origin, reason: str, now_s: float) -> None:
+    def _notify(self, origin: Origin, reason: str, now_s: float) -> None:
         whom = f"{origin.address.system}/{origin.address.component}"
         text = f"Set-point of {whom} ignored: {reason}"
         if now_s - self._reported_s.get(text, -math.inf) < REPEAT_S:

@@ -71,7 +71,7 @@ class ManualControlService:
             self._helm_s = -math.inf
 
     def _may_steer(self, origin: Origin, now_s: float) -> bool:
-        """Whether this station has control; it takes control if nobody has."""
+        """Whether this station has control; it takes control if no station has."""
         if origin == self._helm:
             self._helm_s = now_s
             return True

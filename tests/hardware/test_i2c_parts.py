@@ -258,5 +258,5 @@ def test_a_library_that_does_not_load_is_one_line_that_names_the_part_and_the_cu
         import_optional("moody_library", "BNO055")
     text = str(caught.value)
     assert text.startswith("BNO055: the Python module 'moody_library' does not load on this machine (")
-    assert text.endswith("install mavboat[pi] anew, or set the part's driver to none")
+    assert text.endswith("reinstall mavboat[pi], or set the part's driver to none")
     assert "\n" not in text

@@ -53,7 +53,7 @@ class Stage(IntEnum):
 
 
 class Avoidance:
-    """stage: what it does; safe_speed: the speed limits. Messages are appended to `status_texts`."""
+    """stage: present action; safe_speed: the speed limits. Messages are appended to `status_texts`."""
 
     __slots__ = (
         "_back_s",

@@ -6,7 +6,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
-from companion.services.commands.vehicle import Tell
+from companion.services.commands.vehicle import SendTexts
 from companion.vehicle.vehicle import Vehicle
 
 _FIRST_PACK = 1
@@ -15,10 +15,10 @@ _FIRST_PACK = 1
 class BatteryCommands:
     """Sets the fuel gauge and ends the battery failsafes."""
 
-    def __init__(self, vehicle: Vehicle, gauge: FuelGauge, tell: Tell) -> None:
+    def __init__(self, vehicle: Vehicle, gauge: FuelGauge, send_texts: SendTexts) -> None:
         self._vehicle = vehicle
         self._gauge = gauge
-        self._tell = tell
+        self._send_texts = send_texts
         self.table: dict[int, Callable[[Command], int]] = {dialect.MAV_CMD_BATTERY_RESET: self._reset}
 
     def _reset(self, command: Command) -> int:
@@ -35,5 +35,5 @@ class BatteryCommands:
         return self._report(ACCEPTED, Severity.NOTICE, f"Battery set to {percent:.0f} %")
 
     def _report(self, result: int, severity: int, text: str) -> int:
-        self._tell([StatusText(severity, text)])
+        self._send_texts([StatusText(severity, text)])
         return result

@@ -1,6 +1,6 @@
-"""Commands that start calibrations afloat: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters).
+"""Commands that start calibration runs: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters).
 
-Both answer IN_PROGRESS until the calibration has ended. Its findings become parameters.
+Both answer IN_PROGRESS until the run ends. Its results become parameters.
 """
 
 from collections.abc import Callable
@@ -17,30 +17,30 @@ from companion.services.commands.command import (
     REJECTED_FOR_NOW,
     Command,
 )
-from companion.services.commands.vehicle import Tell
+from companion.services.commands.vehicle import SendTexts
 from companion.services.parameters import ParameterService
 from companion.vehicle.vehicle import Vehicle
 
-_AXES = (0, 4)  # AUTOTUNE_AXIS: the usual one, yaw
+_AXES = (0, 4)  # AUTOTUNE_AXIS: default, yaw
 
 
 class CalibrationCommands:
-    """Starts calibrations, and stores their findings."""
+    """Starts runs and stores their results."""
 
     def __init__(
-        self, vehicle: Vehicle, runner: CalibrationRunner, parameters: ParameterService, tell: Tell
+        self, vehicle: Vehicle, runner: CalibrationRunner, parameters: ParameterService, send_texts: SendTexts
     ) -> None:
         self._vehicle = vehicle
         self._runner = runner
         self._parameters = parameters
-        self._tell = tell
+        self._send_texts = send_texts
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_DO_AUTOTUNE_ENABLE: self._tune_heading,
             dialect.MAV_CMD_USER_1: self._calibrate_thrusters,
         }
 
     def tick(self) -> int | None:
-        """The result of a calibration that has just ended, else None."""
+        """The result of a run that has just ended, else None."""
         result = self._runner.take_result()
         if result is None:
             return None
@@ -58,15 +58,15 @@ class CalibrationCommands:
         return ACCEPTED
 
     def progress_percent(self, now_s: float) -> int | None:
-        """Progress of the calibration under way, None without one."""
+        """Progress of a run, None without one."""
         return self._runner.progress_percent(now_s) if self._runner.is_running else None
 
     def _tune_heading(self, command: Command) -> int:
-        """param1 starts (1) or breaks off (0); param2: axes, 0 or 4 (yaw)."""
+        """param1: 1 starts, 0 aborts; param2: axes, 0 or 4 (yaw)."""
         return DENIED if command.whole(1) not in _AXES else self._start(HEADING, command, 0.0)
 
     def _calibrate_thrusters(self, command: Command) -> int:
-        """param1 starts (1) or breaks off (0); param2: radius in m, 0 the usual one."""
+        """param1: 1 starts, 0 aborts; param2: radius in m, 0 for the default."""
         radius_m = command.p[1]
         return self._start(THRUSTERS, command, radius_m) if 0.0 <= radius_m <= 10000.0 else DENIED
 
@@ -92,4 +92,4 @@ class CalibrationCommands:
         return IN_PROGRESS
 
     def _report(self, severity: int, text: str) -> None:
-        self._tell([StatusText(severity, text)])
+        self._send_texts([StatusText(severity, text)])

@@ -29,7 +29,7 @@ from companion.services.commands.command import (
 from companion.services.commands.faults import FaultCommands
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
-from companion.services.commands.vehicle import Tell, VehicleCommands
+from companion.services.commands.vehicle import SendTexts, VehicleCommands
 from companion.services.external_pose import ExternalPoseService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
@@ -62,7 +62,7 @@ class CommandService:
         outbox: Outbox,
         motor_test: MotorTest,
         parameters: ParameterService,
-        tell: Tell,
+        send_texts: SendTexts,
         pose: ExternalPoseService,
         calibration: CalibrationRunner,
         gauge: FuelGauge,
@@ -72,16 +72,16 @@ class CommandService:
         self._outbox = outbox
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
-        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, tell, self._send_later)
-        self._calibration = CalibrationCommands(vehicle, calibration, parameters, tell)
+        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, send_texts, self._send_later)
+        self._calibration = CalibrationCommands(vehicle, calibration, parameters, send_texts)
         self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
-            **BatteryCommands(vehicle, gauge, tell).table,
+            **BatteryCommands(vehicle, gauge, send_texts).table,
             **self._calibration.table,
-            **VehicleCommands(vehicle, parameters, tell).table,
-            **FaultCommands(faults, tell).table,
+            **VehicleCommands(vehicle, parameters, send_texts).table,
+            **FaultCommands(faults, send_texts).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
         self.questions = frozenset((*self._questions, *_HARMLESS))

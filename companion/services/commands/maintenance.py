@@ -21,7 +21,7 @@ from companion.services.commands.command import (
     SendLater,
 )
 from companion.services.commands.gyro_calibration import GyroCalibration
-from companion.services.commands.vehicle import Tell
+from companion.services.commands.vehicle import SendTexts
 from companion.services.outbox import Origin
 from companion.services.parameters import ParameterService
 from companion.vehicle.vehicle import Vehicle
@@ -49,7 +49,7 @@ class MaintenanceCommands:
         vehicle: Vehicle,
         motor_test: MotorTest,
         parameters: ParameterService,
-        tell: Tell,
+        send_texts: SendTexts,
         send_later: SendLater,
     ) -> None:
         self.restart_due_s = math.inf
@@ -58,7 +58,7 @@ class MaintenanceCommands:
         self._vehicle = vehicle
         self._motor_test = motor_test
         self._parameters = parameters
-        self._tell = tell
+        self._send_texts = send_texts
         self._send_later = send_later
         self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_seen_s = -math.inf
@@ -120,10 +120,10 @@ class MaintenanceCommands:
 
     def _end_test(self, why: str) -> None:
         self._motor_test.stop()
-        self._tell([StatusText(Severity.WARNING, f"Motor test: ended, {why}")])
+        self._send_texts([StatusText(Severity.WARNING, f"Motor test: ended, {why}")])
 
     def _report(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
-        self._tell([StatusText(severity, text)])
+        self._send_texts([StatusText(severity, text)])
         return result
 
     def _has_no(self, part: str) -> int:

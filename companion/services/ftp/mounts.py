@@ -21,7 +21,7 @@ class InlineExecutor(Executor):
     """Runs jobs at once: for a boat without a disk, and for tests."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
-        """Do it; what it raises is the future's."""
+        """Run the job; its exceptions go to the future."""
         future: Future[Any] = Future()
         try:
             future.set_result(fn(*args, **kwargs))

@@ -127,7 +127,7 @@ class Operations:
 
         def load() -> bytes:
             if session.burst is not None:
-                return reading.fetch(offset, count)  # a gap behind a burst, whose part stays at hand
+                return reading.fetch(offset, count)  # a gap after a burst, still cached
             reading.load(offset)
             return reading.read(offset, count)
 

@@ -44,7 +44,7 @@ class _Job(NamedTuple):
     then: Callable[[Any], bytes]
 
     def reply(self) -> bytes:
-        """The reply, once the work is done. Raises what the work raised."""
+        """The reply when the work is done. Re-raises its exceptions."""
         return self.then(self.future.result(timeout=0))
 
 

@@ -29,7 +29,7 @@ from companion.vehicle.mission.steps import (
 HIGHEST_M = 83_000.0  # ArduPilot's limit: 24 bits of centimetres
 _LOCAL_SCALE = 1e-4  # x and y of a local frame are in tenths of a millimetre
 
-# Camera, mount and markers are skipped, and the operator is told
+# Camera, mount and markers are skipped, with a report to the operator
 IGNORED = frozenset(
     {
         dialect.MAV_CMD_DO_LAND_START,
@@ -92,7 +92,7 @@ def check_jumps(steps: Sequence[Step]) -> ItemFault | None:
 
 
 def global_position(item: MissionItem) -> LatLon | ItemFault:
-    """The global position of an item, or what is wrong with it."""
+    """The global position of an item, or the reason why it is invalid."""
     if item.frame not in GLOBAL_FRAMES:
         return ItemFault(MissionResult.UNSUPPORTED_FRAME, f"frame {item.frame} is not a global frame")
     if item.x == 0 and item.y == 0:

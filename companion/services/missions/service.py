@@ -185,14 +185,14 @@ class MissionService:
             if isinstance(event, Completed):
                 self._store(one, event, now_s)
             elif isinstance(event, Failed):
-                self._tell(Severity.WARNING, f"{_title(one)} upload failed: {event.text}")
+                self._notify(Severity.WARNING, f"{_title(one)} upload failed: {event.text}")
         self._post(one.receiver, one.upload_channel)
 
     def _store(self, one: MissionList, completed: Completed, now_s: float) -> None:
         fault = one.store(completed)
         if fault is not None:
             one.receiver.confirm(now_s, fault.result)
-            self._tell(Severity.WARNING, f"{_title(one)} refused: {fault.text}")
+            self._notify(Severity.WARNING, f"{_title(one)} refused: {fault.text}")
             return
         self._finish_saving(one, now_s)
 
@@ -224,7 +224,7 @@ class MissionService:
         if skipped:
             what = command_name(one.entries[skipped[0]].item.command)
             more = f", and {len(skipped) - 1} more" if len(skipped) > 1 else ""
-            self._tell(Severity.WARNING, f"Mission: item {skipped[0]}, {what}, is ignored{more}")
+            self._notify(Severity.WARNING, f"Mission: item {skipped[0]}, {what}, is ignored{more}")
 
     def _clear_all(self, origin: Origin) -> None:
         if self._clearing is not None or any(one.receiver.partner for one in self._lists.values()):
@@ -287,9 +287,9 @@ class MissionService:
         )
 
     def _report_not_stored(self, one: MissionList, error: str) -> None:
-        self._tell(Severity.ERROR, f"{_title(one)} not stored: {error}")
+        self._notify(Severity.ERROR, f"{_title(one)} not stored: {error}")
 
-    def _tell(self, severity: int, text: str) -> None:
+    def _notify(self, severity: int, text: str) -> None:
         self._texts.send([StatusText(severity, text)])
 
 
