@@ -16,40 +16,25 @@ class MemoryLink:
     __slots__ = (
         "_arrived",
         "_has_ended",
-        "_host",
         "_is_closed",
-        "_is_datagram",
-        "_name",
         "_peer",
         "_queue_frames",
+        "host",
+        "is_datagram",
+        "name",
     )
 
     def __init__(
         self, name: str, is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES, host: str = ""
     ) -> None:
-        self._name = name
-        self._host = host
-        self._is_datagram = is_datagram
+        self.name = name
+        self.host = host
+        self.is_datagram = is_datagram
         self._queue_frames = queue_frames
         self._arrived: deque[bytes] = deque()
         self._peer: MemoryLink | None = None
         self._has_ended = False
         self._is_closed = False
-
-    @property
-    def name(self) -> str:
-        """As given."""
-        return self._name
-
-    @property
-    def host(self) -> str:
-        """As given."""
-        return self._host
-
-    @property
-    def is_datagram(self) -> bool:
-        """As given."""
-        return self._is_datagram
 
     @property
     def is_closed(self) -> bool:
@@ -98,15 +83,10 @@ class MemoryPort:
     """Satisfies `companion.hal.interfaces.Port` for links added with `offer`."""
 
     def __init__(self, *links: Link, name: str = "memory") -> None:
-        self._name = name
+        self.name = name
         self._is_closed = False
         self._offered: list[Link] = list(links)
         self._links: list[Link] = []
-
-    @property
-    def name(self) -> str:
-        """As given."""
-        return self._name
 
     def offer(self, link: Link) -> None:
         """Add a link for the next `accept`; a closed port closes it."""

@@ -54,16 +54,11 @@ class SerialPort:
         self._baud = baud
         self._now = now
         self._queue_bytes = queue_bytes
-        self._name = f"serial:{device}:{baud}"
+        self.name = f"serial:{device}:{baud}"
         self._backoff = Backoff(longest_s=2.0)
         self._is_closed = False
         self._link = self._open()
         self._fresh: list[Link] = [self._link]
-
-    @property
-    def name(self) -> str:
-        """The url."""
-        return self._name
 
     def accept(self) -> list[Link]:
         """The first link, and a new one after each reconnection."""
@@ -106,9 +101,9 @@ class SerialPort:
             if line is not None:
                 with contextlib.suppress(OSError):
                     line.close()
-            raise LinkError(f"{self._name}: {self._reason(error)}") from None
+            raise LinkError(f"{self.name}: {self._reason(error)}") from None
         self._backoff.succeeded()
-        return StreamLink(self._name, descriptor, line.close, self._queue_bytes)
+        return StreamLink(self.name, descriptor, line.close, self._queue_bytes)
 
     def _set_up(self, line: serial.Serial) -> int:
         descriptor: int = line.fileno()

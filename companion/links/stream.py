@@ -18,13 +18,13 @@ class StreamLink:
 
     __slots__ = (
         "_descriptor",
-        "_host",
         "_is_broken",
-        "_name",
         "_pending",
         "_queue_bytes",
         "_release",
         "dropped_frames",
+        "host",
+        "name",
     )
 
     def __init__(
@@ -35,24 +35,14 @@ class StreamLink:
         queue_bytes: int,
         host: str = "",
     ) -> None:
-        self._name = name
-        self._host = host
+        self.name = name
+        self.host = host
         self._descriptor = descriptor
         self._release = release
         self._queue_bytes = queue_bytes
         self._pending = bytearray()
         self._is_broken = False  # sending failed; received data may still be read
         self.dropped_frames = 0
-
-    @property
-    def name(self) -> str:
-        """The far end."""
-        return self._name
-
-    @property
-    def host(self) -> str:
-        """Numeric address of the far side, empty on a serial line."""
-        return self._host
 
     @property
     def is_datagram(self) -> bool:

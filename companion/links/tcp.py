@@ -41,15 +41,10 @@ class TcpInPort:
             self._socket.close()
             where = show(host, port)
             raise LinkError(f"tcpin:{where}: cannot listen on {where}: {error.strerror}") from None
-        self._name = f"tcpin:{show(host, self._socket.getsockname()[1])}"
+        self.name = f"tcpin:{show(host, self._socket.getsockname()[1])}"
         self._max_clients = max_clients
         self._queue_bytes = queue_bytes
         self._links: list[StreamLink] = []
-
-    @property
-    def name(self) -> str:
-        """The url with the real port."""
-        return self._name
 
     def accept(self) -> list[Link]:
         """Links to the clients connected since the last call."""
@@ -93,7 +88,7 @@ class TcpOutPort:
         self, host: str, port: int, now: Callable[[], float], queue_bytes: int = _QUEUE_BYTES
     ) -> None:
         self._address = resolve("tcpout", host, port)
-        self._name = f"tcpout:{show(host, port)}"
+        self.name = f"tcpout:{show(host, port)}"
         self._now = now
         self._queue_bytes = queue_bytes
         self._backoff = Backoff()
@@ -101,11 +96,6 @@ class TcpOutPort:
         self._give_up_s = 0.0
         self._link: StreamLink | None = None
         self._is_closed = False
-
-    @property
-    def name(self) -> str:
-        """The url."""
-        return self._name
 
     def accept(self) -> list[Link]:
         """A new link for each connection."""

@@ -35,14 +35,9 @@ class UdpOutPort:
 
     def __init__(self, host: str, port: int) -> None:
         address = resolve("udpout", host, port)
-        self._name = f"udpout:{show(host, port)}"
-        self._link = _UdpOutLink(self._name, address)
+        self.name = f"udpout:{show(host, port)}"
+        self._link = _UdpOutLink(self.name, address)
         self._fresh: list[Link] = [self._link]
-
-    @property
-    def name(self) -> str:
-        """The url."""
-        return self._name
 
     @property
     def source_port(self) -> int:
@@ -164,7 +159,7 @@ class UdpInPort:
             self._socket.close()
             where = show(host, port)
             raise LinkError(f"udpin:{where}: cannot listen on {where}: {error.strerror}") from None
-        self._name = f"udpin:{show(host, self._socket.getsockname()[1])}"
+        self.name = f"udpin:{show(host, self._socket.getsockname()[1])}"
         self._now = now
         self._idle_s = idle_s
         self._max_peers = max_peers
@@ -172,11 +167,6 @@ class UdpInPort:
         self._peers: dict[object, _UdpPeer] = {}
         self._fresh: list[Link] = []
         self.refused_datagrams = 0
-
-    @property
-    def name(self) -> str:
-        """The url with the real port."""
-        return self._name
 
     def accept(self) -> list[Link]:
         """Links to new peers; idle ones are closed."""
