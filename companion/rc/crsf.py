@@ -1,7 +1,7 @@
-"""CRSF, which TBS Crossfire and ExpressLRS receivers talk: 420,000 baud, 8N1, not inverted.
+"""CRSF, the protocol of TBS Crossfire and ExpressLRS receivers: 420,000 baud, 8N1, not inverted.
 
-A frame: 0xC8, the number of bytes to come, a type, the payload, and a CRC-8 over type and payload (polynomial
-0xD5, as in DVB-S2). Source: the protocol's description by its working group (github.com/crsf-wg/crsf, wiki).
+A frame: 0xC8, the number of bytes that follow, a type, the payload, and a CRC-8 over type and payload
+(polynomial 0xD5, as in DVB-S2). Source: the description by its working group (github.com/crsf-wg/crsf, wiki).
 """
 
 from typing import Final
@@ -11,7 +11,7 @@ from companion.sensors.readings import RcReading
 
 BAUD: Final = 420_000
 _SYNC: Final = 0xC8
-_SHORTEST, _LONGEST = 2, 62  # of what the length byte may say: type and CRC, the longest frame is 64 bytes
+_SHORTEST, _LONGEST = 2, 62  # valid length bytes: type and CRC alone; a frame of 64 bytes
 _CHANNELS: Final = 0x16
 _STATISTICS: Final = 0x14
 _STATISTICS_BYTES: Final = 10
@@ -40,7 +40,7 @@ def crc8(data: bytes) -> int:
 
 
 class CrsfParser(RcParser):
-    """Channels, with the quality that the link statistics last gave. A link of quality 0 is the failsafe."""
+    """Channels, with the link quality of the latest statistics. A quality of 0 is the failsafe."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -57,23 +57,24 @@ class CrsfParser(RcParser):
         return length + 2 if _SHORTEST <= length <= _LONGEST else 0
 
     def _is_whole(self, frame: bytes) -> bool:
-        return crc8(frame[2:]) == 0  # a CRC over itself leaves nothing
+        return crc8(frame[2:]) == 0  # a CRC over data and CRC is 0
 
     def _reading(self, frame: bytes, time_s: float) -> RcReading | None:
         kind, payload = frame[2], frame[3:-1]
         if kind == _CHANNELS and len(payload) == PACKED_BYTES:
             self._channels_us = unpack_channels(payload)
         elif kind == _STATISTICS and len(payload) >= _STATISTICS_BYTES:
-            if not self._take_statistics(payload):
+            if not self._ingest_statistics(payload):
                 return None
         else:
             return None
         lost = self._quality == 0.0
         return RcReading(time_s, self._channels_us, lost, self._quality, self._rssi_dbm)
 
-    def _take_statistics(self, payload: bytes) -> bool:
-        """The up-link, transmitter to boat: signal of both antennas in −dBm, quality in percent, and which of
-        the antennas is in use. Whether they are news by themselves: the transmitter is gone.
+    def _ingest_statistics(self, payload: bytes) -> bool:
+        """Read the up-link's statistics: signal of both antennas in −dBm, quality in percent, active antenna.
+
+        Whether the transmitter is lost.
         """
         self._quality = min(payload[2], 100) / 100.0
         signal = payload[1] if payload[4] == 1 else payload[0]

@@ -1,10 +1,9 @@
-"""FlySky's iBUS, the servo output: 115,200 baud, 8N1, 32 bytes every 7 ms.
+"""FlySky iBUS, servo output: 115,200 baud, 8N1, 32 bytes every 7 ms.
 
-0x20, 0x40, fourteen channels of two bytes in µs, low byte first, and 0xFFFF less the sum of all bytes before.
-Newer receivers put channels 15 to 18 into the upper four bits of the first twelve, three a channel. Sources:
-blog.dsp.id.au/posts/2017/10/22/flysky-ibus-protocol, and receivers on the bench of their many users. There is
-no flag for a lost transmitter: receivers fall silent, or go on with the pulses that were set for that case,
-which is what FS_THR_VALUE is for.
+0x20, 0x40, fourteen channels of two bytes in µs, little-endian, and 0xFFFF minus the sum of all bytes so far.
+Newer receivers put channels 15 to 18 into the upper four bits of the first twelve, three words a channel.
+Source: blog.dsp.id.au/posts/2017/10/22/flysky-ibus-protocol. There is no flag for a lost transmitter: the
+receiver stops sending, or sends the pulses configured for that case, which FS_THR_VALUE detects.
 """
 
 from typing import Final
@@ -19,7 +18,7 @@ _CHANNELS: Final = 14
 
 
 class IbusParser(RcParser):
-    """Channels, and nothing else: quality and signal are not known."""
+    """Channels only: quality and signal are unknown."""
 
     def _size(self, held: bytes, at: int) -> int:
         if held[at] != _SIZE or (at + 1 < len(held) and held[at + 1] != _COMMAND):

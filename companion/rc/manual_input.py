@@ -1,7 +1,6 @@
-"""The operator's hand: what the sticks ask for in MANUAL, ACRO, STEERING and SIMPLE.
+"""Manual input: the sticks of a ground station and of the RC transmitter.
 
-There may be two pairs, a station's and a transmitter's. As with ArduPilot Rover's overrides the station's go
-first for as long as they are fresh.
+As with ArduPilot Rover's overrides, the station's have priority while they are fresh.
 """
 
 import math
@@ -10,19 +9,16 @@ from companion.config.boat_config import BoatConfig, Speed
 from companion.core.requests import ManualControl
 from companion.rc.rc_input import RcInput
 
-_MIN_THROTTLE = 0.05  # a cruise throttle below this is not a measured one
+_MIN_THROTTLE = 0.05  # a smaller cruise throttle was not measured
 
 
 def top_speed_m_s(setting: Speed) -> float:
-    """What full throttle gives in still water, by the feed-forward's straight line."""
+    """The speed of full throttle in still water, by the linear feed-forward."""
     return setting.max_throttle * setting.cruise_m_s / max(setting.cruise_throttle, _MIN_THROTTLE)
 
 
 class ManualInput:
-    """Remembers where they are, since when, and which way SIMPLE's stick points.
-
-    latest: the station's; rc: the transmitter's.
-    """
+    """latest: the station's sticks; rc: the transmitter's."""
 
     __slots__ = ("_at_s", "_is_held", "latest", "rc")
 
@@ -33,33 +29,33 @@ class ManualInput:
         self._is_held = False
 
     def ingest(self, sticks: ManualControl, now_s: float) -> None:
-        """A station's have been moved, or are still held."""
+        """Take the sticks of a station."""
         self.latest, self._at_s = sticks, now_s
         self._is_held = True
 
     def release(self) -> None:
-        """No station holds any."""
+        """The station has released its sticks."""
         self._at_s = -math.inf
         self._is_held = False
 
     def stop_watching(self) -> None:
-        """They do not steer now: nobody is missed should they fall silent."""
+        """The sticks do not steer: their silence is no fault."""
         self._is_held = False
 
     def is_lost(self, config: BoatConfig, now_s: float) -> bool:
-        """Whether a station has held them to steer, and nobody does any longer."""
+        """Whether a station steered by its sticks, and all sticks are stale."""
         return self._is_held and not self.is_fresh(config, now_s)
 
     def has_station(self, config: BoatConfig, now_s: float) -> bool:
-        """Whether a station holds any."""
+        """Whether a station's sticks are fresh."""
         return now_s - self._at_s <= config.failsafe.manual_timeout_s
 
     def is_fresh(self, config: BoatConfig, now_s: float) -> bool:
-        """Whether somebody holds any."""
+        """Whether any sticks are fresh."""
         return self.has_station(config, now_s) or self.rc.is_fresh(config.rc, now_s)
 
     def throttle_and_steering(self, config: BoatConfig, now_s: float) -> tuple[float, float]:
-        """Throttle and steering as they are obeyed; at rest where nobody holds them."""
+        """The effective throttle and steering; 0 without fresh sticks."""
         radio = self.rc
         throttle, steering = 0.0, 0.0
         if radio.is_fresh(config.rc, now_s):

@@ -1,4 +1,4 @@
-"""Whether a receiver talks nonsense: no hand throws most of the channels about from one frame to the next."""
+"""Detects a noisy RC receiver: most channels jump from one frame to the next, which no hand does."""
 
 from typing import Final
 
@@ -11,7 +11,7 @@ _SELDOM: Final = 0.1
 
 
 class RcNoise:
-    """leaps: this frame is not to be believed, whatever the others were like."""
+    """leaps: the latest frame alone is implausible."""
 
     __slots__ = ("_channels_us", "_often", "leaps")
 
@@ -22,11 +22,11 @@ class RcNoise:
 
     @property
     def is_noisy(self) -> bool:
-        """Whether no frame is to be believed."""
+        """Whether implausible frames are so frequent that none is used."""
         return self._often.is_often
 
     def update(self, channels_us: tuple[int, ...]) -> None:
-        """Take the next frame."""
+        """Check the next frame."""
         before_us, self._channels_us = self._channels_us, channels_us
         moved = 0
         for now_us, then_us in zip(channels_us, before_us, strict=False):

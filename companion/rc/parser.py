@@ -1,4 +1,4 @@
-"""What the receivers' serial protocols have in common: frames in a stream of bytes. Pure; never raises."""
+"""Framing shared by the receivers' serial protocols. Pure; never raises."""
 
 from typing import Final
 
@@ -11,10 +11,10 @@ _PULSES_US: Final = tuple(1500 + round(0.625 * (value - 992)) for value in range
 
 
 class RcParser:
-    """Cuts a stream into frames, whatever is between them; each protocol says what a frame looks like.
+    """Splits a byte stream into frames. Each protocol defines size, checksum and content.
 
-    A frame that turns out to be none costs its first byte only, so the next one is found within it. No more
-    than the longest frame is ever held. frames: those that were good; skipped: bytes that belonged to none.
+    After a bad frame, the search continues at its second byte. At most one frame is buffered. frames: count
+    of good ones; skipped: count of bytes outside them.
     """
 
     def __init__(self) -> None:
@@ -23,7 +23,7 @@ class RcParser:
         self._held = b""
 
     def feed(self, data: bytes, time_s: float) -> RcReading | None:
-        """Take what has come; the latest reading in it, None where no frame has been completed."""
+        """Parse more bytes. The latest reading in them, None without a complete frame."""
         held = self._held + data
         at, end = 0, len(held)
         latest: RcReading | None = None
@@ -42,25 +42,24 @@ class RcParser:
         return latest
 
     def forget(self) -> None:
-        """Drop half a frame: the line was cut."""
+        """Drop a partial frame: the line was interrupted."""
         self._held = b""
 
     def _size(self, held: bytes, at: int) -> int:
-        """How long the frame is that may begin here, or how many bytes it takes to tell; 0 if none does."""
+        """Length of the frame that may start here, or of what decides it; 0 if none starts here."""
         raise NotImplementedError
 
     def _is_whole(self, frame: bytes) -> bool:
-        """Whether its checksum, or what there is instead, is right."""
+        """Whether the frame's checksum is right."""
         raise NotImplementedError
 
     def _reading(self, frame: bytes, time_s: float) -> RcReading | None:
-        """What a good frame says; None if it says nothing of the channels."""
+        """The reading of a good frame; None without channels."""
         raise NotImplementedError
 
 
 def unpack_channels(packed: bytes) -> tuple[int, ...]:
-    """Sixteen channels of 11 bits, the lowest bit first, as CRSF and S.BUS have them: 172 is 988 µs, 992 the
-    centre, 1811 is 2012 µs.
+    """Sixteen channels of 11 bits, lowest bit first, as in CRSF and S.BUS: 172 is 988 µs, 992 is 1500 µs.
 
     packed: PACKED_BYTES bytes.
     """

@@ -1,25 +1,25 @@
-"""What a channel's pulse means: a stick's deflection, the position of a switch."""
+"""Converts a channel's pulse to a stick deflection or a switch position."""
 
 from typing import Final
 
 from companion.config.rc import RcChannel
 
-SHORTEST_US: Final = 800  # a pulse outside these two is none
+SHORTEST_US: Final = 800  # shorter or longer is no valid pulse
 LONGEST_US: Final = 2200
 LOW, MIDDLE, HIGH = 0, 1, 2
 _LOW_US, _HIGH_US = 1200, 1800
-_MODE_US: Final = (1231, 1361, 1491, 1621, 1750)  # where the second to the sixth position begin
+_MODE_US: Final = (1231, 1361, 1491, 1621, 1750)  # lower bounds of the second to sixth position
 
 
 def is_pulse(pulse_us: int) -> bool:
-    """Whether a receiver can mean this."""
+    """Whether the pulse is valid."""
     return SHORTEST_US <= pulse_us <= LONGEST_US
 
 
 def deflection(pulse_us: int, channel: RcChannel, dead_us: int) -> float:
-    """A stick's deflection from its trim, −1..1, with dead_us to either side of it that count as none.
+    """A stick's deflection from its trim, −1..1, with a dead zone of dead_us on either side.
 
-    A throttle that does not go astern has its trim at its minimum.
+    A throttle without reverse has its trim at its minimum.
     """
     off_us = pulse_us - channel.trim_us
     span_us = (channel.max_us - channel.trim_us if off_us > 0 else channel.trim_us - channel.min_us) - dead_us
@@ -36,7 +36,7 @@ def switch_position(pulse_us: int) -> int:
 
 
 def mode_position(pulse_us: int) -> int:
-    """Which of the six positions of a mode switch this is, 0 to 5, by ArduPilot's bands."""
+    """The position of a mode switch, 0 to 5, by ArduPilot's bands."""
     position = 0
     for begins_us in _MODE_US:
         position += pulse_us >= begins_us

@@ -1,4 +1,4 @@
-"""The transmitter in the operator's hand, by what its receiver says: its sticks, and whether it is there."""
+"""The RC receiver's state: the transmitter's sticks, and whether it is received."""
 
 import math
 
@@ -7,15 +7,15 @@ from companion.rc.noise import RcNoise
 from companion.rc.pulses import deflection, is_pulse
 from companion.sensors.readings import RcReading
 
-_AT_REST = 0.05  # a throttle nearer to its trim is low enough to arm
+_AT_REST = 0.05  # a smaller throttle is low enough to arm
 
 
 class RcInput:
-    """steering and throttle, −1..1, are those of the last good frame.
+    """steering and throttle, −1..1: of the latest good frame.
 
-    latest: the last frame, good or bad. is_heard: there has been a good one since boot; before that nobody is
-    missed. is_fitted: there is a receiver aboard. calibrated_until_s: a station has every stick and switch
-    moved to its ends until then, which is not to arm the boat.
+    latest: the latest frame, good or bad. is_heard: there has been a good one since boot; without one, its
+    absence is no fault. is_fitted: there is a receiver on board. calibrated_until_s: a station calibrates
+    sticks and switches until then, and the boat does not arm.
     """
 
     __slots__ = (
@@ -42,7 +42,7 @@ class RcInput:
         self._fault = ""  # of the last frame
 
     def ingest(self, reading: RcReading, setting: Rc) -> bool:
-        """Take the next frame; whether it is a good one."""
+        """Take the next frame. Whether it is good."""
         self.latest = reading
         self._noise.update(reading.channels_us)
         self._fault = self._fault_of(reading, setting)
@@ -75,11 +75,11 @@ class RcInput:
         return ""
 
     def is_fresh(self, setting: Rc, now_s: float) -> bool:
-        """Whether the sticks are where they are said to be."""
+        """Whether the latest good frame is recent."""
         return now_s - self._good_s <= setting.timeout_s
 
     def fault(self, setting: Rc, now_s: float) -> str:
-        """Why a transmitter that was there is no longer; empty while it is, or has never been."""
+        """Why a transmitter that was received no longer is; empty if it is, or never was."""
         if not self.is_heard or self.is_fresh(setting, now_s):
             return ""
         return self._fault or "the receiver is silent"

@@ -1,10 +1,10 @@
-"""Futaba's S.BUS: 100,000 baud, 8E2, inverted (the line needs an inverter), 25 bytes every 7 to 14 ms.
+"""Futaba S.BUS: 100,000 baud, 8E2, inverted (the line needs an inverter), 25 bytes every 7 to 14 ms.
 
-0x0F, sixteen channels of 11 bits, a byte of flags (1 and 2 are two more channels, 4 the frame was lost on the
-air, 8 the failsafe is on), and an end byte: 0, or in S.BUS2 one whose lower half is 4. Sources: the protocol
-as its users have measured it (os.mbed.com/users/Digixx/notebook/futaba-s-bus-controlled-by-mbed,
-digitalwire.ch/de/projekte/futaba-sbus). There is no checksum, and a 0x0F within a frame looks like a
-beginning, so the first frame is looked for after a pause on the line only, and the others right behind it.
+0x0F, sixteen channels of 11 bits, a byte of flags (1 and 2: two more channels, 4: frame lost on the air,
+8: failsafe active), and an end byte: 0, or in S.BUS2 one whose lower half is 4. Sources: measurements by
+users (os.mbed.com/users/Digixx/notebook/futaba-s-bus-controlled-by-mbed,
+digitalwire.ch/de/projekte/futaba-sbus). There is no checksum, and a 0x0F within a frame looks like a start
+byte, so the first frame is expected after a pause on the line only, and the others right behind it.
 """
 
 import math
@@ -14,19 +14,19 @@ from companion.rc.parser import PACKED_BYTES, RcParser, unpack_channels
 from companion.sensors.readings import RcReading
 
 BAUD: Final = 100_000
-PAUSE_S: Final = 0.002  # bytes of one frame follow each other within 0.12 ms, frames are 4 ms apart or more
+PAUSE_S: Final = 0.002  # bytes of a frame are 0.12 ms apart, frames at least 4 ms
 _SIZE: Final = 25
 _BEGIN: Final = 0x0F
 _FLAGS: Final = 1 + PACKED_BYTES
 _CHANNEL_17, _CHANNEL_18, _LOST, _FAILSAFE = 1, 2, 4, 8
 _SWITCH_US: Final = (1000, 2000)  # channels 17 and 18 are on or off
-_SHARE: Final = 1.0 / 50.0  # of a frame in the running mean of those that arrive on the air
+_SHARE: Final = 1.0 / 50.0  # weight of a frame in the running mean of frames received
 
 
 class SbusParser(RcParser):
-    """Channels, the failsafe's flag, and how many frames arrive as the quality.
+    """Channels, the failsafe flag, and the share of frames received as the quality.
 
-    A frame that was lost on the air repeats the channels of the one before: it is no reading.
+    A frame lost on the air repeats the channels of the one before, and is no reading.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class SbusParser(RcParser):
         self._heard_s = -math.inf
 
     def feed(self, data: bytes, time_s: float) -> RcReading | None:
-        """Take what has come; the latest reading in it, None where no frame has been completed."""
+        """Parse more bytes. The latest reading in them, None without a complete frame."""
         pause_s, self._heard_s = time_s - self._heard_s, time_s
         if not self._is_in_step:
             if pause_s >= PAUSE_S:

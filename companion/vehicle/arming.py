@@ -39,9 +39,9 @@ def sensor_faults(
     fix: GnssFix | None,
     battery: BatteryReading | None,
 ) -> list[str]:
-    """Reasons not to arm, worst first, in words for the operator; empty when all is well.
+    """What the sensors lack for arming, worst first.
 
-    MANUAL and HOLD need no position, so they arm without one; the compass must answer in every mode.
+    MANUAL and HOLD arm without a position. Every mode needs a compass.
     """
     if not setting.check:
         return []
@@ -61,9 +61,9 @@ def sensor_faults(
 
 
 def rc_fault(sticks: ManualInput, config: BoatConfig, now_s: float) -> str:
-    """Why the boat should not be armed with the transmitter as it is; empty when all is well.
+    """Why the transmitter's state prevents arming; empty when it does not.
 
-    A transmitter that has never been heard keeps nobody from arming, nor does one while a station steers.
+    A transmitter that was never received does not, nor does any while a station steers.
     """
     radio = sticks.rc
     if now_s < radio.calibrated_until_s:
@@ -76,18 +76,18 @@ def rc_fault(sticks: ManualInput, config: BoatConfig, now_s: float) -> str:
 
 
 class PreArmReport:
-    """What keeps a disarmed boat from arming: told when it is found, and again every repeat_s."""
+    """Reports the arming faults of a disarmed boat: when they appear, and again every repeat_s."""
 
-    FIRST_S = 5.0  # since boot: receiver and compass need a moment
-    LOOK_S = 1.0
+    FIRST_S = 5.0  # since boot: receiver and compass start up
+    CHECK_S = 1.0
 
     def __init__(self) -> None:
-        self._look_s = self.FIRST_S
+        self._check_s = self.FIRST_S
 
     def update(self, faults: Callable[[], list[str]], now_s: float, repeat_s: float) -> list[str]:
-        """What to say now. `faults` is asked no more often than once in LOOK_S."""
-        if now_s < self._look_s:
+        """What to report now. Calls `faults` at most once in CHECK_S."""
+        if now_s < self._check_s:
             return []
         found = faults()
-        self._look_s = now_s + (repeat_s if found else self.LOOK_S)
+        self._check_s = now_s + (repeat_s if found else self.CHECK_S)
         return found

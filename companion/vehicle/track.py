@@ -1,9 +1,9 @@
-"""The track that the boat has sailed since it was armed, in few points: SMART_RTL's way home.
+"""The sailed track since arming, in few points: SMART_RTL's way home.
 
-A point is kept only where the track leaves a straight line: from the last point kept, a sector is narrowed by
-every position, so that any line within it passes all of them within the accuracy (J. Williams, "An efficient
+A point is kept only where the track leaves a straight line: from the last kept point, every position narrows
+a sector, so that any line within it passes all of them within the accuracy (J. Williams, "An efficient
 algorithm for the piecewise linear approximation of planar curves", Computer Graphics and Image Processing 8,
-1978). Where the track meets itself, the loop between is cut off.
+1978). Where the track crosses itself, the loop is removed.
 """
 
 import math
@@ -12,28 +12,25 @@ from collections.abc import Sequence
 from companion.core.geo import Line, Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
 
-MOST_POINTS = 5000  # of any setting
-TAKEN_UP_M = 100.0  # a boat that is armed further from where its track was cut has been carried there
-_STEP_SHARE = 0.25  # of the accuracy: smaller movements are not looked at
+MOST_POINTS = 5000  # upper limit of SRTL_POINTS
+CONTINUES_WITHIN_M = 100.0  # a boat armed further from the end of its stored track was carried there
+_STEP_SHARE = 0.25  # of the accuracy: smaller movements are ignored
 
 
 class SailedTrack:
-    """Points from where the boat was armed to where it turned last. Never more than max_points."""
+    """Points from where the boat was armed to where it last turned. Never more than max_points."""
 
     def __init__(self) -> None:
         self.points: list[Point] = []
-        self.is_incomplete = False  # there were more points than fit: the way home is not known whole
-        self.is_restored = False  # it is from before a power cut, and the next arming goes on with it
+        self.is_incomplete = False  # there were more points than allowed
+        self.is_restored = False  # from storage, after a power loss; the next arming continues it
         self.latest: Point | None = None
         self._axis_rad: float | None = None
         self._left_rad = self._right_rad = 0.0  # the sector, seen from its axis
         self._reach_m = 0.0
 
     def restart(self, at: Point | None) -> None:
-        """Forget everything; the way home ends here, or where the first position will be.
-
-        Where a track was cut near here, go on with that instead.
-        """
+        """Start a new track, here or at the first position; or continue a restored one that ends near."""
         if at is None or not self.continues_from(at):
             self.points = []
         self.is_restored = self.is_incomplete = False
@@ -42,21 +39,21 @@ class SailedTrack:
         self.resume_at(at)
 
     def restore(self, points: Sequence[Point]) -> None:
-        """The track up to a power cut, oldest first, its last point where the boat was then."""
+        """Use a stored track, oldest point first."""
         self.points = list(points)
         self.is_restored, self.is_incomplete = bool(points), False
         self.resume_at(points[-1] if points else None)
 
     def continues_from(self, at: Point) -> bool:
-        """Whether this is a track that was cut, near enough for the boat not to have been carried."""
-        return self.is_restored and distance_m(self.points[-1], at) <= TAKEN_UP_M
+        """Whether this is a restored track that ends near a point."""
+        return self.is_restored and distance_m(self.points[-1], at) <= CONTINUES_WITHIN_M
 
     def resume_at(self, at: Point | None) -> None:
-        """Go on recording here, after some of the track was sailed back."""
+        """Continue recording here, after part of the track was sailed back."""
         self.latest, self._axis_rad = at, None
 
     def add(self, at: Point, accuracy_m: float, max_points: int) -> None:
-        """The boat is here now. accuracy_m: how far a position may be from the points' line."""
+        """Record a position. accuracy_m: how far a position may lie off the kept line."""
         latest = self.latest
         if latest is None or not self.points:
             self.points.append(at)
@@ -76,7 +73,7 @@ class SailedTrack:
         self.latest = at
 
     def _narrow(self, at: Point, accuracy_m: float) -> bool:
-        """Whether a straight line from the last point kept to here still passes every position between."""
+        """Whether a straight line from the last kept point to here passes every position between."""
         anchor = self.points[-1]
         away_m = distance_m(anchor, at)
         if away_m <= accuracy_m:
@@ -94,7 +91,7 @@ class SailedTrack:
         return True
 
     def _keep(self, at: Point, accuracy_m: float) -> None:
-        """Keep a point, and cut off the loop that it closes."""
+        """Keep a point, and remove the loop that it closes."""
         came_from = self.points[-1]
         for index in range(len(self.points) - 2):
             before, after = self.points[index], self.points[index + 1]
@@ -108,14 +105,14 @@ class SailedTrack:
 
 
 def _distance_m(line: Line, at: Point) -> float:
-    """From a point to the nearest of a line between its ends."""
+    """Distance from a point to a line segment."""
     along_m, cross_m = line.along_and_cross_track_m(at)
     beyond_m = max(-along_m, along_m - line.length_m, 0.0)
     return math.hypot(beyond_m, cross_m)
 
 
 def _crossing(one: Line, other: Line) -> Point | None:
-    """Where two lines cross between their ends."""
+    """The intersection of two line segments."""
     start_m, start_off_m = one.along_and_cross_track_m(other.start)
     end_m, end_off_m = one.along_and_cross_track_m(other.end)
     if start_off_m * end_off_m >= 0.0:

@@ -14,7 +14,7 @@ from companion.mavlink.dialect import dialect
 from companion.persistence.storage import MemoryStorage, Saving
 from companion.persistence.track_record import FILE, TrackRecord
 from companion.persistence.voyage_record import FILE as VOYAGE
-from companion.vehicle.track import TAKEN_UP_M, SailedTrack
+from companion.vehicle.track import CONTINUES_WITHIN_M, SailedTrack
 
 SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
 
@@ -137,7 +137,7 @@ def test_another_voyage_s_track_is_not_taken_for_this_one_s() -> None:
 def test_a_boat_that_was_carried_elsewhere_begins_a_new_track() -> None:
     trail = SailedTrack()
     trail.restore([Point(0.0, 0.0), Point(50.0, 0.0)])
-    there = Point(50.0, TAKEN_UP_M + 1.0)
+    there = Point(50.0, CONTINUES_WITHIN_M + 1.0)
     assert not trail.continues_from(there)
     trail.restart(there)
     assert trail.points == [there]
