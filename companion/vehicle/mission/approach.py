@@ -1,9 +1,8 @@
-"""The way onto a mission: round what lies between the boat, wherever it has got to, and the next waypoint.
+"""The route from the boat's position onto the mission, round the fence's lines.
 
-A plan says nothing of the first leg but its end. While the boat was told what to do, the water has carried it
-off the place that was planned from, and the straight way from there may lead onto a shore that the planned
-one kept clear of. So such a leg is held against the fence, and where it comes too near, the boat gets to its
-end by the water, as RTL does.
+A plan contains only the end of its first leg. The boat may have drifted from where the plan starts, and the
+straight line from there may cross a shore that the plan avoids. Such a leg is checked against the fence. If
+it comes too near, the boat follows a route by the water to its end, as RTL does.
 """
 
 from companion.config.boat_config import BoatConfig
@@ -18,34 +17,34 @@ from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.return_route import ReturnRoute
 
-_HURRIES = 3  # at a look, while the boat waits
+_GRID_STEPS = 3  # of the grid a tick, while the boat waits
 _FIELD_STEPS = 4
-_CAST_OFF = 2.0  # clearances: within that the boat may leave a berth that has less
+_CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it within this distance
 
 
 class Approach:
-    """Says in `notices` that it goes round, or that it cannot."""
+    """Replaces the first leg where it is not clear, and tells the operator."""
 
-    __slots__ = ("_fence", "_field", "_judged", "_route", "_station", "_status_texts", "_way")
+    __slots__ = ("_checked", "_fence", "_field", "_route", "_station", "_status_texts", "_way")
 
     def __init__(self, fence: Fence, route: ReturnRoute, status_texts: list[StatusText]) -> None:
-        """route: whose grid is used for this field, too."""
+        """route: its grid is used for this field, too."""
         self._fence = fence
         self._route = route
         self._status_texts = status_texts
-        self._judged: Leg | None = None
-        self._station: KeepStation | None = None  # until it is known how to get there
+        self._checked: Leg | None = None
+        self._station: KeepStation | None = None  # while the route is not known
         self._field: DistanceField | None = None
         self._way: WaterRoute | None = None
 
     def update(self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig) -> Intent:
-        """What to sail instead of the mission's own intent, mostly that itself."""
+        """The intent in place of the mission's; usually the same."""
         leg = progress.loose_leg
         if leg is None or not isinstance(intent, FollowLeg):
-            self._judged = None
+            self._checked = None
             return intent
-        if leg is not self._judged:
-            self._judged, self._field, self._way = leg, None, None
+        if leg is not self._checked:
+            self._checked, self._field, self._way = leg, None, None
             needs_way = self._fence.is_active and not self._is_open(nav.point, leg.end, config)
             self._station = KeepStation(nav.point) if needs_way else None
         if self._station is not None and not self._find(nav.point, leg.end, config):
@@ -59,7 +58,7 @@ class Approach:
         return way.leg.intent(intent.speed_m_s)
 
     def _is_open(self, here: Point, end: Point, config: BoatConfig) -> bool:
-        """Whether the straight way is as clear as ways by the water are."""
+        """Whether the straight line keeps the same clearance as a route by the water."""
         fence, clearance_m = self._fence, self._route.clearance_m(config)
         margin_m, length_m = fence.margin_m(here), distance_m(here, end)
         if margin_m >= clearance_m or length_m <= _CAST_OFF * clearance_m:
@@ -72,10 +71,10 @@ class Approach:
         return is_clear(fence, here, off, clearance_m) and is_clear(fence, off, end, clearance_m)
 
     def _find(self, here: Point, end: Point, config: BoatConfig) -> bool:
-        """Whether it is known by now how to get there, or that there is no way but the straight one."""
+        """Whether the route is known, or that there is none but the straight line."""
         field = self._field
         if field is None:
-            for _ in range(_HURRIES):
+            for _ in range(_GRID_STEPS):
                 self._route.advance_field()
             grid = self._route.grid
             if grid is None:

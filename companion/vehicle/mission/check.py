@@ -1,4 +1,4 @@
-"""Whether the mission keeps inside the fence: looked through a few items at a time, so that no tick waits."""
+"""Checks the mission against the fence, a few items a tick."""
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.status_text import Severity, StatusText
@@ -9,10 +9,10 @@ _ITEMS_A_TICK = 10
 
 
 class MissionCheck:
-    """fault: what is wrong with the mission, in words, as far as it has been looked through; "" if nothing.
+    """fault: the first fault found so far, for the operator; empty without one.
 
-    The first leg, from wherever the boat will be (`approach.py` sees to that one), and places that are given
-    from where a leg begins, cannot be judged beforehand.
+    Places relative to the start of a leg cannot be checked beforehand, nor can the first leg, which
+    `approach.py` checks.
     """
 
     __slots__ = ("_before", "_frame", "_mission", "_seq", "_status_texts", "_version", "fault")
@@ -23,11 +23,11 @@ class MissionCheck:
         self._mission: Mission = ()
         self._frame: LocalFrame | None = None
         self._version = 0  # of the fence
-        self._seq = 0  # to be looked at next
+        self._seq = 0  # the next item to check
         self._before: Point | None = None
 
     def advance(self, mission: Mission, fence: Fence, frame: LocalFrame) -> None:
-        """Look at the next items; from the first again where mission or fence have changed."""
+        """Check the next items; from the first one again if mission or fence have changed."""
         if self._mission is not mission or self._version != fence.version or self._frame is not frame:
             self._mission, self._version, self._frame = mission, fence.version, frame
             self._seq, self._before, self.fault = 0, None, ""

@@ -1,4 +1,4 @@
-"""What is to be done behind a condition: it waits, and is dropped if the leg ends first."""
+"""Conditional commands: they wait for a condition, and are dropped if the leg ends first."""
 
 from collections import deque
 
@@ -7,7 +7,7 @@ from companion.vehicle.mission.steps import AfterDelay, Condition, Done, WithinD
 
 
 class ConditionalCommand:
-    """In the order of the mission, a condition first. since_s: when the first of them began to count."""
+    """The waiting steps in order, a condition first. since_s: when the first one became active."""
 
     __slots__ = ("_since_s", "_steps")
 
@@ -17,27 +17,27 @@ class ConditionalCommand:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing waits."""
+        """Whether no step waits."""
         return not self._steps
 
     def wait_for(self, condition: Condition, now_s: float) -> None:
-        """What comes next waits for this."""
+        """Let the steps that follow wait for a condition."""
         if not self._steps:
             self._since_s = now_s
         self._steps.append(condition)
 
     def holds_back(self, step: Done) -> bool:
-        """Whether this has to wait too; it does behind anything that waits."""
+        """Whether a step must wait, too: it does behind any other that waits."""
         if self._steps:
             self._steps.append(step)
         return bool(self._steps)
 
     def clear(self) -> None:
-        """They never happen."""
+        """Drop all waiting steps."""
         self._steps.clear()
 
     def take_due(self, at: Point, leg_end: Point | None, now_s: float) -> list[Done]:
-        """What is to be done now, up to the next condition that does not hold yet.
+        """The steps due now, up to the next condition that is not met.
 
         leg_end: where the boat is under way to; None: it has come there.
         """

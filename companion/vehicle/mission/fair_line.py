@@ -1,10 +1,9 @@
-"""A fair line through waypoints that lie close together: the shortest that passes near each of them in turn.
+"""Straightens close waypoints: the shortest line that passes near each of them in turn.
 
-Each waypoint has a gate, across the way that leads through it, and the line is the shortest through all gates
-in order: a string pulled through them (the funnel algorithm of D. T. Lee and F. P. Preparata, "Euclidean
-shortest paths in the presence of rectilinear barriers", *Networks* 14, 1984). Zigzags from cell to cell of a
-grid become straight. Between two gates the line is as near to the leg between their waypoints as it is at
-the gates, so it is nowhere further from the plan than half a gate's width.
+Each waypoint has a gate across the path through it, and the line is the shortest through all gates in order,
+by the funnel algorithm (D. T. Lee and F. P. Preparata, "Euclidean shortest paths in the presence of
+rectilinear barriers", *Networks* 14, 1984). Zigzags along the cells of a grid become straight. The line is
+nowhere further from the plan than half a gate's width.
 """
 
 import math
@@ -16,9 +15,9 @@ from companion.core.geo import Line, Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
 
 SHIFT_SHARE = 0.45  # of a waypoint's radius: half the width of its gate, unless gates would meet
-SHORT_RADII = 3.0  # of a waypoint: legs up to there are short
-SHARP_RAD = math.radians(100.0)  # a waypoint with more of a turn is kept where it is
-GENTLE_RAD = math.radians(30.0)  # and one with less in a bend that goes on the same way, which is no zigzag
+SHORT_RADII = 3.0  # waypoint radii: legs up to this length are short
+SHARP_RAD = math.radians(100.0)  # a waypoint with a sharper turn is passed exactly
+GENTLE_RAD = math.radians(30.0)  # so is one with a smaller turn in a steady bend
 STRAIGHT_RAD = math.radians(3.0)
 BACK_SHARE = 0.5  # of a waypoint's radius: one that is reached and left again this near to another, or this
 END_SHARE = 0.95  # near to the first place, is passed there; as is the last but one, this near to the last
@@ -26,7 +25,7 @@ _LEVEL_M2 = 1e-12
 
 
 class Gate(NamedTuple):
-    """port and starboard end, the same where the line leads through the waypoint itself."""
+    """Port and starboard end; equal where the line must pass the waypoint exactly."""
 
     port: Point
     starboard: Point
@@ -51,12 +50,12 @@ def fair_line(places: Sequence[Point], radii_m: Sequence[float]) -> list[tuple[P
 
 
 def is_short(leg_m: float, radius_m: float) -> bool:
-    """Whether a leg is too short for its waypoint to be sailed as a corner of its own."""
+    """Whether a leg is too short for a corner at its end."""
     return leg_m <= SHORT_RADII * radius_m
 
 
 def _kept(places: Sequence[Point], radii_m: Sequence[float]) -> list[int]:
-    """Those of the places that the line has to be led by."""
+    """The places that the line must pass."""
     kept, last = [0], len(places) - 1
     for n in range(1, last):
         before, at, after = places[kept[-1]], places[n], places[n + 1]
@@ -70,7 +69,7 @@ def _kept(places: Sequence[Point], radii_m: Sequence[float]) -> list[int]:
 
 
 def _gate(leg: Line, next_leg: Line, turn: float, around: tuple[float, float], radius_m: float) -> Gate:
-    """Of the waypoint between two legs. turn: there; around: at the waypoints before and after it."""
+    """The gate between two legs. turn: there; around: turns at the waypoints before and after it."""
     at, size = leg.end, abs(turn)
     goes_on = turn * around[0] > -STRAIGHT_RAD * size and turn * around[1] > -STRAIGHT_RAD * size
     is_bend = STRAIGHT_RAD < size < GENTLE_RAD and goes_on
@@ -83,7 +82,7 @@ def _gate(leg: Line, next_leg: Line, turn: float, around: tuple[float, float], r
 
 
 def _pull(start: Point, gates: Sequence[Gate]) -> list[tuple[Point, int]]:
-    """Where the shortest line through the gates bends, each with its gate; the last gate's end is its end."""
+    """The corners of the shortest line through the gates, each with its gate."""
     corners: list[tuple[Point, int]] = []
     apex = port = starboard = start
     port_at = starboard_at = at = 0
@@ -113,6 +112,6 @@ def _pull(start: Point, gates: Sequence[Gate]) -> list[tuple[Point, int]]:
 
 
 def _side_m2(start: Point, end: Point, at: Point) -> float:
-    """Twice the area of the triangle: positive where `at` lies to starboard of the way from start to end."""
+    """Twice the triangle's area, positive if `at` lies to starboard of the line from start to end."""
     north, east = end.north_m - start.north_m, end.east_m - start.east_m
     return north * (at.east_m - start.east_m) - east * (at.north_m - start.north_m)

@@ -1,4 +1,4 @@
-"""Items at which the boat is held up: it waits, turns on the spot, or hands the helm to another program."""
+"""Items at which the boat stops: it waits, turns on the spot, or lets another program steer."""
 
 import math
 
@@ -11,11 +11,11 @@ from companion.vehicle.mission.steps import HandOver, LimitHandOver, Turn, Wait
 Halting = Wait | Turn | HandOver
 
 _TURNED_RAD = math.radians(5.0)
-_TURN_LIMIT_S = 30.0  # a boat that the wind will not let turn goes on
+_TURN_LIMIT_S = 30.0  # then the mission continues, turned or not
 
 
 class HoldItem:
-    """The one of now. limit: how long and how far another program may steer."""
+    """The current one. limit: how long and how far another program may steer."""
 
     __slots__ = ("_since_s", "_station", "_turn_to_rad", "limit")
 
@@ -26,7 +26,7 @@ class HoldItem:
         self._turn_to_rad = 0.0
 
     def begin(self, step: Halting, nav: NavState, station: Point | None, now_s: float) -> Point | None:
-        """The boat has come to it. station: where it lies already, if it does; answers where it lies now."""
+        """The item begins. station: the present one, None without; returns the new one."""
         self._since_s = now_s
         match step:
             case Turn(heading_rad, is_relative):
@@ -39,7 +39,7 @@ class HoldItem:
         return self._station
 
     def intent(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
-        """What to do meanwhile; None once it is over."""
+        """The item's intent; None once it is over."""
         match step:
             case Wait(hold_s):
                 return KeepStation(self._station) if now_s < self._since_s + hold_s else None

@@ -1,4 +1,4 @@
-"""Places as a mission names them: on the globe, in the local frame, or from where a leg begins."""
+"""A mission's places: global, in the local frame, or relative to the start of a leg."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from companion.core.geo import LatLon, LocalFrame, Point
 
 @dataclass(frozen=True, slots=True)
 class Offset:
-    """A place seen from where the leg to it begins: the end of the leg before, or the boat."""
+    """A place relative to the start of the leg to it: the end of the leg before, or the boat."""
 
     north_m: float
     east_m: float
@@ -17,7 +17,7 @@ Place = LatLon | Point | Offset
 
 
 def locate(place: Place, frame: LocalFrame, start: Point) -> Point:
-    """Where a place is in the local frame, for a leg that begins at start."""
+    """A place in the local frame, for a leg that begins at start."""
     if isinstance(place, LatLon):
         return frame.to_local(place)
     if isinstance(place, Offset):

@@ -1,7 +1,7 @@
-"""Where the boat is in its mission: which item, which leg, what has been reached.
+"""The boat's progress in its mission: current item, leg, and items reached.
 
-As in ArduPilot, the current item is one that is sailed. What is done between two of them happens as the
-second begins; behind a condition it waits, and is dropped if that leg ends first.
+As in ArduPilot, the current item is one that is sailed. Commands between two such items are executed when the
+second one begins. After a condition they wait, and are dropped if the leg ends first.
 """
 
 import math
@@ -35,11 +35,11 @@ from companion.vehicle.mission.steps import (
 )
 from companion.vehicle.orbit import Orbit
 
-_STEPS_A_TICK = 100  # what is left of a loop with nothing to sail waits for the next tick
+_STEPS_A_TICK = 100  # bounds a loop of items without a leg
 
 
 class MissionProgress:
-    """Steps through a mission. Places are turned into the local frame as each leg begins."""
+    """Advances through a mission. Places are converted to the local frame when a leg begins."""
 
     def __init__(self) -> None:
         self.mission: Mission = ()
@@ -63,7 +63,7 @@ class MissionProgress:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to sail."""
+        """Whether there is no item to sail."""
         return len(self.mission) <= 1
 
     @property
@@ -73,12 +73,12 @@ class MissionProgress:
 
     @property
     def is_handed_over(self) -> bool:
-        """Whether the mission has come to where another program steers."""
+        """Whether the current item lets another program steer."""
         return not self.finished and not math.isnan(self._begun_s) and isinstance(self._step(), HandOver)
 
     def replace(self, mission: Mission) -> bool:
-        """Take a new mission. Whether the boat goes on as if nothing had happened, which it does where all
-        items up to the one being sailed are the same; else the new mission starts from the beginning.
+        """Take a new mission. Whether the boat continues: all items up to the current one are the same.
+        Otherwise the new mission starts from its first item.
         """
         done = self.current_seq + 1
         same = self.has_started and not self.finished and self.mission[1:done] == mission[1:done]
@@ -91,7 +91,7 @@ class MissionProgress:
         return goes_on
 
     def restart(self) -> None:
-        """Go back to the first item, with all its jumps to be made again."""
+        """Return to the first item, and reset all jumps."""
         self.forget_jumps()
         self.has_started = False
         self.speed_m_s = None
@@ -99,11 +99,11 @@ class MissionProgress:
         self.set_current(1 if not self.is_empty else 0)
 
     def forget_jumps(self) -> None:
-        """All jumps are to be made again."""
+        """Reset the count of all jumps."""
         self.jumps.clear()
 
     def set_current(self, seq: int) -> bool:
-        """Make an item current. False, and nothing changes, when there is no such item."""
+        """Make an item current. False without effect if there is no such item."""
         if not 0 <= seq < max(len(self.mission), 1):
             return False
         self.current_seq = seq
@@ -115,13 +115,13 @@ class MissionProgress:
         return True
 
     def resume(self) -> None:
-        """Go on with the current item, on a new leg from wherever the boat is."""
+        """Continue with the current item, on a new leg from the boat's position."""
         self._begin_item()
 
     def restore(
         self, seq: int, leg_start: LatLon | None, speed_m_s: float | None, jumps: dict[int, int]
     ) -> bool:
-        """Stand where a voyage was cut short: at an item, on its leg. False if that cannot be."""
+        """Restore an interrupted voyage: its item and leg. False if there is no such item."""
         if self.is_empty or not 0 < seq < len(self.mission):
             return False
         self.set_current(seq)
@@ -133,17 +133,17 @@ class MissionProgress:
         return True
 
     def leg_line(self) -> Line | None:
-        """The leg that is being sailed; None while there is none."""
+        """The present leg; None without one."""
         leg, start = self._under_way.leg, self._leg_start
         return None if leg is None or start is None else Line(start, leg.end)
 
     @property
     def loose_leg(self) -> Leg | None:
-        """The leg that is being sailed, where it began wherever the boat was and not at an item's end."""
+        """The present leg, if it began at the boat's position and not at the end of an item."""
         return self._under_way.leg if self._is_loose else None
 
     def begin_leg_at(self, start: Point) -> None:
-        """The present item's leg begins there, from where its way is known to be clear."""
+        """Restart the leg at a point from which it is clear."""
         self._leg_start, self._is_loose = start, False
         self._under_way.forget()
 
@@ -158,7 +158,7 @@ class MissionProgress:
         return homes
 
     def update(self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float) -> Intent:
-        """Advance to now and say what to sail; after the last item, keeps station there."""
+        """Advance, and return the intent. After the last item, keep station there."""
         self.has_started = True
         if self._leg_start is None:
             cut, self._cut_leg_start = self._cut_leg_start, None
@@ -177,7 +177,7 @@ class MissionProgress:
         self._station = self._station or nav.point
         return KeepStation(self._station)
 
-    # What is sailed: each answers the intent, or None when it is over and another item is current
+    # Items that are sailed: each returns its intent, or None once another item is current
 
     def _advance_from_current(
         self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
@@ -251,7 +251,7 @@ class MissionProgress:
             self._leg_start = nav.point
         return None
 
-    # What is done
+    # Commands
 
     def _do(self, step: Done) -> None:
         match step:
@@ -262,7 +262,7 @@ class MissionProgress:
             case LimitHandOver():
                 self._halt.limit = step
 
-    # How the mission goes on
+    # Sequence
 
     def _step(self) -> Step:
         return self.mission[self.current_seq] if self.current_seq < len(self.mission) else Home()
@@ -277,7 +277,7 @@ class MissionProgress:
             self._advance(self._leg_start)
 
     def _leave(self, leg_start: Point | None) -> None:
-        """An item that was sailed is over; what still waits for its conditions never happens."""
+        """End an item that was sailed, and drop the commands still waiting."""
         self._deferred.clear()
         self._advance(leg_start)
 

@@ -21,10 +21,10 @@ from companion.vehicle.mission.steps import (
     Waypoint,
 )
 
-MOST = 48  # waypoints that are looked ahead
-_RENEWED_AT = 16  # waypoints left of those that were looked ahead
+MOST = 48  # waypoints of look-ahead
+_RENEWED_AT = 16  # remaining waypoints at which the look-ahead is renewed
 _MOST_STEPS = 100
-_MOST_CORNERS = 16  # told to guidance
+_MOST_CORNERS = 16  # passed to guidance
 
 
 class MissionRoute:
@@ -43,22 +43,22 @@ class MissionRoute:
         self._intent: FollowLeg | None = None
 
     def forget(self) -> None:
-        """The leg is to be laid anew."""
+        """Start the leg anew."""
         self.leg = None
         self.forget_onward()
 
     def forget_onward(self) -> None:
-        """What comes behind the leg may be another."""
+        """The items after the leg may have changed."""
         self._is_known, self._corners = False, []
 
     def pass_waypoint(self) -> None:
-        """The mission has gone on to its next item, from where this leg ends."""
+        """The mission has advanced to its next item, from the end of this leg."""
         if self.leg is not None:
             self.leg = None
             self._passed += 1
 
     def lay(self, waypoint: Waypoint, start: Point, frame: LocalFrame) -> Leg:
-        """The leg to the waypoint; from start, if it has not been laid yet."""
+        """The leg to the waypoint; a new one begins at start."""
         if self.leg is None:
             self.leg = Leg(start, locate(waypoint.position, frame, start), None, waypoint.radius_m)
             self._is_known = False
@@ -67,7 +67,7 @@ class MissionRoute:
     def look_ahead(
         self, mission: Mission, seq: int, jumps: Mapping[int, int], frame: LocalFrame, own_radius_m: float
     ) -> None:
-        """Find out, once a leg, where the way leads behind the item seq, which this leg belongs to."""
+        """Once a leg, find the waypoints after item seq, which this leg belongs to."""
         leg = self.leg
         if leg is None or self._is_known:
             return
@@ -116,7 +116,7 @@ class MissionRoute:
         return old
 
     def _chord(self) -> int:
-        """Which of the corners was passed last."""
+        """The index of the corner passed last."""
         at = 0
         while at < len(self._corners) - 2 and self._corners[at + 1][1] <= self._passed:
             at += 1
@@ -124,7 +124,7 @@ class MissionRoute:
 
 
 def _is_beyond(corners: Sequence[tuple[Point, int]], here: Point) -> bool:
-    """Whether the route ends with these two corners, and the boat has passed the second one."""
+    """Whether these two corners end the route, and the boat has passed the second one."""
     if len(corners) != 2:
         return False
     line = Line(corners[0][0], corners[1][0])

@@ -14,12 +14,12 @@ from companion.vehicle.mission.places import Place
 
 @dataclass(frozen=True, slots=True)
 class Home:
-    """Sequence 0: where the planner thought home was."""
+    """Item 0: home as the planner knew it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """Sail to a position; stay there hold_s seconds, infinite for ever."""
+    """Sail to a position and stay there hold_s seconds, which may be infinite."""
 
     position: Place
     hold_s: float = 0.0
@@ -28,7 +28,7 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class GoRound:
-    """Sail round a place, then go on. radius_m: 0 the boat's own."""
+    """Sail round a place, then continue. radius_m: 0 takes CIRC_RADIUS."""
 
     position: Place
     turns: float
@@ -38,14 +38,14 @@ class GoRound:
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """Keep station for a time, where the boat is."""
+    """Keep station for a time at the boat's position."""
 
     hold_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """Turn on the spot to a heading; is_relative: by it, to starboard."""
+    """Turn on the spot to a heading; is_relative: by an angle, positive to starboard."""
 
     heading_rad: float
     is_relative: bool = False
@@ -53,7 +53,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class HandOver:
-    """Do what another program asks for, as in GUIDED, until a limit ends it; is_on False ends it at once."""
+    """Let another program steer, as in GUIDED, up to a limit; is_on False ends it at once."""
 
     is_on: bool
 
@@ -65,21 +65,21 @@ class ReturnHome:
 
 @dataclass(frozen=True, slots=True)
 class SetSpeed:
-    """Sail at this speed over ground from now on; 0 goes back to cruise speed."""
+    """Sail at this speed over ground from here on; 0 returns to cruise speed."""
 
     speed_m_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class MoveHome:
-    """Make a place home, None: where the boat is."""
+    """Set home; None: to the boat's position."""
 
     position: LatLon | None
 
 
 @dataclass(frozen=True, slots=True)
 class LimitHandOver:
-    """When the next `HandOver` ends: after a time, or so far from where it began. 0 is no limit."""
+    """Limits of the next `HandOver`: a time, and a distance from its start. 0 is no limit."""
 
     timeout_s: float
     distance_m: float
@@ -87,26 +87,26 @@ class LimitHandOver:
 
 @dataclass(frozen=True, slots=True)
 class Skip:
-    """Nothing: an item that means nothing on this boat."""
+    """An item without meaning on this boat."""
 
 
 @dataclass(frozen=True, slots=True)
 class AfterDelay:
-    """What is done next waits so long."""
+    """The next command waits for a time."""
 
     delay_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class WithinDistance:
-    """What is done next waits until the end of the leg is this near."""
+    """The next command waits until the end of the leg is this near."""
 
     distance_m: float
 
 
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """Go on at sequence `target`, `times` times in all; −1 for ever."""
+    """Continue at item `target`, `times` times in all; −1: without end."""
 
     target: int
     times: int
