@@ -296,3 +296,14 @@ def test_a_relapse_that_is_only_told_stays_told() -> None:
             moves.append((move, ladder.action if move is not Change.ENDS else Action.NONE))
     assert [move for move, _ in moves] == 3 * [Change.FIRES, Change.ENDS]
     assert {action for _, action in moves} == {Action.NONE}
+
+
+def test_a_new_pack_ends_the_failsafes_of_the_pack_and_no_other() -> None:
+    vehicle = armed_vehicle(long_timeout_s=0.0)
+    failsafes = vehicle.failsafes
+    failsafes.operator.heard(0.0)
+    live(vehicle, 12.0, volt=9.0)
+    assert (failsafes.pack_is_low, failsafes.is_active(Condition.OPERATOR_LOST)) == (True, True)
+    failsafes.renew_pack(1.0)
+    assert (failsafes.pack_is_low, failsafes.is_active(Condition.OPERATOR_LOST)) == (False, True)
+    assert live(vehicle, 3.0, volt=12.0) == [], "the operator's failsafe does not fire again"

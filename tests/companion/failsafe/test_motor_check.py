@@ -137,3 +137,20 @@ def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurr
     assert not check.motors.has_failed
     tried(check, 0.0, 1.0)
     assert check.is_due(36.0, has_room=True)
+
+
+@pytest.mark.parametrize(("weaker", "state"), [(0.11, 1), (0.06, 0)])
+@pytest.mark.parametrize("is_left", [True, False])
+def test_a_motor_with_less_than_a_fifth_of_the_others_thrust_counts_as_failed(
+    is_left: bool, weaker: float, state: int
+) -> None:
+    check = MotorCheck()
+    tried(check, *((weaker, 0.4) if is_left else (0.4, weaker)))
+    assert check.motors == (states(state, 1) if is_left else states(1, state))
+
+
+@pytest.mark.parametrize(("gain", "is_unclear"), [(0.04, True), (0.06, False)])
+def test_a_hull_that_hardly_turns_gives_no_clear_result(gain: float, is_unclear: bool) -> None:
+    check = MotorCheck()
+    tried(check, gain, gain)
+    assert check.is_unclear is is_unclear

@@ -109,3 +109,23 @@ def test_without_an_estimate_a_check_breaks_off_and_says_nothing() -> None:
     recovery = recovery_in(State.CHECKING)
     step = recovery.update(None, Fence(), CONFIG, 0.0, 0.0, 1.0)
     assert (recovery.state, step) == (State.IDLE, (Stop(), "", None))
+
+
+def test_a_check_drives_each_motor_alone_ahead_and_astern_and_lasts_six_seconds() -> None:
+    recovery = RecoveryManeuvers()
+    recovery.handle(Trigger.CHECK, 5.0)
+    driven: list[Intent] = []
+    while recovery.is_active:
+        driven.append(recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, 5.0 + 0.1 * len(driven)).intent)
+    left, right = Drive(0.45, 0.45), Drive(0.45, -0.45)
+    back_left, back_right = Drive(-0.45, -0.45), Drive(-0.45, 0.45)
+    pulses = [left] * 10 + [back_left] * 10 + [Stop()] * 5 + [right] * 10 + [back_right] * 10
+    assert driven == [Stop()] * 15 + pulses + [Stop()]
+
+
+def test_no_other_manoeuvre_puts_off_the_next_check_of_a_failed_motor() -> None:
+    recovery = RecoveryManeuvers()
+    recovery.motor_check.assume_failed(True, 0.0)
+    recovery.handle(Trigger.CLEAR, 20.0)
+    recovery.handle(Trigger.ABORT, 20.0)
+    assert recovery.motor_check.is_due(25.1, has_room=True)

@@ -1,0 +1,119 @@
+"""What is decided where the boat may or may not drift, and when the motors are checked without an alarm."""
+
+import pytest
+from boat_rig import FRAME, nav_at
+from failsafe_scenarios import with_verdict
+from msgspec.structs import replace
+
+from companion.config.boat_config import BoatConfig, with_value
+from companion.config.fence import FenceSetting
+from companion.core.geo import Point
+from companion.core.modes import Mode
+from companion.core.status_text import Severity
+from companion.failsafe.actions import Action, AssumeFailed, Decision, Notify, Recover
+from companion.failsafe.escalation import Change
+from companion.failsafe.guards import may_drift
+from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.monitor import Alarm
+from companion.failsafe.motors.hypotheses import Fault
+from companion.failsafe.recovery.transition_table import State, Trigger
+from companion.failsafe.response import respond, routine_check
+from companion.failsafe.table import ROWS, Condition
+from companion.geofence.fence import Fence, FencePolygon
+
+ROW = next(row for row in ROWS if row.condition is Condition.MOTOR_FAILING)
+NO_ROOM = "No room for a motor check: using one motor"
+
+
+def water_south_of(north_m: float) -> Fence:
+    """Open water, but for a line so far north of the boat."""
+    fence = Fence()
+    corners = [(north_m, -500.0), (north_m, 500.0), (-500.0, 500.0), (-500.0, -500.0)]
+    fence.set_areas(
+        [FencePolygon(tuple(FRAME.to_global(Point(n, e)) for n, e in corners), is_inclusion=True)]
+    )
+    fence.update(FRAME, None, FenceSetting())
+    return fence
+
+
+def inputs(
+    north_m_s: float = 0.0, east_m_s: float = 0.0, room_m: float = 20.0, **more: object
+) -> FailsafeInputs:
+    """A boat in GUIDED in this current."""
+    nav = replace(nav_at(), current_north_m_s=north_m_s, current_east_m_s=east_m_s)
+    made = FailsafeInputs(
+        now_s=0.0, config=BoatConfig(), mode=Mode.GUIDED, armed=True, nav=nav, fence=water_south_of(room_m)
+    )
+    return replace(made, **more)
+
+
+def decided(action: Action, seen: FailsafeInputs) -> list[Decision]:
+    """After the alarm has been told."""
+    told, *decisions = respond(Alarm(ROW, Change.FIRES, "Left motor gives no thrust", action), seen)
+    assert isinstance(told, Notify)
+    return decisions
+
+
+CLEARING = [Recover(Trigger.CLEAR, Severity.WARNING, "Clearing the propellers")]
+CHECKING = [Recover(Trigger.CHECK, Severity.WARNING, "Checking the motors")]
+
+
+@pytest.mark.parametrize(("north_m_s", "has_room"), [(-1.0, True), (0.32, True), (0.34, False), (2.0, False)])
+def test_a_boat_on_one_motor_clears_its_propellers_only_with_a_minute_of_room(
+    north_m_s: float, has_room: bool
+) -> None:
+    on_one = inputs(north_m_s, failed_motor="Left motor gives no thrust")
+    assert decided(Action.CLEAR_PROPELLERS, on_one) == (CLEARING if has_room else [])
+    assert decided(Action.CLEAR_PROPELLERS, inputs(north_m_s)) == CLEARING
+
+
+@pytest.mark.parametrize("fault", Fault)
+@pytest.mark.parametrize(("north_m_s", "has_room"), [(1.95, True), (2.05, False)])
+def test_without_ten_seconds_of_room_a_motor_without_thrust_is_not_checked(
+    fault: Fault, north_m_s: float, has_room: bool
+) -> None:
+    is_assumed = not has_room and fault in (Fault.DEAD, Fault.BLOCKED)
+    expected = [AssumeFailed(True), Notify(Severity.WARNING, NO_ROOM)] if is_assumed else CHECKING
+    assert decided(Action.CHECK_MOTORS, with_verdict(fault)(inputs(north_m_s))) == expected
+
+
+def test_a_motor_that_was_reversed_is_checked_instead_of_cleared() -> None:
+    assert decided(Action.CLEAR_PROPELLERS, inputs(reversed_motor=True)) == CHECKING
+
+
+@pytest.mark.parametrize("recovery", [State.RESTING, State.PUSHING, State.STANDING_OFF])
+@pytest.mark.parametrize("action", [Action.CLEAR_PROPELLERS, Action.CHECK_MOTORS])
+def test_a_boat_ashore_floats_first(recovery: State, action: Action) -> None:
+    assert decided(action, with_verdict(Fault.DEAD)(inputs(3.0, recovery=recovery))) == []
+
+
+@pytest.mark.parametrize(("room_m", "has_room"), [(3.0, False), (9.0, True)])
+def test_the_current_may_turn_by_seventeen_degrees_meanwhile(room_m: float, has_room: bool) -> None:
+    seen = inputs(east_m_s=0.4, room_m=room_m)  # along the line: 24 m in a minute, and 7 m towards it
+    assert may_drift(seen.nav, seen.fence, 60.0) is has_room
+
+
+def test_a_boat_that_does_not_know_where_it_is_may_drift() -> None:
+    assert may_drift(None, water_south_of(1.0), 60.0)
+
+
+def test_steering_without_effect_has_the_motors_checked() -> None:
+    wanted = [Recover(Trigger.CHECK, Severity.NOTICE, "Steering has no effect: checking the motors")]
+    assert routine_check(inputs(1.95, needs_motor_check=True)) == wanted
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"needs_motor_check": False},
+        {"armed": False},
+        {"mode": Mode.HOLD},
+        {"mode": Mode.MANUAL},
+        {"mode": Mode.STEERING},
+        {"recovery": State.CLEARING},
+        {"config": with_value(BoatConfig(), "failsafe.motor_action", int(Action.CLEAR_PROPELLERS))},
+        {"nav": replace(nav_at(), current_north_m_s=2.05)},
+    ],
+)
+def test_but_not_where_it_would_be_in_the_way(change: dict[str, object]) -> None:
+    assert routine_check(replace(inputs(needs_motor_check=True), **change)) == []
