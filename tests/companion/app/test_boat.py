@@ -105,7 +105,7 @@ def test_without_compass_and_course_the_motors_stop() -> None:
         rig.hardware, compass=Stuck(rig.hardware.compass.read()), gnss=Silent()
     )
     rig.run(rig.config.motors.estimate_timeout_s + 1.3)
-    assert "Failsafe: Position lost" in rig.peer.texts
+    assert "Failsafe: Heading lost" in rig.peer.texts
     assert rig.mode == "HOLD"
     assert rig.boat.steering.helm.heading_pid is None  # an open loop learns nothing and tells nothing
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
