@@ -68,14 +68,14 @@ class _Disc(msgspec.Struct, frozen=True):
     radius: float
 
 
-class _Circle(msgspec.Struct, frozen=True):
+class _FenceCircle(msgspec.Struct, frozen=True):
     circle: _Disc
     inclusion: bool = True
 
 
 class _Fence(msgspec.Struct, frozen=True, rename="camel"):
     polygons: tuple[_Polygon, ...] = ()
-    circles: tuple[_Circle, ...] = ()
+    circles: tuple[_FenceCircle, ...] = ()
     breach_return: Coordinates | None = None
 
 

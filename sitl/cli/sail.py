@@ -14,12 +14,13 @@ from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
 from mission_tools.errors import UsageError
+from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.reports.run_figures import as_json, draw, print_table
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.run_record import RunRecord
 from sitl.run.station_commands import RunError
-from sitl.scenarios.missions import course_names, fence_along, lay_out, plan_mission, read_mission, wire_items
+from sitl.scenarios.missions import course_names, fence_along, lay_out, plan_mission, wire_items
 
 
 def sail(
@@ -68,7 +69,7 @@ def sail(
     if mission is not None and course is not None:
         raise UsageError("--course: a run sails either a course or a mission")
     if mission is not None:
-        to_sail = read_mission(mission)
+        to_sail = load_mission(mission)
         scenario = scenario_from(source, settings, case, seed, start, to_sail.home)
     elif course is not None:
         scenario = scenario_from(source, settings, case, seed, start)

@@ -4,11 +4,12 @@ from pathlib import Path
 
 from companion.core.geo import Point
 from companion.mavlink.items import MissionItem
+from mission_tools.mission.plan_file import load_mission
 from sitl.experiments.campaign.figures import figures_of
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.layers import Layer
-from sitl.scenarios.missions import fence_along, lay_out, plan_mission, read_mission, wire_items
+from sitl.scenarios.missions import fence_along, lay_out, plan_mission, wire_items
 from sitl.scenarios.scenario import Scenario, load_scenario
 from sitl.scenarios.station_keeping import STATION, STAY_S
 
@@ -50,7 +51,7 @@ def _scenario_of(trial: Trial) -> Scenario:
 
 def _items_of(trial: Trial, scenario: Scenario) -> list[MissionItem]:
     if trial.mission:
-        return wire_items(read_mission(Path(trial.mission)))
+        return wire_items(load_mission(Path(trial.mission)))
     return wire_items(lay_out(trial.course, scenario) if trial.course else plan_mission(scenario)[0])
 
 

@@ -21,7 +21,7 @@ _MOST_GROUPS = 24
 _MOST_TRACKS = 400
 _NAME_COLUMNS = 44  # letters that fit over a small chart
 _COLUMNS = 3
-_MET, _MISSED = "#2d7a3e", "#b3261e"
+_MISSED = "#b3261e"
 
 Row = Mapping[str, Any]
 

@@ -19,7 +19,6 @@ from sitl.run.mission_run import MissionRun, Result
 from sitl.run.timeline import Event
 from sitl.world.world import Truth
 
-SUFFIX = ".npz"
 Numbers = NDArray[np.float64]
 
 

@@ -1,7 +1,6 @@
 """Missions for lockstep runs: read from a file, or planned on the scenario's own chart."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import shapely
 
@@ -10,21 +9,11 @@ from companion.mavlink.items import MissionItem
 from mission_tools.errors import UsageError
 from mission_tools.mission.mission import Fence, FencePolygon, Mission, MissionType
 from mission_tools.mission.mission import MissionItem as PlannedItem
-from mission_tools.mission.plan_file import load_mission
 from mission_tools.mission.route import mission_along
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 from sitl.scenarios.courses import COURSES, course_mission
 from sitl.scenarios.scenario import Scenario
 from sitl.scenarios.station_keeping import STATION, station_mission
-
-
-def read_mission(path: Path) -> Mission:
-    """A QGroundControl .plan or a .waypoints file.
-
-    Raises:
-        PlanFileError: it cannot be used; names file and item.
-    """
-    return load_mission(path)
 
 
 def plan_mission(scenario: Scenario) -> tuple[Mission, Plan]:

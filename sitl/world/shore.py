@@ -111,20 +111,6 @@ class Shore:
             nearest = min(nearest, gap_east * gap_east + gap_north * gap_north)
         return math.sqrt(nearest)
 
-    def is_crossed(self, east_m: float, north_m: float, to_east_m: float, to_north_m: float) -> bool:
-        """Whether the straight way between two points, no longer than reach, touches the shore."""
-        way_east, way_north = to_east_m - east_m, to_north_m - north_m
-        for segment in self.near(east_m, north_m):
-            across = way_east * segment.d_north_m - way_north * segment.d_east_m
-            if across == 0.0:
-                continue
-            gap_east, gap_north = segment.east_m - east_m, segment.north_m - north_m
-            along_way = (gap_east * segment.d_north_m - gap_north * segment.d_east_m) / across
-            along_shore = (gap_east * way_north - gap_north * way_east) / across
-            if 0.0 <= along_way <= 1.0 and 0.0 <= along_shore <= 1.0:
-                return True
-        return False
-
     def clearances_m(self, east_m: Sequence[float], north_m: Sequence[float]) -> list[float]:
         """How far each point is from the nearest shore; infinite on open water."""
         if self._tree is None:

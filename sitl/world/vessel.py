@@ -9,7 +9,7 @@ current of velocity (Vn, Ve) over ground and the heading ψ, the model is
 
 The first line may be written in relative velocity alone where the current is steady and irrotational
 (Property 10.1): the boat does not feel it, it is only carried. Over a step and a hull's length the current
-is taken as that; from step to step it may change, see `Vessel.feel`. Rigid body and added mass are taken
+is taken as such; between steps it may change (`Vessel.enter_current`). Rigid body and added mass are taken
 about a centre of gravity amidships, so M = diag(m − Xu̇, m − Yv̇, Iz − Nṙ) = diag(m11, m22, m33) (chapter
 6.3), and C(ν) in its skew-symmetric form leaves
 
@@ -83,11 +83,6 @@ class Vessel:
     def inertia(self) -> tuple[float, float, float]:
         """m11 and m22 in kg, m33 in kg m²."""
         return self._m11, self._m22, self._m33
-
-    @property
-    def memory(self) -> tuple[float, float, float]:
-        """What the last step's accelerations leave for the next: part of the state."""
-        return self._bend_u, self._bend_v, self._bend_r
 
     def place(self, north_m: float, east_m: float, heading_rad: float) -> None:
         """Set the pose; the velocity in body axes stays."""

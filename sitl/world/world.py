@@ -9,7 +9,6 @@ function of the scenario and of the motor commands.
 """
 
 import math
-import struct
 from typing import NamedTuple
 
 from companion.core.errors import ConfigError
@@ -29,7 +28,6 @@ from sitl.world.windage import Windage
 
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
-STATE = struct.Struct("<q16d")
 _FURTHEST_M = 1e6  # from the origin; the frame's formulas are good for less than a tenth of it
 _new = tuple.__new__  # half the cost of a NamedTuple's own
 
@@ -258,25 +256,4 @@ class World:
                 self._pack.voltage_v,
                 self._pack.current_a,
             ),
-        )
-
-    def state_bytes(self) -> bytes:
-        """The physical state, packed: equal bytes mean an equal future, for equal commands and seed."""
-        vessel, thrusters = self._vessel, self._thrusters
-        return STATE.pack(
-            self.tick,
-            self.time_s,
-            vessel.north_m,
-            vessel.east_m,
-            vessel.heading_rad,
-            vessel.surge_m_s,
-            vessel.sway_m_s,
-            vessel.yaw_rate_rad_s,
-            thrusters.left.speed_rad_s,
-            thrusters.right.speed_rad_s,
-            self._pack.used_mah,
-            self._pack.voltage_v,
-            self.wind.north_m_s,
-            self.wind.east_m_s,
-            *vessel.memory,
         )

@@ -38,12 +38,6 @@ class StepResponse:
         return max(0.0, max(self.headings_rad) / STEP_RAD - 1.0)
 
     @property
-    def rise_s(self) -> float | None:
-        """Time from 10 % to 90 % of the step; None: not reached."""
-        low, high = self._first(0.1), self._first(0.9)
-        return None if low is None or high is None else high - low
-
-    @property
     def settle_s(self) -> float | None:
         """Time until it stays within 5 % of the step; None: never."""
         late = [
@@ -52,10 +46,6 @@ class StepResponse:
             if abs(heading - STEP_RAD) > _BAND * STEP_RAD
         ]
         return None if not late or late[-1] >= self.times_s[-1] else late[-1]
-
-    def _first(self, share: float) -> float | None:
-        reached = (t for t, h in zip(self.times_s, self.headings_rad, strict=True) if h >= share * STEP_RAD)
-        return next(reached, None)
 
 
 def step_responses(seed: int = 1) -> list[StepResponse]:

@@ -1,9 +1,42 @@
 """The drive's settings: a table of a boat's file."""
 
-from companion.config.section import Positive, Section
-from sitl.world.drive.bridge import BridgeParameters
-from sitl.world.drive.motor import MotorParameters
+from companion.config.section import NonNegative, Positive, Section
 from sitl.world.drive.propeller import PropellerParameters
+
+
+class BridgeParameters(Section, frozen=True):
+    """One half of a dual PWM bridge, seen from its motor as a source with a drop that grows with the current.
+
+    drop_v: what its switches lose as soon as current flows; resistance_ohm: what they lose more per ampere.
+    An L298N's bipolar switches lose 1.8–3.2 V at 1 A and up to 4.9 V at 2 A (ST's data sheet, total drop
+    V_CEsat): 1.4 V and 1.15 Ω is a typical one. A bridge of field-effect transistors has no drop and
+    hundredths of an ohm.
+
+    brake: what the bridge does between two pulses. With brake it keeps the motor short-circuited: the current
+    flows on through one switch and a diode, so the motor sees the command's share of the voltage less the
+    drop, nothing turns until that is more than none (the dead band), and a motor that turns faster is held
+    back. Without, the bridge opens: current flows only during pulses, and a motor that turns faster coasts.
+    """
+
+    drop_v: NonNegative = 1.4
+    resistance_ohm: NonNegative = 1.15
+    brake: bool = True
+
+
+class MotorParameters(Section, frozen=True):
+    """A permanent-magnet motor: E = k ω, torque k I, both with the same k in V s/rad = N m/A.
+
+    no_load_a is the current that its brushes, bearings and seal cost at any speed: below that it does not
+    turn. churning is what gears and wet seals cost as the square of the speed, N m per (rad/s)². The
+    inertia is that of rotor, shaft, propeller and the water which turns with it. Winding inductance is left
+    out: the current settles within a millisecond.
+    """
+
+    back_emf_v_s: Positive
+    resistance_ohm: Positive
+    inertia_kg_m2: Positive
+    no_load_a: NonNegative = 0.1
+    churning: NonNegative = 0.0
 
 
 class ThrusterParameters(Section, frozen=True):

@@ -140,4 +140,4 @@ def test_the_gain_set_that_the_paper_chose_settles_first() -> None:
     settled = [response.settle_s for response in responses]
     assert None not in settled
     assert min(s for s in settled if s is not None) == settled[2]
-    assert all(response.overshoot < 0.4 and (response.rise_s or 0.0) > 0.5 for response in responses)
+    assert all(response.overshoot < 0.4 for response in responses)

@@ -82,26 +82,10 @@ def test_room_is_the_distance_to_the_shore_up_to_the_reach(east_m: float, north_
     assert SHORE.room_m(east_m, north_m) == pytest.approx(min(4.0, distance_m), abs=1e-9)
 
 
-@given(east_m=PLACE, north_m=PLACE, d_east_m=st.floats(-2.0, 2.0), d_north_m=st.floats(-2.0, 2.0))
-def test_a_way_that_leaves_the_water_is_always_noticed(
-    east_m: float, north_m: float, d_east_m: float, d_north_m: float
-) -> None:
-    water = chart_water()
-    end = shapely.Point(east_m + d_east_m, north_m + d_north_m)
-    if water.contains(shapely.Point(east_m, north_m)) and water.distance(end) > 1e-9:
-        assert SHORE.is_crossed(east_m, north_m, end.x, end.y)
-
-
-def test_a_way_through_a_corner_of_the_shore_counts_as_touching_it() -> None:
-    assert SHORE.is_crossed(1.5, 1.5, 2.5, 0.5)  # touches (2, 1) exactly
-    assert not SHORE.is_crossed(1.0, 0.5, 1.9, 0.5)
-
-
 def test_open_water_has_no_shore_at_all() -> None:
     sea = Shore(chart(None), reach_m=4.0)
     assert sea.near(0.0, 0.0) == ()
     assert sea.range_m(0.0, 0.0, [0.0], 4.0) == math.inf
-    assert not sea.is_crossed(4999.0, 0.0, 5001.0, 0.0)
     assert sea.clearances_m([0.0], [0.0]) == [math.inf]
 
 
@@ -109,7 +93,6 @@ def test_a_rock_in_open_water_is_the_only_shore() -> None:
     sea = Shore(chart(None, ROCK), reach_m=4.0)
     assert len(sea.near(2.5, 0.0)) == 4
     assert sea.clearances_m([2.5, 1000.0], [0.0, 1.5]) == pytest.approx([1.0, 997.0])
-    assert not sea.is_crossed(4999.0, 0.0, 5001.0, 0.0)
 
 
 def test_a_repeated_corner_does_no_harm() -> None:
@@ -146,4 +129,3 @@ def test_real_shorelines_give_the_room_and_the_echoes_that_shapely_does(name: st
         assert shore.room_m(east_m, north_m) == pytest.approx(min(4.0, edge.distance(here)), abs=1e-6)
         expected = math.inf if hit.is_empty else here.distance(hit)
         assert shore.range_m(east_m, north_m, [bearing], 4.0) == pytest.approx(expected, abs=1e-6)
-        assert shore.is_crossed(east_m, north_m, *end) == (not hit.is_empty)
