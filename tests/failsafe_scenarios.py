@@ -135,7 +135,7 @@ SCENARIOS: dict[Condition, Scenario] = {
         is_watched_disarmed=True, thresholds=("failsafe.battery_low_v", "failsafe.battery_low_s"),
     ),
     Condition.OUT_OF_RANGE: Scenario(
-        given(shortfall="Point of no return"), given(), "Point of no return", "", RTL, 5.0, INF,
+        given(range_fault="Point of no return"), given(), "Point of no return", "", RTL, 5.0, INF,
     ),
     Condition.STEERING_LOST: Scenario(
         with_verdict(Fault.REVERSED), with_verdict(Fault.DEAD), "Steering lost: left motor reversed",

@@ -71,7 +71,7 @@ def _below(inputs: FailsafeInputs, limit_v: float, what: str) -> str:
 
 def out_of_range(inputs: FailsafeInputs) -> str:
     """The charge will soon no longer take the boat home."""
-    return inputs.shortfall
+    return inputs.range_fault
 
 
 # Propulsion

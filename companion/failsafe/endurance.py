@@ -20,13 +20,13 @@ class Endurance:
     """The charge left, and what sailing draws and how fast it goes, averaged over the last half minute.
 
     The pack's charge at boot is read from its resting voltage, before the motors turn; from then on it is
-    counted. shortfall: why it does not take the boat home, "" while it does.
+    counted. range_fault: why the charge does not take the boat home, "" while it does.
     """
 
-    __slots__ = ("_begun_share", "_due_s", "_sailed_s", "draw_a", "shortfall", "water_speed_m_s")
+    __slots__ = ("_begun_share", "_due_s", "_sailed_s", "draw_a", "range_fault", "water_speed_m_s")
 
     def __init__(self) -> None:
-        self.shortfall = ""
+        self.range_fault = ""
         self._due_s = 0.0
         self.draw_a = 0.0
         self.water_speed_m_s = 0.0
@@ -36,7 +36,7 @@ class Endurance:
     def renew(self, share: float) -> None:
         """The pack has been changed or charged: it begins with this share of its charge."""
         self._begun_share = share
-        self.shortfall = ""
+        self.range_fault = ""
 
     def compare(
         self,
@@ -48,7 +48,7 @@ class Endurance:
         config: BoatConfig,
     ) -> None:
         """Compare the charge with the way home. home_distance_m: by the water, infinite while unknown."""
-        self.shortfall = ""
+        self.range_fault = ""
         if nav is None or home is None or battery is None or battery.current_a is None:
             return
         straight_m = math.hypot(home.north_m - nav.north_m, home.east_m - nav.east_m)
@@ -57,7 +57,7 @@ class Endurance:
             need_mah *= home_distance_m / max(straight_m, 1.0)
         left_mah = self.left_mah(consumed_mah, config)
         if left_mah < need_mah:
-            self.shortfall = f"Point of no return: {left_mah:.0f} mAh, {need_mah:.0f} needed"
+            self.range_fault = f"Point of no return: {left_mah:.0f} mAh, {need_mah:.0f} needed"
 
     def is_due(self, now_s: float) -> bool:
         """Whether it is time to compare; true once a period."""

@@ -42,9 +42,9 @@ class FailsafeInputs(Struct, frozen=True, kw_only=True):
 
     operator_silent_s: NaN before the first heartbeat. planner_silent_s: NaN while no planner steers.
     sticks_dropped: a station's sticks steered, and are stale. radio_fault: what is wrong with a transmitter
-    that has been heard. beyond_fence_m: 0 inside. station: where LOITER stays. shortfall: of charge for the
-    way home, in words. verdict: the motor fault inferred under way; needs_motor_check: only a check can tell.
-    failed_motor: the one that a motor check has found, in words.
+    that has been heard. beyond_fence_m: 0 inside. station: where LOITER stays. range_fault: why the
+    charge does not take the boat home. verdict: the motor fault inferred under way. needs_motor_check: only
+    a check can tell. failed_motor: the one that a motor check has found, in words.
     """
 
     now_s: float
@@ -63,7 +63,7 @@ class FailsafeInputs(Struct, frozen=True, kw_only=True):
     has_station_sticks: bool = False
     radio_heard: bool = False
     radio_fault: str = ""
-    shortfall: str = ""
+    range_fault: str = ""
     verdict: Hypothesis | None = None
     needs_motor_check: bool = False
     failed_motor: str = ""

@@ -78,7 +78,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         has_station_sticks=sticks.has_station(config, now_s),
         radio_heard=sticks.rc.is_heard,
         radio_fault=sticks.rc.fault(config.rc, now_s),
-        shortfall=endurance.shortfall,
+        range_fault=endurance.range_fault,
         verdict=motors.verdict,
         needs_motor_check=motors.needs_check,
         failed_motor=check.fault(),

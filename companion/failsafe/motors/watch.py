@@ -34,15 +34,9 @@ class MotorWatch:
     """
 
     __slots__ = (
-        "_cleared_until_s",
-        "_evidence",
-        "_helpless_s",
-        "_proved_s",
-        "_steered",
-        "_suspect",
-        "_turn_rad_s",
+        "_cleared_until_s", "_evidence", "_helpless_s", "_proved_s", "_steered", "_suspect", "_turn_rad_s",
         "verdict",
-    )
+    )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:
         self._evidence = MotorEvidence(config)

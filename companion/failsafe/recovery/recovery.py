@@ -14,7 +14,7 @@ from companion.geofence.fence import Fence
 _STOP = Stop()
 
 
-class Step(NamedTuple):
+class RecoveryStep(NamedTuple):
     """One cycle of a manoeuvre. text: for the operator. cleared: whether a motor check that has just ended
     acquits both motors; None while none has ended.
     """
@@ -66,7 +66,7 @@ class RecoveryManeuvers:
 
     def update(
         self, nav: NavState | None, fence: Fence, config: BoatConfig, left: float, right: float, now_s: float
-    ) -> Step:
+    ) -> RecoveryStep:
         """Go on with the manoeuvre under way. left, right: what the motors were given until now."""
         if self.is_ungrounding:
             return self._unground(nav, fence, config, now_s)
@@ -77,28 +77,28 @@ class RecoveryManeuvers:
             self.handle(Trigger.DONE, now_s)
             if self.motor_check.motors.has_failed:
                 self.handle(Trigger.CHECK, now_s)  # has it helped?
-        return Step(clearing_intent(elapsed_s))
+        return RecoveryStep(clearing_intent(elapsed_s))
 
-    def _unground(self, nav: NavState | None, fence: Fence, config: BoatConfig, now_s: float) -> Step:
+    def _unground(self, nav: NavState | None, fence: Fence, config: BoatConfig, now_s: float) -> RecoveryStep:
         rounds = self._ungrounding.rounds
         intent, trigger = self._ungrounding.update(self.state, nav, fence, config, now_s)
         if trigger is not None:
             self.handle(trigger, now_s)
         is_next_round = self._ungrounding.rounds > rounds
-        return Step(intent, "Aground: motors rest before the next try" if is_next_round else "")
+        return RecoveryStep(intent, "Aground: motors rest before the next try" if is_next_round else "")
 
-    def _check_motors(self, nav: NavState | None, left: float, right: float, now_s: float) -> Step:
+    def _check_motors(self, nav: NavState | None, left: float, right: float, now_s: float) -> RecoveryStep:
         check = self.motor_check
         if nav is None:
             self.handle(Trigger.DONE, now_s)
-            return Step(_STOP)
+            return RecoveryStep(_STOP)
         before = check.motors
         intent = check.update(nav.yaw_rate_rad_s, left, right, now_s)
         if intent is not None:
-            return Step(intent)
+            return RecoveryStep(intent)
         self.handle(Trigger.DONE, now_s)
         cleared = not check.is_unclear and not check.motors.has_failed and check.motors == before
-        return Step(_STOP, check.found(), cleared)
+        return RecoveryStep(_STOP, check.found(), cleared)
 
     def reset(self) -> None:
         """The boat is disarmed: stop, and take both motors for healthy."""

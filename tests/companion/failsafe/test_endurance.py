@@ -39,9 +39,9 @@ def after(seconds: float, nav: NavState, draw_a: float = 5.0) -> Endurance:
     return endurance
 
 
-def shortfall(endurance: Endurance, nav: NavState, consumed_mah: float, way_m: float = math.inf) -> str:
+def range_fault(endurance: Endurance, nav: NavState, consumed_mah: float, way_m: float = math.inf) -> str:
     endurance.compare(nav, HOME, way_m, BatteryReading(0.0, 12.0, 5.0), consumed_mah, CONFIG)
-    return endurance.shortfall
+    return endurance.range_fault
 
 
 def test_the_way_home_takes_draw_times_distance_over_speed() -> None:
@@ -69,15 +69,15 @@ def test_the_current_counts_along_the_way_and_across(
 def test_the_boat_turns_for_home_at_one_and_a_half_times_the_charge_for_it() -> None:
     # Of 5000 mAh a tenth is the reserve: 4500 mAh; the way home takes 1000 mAh, 1500 mAh with its margin
     endurance = after(30.0, sailing())
-    assert shortfall(endurance, sailing(), 2990.0) == ""
-    assert shortfall(endurance, sailing(), 3010.0) == "Point of no return: 1490 mAh, 1500 needed"
-    assert shortfall(endurance, sailing(), 2990.0) == ""
+    assert range_fault(endurance, sailing(), 2990.0) == ""
+    assert range_fault(endurance, sailing(), 3010.0) == "Point of no return: 1490 mAh, 1500 needed"
+    assert range_fault(endurance, sailing(), 2990.0) == ""
 
 
 def test_a_longer_way_by_the_water_counts_in_proportion() -> None:
     endurance = after(30.0, sailing())
-    assert shortfall(endurance, sailing(), 1490.0, way_m=1440.0) == ""
-    assert shortfall(endurance, sailing(), 1510.0, way_m=1440.0) != ""
+    assert range_fault(endurance, sailing(), 1490.0, way_m=1440.0) == ""
+    assert range_fault(endurance, sailing(), 1510.0, way_m=1440.0) != ""
 
 
 @pytest.mark.parametrize(
@@ -115,14 +115,14 @@ def test_without_a_current_monitor_a_home_or_a_position_nothing_is_said() -> Non
         (sailing(), HOME, BatteryReading(0.0, 12.0)),
     ):
         endurance.compare(nav, home, math.inf, reading, 5000.0, CONFIG)
-        assert endurance.shortfall == ""
+        assert endurance.range_fault == ""
 
 
 def test_a_new_pack_ends_the_shortfall_and_the_comparison_is_due_once_a_second() -> None:
     endurance = after(30.0, sailing())
-    assert shortfall(endurance, sailing(), 4000.0)
+    assert range_fault(endurance, sailing(), 4000.0)
     endurance.renew(1.0)
-    assert endurance.shortfall == ""
+    assert endurance.range_fault == ""
     assert [endurance.is_due(0.1 * tick) for tick in range(21)].count(True) == 3
 
 
