@@ -4,7 +4,7 @@ from benchmarks.measure import Row, paired
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.signing import Guard, Signatory, Stamps
+from companion.mavlink.signing import Signatory, SigningGuard, Stamps
 from companion.mavlink.signing_key import SigningKey
 
 _COUNT = 2000
@@ -28,8 +28,8 @@ def rows() -> list[Row]:
     return _plain_rows() + _signed_rows()
 
 
-def _guard() -> Guard:
-    return Guard(Signatory(_KEY, Stamps()), "required", 0)
+def _guard() -> SigningGuard:
+    return SigningGuard(Signatory(_KEY, Stamps()), "required", 0)
 
 
 def _signing_peer() -> dialect.MAVLink:

@@ -9,7 +9,7 @@ from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message
-from companion.mavlink.signing import Guard, Signatory, SigningPolicy, Stamps, timestamp_at
+from companion.mavlink.signing import Signatory, SigningGuard, SigningPolicy, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE, STAMPS_FILE
 from companion.persistence.storage import MemoryStorage
@@ -28,7 +28,7 @@ class SealedLink:
         stamps = Stamps()
         stamps.clock = NOW
         self._link = link
-        self._guard = Guard(Signatory(key, stamps), "accept" if key else "off", 0)
+        self._guard = SigningGuard(Signatory(key, stamps), "accept" if key else "off", 0)
         self.is_datagram = link.is_datagram
         self.receive = link.receive
 

@@ -12,7 +12,7 @@ from companion.mavlink.transfer import (
     Started,
     Transfer,
 )
-from companion.mavlink.transfer_table import State, Trigger
+from companion.mavlink.transfer_table import TransferState, TransferTrigger
 
 AGAIN_S = 0.5  # between repetitions of the last message
 REPETITIONS = 2  # within QGroundControl's time-out of 1.5 s
@@ -58,7 +58,7 @@ class Receiver(Transfer):
         Raises:
             LocalProtocolError: a transfer is in progress.
         """
-        self._begin(Trigger.ASK, partner)
+        self._begin(TransferTrigger.ASK, partner)
         self._await(
             dialect.MAVLink_mission_request_list_message(
                 partner.system, partner.component, self.mission_type
@@ -68,15 +68,19 @@ class Receiver(Transfer):
 
     def take_part(self, first: int, count: int, sender: Address, now_s: float) -> None:
         """A station sends a checked MISSION_WRITE_PARTIAL_LIST."""
-        if not self._is_free_for(sender) or not self._may(Trigger.COUNT):
+        if not self._is_free_for(sender) or not self._may(TransferTrigger.COUNT):
             return
-        if self.state is State.RECEIVING and (first, count) == (self.first, self._count) and not self._items:
+        if (
+            self.state is TransferState.RECEIVING
+            and (first, count) == (self.first, self._count)
+            and not self._items
+        ):
             self._repeat()
             return
         self._collect(first, count, sender, now_s, is_part=True)
 
     def _collect(self, first: int, count: int, sender: Address, now_s: float, *, is_part: bool) -> None:
-        self._begin(Trigger.COUNT if count else Trigger.EMPTY, sender)
+        self._begin(TransferTrigger.COUNT if count else TransferTrigger.EMPTY, sender)
         self.first, self._is_part = first, is_part
         self._count, self._items, self._has_lost = count, [], False
         self._events.append(Started(count, sender))
@@ -91,7 +95,7 @@ class Receiver(Transfer):
         Raises:
             LocalProtocolError: nothing to confirm.
         """
-        self._settle(Trigger.STORED, None, now_s)
+        self._settle(TransferTrigger.STORED, None, now_s)
         self._latest = self._acknowledge(self._partner, result)
         self._repetitions = REPETITIONS if self._has_lost else 0
         self._again_s = now_s + AGAIN_S
@@ -103,7 +107,7 @@ class Receiver(Transfer):
 
     def tick(self, now_s: float) -> None:
         """Repeat unanswered messages and the last message; give up after the last retry."""
-        if self._repetitions and now_s >= self._again_s and self.state is State.SETTLED:
+        if self._repetitions and now_s >= self._again_s and self.state is TransferState.SETTLED:
             self._repetitions -= 1
             self._again_s = now_s + AGAIN_S
             self._repeat()
@@ -127,7 +131,9 @@ class Receiver(Transfer):
             self._handle_item(message, sender, now_s)
 
     def _handle_count(self, count: int, sender: Address, now_s: float) -> None:
-        if not self._is_free_for(sender) or not self._may(Trigger.COUNT if count else Trigger.EMPTY):
+        if not self._is_free_for(sender) or not self._may(
+            TransferTrigger.COUNT if count else TransferTrigger.EMPTY
+        ):
             return
         if count > self.max_items:
             self._fail(
@@ -139,7 +145,7 @@ class Receiver(Transfer):
             )
             return
         is_same = count == self._count and not self._items and not self._is_part
-        if self.state is State.RECEIVING and is_same:
+        if self.state is TransferState.RECEIVING and is_same:
             self._repeat()  # repeated offer: our first request was lost
             return
         self._collect(0, count, sender, now_s, is_part=False)
@@ -153,16 +159,16 @@ class Receiver(Transfer):
     def _handle_item(self, message: Message, sender: Address, now_s: float) -> None:
         if message.current > 1:  # ArduPilot's go-to and altitude items
             self.ignored += 1
-        elif self.state is State.RECEIVING:
+        elif self.state is TransferState.RECEIVING:
             self._receive_item(message, sender, now_s)
-        elif self.state is State.SETTLED:
-            self._move(Trigger.ITEM)
+        elif self.state is TransferState.SETTLED:
+            self._move(TransferTrigger.ITEM)
             if message.seq == self.first + min(len(self._items), self._count - 1):
                 self._repeat()
             else:
                 self.ignored += 1  # delayed: no answer needed
-        elif self.state is State.IDLE:
-            self._move(Trigger.ITEM)
+        elif self.state is TransferState.IDLE:
+            self._move(TransferTrigger.ITEM)
             self._acknowledge(sender, MissionResult.ERROR)
             self.ignored += 1
         else:
@@ -183,11 +189,11 @@ class Receiver(Transfer):
         elif isinstance(item, MissionItem):
             self._items.append(item)
             if len(self._items) == self._count:
-                self._move(Trigger.LAST_ITEM)
+                self._move(TransferTrigger.LAST_ITEM)
                 first = self.first if self._is_part else None
                 self._events.append(Completed(tuple(self._items), sender, first))
             else:
-                self._move(Trigger.ITEM)
+                self._move(TransferTrigger.ITEM)
                 self._request_next(sender, now_s)
 
     def _repeat(self) -> None:

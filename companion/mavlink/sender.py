@@ -7,7 +7,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, Started, Transfer
-from companion.mavlink.transfer_table import State, Trigger
+from companion.mavlink.transfer_table import TransferState, TransferTrigger
 
 
 class Sender(Transfer):
@@ -48,7 +48,7 @@ class Sender(Transfer):
         if self.partner not in (None, partner):
             raise LocalProtocolError(f"a transfer with {self.partner} is under way")
         self._was_asked = False
-        self._begin(Trigger.OFFER, partner)
+        self._begin(TransferTrigger.OFFER, partner)
         self._items = tuple(items)
         self._unsent, self._asked = set(range(len(items))), set()
         self._events.append(Started(len(items), partner))
@@ -78,18 +78,18 @@ class Sender(Transfer):
         if self._was_asked and not self._unsent and self.partner not in (None, sender):
             self._expire(now_s)  # not every station acknowledges
         if self._is_free_for(sender):
-            if self.state is State.OFFERING:
+            if self.state is TransferState.OFFERING:
                 self._repeat()  # repeated request: our count was lost
             else:
                 self.offer(self._source(), sender, now_s)
                 self._was_asked = True
 
     def _handle_request(self, seq: int, sender: Address, now_s: float) -> None:
-        if self.state is State.IDLE or sender != self._partner:
+        if self.state is TransferState.IDLE or sender != self._partner:
             self.ignored += 1
             self._acknowledge(sender, MissionResult.ERROR)
         elif seq >= len(self._items):
-            if self.state is State.SETTLED:
+            if self.state is TransferState.SETTLED:
                 self.ignored += 1
             else:
                 text = f"item {seq} was asked for, the list has {len(self._items)}"
@@ -106,8 +106,8 @@ class Sender(Transfer):
             self._asked.clear()
         self._asked.add(seq)
         self._unsent.discard(seq)
-        settled = self.state is State.SETTLED
-        self._move(Trigger.REQUEST)
+        settled = self.state is TransferState.SETTLED
+        self._move(TransferTrigger.REQUEST)
         if (is_progress or self._was_asked) and not settled:  # still alive
             self._await(item, now_s)
         else:
@@ -120,8 +120,8 @@ class Sender(Transfer):
             self._handle_refusal(MissionResult(message.type), sender, now_s)
         elif self._unsent:
             self.ignored += 1  # answers an earlier transfer
-        elif self._may(Trigger.ACCEPTED):
-            self._settle(Trigger.ACCEPTED, None, now_s)
+        elif self._may(TransferTrigger.ACCEPTED):
+            self._settle(TransferTrigger.ACCEPTED, None, now_s)
             self._events.append(Completed(self._items, sender))
 
     def _remind(self) -> None:
@@ -133,7 +133,7 @@ class Sender(Transfer):
         if self._unsent and not self._was_asked:
             super()._expire(now_s)
             return
-        self._settle(Trigger.EXPIRED, None, now_s)
+        self._settle(TransferTrigger.EXPIRED, None, now_s)
         text = (
             "all items were sent, but not acknowledged" if not self._unsent else "the partner does not answer"
         )

@@ -217,7 +217,7 @@ class SigningCounters:
         return self.unsigned + self.forged + self.old
 
 
-class Guard:
+class SigningGuard:
     """Signing on one link: checks incoming frames, signs outgoing ones. Without a key, `accept` is `off`.
 
     link_id distinguishes our links for stations that receive several. A radio's own RADIO_STATUS is never

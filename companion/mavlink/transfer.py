@@ -42,7 +42,7 @@ from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer_table import TRANSITIONS, State, Trigger
+from companion.mavlink.transfer_table import TRANSITIONS, TransferState, TransferTrigger
 
 NOBODY = Address(0, 0)
 MOST_ITEMS = 65535  # MISSION_COUNT counts in 16 bits
@@ -98,7 +98,7 @@ class Transfer:
         self.mission_type = mission_type
         self.max_items = max_items
         self.ignored = 0
-        self.state = State.IDLE
+        self.state = TransferState.IDLE
         self._retry_s = retry_s
         self._retries = retries
         self._retries_left = 0
@@ -111,19 +111,19 @@ class Transfer:
     @property
     def is_idle(self) -> bool:
         """Whether `tick` has nothing to do."""
-        return self.state is State.IDLE
+        return self.state is TransferState.IDLE
 
     @property
     def partner(self) -> Address | None:
         """The partner of a transfer in progress, or None."""
-        return None if self.state in (State.IDLE, State.SETTLED) else self._partner
+        return None if self.state in (TransferState.IDLE, TransferState.SETTLED) else self._partner
 
     def tick(self, now_s: float) -> None:
         """Repeat unanswered messages, give up after the last retry."""
-        if self.state in (State.IDLE, State.STORING) or now_s < self._deadline_s:
+        if self.state in (TransferState.IDLE, TransferState.STORING) or now_s < self._deadline_s:
             return
-        if self.state is State.SETTLED:
-            self._move(Trigger.EXPIRED)
+        if self.state is TransferState.SETTLED:
+            self._move(TransferTrigger.EXPIRED)
             self._partner = NOBODY
         elif self._retries_left == 0:
             self._expire(now_s)
@@ -134,7 +134,7 @@ class Transfer:
 
     def cancel(self, now_s: float) -> None:
         """Cancel a transfer in progress and tell the partner."""
-        if Trigger.FAULT in TRANSITIONS[self.state]:
+        if TransferTrigger.FAULT in TRANSITIONS[self.state]:
             self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, "cancelled"), self._partner, now_s)
 
     def take_outbox(self) -> list[Message]:
@@ -147,7 +147,7 @@ class Transfer:
         events, self._events = self._events, []
         return events
 
-    def _move(self, trigger: Trigger) -> None:
+    def _move(self, trigger: TransferTrigger) -> None:
         """Follow a row of the table.
 
         Raises:
@@ -160,7 +160,7 @@ class Transfer:
                 f"{trigger.name} is not possible in a {self.mission_type.name} transfer: {self.state.name}"
             ) from None
 
-    def _may(self, trigger: Trigger) -> bool:
+    def _may(self, trigger: TransferTrigger) -> bool:
         """Whether a message has a row; counted if not."""
         possible = trigger in TRANSITIONS[self.state]
         self.ignored += not possible
@@ -182,7 +182,7 @@ class Transfer:
         self._acknowledge(sender, MissionResult.DENIED)
         return False
 
-    def _begin(self, trigger: Trigger, partner: Address) -> None:
+    def _begin(self, trigger: TransferTrigger, partner: Address) -> None:
         self._move(trigger)
         self._partner = partner
 
@@ -208,14 +208,18 @@ class Transfer:
         self._outbox.append(message)
         return message
 
-    def _settle(self, trigger: Trigger, latest: Message | None, now_s: float) -> None:
+    def _settle(self, trigger: TransferTrigger, latest: Message | None, now_s: float) -> None:
         """End the transfer, and keep the last message for repeated requests."""
         self._move(trigger)
         self._latest = latest
         self._deadline_s = now_s + self._retry_s * (self._retries + 1)
 
     def _fail(
-        self, fault: ItemFault, partner: Address, now_s: float, trigger: Trigger = Trigger.FAULT
+        self,
+        fault: ItemFault,
+        partner: Address,
+        now_s: float,
+        trigger: TransferTrigger = TransferTrigger.FAULT,
     ) -> None:
         """End or refuse the transfer, and tell the partner."""
         answer = self._acknowledge(partner, fault.result)
@@ -226,10 +230,12 @@ class Transfer:
     def _expire(self, now_s: float) -> None:
         waited_s = self._retry_s * (self._retries + 1)
         text = f"no answer from {self._partner.system}/{self._partner.component} for {waited_s:g} s"
-        self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, Trigger.EXPIRED)
+        self._fail(
+            ItemFault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, TransferTrigger.EXPIRED
+        )
 
     def _handle_refusal(self, result: MissionResult, sender: Address, now_s: float) -> None:
         """The partner has ended the transfer."""
-        if self._may(Trigger.REFUSED):
-            self._settle(Trigger.REFUSED, None, now_s)
+        if self._may(TransferTrigger.REFUSED):
+            self._settle(TransferTrigger.REFUSED, None, now_s)
             self._events.append(Failed(result, f"the other side answered {result.name}", sender))

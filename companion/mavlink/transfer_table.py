@@ -5,7 +5,7 @@ from enum import Enum, auto
 from types import MappingProxyType
 
 
-class State(Enum):
+class TransferState(Enum):
     """State of a transfer."""
 
     IDLE = auto()
@@ -17,7 +17,7 @@ class State(Enum):
     SETTLED = auto()  # finished; the partner may not know yet
 
 
-class Trigger(Enum):
+class TransferTrigger(Enum):
     """Events."""
 
     ASK = auto()  # the owner requests a list
@@ -34,44 +34,50 @@ class Trigger(Enum):
     EXPIRED = auto()  # retries, or the time to remember, are used up
 
 
-_BEGIN = {Trigger.ASK: State.LISTING, Trigger.COUNT: State.RECEIVING, Trigger.EMPTY: State.STORING}
-_BREAK_OFF = dict.fromkeys((Trigger.REFUSED, Trigger.FAULT, Trigger.EXPIRED), State.SETTLED)
+_BEGIN = {
+    TransferTrigger.ASK: TransferState.LISTING,
+    TransferTrigger.COUNT: TransferState.RECEIVING,
+    TransferTrigger.EMPTY: TransferState.STORING,
+}
+_BREAK_OFF = dict.fromkeys(
+    (TransferTrigger.REFUSED, TransferTrigger.FAULT, TransferTrigger.EXPIRED), TransferState.SETTLED
+)
 _OFFERED = {
-    Trigger.OFFER: State.OFFERING,
-    Trigger.REQUEST: State.SENDING,
-    Trigger.ACCEPTED: State.SETTLED,
+    TransferTrigger.OFFER: TransferState.OFFERING,
+    TransferTrigger.REQUEST: TransferState.SENDING,
+    TransferTrigger.ACCEPTED: TransferState.SETTLED,
     **_BREAK_OFF,
 }
 
-TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
+TRANSITIONS: Mapping[TransferState, Mapping[TransferTrigger, TransferState]] = MappingProxyType(
     {
-        State.IDLE: {
+        TransferState.IDLE: {
             **_BEGIN,
-            Trigger.OFFER: State.OFFERING,
-            Trigger.ITEM: State.IDLE,  # unsolicited: answered with an error
-            Trigger.REQUEST: State.IDLE,
+            TransferTrigger.OFFER: TransferState.OFFERING,
+            TransferTrigger.ITEM: TransferState.IDLE,  # unsolicited: answered with an error
+            TransferTrigger.REQUEST: TransferState.IDLE,
         },
-        State.LISTING: {
-            Trigger.COUNT: State.RECEIVING,
-            Trigger.EMPTY: State.STORING,
+        TransferState.LISTING: {
+            TransferTrigger.COUNT: TransferState.RECEIVING,
+            TransferTrigger.EMPTY: TransferState.STORING,
             **_BREAK_OFF,
         },
-        State.RECEIVING: {
-            Trigger.COUNT: State.RECEIVING,  # restarted by the partner
-            Trigger.EMPTY: State.STORING,
-            Trigger.ITEM: State.RECEIVING,
-            Trigger.LAST_ITEM: State.STORING,
+        TransferState.RECEIVING: {
+            TransferTrigger.COUNT: TransferState.RECEIVING,  # restarted by the partner
+            TransferTrigger.EMPTY: TransferState.STORING,
+            TransferTrigger.ITEM: TransferState.RECEIVING,
+            TransferTrigger.LAST_ITEM: TransferState.STORING,
             **_BREAK_OFF,
         },
-        State.STORING: {Trigger.STORED: State.SETTLED},
-        State.OFFERING: _OFFERED,
-        State.SENDING: _OFFERED,
-        State.SETTLED: {
+        TransferState.STORING: {TransferTrigger.STORED: TransferState.SETTLED},
+        TransferState.OFFERING: _OFFERED,
+        TransferState.SENDING: _OFFERED,
+        TransferState.SETTLED: {
             **_BEGIN,
-            Trigger.OFFER: State.OFFERING,
-            Trigger.ITEM: State.SETTLED,  # our answer was lost
-            Trigger.REQUEST: State.SETTLED,
-            Trigger.EXPIRED: State.IDLE,
+            TransferTrigger.OFFER: TransferState.OFFERING,
+            TransferTrigger.ITEM: TransferState.SETTLED,  # our answer was lost
+            TransferTrigger.REQUEST: TransferState.SETTLED,
+            TransferTrigger.EXPIRED: TransferState.IDLE,
         },
     }
 )

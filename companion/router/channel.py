@@ -11,7 +11,7 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import Counters, FrameFinder
 from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame, message_id_of
-from companion.mavlink.signing import Guard, loggable
+from companion.mavlink.signing import SigningGuard, loggable
 from companion.router.admission import Standing
 from companion.router.amplification import AmplificationLimit, Question
 from companion.router.policy import PLAIN, Filter, Policy
@@ -67,7 +67,7 @@ class Channel:
         self.policy = policy
         self.counters = Counters()
         self.encoder = Encoder(own, self.counters)
-        self.guard: Guard | None = None
+        self.guard: SigningGuard | None = None
         self.tap: Callable[[bytes], object] | None = None
         self.forwarded = 0  # of other channels' frames, sent by this one
         self.withheld = 0  # by allow, deny and rate caps, and for unverified peers
@@ -90,7 +90,7 @@ class Channel:
             TxQueue(self._transmit, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
         )
 
-    def set_guard(self, guard: Guard) -> None:
+    def set_guard(self, guard: SigningGuard) -> None:
         """Sign and check frames."""
         self.guard = guard
         self._is_confidential = guard.policy == "required" and not guard.has_verified

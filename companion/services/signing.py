@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message
-from companion.mavlink.signing import Guard
+from companion.mavlink.signing import SigningGuard
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import SigningStore
 from companion.router.channel import Channel
@@ -62,7 +62,7 @@ class SigningService:
         name = opened.link.name
         if setting.signing != "off":
             signatory = self._store.signatory(setting.key_file)
-            opened.set_guard(Guard(signatory, setting.signing, channel, is_radio=policy.is_radio))
+            opened.set_guard(SigningGuard(signatory, setting.signing, channel, is_radio=policy.is_radio))
             if setting.signing == "required" and signatory.key is None:
                 self._warn_once(f"{name} requires signatures, but has no key")
         if policy.is_radio and setting.signing != "required":

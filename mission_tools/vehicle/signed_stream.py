@@ -4,7 +4,7 @@ Sans-I/O. Only what is signed with the key comes in. A signature proves more tha
 dialect is needed to find frames among other bytes.
 """
 
-from companion.mavlink.signing import Guard, Signatory, SignatureVerdict, Stamps, without_signature
+from companion.mavlink.signing import Signatory, SignatureVerdict, SigningGuard, Stamps, without_signature
 from companion.mavlink.signing_key import SigningKey
 
 _MAGIC_V1, _MAGIC_V2, _SIGNED = 0xFE, 0xFD, 0x01
@@ -26,7 +26,7 @@ class SignedStream:
         self.old = 0
         self._is_datagram = is_datagram
         self._signatory = Signatory(key, Stamps())
-        self._guard = Guard(self._signatory, "required", _LINK_ID)
+        self._guard = SigningGuard(self._signatory, "required", _LINK_ID)
         self._rest = b""
 
     def set_date(self, timestamp: int) -> None:

@@ -17,7 +17,7 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Event, Failed
-from companion.mavlink.transfer_table import State
+from companion.mavlink.transfer_table import TransferState
 from sitl.radio.channel import Channel, Quality
 
 BOAT, STATION = Address(1, 1), Address(255, 190)
@@ -99,8 +99,8 @@ class Pair:
     def run(self) -> None:
         """Until both have forgotten the transfer and the channels are empty."""
         while not (
-            self.sender.machine.state is State.IDLE
-            and self.receiver.machine.state is State.IDLE
+            self.sender.machine.state is TransferState.IDLE
+            and self.receiver.machine.state is TransferState.IDLE
             and self.sender.out.is_empty
             and self.receiver.out.is_empty
         ):

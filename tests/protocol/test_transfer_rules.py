@@ -14,7 +14,7 @@ from companion.mavlink.items import ItemFault, MissionItem, MissionResult, Missi
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Started, Transfer
-from companion.mavlink.transfer_table import State
+from companion.mavlink.transfer_table import TransferState
 
 BOAT, STATION, SECOND = Address(1, 1), Address(255, 190), Address(254, 190)
 ITEMS = tuple(MissionItem(3, 16, x=n) for n in range(3))
@@ -118,7 +118,7 @@ def test_confirming_twice_is_a_mistake_of_ours() -> None:
 def test_a_count_that_does_not_name_us_is_not_ours(target: tuple[int, int]) -> None:
     machine = Receiver(BOAT, MISSION)
     tell(machine, count(3, target))
-    assert (machine.state, said(machine), machine.take_events()) == (State.IDLE, [], [])
+    assert (machine.state, said(machine), machine.take_events()) == (TransferState.IDLE, [], [])
 
 
 def test_a_count_to_all_components_of_our_system_is_ours() -> None:
@@ -136,7 +136,7 @@ def test_another_list_s_messages_are_not_ours() -> None:
 def test_a_sender_without_a_system_is_nobody() -> None:
     machine = Receiver(BOAT, MISSION)
     tell(machine, count(3), sender=Address(0, 0))
-    assert machine.state is State.IDLE
+    assert machine.state is TransferState.IDLE
 
 
 def test_a_second_station_is_denied_and_the_first_goes_on() -> None:
@@ -209,7 +209,7 @@ def test_more_items_than_there_is_room_for_are_refused_at_once() -> None:
     (failed,) = machine.take_events()
     assert isinstance(failed, Failed)
     assert failed.text == "6 items offered, there is room for 5"
-    assert machine.state is State.IDLE
+    assert machine.state is TransferState.IDLE
 
 
 def test_a_station_s_cancel_ends_the_upload_at_once_and_is_not_answered() -> None:
@@ -226,7 +226,7 @@ def test_a_station_s_cancel_ends_the_upload_at_once_and_is_not_answered() -> Non
 def test_a_station_that_accepts_its_own_upload_changes_nothing() -> None:
     machine = receiving(3, have=1)
     tell(machine, ack(MissionResult.ACCEPTED))
-    assert (machine.state, machine.take_events()) == (State.RECEIVING, [])
+    assert (machine.state, machine.take_events()) == (TransferState.RECEIVING, [])
 
 
 def test_a_lost_item_is_asked_for_again_and_given_up_after_the_last_retry() -> None:
@@ -245,12 +245,12 @@ def test_a_lost_item_is_asked_for_again_and_given_up_after_the_last_retry() -> N
 def test_only_progress_puts_the_deadline_off() -> None:
     machine = receiving(3, have=1)
     now_s = 0.0
-    while machine.state is State.RECEIVING:
+    while machine.state is TransferState.RECEIVING:
         now_s += 0.05
         tell(machine, item(0), item(2), now_s=now_s)
         machine.tick(now_s)
         assert now_s < 2.1
-    assert machine.state is State.SETTLED
+    assert machine.state is TransferState.SETTLED
 
 
 def test_an_item_that_the_owner_objects_to_ends_the_upload_with_its_reason() -> None:
@@ -464,7 +464,7 @@ def test_another_station_s_acknowledgement_means_nothing(result: MissionResult) 
     machine = sending()
     tell(machine, request(0), request(1), request(2))
     machine.handle(ack(result), SECOND, 0.0)
-    assert (machine.state, machine.take_events()) == (State.SENDING, [])
+    assert (machine.state, machine.take_events()) == (TransferState.SENDING, [])
 
 
 def test_a_refusal_ends_it_with_the_partner_s_reason() -> None:
@@ -485,7 +485,7 @@ def test_a_partner_that_begins_again_gets_all_items_again_and_the_time_for_it() 
 def test_asking_for_the_same_item_for_ever_is_no_progress() -> None:
     machine = sending()
     now_s = 0.0
-    while machine.state is not State.SETTLED:
+    while machine.state is not TransferState.SETTLED:
         now_s += 0.05
         tell(machine, request(0), now_s=now_s)
         machine.tick(now_s)

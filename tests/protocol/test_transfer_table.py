@@ -11,7 +11,7 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Transfer
-from companion.mavlink.transfer_table import TRANSITIONS, State, Trigger
+from companion.mavlink.transfer_table import TRANSITIONS, TransferState, TransferTrigger
 
 BOAT, STATION = Address(1, 1), Address(255, 190)
 ITEMS = (MissionItem(3, 16, x=1), MissionItem(3, 16, x=2))
@@ -49,27 +49,27 @@ def wait(machine: Transfer) -> None:
         machine.tick((n + 1) * RETRY_S)
 
 
-def receiver_in(state: State) -> Receiver:
+def receiver_in(state: TransferState) -> Receiver:
     machine = Receiver(BOAT, MissionType.MISSION, RETRY_S, RETRIES, max_items=10)
-    if state is State.LISTING:
+    if state is TransferState.LISTING:
         machine.request_list(STATION, 0.0)
-    elif state is not State.IDLE:
+    elif state is not TransferState.IDLE:
         tell(machine, count(2))
-    if state in (State.STORING, State.SETTLED):
+    if state in (TransferState.STORING, TransferState.SETTLED):
         tell(machine, item(0), item(1))
-    if state is State.SETTLED:
+    if state is TransferState.SETTLED:
         machine.confirm(0.0)
     assert machine.state is state
     return machine
 
 
-def sender_in(state: State) -> Sender:
+def sender_in(state: TransferState) -> Sender:
     machine = Sender(BOAT, MissionType.MISSION, RETRY_S, RETRIES)
-    if state is not State.IDLE:
+    if state is not TransferState.IDLE:
         machine.offer(ITEMS, STATION, 0.0)
-    if state in (State.SENDING, State.SETTLED):
+    if state in (TransferState.SENDING, TransferState.SETTLED):
         tell(machine, request(0), request(1))
-    if state is State.SETTLED:
+    if state is TransferState.SETTLED:
         tell(machine, ack(MissionResult.ACCEPTED))
     assert machine.state is state
     return machine
@@ -80,27 +80,33 @@ def accept_an_empty_offer(machine: Sender) -> None:
     tell(machine, ack(MissionResult.ACCEPTED))
 
 
-RECEIVER_WAYS: dict[Trigger, Callable[[Receiver], None]] = {
-    Trigger.ASK: lambda m: m.request_list(STATION, 0.0),
-    Trigger.COUNT: lambda m: tell(m, count(3)),
-    Trigger.EMPTY: lambda m: tell(m, count(0)),
-    Trigger.ITEM: lambda m: tell(m, item(0)),
-    Trigger.LAST_ITEM: lambda m: tell(m, item(0), item(1)),
-    Trigger.STORED: lambda m: m.confirm(0.0),
-    Trigger.REFUSED: lambda m: tell(m, ack(MissionResult.OPERATION_CANCELLED)),
-    Trigger.FAULT: lambda m: m.cancel(0.0),
-    Trigger.EXPIRED: wait,
+RECEIVER_WAYS: dict[TransferTrigger, Callable[[Receiver], None]] = {
+    TransferTrigger.ASK: lambda m: m.request_list(STATION, 0.0),
+    TransferTrigger.COUNT: lambda m: tell(m, count(3)),
+    TransferTrigger.EMPTY: lambda m: tell(m, count(0)),
+    TransferTrigger.ITEM: lambda m: tell(m, item(0)),
+    TransferTrigger.LAST_ITEM: lambda m: tell(m, item(0), item(1)),
+    TransferTrigger.STORED: lambda m: m.confirm(0.0),
+    TransferTrigger.REFUSED: lambda m: tell(m, ack(MissionResult.OPERATION_CANCELLED)),
+    TransferTrigger.FAULT: lambda m: m.cancel(0.0),
+    TransferTrigger.EXPIRED: wait,
 }
-SENDER_WAYS: dict[Trigger, Callable[[Sender], None]] = {
-    Trigger.OFFER: lambda m: m.offer(ITEMS, STATION, 0.0),
-    Trigger.REQUEST: lambda m: tell(m, request(0)),
-    Trigger.ACCEPTED: lambda m: tell(m, ack(MissionResult.ACCEPTED)),
-    Trigger.REFUSED: lambda m: tell(m, ack(MissionResult.NO_SPACE)),
-    Trigger.FAULT: lambda m: tell(m, request(7)),
-    Trigger.EXPIRED: wait,
+SENDER_WAYS: dict[TransferTrigger, Callable[[Sender], None]] = {
+    TransferTrigger.OFFER: lambda m: m.offer(ITEMS, STATION, 0.0),
+    TransferTrigger.REQUEST: lambda m: tell(m, request(0)),
+    TransferTrigger.ACCEPTED: lambda m: tell(m, ack(MissionResult.ACCEPTED)),
+    TransferTrigger.REFUSED: lambda m: tell(m, ack(MissionResult.NO_SPACE)),
+    TransferTrigger.FAULT: lambda m: tell(m, request(7)),
+    TransferTrigger.EXPIRED: wait,
 }
-RECEIVER_STATES = (State.IDLE, State.LISTING, State.RECEIVING, State.STORING, State.SETTLED)
-SENDER_STATES = (State.IDLE, State.OFFERING, State.SENDING, State.SETTLED)
+RECEIVER_STATES = (
+    TransferState.IDLE,
+    TransferState.LISTING,
+    TransferState.RECEIVING,
+    TransferState.STORING,
+    TransferState.SETTLED,
+)
+SENDER_STATES = (TransferState.IDLE, TransferState.OFFERING, TransferState.SENDING, TransferState.SETTLED)
 
 ROWS = [(state, trigger) for state, row in TRANSITIONS.items() for trigger in row]
 RECEIVER_ROWS = [(s, t) for s, t in ROWS if s in RECEIVER_STATES and t in RECEIVER_WAYS]
@@ -108,20 +114,20 @@ SENDER_ROWS = [(s, t) for s, t in ROWS if s in SENDER_STATES and t in SENDER_WAY
 
 
 def row_id(value: object) -> str:
-    return value.name if isinstance(value, State | Trigger) else str(value)
+    return value.name if isinstance(value, TransferState | TransferTrigger) else str(value)
 
 
 @pytest.mark.parametrize(("state", "trigger"), RECEIVER_ROWS, ids=row_id)
-def test_a_receiver_follows_the_row(state: State, trigger: Trigger) -> None:
+def test_a_receiver_follows_the_row(state: TransferState, trigger: TransferTrigger) -> None:
     machine = receiver_in(state)
     RECEIVER_WAYS[trigger](machine)
     assert machine.state is TRANSITIONS[state][trigger]
 
 
 @pytest.mark.parametrize(("state", "trigger"), SENDER_ROWS, ids=row_id)
-def test_a_sender_follows_the_row(state: State, trigger: Trigger) -> None:
+def test_a_sender_follows_the_row(state: TransferState, trigger: TransferTrigger) -> None:
     machine = sender_in(state)
-    if (state, trigger) == (State.OFFERING, Trigger.ACCEPTED):
+    if (state, trigger) == (TransferState.OFFERING, TransferTrigger.ACCEPTED):
         accept_an_empty_offer(machine)
     else:
         SENDER_WAYS[trigger](machine)
@@ -130,17 +136,17 @@ def test_a_sender_follows_the_row(state: State, trigger: Trigger) -> None:
 
 def test_every_row_belongs_to_a_machine_and_is_walked() -> None:
     assert set(RECEIVER_ROWS) | set(SENDER_ROWS) == set(ROWS)
-    assert set(TRANSITIONS) == set(State)
-    assert {trigger for _, trigger in ROWS} == set(Trigger)
+    assert set(TRANSITIONS) == set(TransferState)
+    assert {trigger for _, trigger in ROWS} == set(TransferTrigger)
 
 
 @pytest.mark.parametrize("state", RECEIVER_STATES, ids=row_id)
 @pytest.mark.parametrize("trigger", RECEIVER_WAYS, ids=row_id)
-def test_a_receiver_without_a_row_stays_where_it_is(state: State, trigger: Trigger) -> None:
-    if trigger in TRANSITIONS[state] or trigger is Trigger.LAST_ITEM:
+def test_a_receiver_without_a_row_stays_where_it_is(state: TransferState, trigger: TransferTrigger) -> None:
+    if trigger in TRANSITIONS[state] or trigger is TransferTrigger.LAST_ITEM:
         return  # a last item is an item to every state but RECEIVING
     machine = receiver_in(state)
-    if trigger in (Trigger.ASK, Trigger.STORED):
+    if trigger in (TransferTrigger.ASK, TransferTrigger.STORED):
         with pytest.raises(LocalProtocolError, match=f"{trigger.name} .* {state.name}"):
             RECEIVER_WAYS[trigger](machine)
     else:
@@ -150,7 +156,7 @@ def test_a_receiver_without_a_row_stays_where_it_is(state: State, trigger: Trigg
 
 @pytest.mark.parametrize("state", SENDER_STATES, ids=row_id)
 @pytest.mark.parametrize("trigger", SENDER_WAYS, ids=row_id)
-def test_a_sender_without_a_row_stays_where_it_is(state: State, trigger: Trigger) -> None:
+def test_a_sender_without_a_row_stays_where_it_is(state: TransferState, trigger: TransferTrigger) -> None:
     if trigger in TRANSITIONS[state]:
         return
     machine = sender_in(state)
@@ -158,11 +164,11 @@ def test_a_sender_without_a_row_stays_where_it_is(state: State, trigger: Trigger
     assert machine.state is state
 
 
-@pytest.mark.parametrize("state", [State.LISTING, State.RECEIVING], ids=row_id)
-def test_a_receiver_with_nobody_answering_comes_to_rest(state: State) -> None:
+@pytest.mark.parametrize("state", [TransferState.LISTING, TransferState.RECEIVING], ids=row_id)
+def test_a_receiver_with_nobody_answering_comes_to_rest(state: TransferState) -> None:
     machine = receiver_in(state)
     now_s = 0.0
-    while machine.state is not State.IDLE:
+    while machine.state is not TransferState.IDLE:
         now_s += 0.1
         machine.tick(now_s)
         assert now_s < FOREVER_S

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 
 from companion.services.ftp.frames import DATA_BYTES, Code, Refusal, Request, ack, nak
-from companion.services.ftp.sessions import Burst, Session, Station, Stations
+from companion.services.ftp.sessions import Burst, FtpStation, Session, Stations
 from companion.services.ftp.tree import refusal_of
 
 BLOCKS_PER_TICK = 96  # of all stations: a megabyte per second
 _BLOCKS_PER_BURST = 512
 
-Post = Callable[[Station, bytes], None]
+Post = Callable[[FtpStation, bytes], None]
 
 
 class Bursts:
@@ -29,7 +29,7 @@ class Bursts:
         self._post = post
         self._has_room = has_room
 
-    def begin(self, station: Station, request: Request, session: Session, now_s: float) -> None:
+    def begin(self, station: FtpStation, request: Request, session: Session, now_s: float) -> None:
         """Start a burst from an offset, replacing the present one; a repeated request continues it."""
         if session.burst is None or session.burst.request.raw != request.raw:
             size = request.size or DATA_BYTES
@@ -43,7 +43,7 @@ class Bursts:
         for index, (station, session) in enumerate(running):
             self._advance(station, session, self._blocks_left // (len(running) - index), now_s)
 
-    def _advance(self, station: Station, session: Session, blocks: int, now_s: float) -> None:
+    def _advance(self, station: FtpStation, session: Session, blocks: int, now_s: float) -> None:
         burst, reading, channel = session.burst, session.reading, station.origin.channel
         while burst is not None and blocks > 0 and self._has_room(channel):
             if not reading.has(burst.offset, burst.block_bytes) and not self._load(station, session, burst):
@@ -53,7 +53,7 @@ class Bursts:
             session.used_s = now_s
             burst = session.burst = self._send(station, burst, reading.read(burst.offset, burst.block_bytes))
 
-    def _send(self, station: Station, burst: Burst, data: bytes) -> Burst | None:
+    def _send(self, station: FtpStation, burst: Burst, data: bytes) -> Burst | None:
         """Send one block; returns the rest of the burst."""
         request, offset, sequence = burst.request, burst.offset, burst.sequence
         if not data:
@@ -66,7 +66,7 @@ class Bursts:
         self._post(station, ack(request, data, offset=offset, sequence=sequence, is_burst_over=is_over))
         return None if is_over else burst
 
-    def _load(self, station: Station, session: Session, burst: Burst) -> bool:
+    def _load(self, station: FtpStation, session: Session, burst: Burst) -> bool:
         """Load the next part of the file; returns whether it is available."""
         reading = session.reading
         if session.loading is None:

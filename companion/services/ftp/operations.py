@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from companion.services.ftp.frames import DATA_BYTES, Code, Opcode, Refusal, Request, ack
-from companion.services.ftp.sessions import MAX_UPLOADS_BYTES, Session, Station, Stations, Upload
+from companion.services.ftp.sessions import MAX_UPLOADS_BYTES, FtpStation, Session, Stations, Upload
 from companion.services.ftp.tree import FileTree, Place, Reading, checksum, page_of
 
 Reply = bytes | None
@@ -16,7 +16,7 @@ class Later(Protocol):
 
     def __call__(
         self,
-        station: Station,
+        station: FtpStation,
         request: Request,
         on_disk: bool,
         work: Callable[[], Any],
@@ -34,7 +34,7 @@ class Operations:
         stations: Stations,
         later: Later,
         release: Callable[[list[Session]], None],
-        begin_burst: Callable[[Station, Request, Session], None],
+        begin_burst: Callable[[FtpStation, Request, Session], None],
     ) -> None:
         self._tree = tree
         self._stations = stations
@@ -42,7 +42,7 @@ class Operations:
         self._release = release
         self._begin_burst = begin_burst
         change = self._change
-        self._table: dict[int, Callable[[Station, Request, float], Reply]] = {
+        self._table: dict[int, Callable[[FtpStation, Request, float], Reply]] = {
             Opcode.NONE: lambda _, r, t: ack(r),
             Opcode.TERMINATE_SESSION: self._terminate,
             Opcode.RESET_SESSIONS: self._reset,
@@ -65,7 +65,7 @@ class Operations:
             Opcode.BURST_READ_FILE: self._burst,
         }
 
-    def carry_out(self, station: Station, request: Request, now_s: float) -> Reply:
+    def carry_out(self, station: FtpStation, request: Request, now_s: float) -> Reply:
         """Execute a request."""
         operation = self._table.get(request.opcode)
         if operation is None:
@@ -81,7 +81,7 @@ class Operations:
             raise Refusal(Code.FILE_PROTECTED)
         return place
 
-    def _list(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
+    def _list(self, station: FtpStation, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         place = self._tree.find(request.data)
         if place is None:
             return ack(request, page_of(self._tree.root_entries(), request.offset))
@@ -94,7 +94,7 @@ class Operations:
             lambda page: ack(request, page),
         )
 
-    def _open(self, station: Station, request: Request, now_s: float) -> Reply:
+    def _open(self, station: FtpStation, request: Request, now_s: float) -> Reply:
         mount, names = self._place(request.data)
 
         def opened(reading: Reading) -> bytes:
@@ -107,7 +107,7 @@ class Operations:
 
         return self._later(station, request, mount.is_disk, lambda: mount.open(names), opened)
 
-    def _begin(self, station: Station, request: Request, now_s: float, *, keep: bool) -> Reply:
+    def _begin(self, station: FtpStation, request: Request, now_s: float, *, keep: bool) -> Reply:
         place = self._place(request.data)
         mount, names = place
 
@@ -119,7 +119,7 @@ class Operations:
 
         return self._later(station, request, mount.is_disk, lambda: mount.begin(names, keep), begun)
 
-    def _read(self, station: Station, request: Request, now_s: float) -> Reply:
+    def _read(self, station: FtpStation, request: Request, now_s: float) -> Reply:
         session = station.session(request.session, now_s)
         reading, offset, count = session.reading, request.offset, request.size or DATA_BYTES
         if reading.has(offset, count):
@@ -133,13 +133,13 @@ class Operations:
 
         return self._later(station, request, session.on_disk, load, lambda data: ack(request, _some(data)))
 
-    def _burst(self, station: Station, request: Request, now_s: float) -> None:
+    def _burst(self, station: FtpStation, request: Request, now_s: float) -> None:
         session = station.session(request.session, now_s)
         if session.upload is not None:
             raise Refusal(Code.FILE_PROTECTED)
         self._begin_burst(station, request, session)
 
-    def _write(self, station: Station, request: Request, now_s: float) -> bytes:
+    def _write(self, station: FtpStation, request: Request, now_s: float) -> bytes:
         upload = station.session(request.session, now_s).upload
         if upload is None:
             raise Refusal(Code.FILE_PROTECTED)
@@ -149,14 +149,14 @@ class Operations:
         upload.write(request.offset, request.data)
         return ack(request)
 
-    def _terminate(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
+    def _terminate(self, station: FtpStation, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         session = station.close(request.session)
         self._release([session])
         if (upload := session.upload) is None:
             return ack(request)
         return self._later(station, request, session.on_disk, upload.save, lambda _: ack(request))
 
-    def _reset(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
+    def _reset(self, station: FtpStation, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         sessions = [station.close(number) for number in list(station.sessions)]
         self._release(sessions)
         uploads = [(s.on_disk, s.upload) for s in sessions if s.upload is not None]
@@ -172,12 +172,12 @@ class Operations:
 
         return self._later(station, request, bool(for_disk), save, lambda _: ack(request))
 
-    def _change(self, station: Station, request: Request, change: Callable[[Place], None]) -> Reply:
+    def _change(self, station: FtpStation, request: Request, change: Callable[[Place], None]) -> Reply:
         place = self._place(request.data)
         on_disk = place.mount.is_disk
         return self._later(station, request, on_disk, lambda: change(place), lambda _: ack(request))
 
-    def _rename(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
+    def _rename(self, station: FtpStation, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         path, _, to_path = request.data.partition(b"\x00")
         place, to = self._place(path), self._place(to_path)
         if to.mount is not place.mount:
@@ -186,7 +186,7 @@ class Operations:
             station, request._replace(data=path), lambda at: at.mount.rename(at.names, to.names)
         )
 
-    def _checksum(self, station: Station, request: Request, now_s: float) -> Reply:  # noqa: ARG002
+    def _checksum(self, station: FtpStation, request: Request, now_s: float) -> Reply:  # noqa: ARG002
         mount, names = self._place(request.data)
 
         def work() -> int:

@@ -18,7 +18,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.services.ftp.bursts import Bursts
 from companion.services.ftp.frames import SESSION_AT, Code, Opcode, Refusal, Request, nak, parse_request
 from companion.services.ftp.operations import Operations, Reply
-from companion.services.ftp.sessions import Session, Station, Stations
+from companion.services.ftp.sessions import FtpStation, Session, Stations
 from companion.services.ftp.tree import FileTree, refusal_of
 from companion.services.outbox import Origin, Outbox
 
@@ -38,7 +38,7 @@ _OPENS = frozenset((Opcode.OPEN_FILE_RO, Opcode.OPEN_FILE_WO, Opcode.CREATE_FILE
 class _Job(NamedTuple):
     """Work in progress for a request, and how to make its reply."""
 
-    station: Station
+    station: FtpStation
     request: Request
     future: "Future[Any]"
     then: Callable[[Any], bytes]
@@ -83,7 +83,7 @@ class FtpService:
         station = self._stations.get(origin)
         self._release(self._stations.take_displaced())
         if station is None:
-            self._post(Station(origin), nak(request, Refusal(Code.NO_SESSIONS_AVAILABLE)))
+            self._post(FtpStation(origin), nak(request, Refusal(Code.NO_SESSIONS_AVAILABLE)))
             return
         if station.is_busy(request.session):
             self._queue(station, request)
@@ -116,7 +116,7 @@ class FtpService:
             self.forget(channel)
         self._worker.shutdown(wait=True)
 
-    def _queue(self, station: Station, request: Request) -> None:
+    def _queue(self, station: FtpStation, request: Request) -> None:
         """Queue a request of a busy session, in order."""
         if request.raw in station.waiting or request in station.queued:
             return
@@ -125,7 +125,7 @@ class FtpService:
         else:
             self.dropped += 1
 
-    def _next_queued(self, station: Station) -> None:
+    def _next_queued(self, station: FtpStation) -> None:
         queued, station.queued = station.queued, deque()
         for request in queued:
             if station.is_busy(request.session):
@@ -133,13 +133,13 @@ class FtpService:
             else:
                 self._carry_out(station, request)
 
-    def _carry_out(self, station: Station, request: Request) -> None:
+    def _carry_out(self, station: FtpStation, request: Request) -> None:
         if (reply := station.repeated(request, self._now_s)) is not None:
             self._post(station, reply)
             return
         self._answer(station, request, lambda: self._operations.carry_out(station, request, self._now_s))
 
-    def _answer(self, station: Station, request: Request, carry_out: Callable[[], Reply]) -> None:
+    def _answer(self, station: FtpStation, request: Request, carry_out: Callable[[], Reply]) -> None:
         """Send the reply if available, and keep it for a repeat."""
         opened = None
         try:
@@ -158,7 +158,7 @@ class FtpService:
 
     def _later(
         self,
-        station: Station,
+        station: FtpStation,
         request: Request,
         on_disk: bool,
         work: Callable[[], Any],
@@ -179,13 +179,13 @@ class FtpService:
             if session.upload is None:
                 self._worker.submit(session.reading.close)
 
-    def _post(self, station: Station, payload: bytes) -> None:
+    def _post(self, station: FtpStation, payload: bytes) -> None:
         self._outbox.send(station.origin.channel, _message(station, payload))
 
-    def _post_block(self, station: Station, payload: bytes) -> None:
+    def _post_block(self, station: FtpStation, payload: bytes) -> None:
         self._outbox.send_bulk(station.origin.channel, _message(station, payload), _FRAME_BYTES)
 
 
-def _message(station: Station, payload: bytes) -> Message:
+def _message(station: FtpStation, payload: bytes) -> Message:
     address = station.origin.address
     return dialect.MAVLink_file_transfer_protocol_message(0, address.system, address.component, payload)

@@ -100,7 +100,7 @@ class Answer:
 
 
 @dataclass(slots=True)
-class Station:
+class FtpStation:
     """One client."""
 
     origin: Origin
@@ -174,16 +174,16 @@ class Stations:
     """All clients and their open files."""
 
     def __init__(self) -> None:
-        self._stations: dict[Origin, Station] = {}
+        self._stations: dict[Origin, FtpStation] = {}
         self._displaced: list[Session] = []
 
     def __bool__(self) -> bool:
         return bool(self._stations)
 
-    def __iter__(self) -> Iterator[Station]:
+    def __iter__(self) -> Iterator[FtpStation]:
         return iter(self._stations.values())
 
-    def get(self, origin: Origin) -> Station | None:
+    def get(self, origin: Origin) -> FtpStation | None:
         """The client at an origin; None if there are too many.
 
         The longest idle one without open files is displaced. If all have open files, one of the channel with
@@ -193,7 +193,7 @@ class Stations:
         if station is None:
             if len(self._stations) >= MAX_STATIONS and not self._make_way(origin.channel):
                 return None
-            station = Station(origin)
+            station = FtpStation(origin)
         self._stations[origin] = station  # the dict's order is that of last use
         return station
 

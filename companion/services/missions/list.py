@@ -12,7 +12,7 @@ from companion.mavlink.items import ItemFault, MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed
-from companion.mavlink.transfer_table import State
+from companion.mavlink.transfer_table import TransferState
 from companion.persistence.mission_store import encode_item, load_items, save_lines
 from companion.persistence.storage import Saving, Storage
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
@@ -80,7 +80,7 @@ class MissionList:
     @property
     def is_idle(self) -> bool:
         """Whether no transfer or save is in progress."""
-        return not (self.senders or self.parts or self.saving) and self.receiver.state is State.IDLE
+        return not (self.senders or self.parts or self.saving) and self.receiver.state is TransferState.IDLE
 
     def sender(self, channel: int) -> Sender:
         """The sender of a channel's downloads."""

@@ -15,7 +15,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Transfer
-from companion.mavlink.transfer_table import State
+from companion.mavlink.transfer_table import TransferState
 from companion.persistence.storage import Saving, Storage
 from companion.services.guided import on_guided_item
 from companion.services.missions.area_items import fence_areas, rally_points
@@ -132,13 +132,13 @@ class MissionService:
     def _tick_list(self, one: MissionList, now_s: float) -> None:
         if one.saving is not None:
             self._finish_saving(one, now_s)
-        if one.receiver.state is not State.IDLE:
+        if one.receiver.state is not TransferState.IDLE:
             one.receiver.tick(now_s)
             self._after_receiver(one, now_s)
         for channel, sender in list(one.senders.items()):
             sender.tick(now_s)
             self._post(sender, channel)
-            if sender.state is State.IDLE:
+            if sender.state is TransferState.IDLE:
                 del one.senders[channel]
         if one.parts:
             self._send_parts(one)

@@ -15,9 +15,9 @@ from companion.mavlink.signing import (
     NEVER,
     STREAM_LAG,
     TICKS_PER_S,
-    Guard,
     Signatory,
     SignatureVerdict,
+    SigningGuard,
     SigningPolicy,
     Stamps,
     is_signed,
@@ -42,8 +42,8 @@ def frame(sequence: int = 0, sender: Address = STATION) -> bytes:
     return build_frame(sender, sequence, LAYOUTS[0], LAYOUTS[0].pack(HEARTBEAT))
 
 
-def guard(policy: SigningPolicy = "required", key: SigningKey | None = KEY, **options: bool) -> Guard:
-    return Guard(Signatory(key, Stamps()), policy, 0, **options)
+def guard(policy: SigningPolicy = "required", key: SigningKey | None = KEY, **options: bool) -> SigningGuard:
+    return SigningGuard(Signatory(key, Stamps()), policy, 0, **options)
 
 
 def signatory(now: int = NOW, key: SigningKey = KEY) -> Signatory:
@@ -79,7 +79,7 @@ def test_pymavlink_takes_what_we_sign_and_we_take_what_pymavlink_signs() -> None
     theirs = dialect.MAVLink(None, 255, 190)
     theirs.signing.secret_key = KEY.reveal()
     theirs.signing.timestamp, theirs.signing.link_id, theirs.signing.sign_outgoing = NOW, 3, True
-    ours = Guard(signatory(), "required", 9)
+    ours = SigningGuard(signatory(), "required", 9)
     for _ in range(300):  # the sequence wraps
         assert ours.admits(HEARTBEAT.pack(theirs))
         sealed = ours.seal(frame(sender=Address(1, 1)))
@@ -109,8 +109,8 @@ def test_a_frame_is_taken_once() -> None:
 
 def test_a_replay_on_another_link_is_one_too() -> None:
     shared = signatory()
-    assert Guard(shared, "required", 0).admits(signed_at(NOW))
-    assert not Guard(shared, "required", 1).admits(signed_at(NOW))
+    assert SigningGuard(shared, "required", 0).admits(signed_at(NOW))
+    assert not SigningGuard(shared, "required", 1).admits(signed_at(NOW))
 
 
 @given(st.lists(st.tuples(st.integers(0, 2), st.integers(NOW, NOW + 50))))
@@ -195,7 +195,7 @@ def test_nobody_can_take_the_count_to_its_end() -> None:
 def test_no_stamp_at_the_limit_is_used() -> None:
     stamps = Stamps(first=5, limit=7)
     assert [stamps.take(), stamps.take(), stamps.take()] == [5, 6, None]
-    mine = Guard(Signatory(KEY, stamps), "accept", 0)
+    mine = SigningGuard(Signatory(KEY, stamps), "accept", 0)
     assert mine.seal(frame()) is None
     assert mine.counters.unsendable == 1
 

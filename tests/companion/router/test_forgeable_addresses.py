@@ -13,7 +13,7 @@ from companion.core.errors import ConfigError
 from companion.links.memory import memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.signing import Guard, Signatory, Stamps, timestamp_at
+from companion.mavlink.signing import Signatory, SigningGuard, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE
 from companion.persistence.storage import MemoryStorage
@@ -223,7 +223,7 @@ def test_a_good_signature_proves_the_address() -> None:
     assert rig.station.got_bytes <= 3 * rig.station.sent_bytes
     stamps = Stamps()
     stamps.clock = timestamp_at(1.8e9)
-    guard = Guard(Signatory(key, stamps), "required", 0)
+    guard = SigningGuard(Signatory(key, stamps), "required", 0)
     beat = rig.station._encoder.encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
     sealed = guard.seal(beat)
     assert sealed is not None

@@ -15,7 +15,7 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import build_frame
 from companion.mavlink.layout import LAYOUTS
-from companion.mavlink.signing import Guard, Signatory, SignatureVerdict, Stamps, is_signed, sign
+from companion.mavlink.signing import Signatory, SignatureVerdict, SigningGuard, Stamps, is_signed, sign
 from companion.mavlink.signing_key import SigningKey
 from companion.router.channel import Channel
 from companion.router.channels import Channels
@@ -36,7 +36,7 @@ class Bridge:
         self.channels = Channels([MemoryPort(near), MemoryPort(far)], OWN)
         self.channels.accept()
         self.signed = self.channels.open[2]
-        self.signed.set_guard(Guard(Signatory(KEY, Stamps()), "required", 2))
+        self.signed.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 2))
 
     def pass_on(self) -> None:
         """Let what has come be routed."""
@@ -97,7 +97,7 @@ def test_whatever_overtakes_what_on_a_slow_link_the_timestamps_leave_in_order(
 ) -> None:
     near, far = memory_pair("radio", queue_frames=3)
     channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=100.0)))
-    channel.set_guard(Guard(Signatory(KEY, Stamps()), "required", 1))
+    channel.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 1))
     peer, layout = Signatory(KEY, Stamps()), LAYOUTS[0]
     own = build_frame(OWN, 0, layout, layout.pack(HEARTBEAT))
     for number, (is_urgent, is_read) in enumerate(steps):
@@ -113,7 +113,7 @@ def test_a_radio_s_budget_counts_the_signatures() -> None:
         near, far = memory_pair("radio")
         channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=500.0)))
         if is_signed_link:
-            channel.set_guard(Guard(Signatory(KEY, Stamps()), "required", 1))
+            channel.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 1))
         own = heartbeat(OWN)
         for tick in range(500):
             channel._emit(own, 0, 1, False, 0.02 * tick)

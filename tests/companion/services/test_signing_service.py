@@ -13,8 +13,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.layout import LAYOUTS
 from companion.mavlink.signing import (
     TICKS_PER_S,
-    Guard,
     Signatory,
+    SigningGuard,
     SigningPolicy,
     Stamps,
     is_signed,
@@ -186,7 +186,7 @@ def test_our_frames_leave_in_the_order_of_their_timestamps_although_answers_over
     rig.setting = LinkConfig(url="", signing="required", max_bytes_s=2000.0)
     rig.reboot()
     friend = rig.station(KEY)
-    checker = Guard(Signatory(KEY, Stamps()), "required", 0)
+    checker = SigningGuard(Signatory(KEY, Stamps()), "required", 0)
     rig.step()
     frames = 0
     for _ in range(100):
