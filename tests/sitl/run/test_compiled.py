@@ -42,7 +42,7 @@ import sys
 
 finder = next(module for name, module in sys.modules.items() if name.startswith("__editable___mavboat"))
 finder.MAPPING["companion"] = sys.argv[1]
-from companion import geo, units
+from companion.core import geo, units
 
 print(geo.__file__, units.wrap_two_pi(-1.0))
 """
@@ -51,7 +51,7 @@ print(geo.__file__, units.wrap_two_pi(-1.0))
 def house(tmp_path: Path) -> Path:
     """A few sources, and something compiled beside one."""
     for name in ("companion/core/geo.py", "companion/core/units.py", "sitl/world/world.py"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("HERE = 1\n")
     (tmp_path / "companion/core/geo.so").touch()
     (tmp_path / "0123__mypyc.so").touch()
