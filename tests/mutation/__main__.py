@@ -35,7 +35,7 @@ import pytest
 from mutants import Mutant, compiled, mutants_of
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("control", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission")
+PACKAGES = ("control", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission", "vehicle/modes")
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
 SPARE_CPU_S = 10.0  # beyond twice what the tests take without a fault: a loop that does not end is killed

@@ -241,3 +241,29 @@ def test_follow_stays_where_it_loses_its_lead() -> None:
         stays = mode.intent(mode_inputs(nav_at(now_s, 0.0), now_s=now_s))
         assert local(stays) == pytest.approx((10.0, 0.0), abs=1e-3)
     assert [one.text for one in texts] == ["FOLLOW: no vehicle is heard, keeping station"]
+
+
+def test_simple_moves_from_a_small_push_on() -> None:
+    mode = SimpleMode(held(0.06, 0.0))
+    mode.enter(None)
+    intent = mode.intent(mode_inputs(turned(2.0)))
+    assert intent == HoldHeading(0.0, 0.06 * TOP_M_S)
+
+
+def test_loiter_holds_into_a_current_from_any_side() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    into = mode.intent(mode_inputs(without_position(east_m_s=0.3)))
+    assert isinstance(into, HoldHeading)
+    assert into.heading_rad == pytest.approx(-math.pi / 2.0)
+    mode.enter(mode_inputs())
+    assert mode.needs_position
+
+
+def test_loiter_stays_where_its_search_for_the_heading_ends() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    mode.intent(mode_inputs(replace(without_heading(0.5), north_m=8.0)))
+    assert local(mode.intent(mode_inputs(nav_at(30.0, 0.0), now_s=1.0))) == pytest.approx(
+        (8.0, 0.0), abs=1e-3
+    )

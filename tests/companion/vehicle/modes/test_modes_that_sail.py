@@ -90,6 +90,7 @@ def test_rtl_sails_home_at_its_own_speed_and_stays() -> None:
     assert leg.speed_m_s == 1.25
     assert local(mode.intent(mode_inputs(nav_at(50.0, 0.0)))) == pytest.approx((50.0, 0.0), abs=1e-3)
     assert mode.has_arrived
+    assert len(texts) == 1
     mode.intent(mode_inputs(nav_at(49.0, 0.0)))
     assert [one.text for one in texts] == ["RTL: arrived"]
     assert mode.destination == place(50.0, 0.0)
@@ -186,3 +187,35 @@ def test_auto_keeps_station_where_a_hand_over_begins() -> None:
 def test_a_mode_without_needs_has_no_fault_and_no_destination(mode: ModeController) -> None:
     assert mode.fault(mode_inputs()) == ""
     assert mode.destination is None
+
+
+def test_circle_has_its_centre_ahead_of_the_bow() -> None:
+    mode = CircleMode()
+    mode.enter(mode_inputs())
+    intent = mode.intent(mode_inputs(replace(nav_at(1.0, 2.0), heading_rad=1.0)))
+    assert isinstance(intent, FollowCircle)
+    radius_m = CONFIG.modes.circle_radius_m
+    assert intent.centre == pytest.approx((1.0 + radius_m * math.cos(1.0), 2.0 + radius_m * math.sin(1.0)))
+
+
+def test_smart_rtl_begins_anew_when_it_is_entered_again() -> None:
+    mode = SmartRtlMode(tracked((0.0, 0.0)), Fence(), [])
+    away = mode_inputs(nav_at(30.0, 0.0))
+    for start in (nav_at(30.0, 0.0), nav_at(0.0, 40.0)):
+        leg = mode.intent(mode_inputs(start))
+        assert isinstance(leg, FollowLeg)
+        assert leg.start == start.point
+        mode.enter(away)
+    mode.intent(mode_inputs(nav_at()))  # arrives
+    assert isinstance(mode.intent(away), KeepStation)
+    mode.enter(away)
+    assert isinstance(mode.intent(away), FollowLeg)
+
+
+def test_auto_continues_on_a_new_leg_from_where_the_boat_is() -> None:
+    mode, _, _ = auto(Waypoint(place(50.0, 0.0)))
+    for north_m in (0.0, 20.0):
+        mode.enter(mode_inputs())
+        leg = mode.intent(mode_inputs(nav_at(north_m, 5.0)))
+        assert isinstance(leg, FollowLeg)
+        assert leg.start == pytest.approx((north_m, 5.0), abs=1e-3)

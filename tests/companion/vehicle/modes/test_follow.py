@@ -14,6 +14,7 @@ from companion.mavlink.dialect import dialect
 from companion.vehicle.modes.follow import FollowMode
 
 CONFIG = BoatConfig()
+BESIDE = BoatConfig(follow=Follow(offset_x_m=0.0, offset_y_m=0.0))  # in the place of the lead itself
 
 
 def seen(
@@ -135,3 +136,58 @@ def test_a_follow_target_brings_velocity_and_attitude_as_far_as_it_knows_them() 
         lead = rig.boat.vehicle.modes.follow.lead
         assert lead is not None
         assert (lead.heading_rad, lead.north_m_s) == pytest.approx((heading, speed))
+
+
+def test_the_lead_is_heard_until_its_time_out() -> None:
+    one = following(seen(20.0, 0.0), now_s=100.0)
+    timeout_s = CONFIG.follow.timeout_s
+    assert one.fault(mode_inputs(now_s=100.0 + timeout_s)) == ""
+    assert one.fault(mode_inputs(now_s=100.1 + timeout_s)) == "no vehicle is heard"
+
+
+def test_the_leads_position_is_extrapolated_for_a_second_at_most() -> None:
+    slow = OtherVehicle(2, place(20.0, 0.0), 0.0, 0.1, 0.0)
+    one = following(slow, now_s=100.0)
+    for late_s, east_m in ((0.0, 0.0), (0.5, 0.05), (2.0, 0.1)):
+        intent = one.intent(mode_inputs(now_s=100.0 + late_s, config=BESIDE))
+        assert isinstance(intent, KeepStation)
+        assert intent.point == pytest.approx((20.0, east_m), abs=1e-3)
+
+
+def test_an_offset_turns_with_the_leads_bow() -> None:
+    config = BoatConfig(follow=Follow(offset_type=1, offset_x_m=-4.0, offset_y_m=3.0))
+    one = following(OtherVehicle(2, place(10.0, 20.0), 0.0, 0.0, 1.0))
+    intent = one.intent(mode_inputs(config=config))
+    assert isinstance(intent, KeepStation)
+    ahead, aside = (math.cos(1.0), math.sin(1.0)), (-math.sin(1.0), math.cos(1.0))
+    expected = [base - 4.0 * a + 3.0 * b for base, a, b in zip((10.0, 20.0), ahead, aside, strict=True)]
+    assert tuple(intent.point) == pytest.approx(expected, abs=1e-3)
+
+
+def test_the_course_adds_what_closes_the_gap_to_the_leads_velocity() -> None:
+    gain = CONFIG.follow.gain_per_s
+    one = following(seen(0.0, 0.0, 0.8, 0.6))
+    intent = one.intent(mode_inputs(nav_at(-1.0, 0.5), speed_m_s=9.0, config=BESIDE))
+    assert isinstance(intent, HoldCourse)
+    north, east = 0.8 + gain, 0.6 - 0.5 * gain
+    assert intent.course_rad == pytest.approx(math.atan2(east, north), abs=1e-3)
+    assert intent.speed_m_s == pytest.approx(math.hypot(north, east), abs=1e-3)
+
+
+def test_a_boat_ahead_of_its_place_keeps_the_leads_course_and_waits() -> None:
+    gain, onward = CONFIG.follow.gain_per_s, math.atan2(0.6, 0.8)
+    one = following(seen(0.0, 0.0, 0.8, 0.6))
+    far = one.intent(mode_inputs(nav_at(8.0, 6.0), config=BESIDE))  # ten metres ahead
+    assert isinstance(far, HoldCourse)
+    assert (far.course_rad, far.speed_m_s) == pytest.approx((onward, 0.0))
+    ahead_m = 0.8 / gain  # leaves 0.2 m/s, less than steerage way
+    near = one.intent(mode_inputs(nav_at(0.8 * ahead_m, 0.6 * ahead_m), config=BESIDE))
+    assert isinstance(near, HoldCourse)
+    assert (near.course_rad, near.speed_m_s) == pytest.approx((onward, 0.2), abs=1e-3)
+
+
+def test_a_slow_lead_is_followed_from_half_the_least_speed_on() -> None:
+    least_m_s = CONFIG.guidance.min_speed_m_s
+    crawling = following(seen(0.0, 0.0, 0.45 * least_m_s)).intent(mode_inputs())
+    assert isinstance(crawling, KeepStation)
+    assert isinstance(following(seen(0.0, 0.0, 0.55 * least_m_s)).intent(mode_inputs()), HoldCourse)
