@@ -159,3 +159,8 @@ def test_a_faint_share_gets_a_proportional_part_of_the_dead_band() -> None:
     assert to_pwm(0.0025, 0.4, 0.0, 1.0, 1.0) == pytest.approx(0.1 + 0.9 * 0.0025)
     assert to_pwm(-0.0025, 0.0, 0.4, 1.0, 1.0) == pytest.approx(-0.1 - 0.9 * 0.0025)
     assert to_pwm(0.01, 0.4, 0.0, 1.0, 1.0) == pytest.approx(0.406)
+
+
+def test_thrust_beyond_full_gets_the_full_command() -> None:
+    assert to_pwm(1.5, 0.1, 0.2, 1.0, 1.0) == pytest.approx(1.0)
+    assert to_pwm(-0.9, 0.1, 0.2, 1.0, 2.0) == pytest.approx(-1.0)

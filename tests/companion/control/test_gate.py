@@ -159,3 +159,16 @@ def test_whatever_comes_the_motors_get_sane_values(
             assert (now.left, now.right) == (0.0, 0.0)
         assert bool(now.reason) or (armed and 0.0 <= age_s <= 0.5)
         before = now
+
+
+def test_the_operators_hand_needs_no_estimate_whatever_the_estimate_timeout() -> None:
+    setting = MotorLimits(slew_per_s=4.0, estimate_timeout_s=0.5)
+    assert _check(Gate(), nav=None, needs_estimate=False, setting=setting).reason == ""
+
+
+@pytest.mark.parametrize(("share", "reached"), [(2.0, 1.0), (-2.0, -1.0)])
+def test_thrust_beyond_full_is_full(share: float, reached: float) -> None:
+    gate = Gate()
+    for _ in range(60):
+        command = _check(gate, Thrust(share, share))
+    assert (command.left, command.right) == (reached, reached)

@@ -84,3 +84,14 @@ def test_reset_forgets_the_integral() -> None:
     control.update(1.0, 0.0, SETTING, 1.0)
     control.reset()
     assert control.update(1.0, 1.0, SETTING, 0.02).i == 0.0
+
+
+def test_astern_the_throttle_is_limited_to_half_of_that_ahead() -> None:
+    assert SpeedControl().update(-10.0, 0.0, SETTING, 0.02).total == pytest.approx(-0.5)
+    low = Speed(cruise_m_s=2.0, cruise_throttle=0.6, kp=0.8, ki=0.2, max_throttle=0.4)
+    assert SpeedControl().update(-10.0, 0.0, low, 0.02).total == pytest.approx(-0.2)
+    assert SpeedControl().update(10.0, 0.0, low, 0.02).total == pytest.approx(0.4)
+
+
+def test_the_rate_of_the_speed_error_has_no_part() -> None:
+    assert SpeedControl().update(1.5, 1.0, SETTING, 0.02).d == 0.0

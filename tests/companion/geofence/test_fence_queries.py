@@ -198,3 +198,12 @@ def test_the_boxes_hold_the_areas() -> None:
 def test_a_polygon_is_laid_into_the_frame() -> None:
     fence = laid(FencePolygon(globe([(0.0, 0.0), (0.0, 8.0), (6.0, 0.0)]), is_inclusion=True))
     assert fence.margin_m(Point(1.0, 3.0)) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_margin_that_is_remembered_says_nothing_of_a_place_far_away() -> None:
+    for far in (Point(-30.0, 0.0), Point(0.0, -70.0)):
+        fence = laid(square(50.0, north_m=40.0))  # from 10 m south to 90 m north
+        fence.margin_m(Point(-far.north_m, -far.east_m / 2.0))
+        assert fence.is_near(far, 5.0)
+        fence.margin_m(Point(-far.north_m, -far.east_m / 2.0))
+        assert fence.is_outside(far)
