@@ -252,7 +252,7 @@ def test_a_margin_is_kept_on_top_of_the_clearance_where_there_is_room() -> None:
 
 
 @pytest.mark.parametrize(
-    ("gap_m", "kept_m", "said"),
+    ("gap_m", "required_m", "said"),
     [
         (9.0, 4.3, "kept to 4.3 m: no route keeps 4.6 m"),
         (8.4, 4.0, "kept to 4 m: there is no room for a margin"),
