@@ -38,8 +38,6 @@ RECOVERIES: Final[dict[Action, tuple[Trigger, str]]] = {
 }
 """The recovery of an action, and what the operator is told. The mode goes on afterwards."""
 
-WAYS_HOME = (Mode.RTL, Mode.SMART_RTL)
-
 
 class Notify(NamedTuple):
     """Tell the operator."""

@@ -6,7 +6,6 @@ from typing import Final
 from companion.core.health import lacks_heading
 from companion.core.modes import Mode
 from companion.core.state import NavState
-from companion.failsafe.actions import WAYS_HOME
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.recovery.transition_table import UNGROUNDING
 from companion.geofence.fence import Fence
@@ -23,13 +22,13 @@ AUTONOMOUS_MODES: Final[frozenset[Mode]] = frozenset(mode for mode in Mode if no
 
 def on_way_home(inputs: FailsafeInputs) -> bool:
     """The boat sails home already."""
-    return inputs.mode in WAYS_HOME
+    return inputs.mode.rules.returns_home
 
 
 def on_way_home_or_inside(inputs: FailsafeInputs) -> bool:
     """The boat sails home, or to a station inside the fence."""
     if inputs.mode is not Mode.LOITER:
-        return inputs.mode in WAYS_HOME
+        return inputs.mode.rules.returns_home
     return inputs.station is not None and inputs.fence.allows(inputs.station)
 
 
