@@ -120,3 +120,29 @@ def test_doubt_about_the_place_grows_with_time() -> None:
     track.correct(Point(2.0, 0.0), 1.0, 0.0, 0.05)
     track.correct(Point(2.0, 0.0), 0.0, 1.0, 0.3)
     assert track.sigma_m(0.0) < track.sigma_m(1.0) < track.sigma_m(3.0)
+
+
+@pytest.mark.parametrize(
+    ("thing", "boat"),
+    [
+        (moving(3.8, -0.5, -0.6, 0.1), still(0.0, 0.0)),
+        (still(3.0, 1.0), moving(0.0, 0.0, 0.5, 0.0)),
+        (moving(2.0, -3.0, 0.0, 0.8), moving(0.0, 0.0, 0.3, 0.1)),
+    ],
+)
+@pytest.mark.parametrize("origin", [(40.0, -60.0), (-128.0, 64.0)])
+def test_tracks_know_no_origin(thing: Path, boat: Path, origin: tuple[float, float]) -> None:
+    def moved(path: Path) -> Path:
+        return lambda now_s: Point(path(now_s).north_m + origin[0], path(now_s).east_m + origin[1])
+
+    here, movers_here = follow(thing, boat, 8.0)
+    there, movers_there = follow(moved(thing), moved(boat), 8.0)
+    assert movers_there == movers_here
+    assert len(here.all) == len(there.all) > 0
+    for one, other in zip(here.all, there.all, strict=True):
+        at = one.point(8.0)
+        expected = (at.north_m + origin[0], at.east_m + origin[1])
+        assert other.point(8.0) == pytest.approx(expected, abs=1e-6)
+        assert (other.north_m_s, other.east_m_s) == pytest.approx((one.north_m_s, one.east_m_s), abs=1e-6)
+        assert other.radius_m == pytest.approx(one.radius_m, abs=1e-6)
+        assert (other.observations, other.isolated_count) == (one.observations, one.isolated_count)
