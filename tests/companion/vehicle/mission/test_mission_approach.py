@@ -1,0 +1,79 @@
+"""The way onto a mission: straight where the water allows it, else round the shore."""
+
+import pytest
+from boat_rig import FRAME, nav_at, place
+
+from companion.config.boat_config import BoatConfig
+from companion.config.fence import FenceSetting
+from companion.core.geo import Point
+from companion.core.intent import FollowLeg, Intent, KeepStation
+from companion.core.status_text import StatusText
+from companion.geofence.fence import Fence, FencePolygon
+from companion.vehicle.mission.approach import Approach
+from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.steps import Home, Waypoint
+from companion.vehicle.return_route import ReturnRoute
+
+CONFIG = BoatConfig()
+CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
+
+
+class Boat:
+    """At a place in an L of water, with a mission of one waypoint."""
+
+    def __init__(self, here: Point, end: tuple[float, float], *, is_fenced: bool = True) -> None:
+        self.texts: list[StatusText] = []
+        fence = Fence()
+        if is_fenced:
+            fence.set_areas([FencePolygon(tuple(place(*corner) for corner in CORNERS), is_inclusion=True)])
+        fence.update(FRAME, None, FenceSetting())
+        route = ReturnRoute(fence, [])
+        self.nav = nav_at(*here)
+        for _ in range(3000):
+            route.prepare(FRAME, place(0.0, 0.0), CONFIG, self.nav)
+            if route.is_ready:
+                break
+        self.progress = MissionProgress()
+        self.progress.replace((Home(), Waypoint(place(*end))))
+        self.approach = Approach(fence, route, self.texts)
+
+    def sail(self) -> tuple[Intent, Intent]:
+        """What the mission wants, and what is sailed instead."""
+        wanted = self.progress.update(self.nav, FRAME, CONFIG, 0.0)
+        return wanted, self.approach.update(wanted, self.progress, self.nav, CONFIG)
+
+
+@pytest.mark.parametrize(
+    ("here", "end"),
+    [
+        (Point(0.0, 0.0), (0.0, 60.0)),
+        (Point(0.0, 60.0), (60.0, 60.0)),
+        (Point(13.5, 0.0), (0.0, 60.0)),  # a berth with little room: it may be left
+        (Point(-13.5, -13.0), (0.0, 60.0)),
+    ],
+)
+def test_a_straight_way_through_open_water_is_sailed_as_it_is(here: Point, end: tuple[float, float]) -> None:
+    boat = Boat(here, end)
+    wanted, sailed = boat.sail()
+    assert sailed is wanted
+    assert boat.texts == []
+
+
+def test_without_a_fence_every_way_is_open() -> None:
+    wanted, sailed = Boat(Point(0.0, 0.0), (60.0, 60.0), is_fenced=False).sail()
+    assert sailed is wanted
+
+
+@pytest.mark.parametrize("here", [Point(0.0, 0.0), Point(13.5, 0.0)])
+def test_a_way_over_land_is_sailed_round_by_the_water(here: Point) -> None:
+    boat = Boat(here, (60.0, 60.0))
+    _, first = boat.sail()
+    assert first == KeepStation(here), "until the way is known"
+    for _ in range(2000):
+        _, sailed = boat.sail()
+        if isinstance(sailed, FollowLeg):
+            break
+    assert isinstance(sailed, FollowLeg)
+    assert sailed.start == here
+    assert sailed.end.north_m < 15.0, "along the southern arm first"
+    assert [text.text for text in boat.texts] == ["The way to the mission leads round the shore"]
