@@ -2,41 +2,19 @@
 
 import errno
 import threading
-from collections import deque
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from late_worker import LateWorker
 from patience import MOMENT_S
 
 from companion.core.errors import StorageError
 from companion.log.reader import BLOCK_BYTES, LogReader
 from companion.log.sink import FileSink, SingleFile
 from companion.log.store import LogStore
-from companion.log.worker import InlineWorker, Job, ThreadWorker
-
-
-class LateWorker:
-    """Does nothing until told to."""
-
-    def __init__(self, most_jobs: int = 1000) -> None:
-        self.jobs: deque[Job] = deque()
-        self.room_bytes = 1 << 20
-        self._most_jobs = most_jobs
-
-    def submit(self, job: Job, size_bytes: int = 0) -> bool:
-        if len(self.jobs) >= self._most_jobs:
-            return False
-        self.jobs.append(job)
-        return True
-
-    def work(self) -> None:
-        while self.jobs:
-            self.jobs.popleft()()
-
-    def close(self) -> None:
-        self.work()
+from companion.log.worker import InlineWorker, ThreadWorker
 
 
 def test_a_thread_does_jobs_in_order_and_close_waits_for_all_of_them() -> None:

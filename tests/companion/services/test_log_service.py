@@ -8,8 +8,8 @@ import pytest
 from boat_rig import BOAT, OK, PLANNER, Peer, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from late_worker import LateWorker
 from log_rig import LogRig, OpenRig
-from test_log_files import LateWorker
 
 from companion.log.worker import InlineWorker
 from companion.mavlink.address import Address
