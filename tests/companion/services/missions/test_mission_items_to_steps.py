@@ -2,7 +2,7 @@ import dataclasses
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon
@@ -87,6 +87,7 @@ floats = st.floats(width=32)
 integers = st.integers(-(2**31), 2**31 - 1)
 
 
+@example(1, 16, 0.0, 0.0, 0, 0)
 @given(
     st.integers(0, 255), st.sampled_from([16, 17, 19, 20, 93, 177, 178]), floats, floats, integers, integers
 )
@@ -98,7 +99,7 @@ def test_whatever_an_item_carries_it_is_a_step_or_a_fault(
     if isinstance(step, Waypoint):
         assert step.hold_s >= 0.0
         assert 0.0 <= step.radius_m < INF
-        assert (x, y) != (0, 0)
+        assert (x, y) != (0, 0) or not isinstance(step.position, LatLon)  # the origin is a local place
     elif isinstance(step, Wait):
         assert 0.0 <= step.hold_s < INF
     elif isinstance(step, SetSpeed):
