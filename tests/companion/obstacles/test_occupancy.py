@@ -135,3 +135,37 @@ def test_an_arc_counts_once_for_each_of_its_cells(range_m: float) -> None:
     seen = water()
     seen.add(look(range_m, 0.0))
     assert all(seen.evidence_at(thing, 0.0) == 1.0 for thing in seen.obstacles(0.0, SUSPECT))
+
+
+@pytest.mark.parametrize("origin", [Point(40.0, -60.0), Point(-128.0, 64.0)])
+def test_the_map_knows_no_origin(origin: Point) -> None:
+    here, there = water(), water()
+    for number in range(200):
+        bearing, range_m = 0.3 * number, (1.0 + 0.013 * number if number % 3 else math.inf)
+        at = Point(0.01 * number + 0.003, -0.007 * number - 0.001)
+        here.add(look(range_m, 100.0 + 0.1 * number, bearing, at))
+        moved = Point(at.north_m + origin.north_m, at.east_m + origin.east_m)
+        there.add(look(range_m, 100.0 + 0.1 * number, bearing, moved))
+    for least in (SUSPECT, 1.0):
+        one, other = here.obstacles(120.0, least), there.obstacles(120.0, least)
+        assert len(one) == len(other) > 0
+        back = [(at.north_m - origin.north_m, at.east_m - origin.east_m) for at in other]
+        for a, b in zip(sorted(one), sorted(back), strict=True):
+            assert b == pytest.approx(a, abs=0.02)
+
+
+def test_a_cleared_map_is_empty_and_another_version() -> None:
+    seen = water()
+    seen.add(look(3.0, 0.0))
+    version = seen.version
+    seen.clear()
+    assert len(seen) == 0
+    assert seen.version != version
+
+
+def test_what_was_just_seen_late_in_a_voyage_is_not_forgotten() -> None:
+    seen = water()
+    for time_s in (1000.0, 1000.7):
+        seen.add(look(3.0, time_s))
+    seen.forget(HERE, 10.0, 1001.0)
+    assert seen.obstacles(1001.0)
