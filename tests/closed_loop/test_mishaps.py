@@ -38,15 +38,19 @@ def test_a_battery_monitor_that_talks_nonsense_ends_no_mission() -> None:
 
 
 def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_it() -> None:
-    slow = ("environment.current_m_s=0.2",)
-    mission_run, result = sail("what='motor_left', at_s=15.0", *slow, linger_s=60.0)
-    assert not result.completed
-    assert any("Left motor gives no thrust" in text for text in said(mission_run))
-    rows = mission_run.recorder.rows
-    late = rows[rows[:, 0] > 60.0]
-    adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
-    assert adrift_m > 12.0
-    assert float(late[-1, 2] - late[0, 2]) < 0.55 * adrift_m  # with 0.55 of the thrust astern
+    shares = []
+    for seed in (1, 2, 3):
+        slow = ("environment.current_m_s=0.2", f"seed={seed}")
+        mission_run, result = sail("what='motor_left', at_s=15.0", *slow, linger_s=60.0)
+        assert not result.completed
+        assert any("Left motor gives no thrust" in text for text in said(mission_run))
+        rows = mission_run.recorder.rows
+        late = rows[rows[:, 0] > 60.0]
+        adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
+        assert adrift_m > 12.0
+        shares.append(float(late[-1, 2] - late[0, 2]) / adrift_m)
+    assert max(shares) < 0.7  # one run depends on when the motor check ends, by a tenth
+    assert sum(shares) / len(shares) < 0.5
 
 
 @pytest.mark.parametrize("seed", [1, 2])
