@@ -1,7 +1,6 @@
 """Decisions of avoidance, from a map that this file draws; whole voyages are in closed_loop."""
 
 import math
-import timeit
 
 import msgspec
 import pytest
@@ -78,14 +77,14 @@ def test_in_open_water_every_intent_goes_through() -> None:
     assert hand.avoidance.safe_speed.limit(Demand(0.0, 2.0), under_way(), CONFIG) == Demand(0.0, 2.0)
 
 
-def test_a_tick_in_open_water_costs_less_than_a_microsecond_or_so() -> None:
-    hand, nav, fence = Hand(ObstaclePerception(CONFIG.avoidance)), under_way(), Fence()
-    update = hand.avoidance.update
-
-    def tick() -> None:
-        update(LEG, nav, CONFIG, hand.perception, fence, is_by_hand=False, now_s=1.0)
-
-    assert min(timeit.repeat(tick, number=2000, repeat=5)) / 2000 < 10e-6  # 0.5 µs on an idle machine
+def test_in_open_water_the_intent_passes_unchanged() -> None:
+    hand = Hand(ObstaclePerception(CONFIG.avoidance))
+    fence = Fence()
+    passed = hand.avoidance.update(
+        LEG, under_way(), CONFIG, hand.perception, fence, is_by_hand=False, now_s=1.0
+    )
+    assert passed is LEG
+    assert hand.avoidance.stage is Stage.CLEAR
 
 
 @pytest.mark.parametrize(
