@@ -9,6 +9,8 @@ ROOT: Final = Path(__file__).parents[1]
 # What msgspec reads from files must not be compiled: mypyc keeps of an annotation only its bare type, and the
 # bounds that are in it would be lost.
 READ_FROM_FILES: Final = frozenset({"companion/router/status.py"})
+# mypyc drops the options of a msgspec struct's class line: without `frozen` and `kw_only` these do not import
+NEEDS_CLASS_OPTIONS: Final = frozenset({"companion/failsafe/inputs.py"})
 STAMP: Final = Path("build/compiled.json")  # sources and their digests, as they were compiled
 PATTERNS: Final = (
     "companion/boat.py",
@@ -67,7 +69,7 @@ _PLAIN = ("__init__.py", "settings.py")
 def sources(root: Path = ROOT) -> list[str]:
     """What is to be compiled, as paths below the root."""
     found = {path for pattern in PATTERNS for path in root.glob(pattern) if path.name not in _PLAIN}
-    return sorted({str(path.relative_to(root)) for path in found} - READ_FROM_FILES)
+    return sorted({str(path.relative_to(root)) for path in found} - READ_FROM_FILES - NEEDS_CLASS_OPTIONS)
 
 
 def libraries(root: Path = ROOT) -> list[Path]:

@@ -1,5 +1,6 @@
 """Compiled modules: never older than their sources, and the same to the byte."""
 
+import ast
 import shutil
 import subprocess
 import sys
@@ -70,6 +71,15 @@ def test_nothing_is_compiled_that_is_read_from_files() -> None:
         for name, text in texts.items()
         if "(Section" in text or (".decode(" in text and "msgspec" in text)
     ]
+
+
+def test_nothing_is_compiled_whose_structs_need_the_options_of_their_class_line() -> None:
+    for name in sources():
+        for node in ast.walk(ast.parse((ROOT / name).read_text())):
+            if isinstance(node, ast.ClassDef) and any(ast.unparse(base) == "Struct" for base in node.bases):
+                assert "kw_only" not in {option.arg for option in node.keywords}, f"{name}: {node.name}"
+                defaults = [field.value for field in node.body if isinstance(field, ast.AnnAssign)]
+                assert not any(isinstance(default, ast.Call) for default in defaults), f"{name}: {node.name}"
 
 
 def test_what_was_just_compiled_is_not_stale(tmp_path: Path) -> None:
