@@ -85,7 +85,7 @@ def test_an_interrupt_while_campaign_workers_start_prints_no_traceback(
     program = campaign(run_program, tmp_path, **environment)
     ended = program.wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "boat-sitl: interrupted\n")
-    assert "of 40 runs are kept: the same command goes on" in ended.out
+    assert "of 40 runs are kept: the same command continues" in ended.out
     until(lambda: not processes_of(program.pid), JOB_S)  # multiprocessing's own helper ends on its own
 
 
@@ -98,7 +98,7 @@ def test_an_interrupted_campaign_ends_at_once_and_goes_on_where_it_stopped(
     program.send(signal.SIGINT)
     ended = program.wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "boat-sitl: interrupted\n")
-    assert "of 40 runs are kept: the same command goes on" in ended.out
+    assert "of 40 runs are kept: the same command continues" in ended.out
     until(lambda: not processes_of(program.pid), JOB_S)
 
 
