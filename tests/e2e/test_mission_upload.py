@@ -45,8 +45,8 @@ def pond(tmp_path: Path) -> str:
     return str(tmp_path / "pond.geojson")
 
 
-def link(vehicle: FakeVehicle) -> list[str]:
-    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "20"]
+def link(vehicle: FakeVehicle, patience_s: int = 20) -> list[str]:
+    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", str(patience_s)]
 
 
 def test_the_vehicle_holds_what_was_uploaded_and_the_planner_is_no_ground_station(
@@ -105,7 +105,7 @@ def test_the_end_is_seen_even_when_every_reached_message_is_lost(plan: str) -> N
             "the vehicle stopped answering while uploading the mission, after item 2",
         ),
         (Behaviour(alter_item=4), 1, "does not hold what was sent: item 4: x sent"),
-        (Behaviour(silent=True), 3, "no vehicle within 20 s"),
+        (Behaviour(silent=True), 3, "no vehicle within 5 s"),
         (Behaviour(refuse_arming="Arm: no GNSS fix"), 1, "refused to arm: Arm: no GNSS fix"),
         (
             Behaviour(leave_auto_after=2),
@@ -119,8 +119,9 @@ def test_the_end_is_seen_even_when_every_reached_message_is_lost(plan: str) -> N
 def test_what_goes_wrong_is_told_in_one_line_with_its_exit_code(
     behaviour: Behaviour, code: int, said: str, plan: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    patience_s = 5 if behaviour.silent or behaviour.refuse_arming else 20  # what ends only with it
     with fake_vehicle(behaviour) as vehicle:
-        found = run_program([plan, *link(vehicle), "--start", "--follow"])
+        found = run_program([plan, *link(vehicle, patience_s), "--start", "--follow"])
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 1, told
     assert said in told[0]

@@ -114,7 +114,7 @@ def test_mission_upload_without_the_key_says_what_is_wrong(
     running_boat: RunBoat, run_program: RunProgram, key_file: Path, tmp_path: Path
 ) -> None:
     boat = running_boat("lake", "--sign-key", str(key_file))
-    unsigned = run_program("mission-upload", "lake", "--connect", boat.url).wait(JOB_S)
+    unsigned = run_program("mission-upload", "lake", "--connect", boat.url, "--patience", "10").wait(JOB_S)
     assert unsigned.code == 3, unsigned
     assert "not signed" in unsigned.err
     assert "--sign-key" in unsigned.err

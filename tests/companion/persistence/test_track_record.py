@@ -191,8 +191,9 @@ def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_secon
     assert frame is not None
     record = TrackRecord(storage, trail, None)
     trail.restart(Point(0.0, 0.0))
+    places = [Point(2.0 * n, 3.0 * (n % 7)) for n in range(4600)]
     for second in range(600):
-        trail.points = [Point(2.0 * n, 3.0 * (n % 7)) for n in range(4000 + second)]
+        trail.points = places[: 4000 + second]
         record.update(1, frame, float(second))
     assert len(storage.sizes) >= 5
     assert sum(storage.sizes[:-1]) <= 600.0 * 1000.0
