@@ -160,3 +160,45 @@ def test_a_field_is_not_complete_before_it_has_begun() -> None:
     assert not field.is_complete
     assert math.isinf(field.distance_m(Point(10.0, 0.0)))
     assert field.way(Point(10.0, 0.0)) == []
+
+
+def test_around_a_point_at_the_edge_of_the_grid_are_no_cells_of_another_row() -> None:
+    grid = mapped(laid(FenceCircle(globe([(0.0, 0.0)])[0], 10.0, is_inclusion=False)), 3.0)
+    north, east = grid.rows - 2, grid.columns - 2  # the last row and column inside the border
+    for point, rows, columns in (
+        (Point(900.0, 900.0), (north - 2, north), (east - 2, east)),
+        (Point(-900.0, 900.0), (1, 3), (east - 2, east)),
+        (Point(-900.0, -900.0), (1, 3), (1, 3)),
+        (Point(900.0, -900.0), (north - 2, north), (1, 3)),
+    ):
+        found = [divmod(cell, grid.columns) for cell in grid.around(point, 2)]
+        assert found == [
+            (row, column)
+            for row in range(rows[0], rows[1] + 1)
+            for column in range(columns[0], columns[1] + 1)
+        ]
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_common_water_of_two_areas_is_bounded_by_the_nearest_line_on_every_side(order: int) -> None:
+    one = [(-30.0, -30.0), (-30.0, 30.0), (30.0, 30.0), (30.0, -30.0)]
+    other = [(-10.0, 0.0), (-10.0, 60.0), (50.0, 60.0), (50.0, 0.0)]
+    areas = [FencePolygon(globe(corners), is_inclusion=True) for corners in (one, other)][::order]
+    grid = Costmap(laid(*areas), [], 3.0)
+    assert grid.cell_m == pytest.approx(1.0)
+    assert (grid.south_m + grid.cell_m, grid.west_m + grid.cell_m) == pytest.approx((-10.0, 0.0), abs=0.01)
+    assert grid.rows in (42, 43), "40 m and two"
+    assert grid.columns in (32, 33), "30 m and two"
+
+
+@pytest.mark.parametrize("north_m", [200.0, -200.0])
+def test_areas_without_common_water_leave_no_free_cell(north_m: float) -> None:
+    grid = mapped(laid(square(30.0), square(30.0, north_m=north_m)), 3.0)
+    assert grid.rows == 2
+    assert not any(grid.free)
+
+
+def test_the_cells_are_as_many_as_the_water_of_a_circle_needs() -> None:
+    circle = FenceCircle(globe([(0.0, 0.0)])[0], 100.0, is_inclusion=True)
+    grid = Costmap(laid(circle), [], 0.3)
+    assert grid.cell_m == pytest.approx(math.sqrt(math.pi * 1e4 / 16_000.0), rel=1e-3)

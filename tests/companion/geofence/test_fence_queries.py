@@ -207,3 +207,72 @@ def test_a_margin_that_is_remembered_says_nothing_of_a_place_far_away() -> None:
         assert fence.is_near(far, 5.0)
         fence.margin_m(Point(-far.north_m, -far.east_m / 2.0))
         assert fence.is_outside(far)
+
+
+def test_before_its_first_update_a_fence_limits_nothing() -> None:
+    fence = Fence()
+    assert not fence.is_active
+    assert not fence.is_outside(Point(1e6, 0.0))
+    assert fence.room_m(Point(0.0, 0.0), 0.0, 10.0) == 10.0
+
+
+def test_a_ring_of_many_sides_is_as_near_as_shapely_says_over_a_whole_grid() -> None:
+    bearings = [math.tau * number / 48.0 for number in range(48)]
+    radii = [40.0 + 25.0 * math.sin(5.0 * bearing) for bearing in bearings]
+    vertices = [
+        Point(r * math.cos(bearing), r * math.sin(bearing))
+        for r, bearing in zip(radii, bearings, strict=True)
+    ]
+    ring, shape = Ring(vertices, is_inclusion=True), shape_of(vertices)
+    for north in range(-80, 81, 5):
+        for east in range(-80, 81, 5):
+            expected = shape.exterior.distance(shapely.Point(east, north))
+            assert ring.distance_m(north, east) == pytest.approx(expected, abs=1e-9)
+            assert ring.distance_m(north, east, within_m=7.0) == pytest.approx(min(expected, 7.0), abs=1e-9)
+            nearest = ring.nearest(north, east)
+            assert math.dist(nearest, (north, east)) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("east_m", "room_m"),
+    [(-5.5, 0.5), (-8.0, 3.0), (-4.5, 9.5), (4.5, 0.5), (4.0, 1.0), (5.5, 20.0)],
+)
+def test_a_disc_is_crossed_at_its_near_side_from_outside_and_at_its_far_side_from_within(
+    east_m: float, room_m: float
+) -> None:
+    disc = Disc(Point(0.0, 0.0), 5.0, is_inclusion=False)
+    assert disc.crossing_m(Point(0.0, east_m), 0.0, 1.0, 20.0) == pytest.approx(room_m)
+    assert disc.crossing_m(Point(0.0, -east_m), 0.0, -1.0, 20.0) == pytest.approx(room_m)
+    assert disc.crossing_m(Point(east_m, 0.0), 1.0, 0.0, 20.0) == pytest.approx(room_m)
+
+
+@pytest.mark.parametrize(
+    ("margin_m", "at", "expected"),
+    [
+        (4.0, (49.0, 10.0), (46.0, 10.0)),
+        (4.0, (70.0, -10.0), (46.0, -10.0)),
+        (4.0, (0.0, -49.0), (0.0, -46.0)),
+        (4.0, (48.0, 47.0), (46.0, 46.0)),
+        (4.0, (-48.0, 47.0), (-46.0, 46.0)),
+        (10.0, (0.0, 52.0), (0.0, 40.0)),
+        (4.0, (30.0, 30.0), (30.0, 30.0)),
+    ],
+)
+def test_the_nearest_place_inside_a_square_is_its_projection(
+    margin_m: float, at: tuple[float, float], expected: tuple[float, float]
+) -> None:
+    fence = laid(square(50.0))
+    found = fence.inside(Point(*at), margin_m)
+    assert found == pytest.approx(expected, abs=0.02)
+    assert fence.margin_m(found) >= margin_m
+
+
+@pytest.mark.parametrize("bearing_deg", [0.0, 60.0, 135.0, -100.0])
+@pytest.mark.parametrize("away_m", [2.0, 4.9, 5.1, 6.9])
+def test_the_nearest_place_outside_an_island_is_straight_away_from_its_centre(
+    bearing_deg: float, away_m: float
+) -> None:
+    north, east = math.cos(math.radians(bearing_deg)), math.sin(math.radians(bearing_deg))
+    fence = laid(ISLAND)
+    found = fence.inside(Point(20.0 + away_m * north, away_m * east), 2.0)
+    assert found == pytest.approx((20.0 + 7.0 * north, 7.0 * east), abs=0.02)

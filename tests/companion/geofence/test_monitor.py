@@ -48,3 +48,13 @@ def test_without_a_fence_nobody_is_beyond_it() -> None:
     monitor.update(laid(), nav_at(53.0), SETTING, 2.0)
     assert state(monitor) == (False, False, 1, 1.0)
     assert monitor.beyond_m == 0.0
+
+
+def test_a_breach_by_less_than_a_metre_counts_by_its_depth() -> None:
+    monitor = FenceMonitor()
+    for now_s, (north_m, breaches, breached_s) in enumerate(
+        [(49.9, 0, 0.0), (50.3, 1, 2.0), (50.6, 1, 2.0), (49.7, 1, 2.0), (50.2, 2, 5.0)], 1
+    ):
+        monitor.update(FENCE, nav_at(north_m), SETTING, float(now_s))
+        assert monitor.beyond_m == pytest.approx(max(north_m - 50.0, 0.0), abs=1e-3)
+        assert (monitor.breaches, monitor.breached_s) == (breaches, breached_s)
