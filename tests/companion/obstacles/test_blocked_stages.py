@@ -1,0 +1,170 @@
+"""A blocked boat, and when decisions are made and dropped: literal times and places."""
+
+import math
+
+import pytest
+from avoidance_rig import CONFIG, NORTH, Voyage, boat, is_course, ring
+
+from companion.config.boat_config import with_value
+from companion.core.geo import Point
+from companion.core.intent import (
+    FollowLeg,
+    HoldCourse,
+    HoldHeading,
+    Intent,
+    KeepStation,
+    Stop,
+)
+from companion.core.status_text import Severity, StatusText
+from companion.obstacles.planning.avoidance import Stage
+
+ROCK = Point(3.0, 0.0)
+BEHIND = Point(-3.0, 0.0)
+SIDE_TEXT = "Obstacle: passing to starboard"
+NO_WAY = StatusText(Severity.NOTICE, "Obstacle: no way around, keeping station")
+
+
+# Blocked
+
+
+def test_a_blocked_boat_stops_first_then_waits_and_tries_again_after_half_a_minute() -> None:
+    voyage = Voyage(*ring(1.1))
+    assert voyage.at(1.0) == HoldHeading(0.0, 0.0), "under way towards it"
+    assert voyage.stage() is Stage.BLOCKED
+    assert voyage.limit_m_s <= 0.4
+    station = KeepStation(Point(0.0, 0.0))
+    assert voyage.at(2.0, boat(speed_m_s=0.39)) == station
+    assert voyage.at(30.9, boat(speed_m_s=0.1)) == station
+    assert voyage.texts == [NO_WAY]
+    assert voyage.at(31.1, boat(speed_m_s=0.1)) is NORTH
+    assert voyage.stage() is Stage.CLEAR
+    assert voyage.texts[1:] == [StatusText(Severity.INFO, "Obstacle: trying again")]
+    assert voyage.at(32.0, boat(speed_m_s=0.1)) == station
+    assert voyage.texts[2:] == [NO_WAY]
+
+
+@pytest.mark.parametrize(
+    ("rock", "is_open"),
+    [
+        (BEHIND, True),
+        (Point(3.0, 1.05), False),  # 1.1 margins
+        (Point(3.0, 1.15), True),
+        (Point(12.9, 0.0), False),  # entered at 11.8 m, within three sights of 4 m
+        (Point(13.3, 0.0), True),
+    ],
+)
+def test_a_blocked_boat_goes_on_when_three_sights_ahead_are_free(rock: Point, is_open: bool) -> None:
+    voyage = Voyage(*ring(1.1))
+    voyage.at(1.0, boat(speed_m_s=0.1))
+    voyage.chart.rocks = [rock]
+    found = voyage.at(2.0, boat(speed_m_s=0.1))
+    assert (found is NORTH) is is_open
+    assert voyage.said[1:] == (["Obstacle: path is free"] if is_open else [])
+    if not is_open:
+        assert voyage.limit_m_s == 0.4
+        assert found == KeepStation(Point(0.0, 0.0))
+
+
+def test_a_blocked_boat_that_moves_into_free_water_keeps_its_station() -> None:
+    voyage = Voyage(*ring(1.1))
+    voyage.at(1.0, boat(speed_m_s=0.1))
+    voyage.chart.rocks = [ROCK]
+    assert voyage.at(2.0, boat(heading_rad=math.pi)) == KeepStation(Point(0.0, 0.0))
+    assert voyage.at(3.0, boat()) == HoldHeading(0.0, 0.0)
+
+
+def test_a_blocked_boat_waits_where_it_last_had_room() -> None:
+    voyage = Voyage(Point(-5.0, 0.0))
+    for now_s, north_m in ((1.0, -2.1), (2.0, -1.6)):
+        voyage.at(now_s, boat(north_m))
+    voyage.chart.rocks = ring(0.9)
+    assert voyage.at(5.0, boat(speed_m_s=0.1)) == KeepStation(Point(-2.1, 0.0))
+    nowhere = Voyage(*ring(0.9))
+    assert nowhere.at(1.0, boat(speed_m_s=0.1)) == KeepStation(Point(0.0, 0.0)), "no better place"
+
+
+# When decisions are made, and when they are dropped
+
+
+def test_a_decision_holds_for_nine_hundredths_of_a_second_or_until_another_intent() -> None:
+    voyage = Voyage(BEHIND)
+    assert voyage.at(1.0) is NORTH
+    voyage.chart.rocks = [ROCK]
+    assert voyage.at(1.08) is NORTH
+    assert is_course(voyage.at(1.091), 25.0, 1.0)
+    voyage.chart.rocks = [BEHIND]
+    assert is_course(voyage.at(1.1), 25.0, 1.0)
+    station = KeepStation(Point(30.0, 0.0))
+    assert voyage.at(1.11, intent=station) is station
+
+
+@pytest.mark.parametrize(
+    ("first", "then", "is_kept"),
+    [
+        (
+            FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 2.0),
+            FollowLeg(Point(-5.0, 0.0), Point(50.0, 0.0), 1.0),
+            True,
+        ),
+        (
+            FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 2.0),
+            FollowLeg(Point(0.0, 0.0), Point(49.0, 0.0), 2.0),
+            False,
+        ),
+        (KeepStation(Point(30.0, 0.0)), KeepStation(Point(30.0, 0.0)), True),
+        (KeepStation(Point(30.0, 0.0)), KeepStation(Point(31.0, 0.0)), False),
+        (HoldCourse(0.0, 2.0), HoldCourse(0.01, 2.0), True),
+        (HoldCourse(0.0, 2.0), HoldHeading(0.0, 2.0), False),
+    ],
+)
+def test_another_goal_begins_another_detour(first: Intent, then: Intent, is_kept: bool) -> None:
+    voyage = Voyage(ROCK)
+    voyage.at(1.0, intent=first)
+    voyage.at(2.0, intent=then)
+    assert voyage.said == ([SIDE_TEXT] if is_kept else [SIDE_TEXT, SIDE_TEXT])
+
+
+@pytest.mark.parametrize("reason", ["stop", "by hand", "off", "lost"])
+def test_avoidance_that_does_not_apply_forgets_its_detour(reason: str) -> None:
+    voyage = Voyage(ROCK)
+    voyage.at(1.0)
+    voyage.avoidance.safe_speed.note_unmapped_obstacle(Point(0.0, 0.0))
+    intent: Intent = Stop() if reason == "stop" else NORTH
+    if reason == "off":
+        voyage.config = with_value(CONFIG, "avoidance.enable", 1)
+    if reason == "lost":
+        bounds, chart = voyage.bounds, voyage.chart
+        found = voyage.avoidance.update(intent, None, CONFIG, chart, bounds, is_by_hand=False, now_s=2.0)
+    else:
+        found = voyage.at(2.0, intent=intent, is_by_hand=reason == "by hand")
+    assert found is intent
+    assert voyage.stage() is Stage.CLEAR
+    assert voyage.limit_m_s == math.inf
+    assert not voyage.is_wary()
+    voyage.config = CONFIG
+    voyage.chart.rocks = [BEHIND]
+    assert voyage.at(2.01) is NORTH, "nothing is left of the earlier decision"
+    voyage.chart.rocks = [ROCK]
+    voyage.at(3.0)
+    assert voyage.said == [SIDE_TEXT, SIDE_TEXT]
+
+
+def test_by_hand_the_speed_alone_is_limited_where_it_is_asked_for() -> None:
+    voyage = Voyage(ROCK, config=with_value(CONFIG, "avoidance.by_hand", True))
+    assert voyage.at(1.0, is_by_hand=True) is NORTH
+    assert voyage.limit_m_s == pytest.approx(math.sqrt(0.16 + 0.4 * 2.4) - 0.4)  # half of 3 − 0.6 m
+    assert (voyage.stage(), voyage.texts) == (Stage.CLEAR, [])
+    assert voyage.at(2.0) is not NORTH
+
+
+def test_an_obstacle_out_of_sight_matters_on_a_detour_only() -> None:
+    voyage = Voyage(ROCK)
+    voyage.chart.is_within_sight = False
+    voyage.avoidance.safe_speed.reduce_to(0.5)
+    assert voyage.at(1.0) is NORTH
+    assert voyage.limit_m_s == math.inf
+    voyage.chart.is_within_sight = True
+    assert voyage.at(2.0) is not NORTH
+    voyage.chart.is_within_sight = False
+    assert voyage.at(3.0) is not NORTH
+    assert voyage.stage() is Stage.ROUND
