@@ -17,6 +17,7 @@ from companion.guidance.fillet import (
     TURN_SHARE,
     Bend,
     Fillet,
+    FilletNode,
     best_fillet,
     cost_s,
     fillet_between,
@@ -211,3 +212,43 @@ def test_a_hull_that_turns_slowly_takes_the_corner_slower() -> None:
     assert lazy is not None
     assert able is not None
     assert lazy.time_s > 1.3 * able.time_s
+
+
+@pytest.mark.parametrize(("full_m_s", "radius_m", "expected"), [(2.0, 2.0, 38.03125), (2.0, 6.0, 4.03125)])
+def test_the_cost_is_the_time_lost_and_the_price_of_the_cut(
+    full_m_s: float, radius_m: float, expected: float
+) -> None:
+    # 5 s for 7 m; from 1.5 and 1 m/s to 2 m/s at 0.4 m/s²; 3 m from the waypoint
+    nodes = (FilletNode(-3.0, 0.0, 0.0, 1.5), FilletNode(0.0, 0.0, 0.5, 9.0), FilletNode(0.0, 4.0, 1.0, 1.0))
+    at = bend(1.0)._replace(speed_m_s=full_m_s, radius_m=radius_m)
+    assert cost_s(Fillet(3.0, 4.0, 5.0, 3.0, nodes), at, CONFIG) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("turn", "current"), [
+    (1.3, (0.0, 0.0)), (1.3, (0.5, 1.0)), (-1.3, (0.5, -1.0)), (1.3, (0.4, -2.0)), (-1.57, (0.5, 1.0)),
+    (-1.57, (0.4, -2.0)), (1.9, (0.0, 0.0)), (1.9, (0.5, 1.0)),
+])  # fmt: skip
+def test_no_other_entry_and_exit_speed_costs_notably_less(turn: float, current: tuple[float, float]) -> None:
+    at = bend(turn, *current)
+    best = best_fillet(at, CONFIG)
+    assert best is not None
+    shares = [number * 0.04 for number in range(3, 26)]
+    tried = [
+        fillet_between(at, one * SPEED_M_S, other * SPEED_M_S, RAMP_S, CONFIG)
+        for one in shares
+        for other in shares
+    ]
+    least_s = min(cost_s(fillet, at, CONFIG) for fillet in tried if fillet is not None)
+    assert cost_s(best, at, CONFIG) <= least_s + 0.04
+
+
+@pytest.mark.parametrize(("entry_room_m", "exit_room_m"), [(0.9, 25.0), (25.0, 0.9)])
+def test_each_leg_has_room_of_its_own(entry_room_m: float, exit_room_m: float) -> None:
+    at = bend(1.2)._replace(entry_room_m=entry_room_m, exit_room_m=exit_room_m)
+    fillet = best_fillet(at, CONFIG)
+    assert fillet is not None
+    assert fillet.entry_m <= entry_room_m
+    assert fillet.exit_m <= exit_room_m
+    free = best_fillet(bend(1.2), CONFIG)
+    assert free is not None
+    assert min(free.entry_m, free.exit_m) > 0.9

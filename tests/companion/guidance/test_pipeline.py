@@ -189,3 +189,17 @@ def test_a_motor_test_goes_through_the_gate_and_stops_what_was_steered() -> None
     assert line.pipeline.demand is not None
     line.pipeline.idle()
     assert line.guide(Stop(), 5.1) is None
+
+
+@pytest.mark.parametrize(("gap_m", "verdict"), [(1.1, StallVerdict.AGROUND), (1.3, StallVerdict.STUCK)])
+def test_a_boat_that_is_held_within_reach_of_the_line_is_aground(gap_m: float, verdict: StallVerdict) -> None:
+    line, east = Line(square(20.0)), HoldCourse(0.5 * math.pi, 3.0)
+    nav = replace(STILL, north_m=20.0 - gap_m, heading_rad=0.5 * math.pi)
+    for tenth in range(130):
+        now_s = 5.0 + 0.1 * tenth
+        line.guide(east, now_s, nav)
+        line.drive(now_s, nav, ticks=5)
+        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
+            break
+    assert line.pipeline.headway.verdict is verdict
+    assert (now_s - 5.0 < 8.0) is (verdict is StallVerdict.AGROUND)

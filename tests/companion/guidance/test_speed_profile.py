@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, with_value
 from companion.guidance.path import Node, Path
 from companion.guidance.speed_profile import (
     GAINING_SHARE,
@@ -108,3 +108,22 @@ def test_a_fillet_keeps_its_own_speeds_unless_the_way_behind_it_asks_for_less() 
     assert [node.speed_m_s for node in kept if 10.0 <= node.north_m <= 10.2] == [1.0, 1.8, 1.2]
     braked = with_speeds([*row((0.0, 2.0)), *fillet, *row((10.3, 0.0))], [(1, 3)], 2.0, CONFIG)
     assert max(node.speed_m_s for node in braked if node.north_m >= 10.0) < 0.5
+
+
+def test_speed_may_be_gathered_half_as_fast_again_as_it_is_lost() -> None:
+    # from rest over 5 m at 0.6 m/s²: √6 m/s; at 0.4 m/s² the boat could lose no more than 2 m/s
+    gathered = with_speeds(row((0.0, 0.0), (5.0, 2.2)), [], 3.0, CONFIG)
+    assert gathered[-1].speed_m_s == pytest.approx(2.2)
+    too_fast = with_speeds(row((0.0, 0.0), (5.0, 2.6)), [], 3.0, CONFIG)
+    assert too_fast[-1].speed_m_s == pytest.approx(math.sqrt(6.0))
+    lost = with_speeds(row((0.0, 2.2), (5.0, 0.0)), [], 3.0, CONFIG)
+    assert lost[0].speed_m_s == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("surge_time_s", [0.5, 2.0])
+def test_on_a_leg_the_hulls_own_response_time_counts(surge_time_s: float) -> None:
+    config = with_value(CONFIG, "handling.surge_time_s", surge_time_s)
+    delay = 0.4 * surge_time_s
+    expected = math.sqrt(delay * delay + 0.7 * 0.7 + 0.8 * 4.0) - delay
+    assert leg_speed_m_s(2.0, 4.0, 0.7, config) == pytest.approx(expected)
+    assert leg_speed_m_s(2.0, 4.0, 2.0, config) == 2.0
