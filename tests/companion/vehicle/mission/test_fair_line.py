@@ -118,3 +118,58 @@ def test_any_places_give_a_line_from_the_first_to_the_last(places: list[tuple[fl
     line = corners(*places)
     assert (line[0], line[-1]) == (places[0], places[-1])
     assert len(line) <= len(places)
+
+
+def turned_deg(degrees: float, leg_m: float = 4.0) -> tuple[float, float]:
+    """The place a leg beyond (4, 0), after a turn to starboard."""
+    turn = math.radians(degrees)
+    return 4.0 + leg_m * math.cos(turn), leg_m * math.sin(turn)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "off_m"), [(45.0, 0.9), (-45.0, 0.9), (31.0, 0.9), (29.0, 0.0), (99.0, 0.9), (101.0, 0.0)]
+)
+def test_a_corner_of_short_legs_is_shifted_to_the_inside_by_0_45_of_the_radius(
+    degrees: float, off_m: float
+) -> None:
+    found = corners((0.0, 0.0), (4.0, 0.0), turned_deg(degrees))
+    half = math.radians(degrees) / 2.0 + math.copysign(math.pi / 2.0, degrees)
+    assert len(found) == 3
+    assert found[1] == pytest.approx((4.0 + off_m * math.cos(half), off_m * math.sin(half)))
+
+
+@pytest.mark.parametrize(("leg_m", "off_m"), [(1.0, 0.5), (1.7, 0.85), (1.9, 0.9), (5.9, 0.9), (6.1, 0.0)])
+def test_the_shift_is_half_of_the_shorter_leg_at_most_and_none_at_legs_over_three_radii(
+    leg_m: float, off_m: float
+) -> None:
+    for places in (
+        [(0.0, 0.0), (5.5, 0.0), (5.5, leg_m), (5.5, leg_m + 20.0)],
+        [(5.5, leg_m + 20.0), (5.5, leg_m), (5.5, 0.0), (0.0, 0.0)],
+    ):
+        at = next(corner for corner in corners(*places) if distance_m(corner, Point(5.5, 0.0)) < 1.0)
+        assert distance_m(at, Point(5.5, 0.0)) == pytest.approx(off_m)
+
+
+def test_a_leg_is_short_up_to_three_radii() -> None:
+    assert is_short(6.0, 2.0)
+    assert not is_short(6.01, 2.0)
+
+
+@pytest.mark.parametrize(("back_m", "is_left_out"), [(1.85, True), (1.95, False)])
+def test_near_the_ends_a_place_is_left_out_within_0_95_of_its_radius(
+    back_m: float, is_left_out: bool
+) -> None:
+    first = [(0.0, 0.0), (-back_m, 0.0), (20.0, 0.0)]
+    last = [(0.0, 0.0), (20.0 + back_m, 0.0), (20.0, 0.0)]
+    for places in (first, last):
+        expected = [places[0], places[2]] if is_left_out else places
+        assert corners(*places) == [Point(*at) for at in expected]
+
+
+@pytest.mark.parametrize(("back_m", "is_left_out"), [(0.95, True), (1.05, False)])
+def test_on_the_way_a_place_to_turn_back_at_is_left_out_within_half_of_its_radius(
+    back_m: float, is_left_out: bool
+) -> None:
+    found = corners((0.0, 0.0), (20.0, 0.0), (20.0 + back_m, 0.0), (0.0, 30.0))
+    assert (Point(20.0 + back_m, 0.0) not in found) is is_left_out
+    assert Point(20.0, 0.0) in found

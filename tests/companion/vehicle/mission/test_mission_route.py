@@ -10,8 +10,19 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.mission.route import MOST, waypoints_ahead
-from companion.vehicle.mission.steps import Home, Jump, SetSpeed, Step, Wait, Waypoint
+from companion.vehicle.mission.route import MOST, MissionRoute, waypoints_ahead
+from companion.vehicle.mission.steps import (
+    GoRound,
+    HandOver,
+    Home,
+    Jump,
+    ReturnHome,
+    SetSpeed,
+    Step,
+    Turn,
+    Wait,
+    Waypoint,
+)
 
 CONFIG = BoatConfig()
 
@@ -165,3 +176,74 @@ def test_a_ring_of_short_legs_is_sailed_round_and_round() -> None:
     assert progress.take_reached() == list(range(1, 9)) * 3
     assert len(legs) > 20
     assert all(leg.next_end is not None for leg in legs[:-1])
+
+
+def test_with_long_legs_each_corner_has_the_radius_of_its_own_waypoint_far_into_the_mission() -> None:
+    zigzag = [(50.0 * n, 40.0 * (n % 2)) for n in range(1, 120)]
+    progress = progress_of(*(Waypoint(place(*at), radius_m=2.0 + 0.01 * n) for n, at in enumerate(zigzag)))
+    legs = sailed(progress, Point(0.0, 0.0), step_m=1.0)
+    assert len(legs) == len(zigzag)
+    for leg, at, n in zip(legs, zigzag, range(120), strict=False):
+        assert leg.end == pytest.approx(at, abs=0.01)
+        assert leg.radius_m == pytest.approx(2.0 + 0.01 * n)
+    assert progress.take_reached() == list(range(1, 120))
+
+
+def test_with_short_legs_each_corner_has_the_radius_of_the_waypoint_that_it_stands_for() -> None:
+    """A spiral of short legs: it has corners all along, and is looked through several times."""
+    at, course, spiral = Point(0.0, 0.0), 0.0, []
+    for n in range(130):
+        course += math.radians(90.0 if n % 12 == 11 else 0.0)
+        length_m = 4.0 + 0.01 * n
+        at = Point(at.north_m + length_m * math.cos(course), at.east_m + length_m * math.sin(course))
+        spiral.append(at)
+    progress = progress_of(*(Waypoint(place(*one), radius_m=2.0 + 0.001 * n) for n, one in enumerate(spiral)))
+    legs = sailed(progress, Point(0.0, 0.0))
+    for leg in legs:
+        nearest = min(range(len(spiral)), key=lambda n: math.dist(spiral[n], leg.end))
+        assert math.dist(spiral[nearest], leg.end) < 1.0
+        assert leg.radius_m == pytest.approx(2.0 + 0.001 * nearest)
+    assert progress.take_reached() == list(range(1, 131))
+
+
+def test_what_follows_a_leg_is_looked_for_once_and_again_when_it_may_have_changed() -> None:
+    route, first = MissionRoute(), Waypoint(place(20.0, 0.0))
+    onward = [(Home(), first, Waypoint(place(20.0, east_m))) for east_m in (30.0, 40.0)]
+    leg = route.lay(first, Point(0.0, 0.0), FRAME)
+    assert route.lay(first, Point(5.0, 5.0), FRAME) is leg
+    route.look_ahead(onward[0], 1, {}, FRAME, 2.0)
+    assert leg.next_end == pytest.approx((20.0, 30.0), abs=1e-3)
+    route.look_ahead(onward[1], 1, {}, FRAME, 2.0)
+    assert leg.next_end == pytest.approx((20.0, 30.0), abs=1e-3)
+    route.forget_onward()
+    route.look_ahead(onward[1], 1, {}, FRAME, 2.0)
+    assert leg.next_end == pytest.approx((20.0, 40.0), abs=1e-3)
+    route.pass_waypoint()
+    assert route.leg is None
+    assert route.lay(first, Point(5.0, 5.0), FRAME).start == (5.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    "after", [Wait(1.0), Turn(1.0), HandOver(is_on=True), ReturnHome(), GoRound(Point(0.0, 0.0), 1.0)]
+)
+def test_no_waypoint_behind_a_stop_follows(after: Step) -> None:
+    a, b = Waypoint(place(1.0, 0.0)), Waypoint(place(2.0, 0.0))
+    assert waypoints_ahead((Home(), a, b, after, a), 1, {}) == ([b], False)
+    assert waypoints_ahead((Home(), a, SetSpeed(1.0), b), 1, {}) == ([b], False)
+    assert waypoints_ahead((Home(), a, Jump(4, -1), b, a, after), 1, {2: 99}) == ([a], False)
+
+
+def test_a_loop_without_waypoints_is_not_looked_through_for_ever() -> None:
+    a = Waypoint(place(1.0, 0.0))
+    assert waypoints_ahead((Home(), a, SetSpeed(1.0), Jump(2, -1), a), 1, {}) == ([], True)
+    assert waypoints_ahead((Home(), a, *[SetSpeed(1.0)] * 200, a), 1, {}) == ([], True)
+    assert waypoints_ahead((Home(), a, *[SetSpeed(1.0)] * 98, a), 1, {}) == ([a], False)
+
+
+def test_guidance_is_told_of_sixteen_corners_beyond_the_next_leg() -> None:
+    progress = mission(*((50.0 * n, 40.0 * (n % 2)) for n in range(1, 40)))
+    intent = progress.update(nav_at(0.0, 0.0), FRAME, CONFIG, 0.0)
+    assert isinstance(intent, FollowLeg)
+    assert [tuple(at) for at in intent.onward] == [
+        pytest.approx((50.0 * n, 40.0 * (n % 2)), abs=0.01) for n in range(3, 19)
+    ]
