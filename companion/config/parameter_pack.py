@@ -19,7 +19,6 @@ from companion.config.parameters import Parameters, ParameterType
 
 BLOCK_BYTES = 239  # of a file transfer; padding is for blocks of this size
 NAME_BYTES = 16
-MAX_ENTRIES = 0xFFFF
 _HEADER = struct.Struct("<HHH")
 _MAGIC, _MAGIC_DEFAULTS = 0x671B, 0x671C
 _HAS_DEFAULT = 0x10

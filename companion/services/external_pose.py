@@ -24,7 +24,6 @@ from companion.vehicle.vehicle import Vehicle
 
 _MIN_SPACING_S = 0.015  # at most one pose per tick
 _OBSTACLES_SPACING_S = 0.045
-_MAX_LATENCY_S = 0.5  # an older stamp is of another clock
 _FARTHEST_M = 20_000.0  # range of the local frame
 _FASTEST_M_S = 30.0
 _FASTEST_RAD_S = 10.0

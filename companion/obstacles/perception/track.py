@@ -33,7 +33,6 @@ FASTEST = 12.0  # of the least speed: faster tracks are associations of differen
 _TRAIL = 8
 _ANYWHERE_M2 = 100.0
 _ANY_PACE_M2_S2 = 0.5
-_SEEN_THROUGH = 0.0
 
 
 class Track:
