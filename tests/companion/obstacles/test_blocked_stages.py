@@ -15,8 +15,12 @@ from companion.core.intent import (
     KeepStation,
     Stop,
 )
+from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
+from companion.geofence.fence import Fence
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Stage
+from companion.obstacles.planning.scene import Scene
 
 ROCK = Point(3.0, 0.0)
 BEHIND = Point(-3.0, 0.0)
@@ -168,3 +172,48 @@ def test_an_obstacle_out_of_sight_matters_on_a_detour_only() -> None:
     voyage.chart.is_within_sight = False
     assert voyage.at(3.0) is not NORTH
     assert voyage.stage() is Stage.ROUND
+
+
+def test_the_next_attempt_begins_without_the_history_of_the_last() -> None:
+    voyage = Voyage(ROCK, config=with_value(CONFIG, "avoidance.detour_m", 3.0))
+    voyage.at(1.0)
+    voyage.chart.rocks = [Point(3.0, 3.1)]
+    beside = boat(0.0, 3.1, speed_m_s=0.1)
+    voyage.at(2.0, beside)
+    assert voyage.stage() is Stage.BLOCKED
+    assert voyage.at(32.1, beside) is NORTH
+    voyage.at(33.0, beside)
+    voyage.at(34.0, beside)
+    assert voyage.stage() is Stage.ROUND, "its length begins at 0"
+    assert voyage.said[2:] == ["Obstacle: trying again", SIDE_TEXT]
+
+
+def test_open_water_removes_the_limits() -> None:
+    voyage = Voyage()
+    voyage.avoidance.safe_speed.reduce_to(0.5)
+    water = ObstaclePerception(CONFIG.avoidance)
+    found = voyage.avoidance.update(NORTH, boat(), CONFIG, water, voyage.bounds, is_by_hand=False, now_s=1.0)
+    assert found is NORTH
+    assert voyage.limit_m_s == math.inf
+
+
+def scene_with(rock: Point, nav: NavState) -> Scene:
+    """With a margin of 2 m."""
+    wide = with_value(CONFIG, "avoidance.margin_m", 2.0)
+    perception = ObstaclePerception(wide.avoidance)
+    perception.reach_m = 4.0
+    scene = Scene(NORTH, nav, wide, perception, Fence(), 1.0)
+    scene.solid = scene.obstacles = [rock]
+    return scene
+
+
+def test_the_distances_of_a_scene_follow_the_margin() -> None:
+    scene = scene_with(ROCK, boat())
+    assert scene.room_m(0.0) == pytest.approx(1.8)  # six tenths
+    assert scene.clear_path_m(scene.solid) == pytest.approx(1.0)
+    assert scene.clear_path_m(scene.solid, 0.5) == pytest.approx(2.0)
+    assert scene.water.room_m(0.0) == pytest.approx(0.6)  # 1.2 margins
+    assert scene_with(Point(1.1, 0.0), boat()).escape_course_rad() == pytest.approx(math.pi)
+    assert scene_with(Point(1.3, 0.0), boat()).escape_course_rad() is None
+    assert scene_with(ROCK, boat(speed_m_s=0.11)).room_ahead_m() == pytest.approx(1.8)
+    assert scene_with(ROCK, boat(speed_m_s=0.09)).room_ahead_m() == math.inf

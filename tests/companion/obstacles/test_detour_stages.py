@@ -1,5 +1,7 @@
 """The stages of a detour, one transition at a time: literal times and places."""
 
+import math
+
 import pytest
 from avoidance_rig import CONFIG, NORTH, Lines, Voyage, boat, is_course
 
@@ -172,3 +174,33 @@ def test_an_obstacle_close_abeam_is_left_straight_away() -> None:
     voyage.at(1.0)
     voyage.chart.rocks = [ROCK, Point(0.0, 0.5)]
     assert is_course(voyage.at(2.0), -90.0, 0.4)
+
+
+def test_a_boat_with_some_room_astern_backs() -> None:
+    assert Voyage(Point(0.5, 0.0), Point(-1.5, 0.0)).at(1.0, boat(speed_m_s=0.1)) == ASTERN
+
+
+WIDE = with_value(CONFIG, "avoidance.margin_m", 2.0)
+NARROW = with_value(CONFIG, "avoidance.margin_m", 0.5)
+
+
+@pytest.mark.parametrize(("north_m", "is_backing"), [(1.15, True), (1.25, False)])
+def test_close_ahead_is_six_tenths_of_the_margin(north_m: float, is_backing: bool) -> None:
+    voyage = Voyage(Point(north_m, 0.0), config=WIDE)
+    assert (voyage.at(1.0, boat(speed_m_s=0.1)) == ASTERN) is is_backing
+
+
+@pytest.mark.parametrize(("back_m", "is_blocked"), [(1.05, False), (0.95, True)])
+def test_a_detour_has_returned_within_two_margins(back_m: float, is_blocked: bool) -> None:
+    voyage = Voyage(ROCK, config=NARROW)
+    voyage.at(1.0)
+    for now_s, east_m in ((2.0, 1.6), (3.0, back_m)):
+        voyage.chart.rocks = [Point(3.0, east_m)]
+        voyage.at(now_s, boat(0.0, east_m, speed_m_s=0.1))
+    assert (voyage.stage() is Stage.BLOCKED) is is_blocked
+
+
+def test_a_detour_is_no_faster_than_its_margin_allows() -> None:
+    found = Voyage(ROCK, config=NARROW).at(1.0)
+    assert isinstance(found, HoldCourse)
+    assert found.speed_m_s == pytest.approx(math.sqrt(0.5))  # 0.5 m/s² over half a metre

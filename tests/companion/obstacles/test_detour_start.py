@@ -88,11 +88,14 @@ def test_a_gentle_turn_away_needs_no_stop() -> None:
 
 
 def test_an_unclassified_obstacle_is_approached_slowly_up_to_a_margin_of_room() -> None:
-    far, near = Voyage(Point(2.1, 0.0)), Voyage(Point(1.9, 0.0))
+    far, near = Voyage(Point(2.2, 0.0)), Voyage(Point(1.9, 0.0))
     for voyage in (far, near):
         voyage.chart.has_new = True
     assert far.at(1.0) is NORTH
     assert far.limit_m_s == 0.4
+    far.chart.rocks = [ROCK]
+    far.at(2.0)
+    assert far.limit_m_s == 0.4, "an obstacle that is known would allow 0.58 m/s"
     assert far.stage() is Stage.CLEAR
     near.at(1.0)
     assert near.stage() is Stage.ROUND

@@ -1,0 +1,143 @@
+"""The evidence of the cells of the grid, in figures."""
+
+import math
+
+import pytest
+
+from companion.core.geo import Point
+from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
+
+HERE = Point(0.0, 0.0)
+WIDTH_RAD = math.radians(15.0)
+FREE = math.inf
+ROCK = Point(3.1, 0.1)  # the centre of a cell
+
+
+def look(range_m: float, time_s: float = 0.0, bearing_rad: float = 0.0, width_rad: float = WIDTH_RAD) -> Beam:
+    return Beam(time_s, HERE, bearing_rad, width_rad, range_m, 4.0)
+
+
+def grid(*beams: Beam) -> Occupancy:
+    found = Occupancy(0.2, 25.0)
+    for beam in beams:
+        found.add(beam)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("bearing_rad", "cells"),
+    [
+        (0.0, {(3.9, -0.3), (3.9, -0.1), (3.9, 0.1), (3.9, 0.3)}),  # ±0.36 m, of 0.7 of the beam
+        (0.5 * math.pi, {(-0.3, 3.9), (-0.1, 3.9), (0.1, 3.9), (0.3, 3.9)}),
+        (math.pi, {(-3.9, -0.3), (-3.9, -0.1), (-3.9, 0.1), (-3.9, 0.3)}),
+    ],
+)
+def test_an_echo_marks_the_cells_across_the_core_of_its_beam(
+    bearing_rad: float, cells: set[tuple[float, float]]
+) -> None:
+    found = grid(look(3.95, 0.0, bearing_rad)).obstacles(0.0, SUSPECT)
+    assert {(round(at.north_m, 6), round(at.east_m, 6)) for at in found} == cells
+
+
+def test_evidence_grows_by_one_an_echo_up_to_four_and_decays_in_ten_seconds_a_piece() -> None:
+    seen = grid(look(3.1))
+    assert seen.evidence_at(ROCK, 0.0) == 1.0
+    assert seen.evidence_at(ROCK, 4.0) == pytest.approx(0.6)
+    seen.add(look(3.1, 1.0))
+    assert seen.evidence_at(ROCK, 1.0) == pytest.approx(1.9)
+    for number in range(8):
+        seen.add(look(3.1, 1.1 + 0.1 * number))
+    assert seen.evidence_at(ROCK, 1.8) == pytest.approx(4.0)
+    assert seen.evidence_at(ROCK, 26.7) == pytest.approx(1.51)
+    assert ROCK in [Point(round(at.north_m, 6), round(at.east_m, 6)) for at in seen.obstacles(26.7)]
+    assert seen.obstacles(26.9) == []
+    assert seen.evidence_at(ROCK, 99.0) == 0.0
+    assert seen.evidence_at(Point(3.1, 3.1), 0.0) is None
+
+
+def test_what_was_seen_through_is_doubted_down_to_minus_one_which_decays_too() -> None:
+    seen = grid(look(3.1))
+    seen.add(look(3.9, 1.0))
+    assert seen.evidence_at(ROCK, 1.0) == pytest.approx(-0.1)
+    seen.add(look(FREE, 2.0))
+    assert seen.evidence_at(ROCK, 2.0) == pytest.approx(-0.5)
+    seen.add(look(3.9, 3.0))
+    assert seen.evidence_at(ROCK, 3.0) == -1.0
+    assert seen.evidence_at(ROCK, 7.0) == pytest.approx(-0.6)
+    assert seen.evidence_at(ROCK, 99.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("range_m", "is_seen_through"), [(3.38, True), (3.22, False), (FREE, True), (0.1, False)]
+)
+def test_a_beam_clears_up_to_a_cell_before_its_echo(range_m: float, is_seen_through: bool) -> None:
+    seen = grid(look(3.1, width_rad=0.01))
+    seen.add(look(range_m, 1.0, 0.03, 0.2))
+    evidence = seen.evidence_at(ROCK, 1.0)
+    assert evidence is not None
+    assert (evidence < 0.6) is is_seen_through
+
+
+@pytest.mark.parametrize(
+    ("off_rad", "is_cleared"),
+    [(0.0, True), (0.08, True), (-0.08, True), (0.1, False), (-0.1, False), (3.1, False)],
+)
+@pytest.mark.parametrize("range_m", [0.5, 3.1])
+def test_a_beam_clears_its_core_alone(off_rad: float, is_cleared: bool, range_m: float) -> None:
+    seen = grid(look(range_m, width_rad=0.01))
+    for at in seen.obstacles(0.0, SUSPECT):
+        other = grid(look(range_m, width_rad=0.01))
+        other.add(look(FREE, 0.0, math.atan2(at.east_m, at.north_m) + off_rad))  # half of the core: 0.092 rad
+        assert (other.evidence_at(at, 0.0) == 0.5) is is_cleared
+
+
+@pytest.mark.parametrize(("range_m", "evidence"), [(3.3, 1.99), (2.9, 1.99), (3.5, 1.0)])
+def test_an_echo_in_a_neighbouring_cell_counts_as_a_second_look(range_m: float, evidence: float) -> None:
+    seen = grid(look(3.1, width_rad=0.01))
+    seen.add(look(range_m, 0.1, 0.02, 0.01))
+    assert seen.evidence_at(Point(range_m, 0.02 * range_m), 0.1) == pytest.approx(evidence)
+
+
+@pytest.mark.parametrize(("east_m", "evidence"), [(0.3, 1.99), (-0.3, 1.99), (0.5, 1.0), (-0.5, 1.0)])
+def test_neighbours_lie_to_the_side_as_well(east_m: float, evidence: float) -> None:
+    seen = grid(Beam(0.0, Point(0.0, 0.1 if east_m > 0.0 else -0.1), 0.0, 0.001, 3.1, 4.0))
+    seen.add(Beam(0.1, Point(0.0, east_m), 0.0, 0.001, 3.1, 4.0))
+    assert seen.evidence_at(Point(3.1, east_m), 0.1) == pytest.approx(evidence)
+
+
+def test_the_version_changes_with_the_cells() -> None:
+    seen = grid()
+    versions = [seen.version]
+    for change in (look(3.1), look(3.1, 0.1), look(FREE, 0.2)):
+        seen.add(change)
+        versions.append(seen.version)
+    seen.forget(HERE, 1.0, 0.2)
+    versions.append(seen.version)
+    assert versions == sorted(set(versions))
+    seen.forget(HERE, 1.0, 0.2)
+    assert seen.version == versions[-1], "nothing was left"
+
+
+@pytest.mark.parametrize(
+    ("at", "now_s", "is_kept"),
+    [
+        (HERE, 2.9, True),
+        (HERE, 3.1, False),  # one look alone
+        (Point(-1.7, 0.0), 0.1, True),
+        (Point(-2.1, 0.0), 0.1, False),
+        (Point(0.0, 4.8), 0.1, True),
+        (Point(0.0, 5.2), 0.1, False),
+        (Point(0.0, -5.2), 0.1, False),
+    ],
+)
+def test_cells_are_forgotten_by_age_and_distance(at: Point, now_s: float, is_kept: bool) -> None:
+    seen = grid(look(3.1, width_rad=0.001))
+    seen.forget(at, 5.0, now_s)
+    assert (len(seen) > 0) is is_kept
+
+
+@pytest.mark.parametrize(
+    ("at", "is_near"), [((3.1, 0.0), True), ((8.0, 0.0), True), ((8.3, 0.0), False), ((3.1, 5.3), False)]
+)
+def test_near_is_measured_along_either_axis(at: tuple[float, float], is_near: bool) -> None:
+    assert grid(look(3.1, width_rad=0.001)).is_near(Point(*at), 5.0) is is_near

@@ -1,0 +1,98 @@
+"""Where the ranger looks, and when it is noisy: literal bearings, times and ranges."""
+
+import math
+
+import pytest
+from boat_rig import nav_at
+from msgspec.structs import replace
+
+from companion.core.geo import Point
+from companion.obstacles.perception.servo_scan import ServoScan
+from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
+from companion.obstacles.perception.track import Track
+from companion.obstacles.perception.tracks import ObstacleTracks
+
+
+@pytest.mark.parametrize(
+    ("port_rad", "starboard_rad", "expected"), [(0.1, 0.2, 0.0), (0.3, 0.4, 0.5), (-0.9, -0.8, -1.0)]
+)
+def test_a_sector_without_a_bearing_is_watched_by_the_nearest_one(
+    port_rad: float, starboard_rad: float, expected: float
+) -> None:
+    scan = ServoScan((-1.0, -0.5, 0.0, 0.5, 1.0))
+    scan.set_sector(port_rad, starboard_rad)
+    assert [scan.turn() for _ in range(6)][-1] == expected
+
+
+def track(north_m: float, east_m: float = 0.0, *, is_mover: bool = False) -> Track:
+    found = Track(1, 10.0, Point(100.0 + north_m, 50.0 + east_m), 0.4)
+    found.isolated_count, found.is_mover = 1, is_mover
+    return found
+
+
+def sector_of(*tracks: Track, now_s: float = 10.0, speed_m_s: float = 1.0) -> tuple[float, float]:
+    known = ObstacleTracks(1.0)
+    known.all += tracks
+    nav = replace(nav_at(100.0, 50.0), north_m_s=0.6 * speed_m_s, east_m_s=-0.8 * speed_m_s)
+    return choose_sector(nav, known, 4.0, now_s, is_open=True)
+
+
+def test_a_boat_that_covers_its_sight_in_eight_seconds_looks_ahead() -> None:
+    assert sector_of(speed_m_s=0.49) == ALL_ROUND
+    assert sector_of(speed_m_s=0.51) == pytest.approx((-1.06, 1.06))
+
+
+def test_the_sector_about_a_track_shows_the_water_beside_it() -> None:
+    half = 0.53 + math.asin(0.4 / 3.0)
+    assert sector_of(track(3.0)) == pytest.approx((-half, half))
+    bearing = math.atan2(1.0, 2.0)
+    half = 0.53 + math.asin(0.4 / math.sqrt(5.0))
+    assert sector_of(track(2.0, 1.0)) == pytest.approx((bearing - half, bearing + half))
+    assert sector_of(track(2.0, 1.0), track(3.0)) == sector_of(track(3.0), track(2.0, 1.0))
+    assert sector_of(track(3.0), track(2.0, 1.0)) == sector_of(track(2.0, 1.0))
+    near = 0.53 + math.asin(0.5)
+    assert sector_of(track(0.5)) == pytest.approx((-near, near))
+    assert sector_of(track(2.0, 1.0, is_mover=True)) == pytest.approx((-0.53, bearing + half))
+    assert sector_of(track(2.0, -1.0, is_mover=True)) == pytest.approx((-bearing - half, 0.53))
+
+
+@pytest.mark.parametrize(
+    ("off_rad", "is_watched"), [(1.59, True), (-1.59, True), (1.61, False), (-1.61, False)]
+)
+def test_what_is_abaft_the_beam_is_not_watched(off_rad: float, is_watched: bool) -> None:
+    found = sector_of(track(2.0 * math.cos(off_rad), 2.0 * math.sin(off_rad)))
+    assert (found != pytest.approx((-1.06, 1.06))) is is_watched
+
+
+@pytest.mark.parametrize(("unseen_s", "is_watched"), [(1.19, True), (1.21, False)])
+def test_a_mover_is_searched_for_a_while(unseen_s: float, is_watched: bool) -> None:
+    found = sector_of(track(2.0, 1.0, is_mover=True), now_s=10.0 + unseen_s)
+    assert (found != pytest.approx((-1.06, 1.06))) is is_watched
+
+
+def test_a_track_is_classified_after_eight_looks_or_after_its_time() -> None:
+    new = track(3.0)
+    for observations, now_s, seen_s, is_new in (
+        (7, 10.1, 10.0, True),
+        (8, 10.1, 10.0, False),
+        (2, 11.59, 11.5, True),
+        (2, 11.61, 11.5, False),
+        (2, 10.39, 10.0, True),
+        (2, 10.41, 10.0, False),
+    ):
+        new.observations, new.seen_s = observations, seen_s
+        assert is_unclassified(new, now_s) is is_new
+    assert not is_unclassified(track(3.0, is_mover=True), 10.1)
+    new.observations, new.isolated_count = 2, 0
+    assert not is_unclassified(new, 10.1)
+    new.is_cut_off = True
+    assert is_unclassified(new, 10.1)
+
+
+@pytest.mark.parametrize(("leap_m", "is_noisy"), [(0.45, False), (0.55, True)])
+def test_leaps_of_more_than_an_eighth_of_the_reach_are_noise(leap_m: float, is_noisy: bool) -> None:
+    monitor = SonarNoiseMonitor()
+    for number in range(100):
+        monitor.update(1.0 + (leap_m if number % 2 else 0.0), 4.0)
+    assert monitor.is_noisy is is_noisy
