@@ -265,3 +265,33 @@ def test_only_what_leads_over_the_line_is_ended(intent: Intent, is_kept: bool) -
 def test_a_circle_leads_where_the_boat_goes(north_m_s: float, is_kept: bool) -> None:
     circle = FollowCircle(Point(40.0, 0.0), 12.0, True, 1.0)
     assert isinstance(Stopped().look(20, circle, nav_at(47.5, north_m_s)), KeepStation) is is_kept
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("heading_deg", "aside_m_s"), [(60.0, 0.0), (30.0, 0.5), (30.0, -0.5), (45.0, 0.3)])
+def test_the_way_ahead_is_through_the_water_and_with_the_current_across_it(
+    side: float, heading_deg: float, aside_m_s: float
+) -> None:
+    # 2 m/s along the bow and the current to starboard of it; the line is 6 m north; it still makes way south
+    heading, drift = math.radians(heading_deg), math.atan2(aside_m_s, 2.0)
+    current = (-aside_m_s * math.sin(heading), side * aside_m_s * math.cos(heading))
+    braked = limited(Demand(side * heading, 2.0), nav_at(44.0, -2.0, heading=side * heading, current=current))
+    carried_m = 2.0 * abs(aside_m_s * math.sin(drift))
+    room_left_m = 6.0 / math.cos(heading + drift) - 2.0 - carried_m
+    assert speed_of(braked) == pytest.approx(allowed_m_s(room_left_m), abs=2e-3)
+
+
+def test_a_course_made_good_counts_from_a_tenth_of_a_metre_a_second() -> None:
+    # 0.16 m/s along the demanded heading, made good north-east, where the line is 1.5 √2 m away
+    heading = math.radians(100.0)
+    braked = limited(Demand(heading, 1.0), nav_at(48.5, 0.2, east_m_s=0.2, heading=heading))
+    assert speed_of(braked) == pytest.approx(allowed_m_s(1.5 * math.sqrt(2.0) - 2.0), abs=2e-3)
+
+
+@pytest.mark.parametrize(("room_m", "is_braked"), [(4.7, False), (4.5, True)])
+def test_at_rest_the_brake_begins_where_half_a_metre_a_second_more_could_just_be_lost(
+    room_m: float, is_braked: bool
+) -> None:
+    # 2 m and 2 s at 0.5 m/s, and twice the 0.5 m and 0.3125 m of reaction and braking: 4.625 m
+    braked = limited(NORTHWARD, nav_at(50.0 - room_m))
+    assert speed_of(braked) == pytest.approx(allowed_m_s(room_m - 2.0) if is_braked else 2.0, abs=1e-3)
