@@ -20,6 +20,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Stage
+from companion.obstacles.planning.detour_history import Breadcrumbs
 from companion.obstacles.planning.scene import Scene
 
 ROCK = Point(3.0, 0.0)
@@ -217,3 +218,12 @@ def test_the_distances_of_a_scene_follow_the_margin() -> None:
     assert scene_with(Point(1.3, 0.0), boat()).escape_course_rad() is None
     assert scene_with(ROCK, boat(speed_m_s=0.11)).room_ahead_m() == pytest.approx(1.8)
     assert scene_with(ROCK, boat(speed_m_s=0.09)).room_ahead_m() == math.inf
+
+
+def test_two_dozen_places_are_remembered() -> None:
+    places = Breadcrumbs()
+    for number in range(30):
+        places.add(Point(float(number), 0.0), 1.0)
+    here, rock = Point(99.0, 0.0), [Point(20.0, 0.0)]
+    assert places.last_with_room(here, rock, 13.9) == Point(6.0, 0.0)
+    assert places.last_with_room(here, rock, 14.1) == here

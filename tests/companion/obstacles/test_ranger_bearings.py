@@ -9,9 +9,11 @@ from msgspec.structs import replace
 from companion.core.geo import Point
 from companion.obstacles.perception.servo_scan import ServoScan
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
+from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
+from companion.sensors.readings import SonarReading
 
 
 @pytest.mark.parametrize(
@@ -96,3 +98,10 @@ def test_leaps_of_more_than_an_eighth_of_the_reach_are_noise(leap_m: float, is_n
     for number in range(100):
         monitor.update(1.0 + (leap_m if number % 2 else 0.0), 4.0)
     assert monitor.is_noisy is is_noisy
+
+
+def test_a_ping_fills_fifteen_degrees_unless_told_otherwise() -> None:
+    scan = SonarScan()
+    scan.add(SonarReading(1.0, 0.0, 2.0))
+    distances_cm, _ = scan.distances_cm(1.0)
+    assert {sector for sector, cm in enumerate(distances_cm) if cm == 200} == {71, 0, 1}

@@ -242,3 +242,11 @@ def test_tracks_are_known_movers_or_likely_ones() -> None:
     rock.seen_s = 11.0
     assert tracks.known(14.01) == [rock]
     assert tracks.all == [rock]
+
+
+def test_a_sweep_that_stands_still_has_not_turned_back() -> None:
+    sweep = Sweep()
+    for bearing_rad, range_m in ((-0.25, FREE), (0.0, 3.0), (0.25, 3.0), (0.25, FREE)):
+        sweep.look(bearing_rad, range_m)
+    (track,) = sweep.tracks.all
+    assert (track.is_cut_off, track.isolated_count) == (False, 0)
