@@ -166,12 +166,12 @@ def test_around_a_point_at_the_edge_of_the_grid_are_no_cells_of_another_row() ->
     grid = mapped(laid(FenceCircle(globe([(0.0, 0.0)])[0], 10.0, is_inclusion=False)), 3.0)
     north, east = grid.rows - 2, grid.columns - 2  # the last row and column inside the border
     for point, rows, columns in (
-        (Point(900.0, 900.0), (north - 2, north), (east - 2, east)),
-        (Point(-900.0, 900.0), (1, 3), (east - 2, east)),
-        (Point(-900.0, -900.0), (1, 3), (1, 3)),
-        (Point(900.0, -900.0), (north - 2, north), (1, 3)),
+        (Point(900.0, 900.0), (north - 4, north), (east - 4, east)),
+        (Point(-900.0, 900.0), (1, 5), (east - 4, east)),
+        (Point(-900.0, -900.0), (1, 5), (1, 5)),
+        (Point(900.0, -900.0), (north - 4, north), (1, 5)),
     ):
-        found = [divmod(cell, grid.columns) for cell in grid.around(point, 2)]
+        found = [divmod(cell, grid.columns) for cell in grid.around(point, 4)]
         assert found == [
             (row, column)
             for row in range(rows[0], rows[1] + 1)
