@@ -235,6 +235,7 @@ class MissionProgress:
             return orbit.intent(self.speed_m_s or config.speed.cruise_m_s)
         self.reached.append(self.current_seq)
         self._leave(nav.point)
+        self._is_loose = not self.finished
         return None
 
     def _hold_up(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
@@ -248,7 +249,7 @@ class MissionProgress:
             self._leave(self._leg_start)
         else:
             self._leave(None)
-            self._leg_start = nav.point
+            self._leg_start, self._is_loose = nav.point, not self.finished
         return None
 
     # Commands
@@ -290,11 +291,13 @@ class MissionProgress:
         self._begin_item(leg_start)
 
     def _begin_item(self, leg_start: Point | None = None) -> None:
+        # The leg of a command begins where the leg before it began
+        self._is_loose = self._is_loose and leg_start is self._leg_start
         self._leg_start = leg_start
-        self._is_loose = False
         self._orbit = None
         self._begun_s = math.nan
         self._under_way.pass_waypoint()
         if leg_start is None:
+            self._is_loose = False
             self._under_way.forget()
             self._station = None

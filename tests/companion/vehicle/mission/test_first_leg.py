@@ -10,7 +10,7 @@ from companion.core.intent import FollowLeg, HoldCourse, KeepStation
 from companion.geofence.fence import Fence, FenceArea, FenceCircle, FencePolygon
 from companion.vehicle.mission.approach import Approach
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.mission.steps import Home, Waypoint
+from companion.vehicle.mission.steps import Home, SetSpeed, Waypoint
 from companion.vehicle.return_route import ReturnRoute
 
 CONFIG = BoatConfig()
@@ -27,7 +27,7 @@ def is_open(here: tuple[float, float], end: tuple[float, float], *areas: FenceAr
     route = ReturnRoute(fence, [])
     assert route.clearance_m(CONFIG) == CLEARANCE_M
     progress = MissionProgress()
-    progress.replace((Home(), Waypoint(place(*end))))
+    progress.replace((Home(), SetSpeed(1.0), Waypoint(place(*end))))
     wanted = progress.update(nav, FRAME, CONFIG, 0.0)
     assert isinstance(wanted, FollowLeg)
     sailed = Approach(fence, route, []).update(wanted, progress, nav, CONFIG)

@@ -383,6 +383,22 @@ def test_the_line_of_the_leg_is_from_where_it_begins_to_its_waypoint() -> None:
     assert line.end == pytest.approx(PLACES["B"], abs=1e-3)
 
 
+@pytest.mark.parametrize("command", [SetSpeed(1.0), AfterDelay(5.0), Wait(0.0), Jump(2, 1)])
+def test_a_command_before_the_first_waypoint_leaves_its_leg_loose(command: Step) -> None:
+    progress = begun(command, A, B)
+    leg_at(progress, 3.0, 4.0)
+    assert progress.loose_leg is not None
+    leg_at(progress, 49.9, 0.6)
+    assert progress.loose_leg is None
+
+
+def test_a_leg_after_a_turn_on_the_spot_is_loose() -> None:
+    progress = begun(A, Turn(0.0), B)
+    leg_at(progress, 3.0, 4.0)
+    assert leg_at(progress, 49.9, 0.6).start == (49.9, 0.6)
+    assert progress.loose_leg is not None
+
+
 def test_a_leg_that_begins_at_a_waypoint_is_not_loose() -> None:
     progress = begun(A, B)
     leg_at(progress, 3.0, 4.0)
