@@ -29,7 +29,7 @@ pictures: demo  ## make the pictures of the documents anew
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 
 test: setup  ## all tests
-	$(BIN)/python -m pytest -n 3
+	$(BIN)/python -m pytest -n 3 --dist worksteal
 
 lint: setup
 	$(BIN)/ruff check .
