@@ -1,27 +1,19 @@
 """STEERING: the sticks set speed and lateral acceleration, so turns widen with the square of the speed."""
 
-from companion.core.intent import HoldTurn, Intent, Stop
+from companion.core.intent import HoldTurn, Intent
 from companion.core.units import clamp
-from companion.rc.manual_input import ManualInput, top_speed_m_s
-from companion.vehicle.modes.controller import ModeController, ModeInputs
-
-_STOP = Stop()
+from companion.rc.manual_input import top_speed_m_s
+from companion.vehicle.modes.controller import ModeInputs, StickMode
 
 
-class SteeringMode(ModeController):
+class SteeringMode(StickMode):
     """Full steering is the corner acceleration, up to ACRO_TURN_RATE."""
 
-    __slots__ = ("_sticks",)
+    __slots__ = ()
 
-    def __init__(self, sticks: ManualInput) -> None:
-        self._sticks = sticks
-
-    def intent(self, inputs: ModeInputs) -> Intent:
-        """The sticks' speed and turn; no thrust while they are stale."""
-        config, now_s = inputs.config, inputs.now_s
-        if not self._sticks.is_fresh(config, now_s):
-            return _STOP
-        throttle, steering = self._sticks.throttle_and_steering(config, now_s)
+    def steer(self, throttle: float, steering: float, inputs: ModeInputs) -> Intent:
+        """The sticks' speed and turn."""
+        config = inputs.config
         speed_m_s, most_rad_s = throttle * top_speed_m_s(config.speed), config.modes.turn_rate_rad_s
         at_least_m_s = max(abs(speed_m_s), config.guidance.min_speed_m_s)
         rate_rad_s = steering * config.guidance.corner_accel_m_s2 / at_least_m_s
