@@ -1,10 +1,14 @@
-"""A mode's inputs, for tests of one mode alone."""
+"""A mode's inputs, sticks and fence, for tests of one mode alone."""
 
 from boat_rig import FRAME, nav_at
+from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
+from companion.core.requests import ManualControl
 from companion.core.state import NavState
+from companion.geofence.fence import Fence, FenceCircle
+from companion.rc.manual_input import ManualInput
 from companion.vehicle.modes.controller import ModeInputs
 
 
@@ -17,3 +21,23 @@ def mode_inputs(
 ) -> ModeInputs:
     """A boat at rest at FRAME's origin, bow north, unless a state is given."""
     return ModeInputs(nav_at() if nav is None else nav, FRAME, config, home, speed_m_s, now_s)
+
+
+def held(throttle: float, steering: float) -> ManualInput:
+    """Sticks held by a station since 0 s."""
+    sticks = ManualInput()
+    sticks.ingest(ManualControl(throttle, steering), 0.0)
+    return sticks
+
+
+def fenced(radius_m: float = 50.0) -> Fence:
+    """A circle of water around FRAME's origin."""
+    fence = Fence()
+    fence.set_areas([FenceCircle(FRAME.origin, radius_m, is_inclusion=True)])
+    fence.update(FRAME, FRAME.origin, BoatConfig().fence)
+    return fence
+
+
+def turned(heading_rad: float) -> NavState:
+    """A boat at rest at FRAME's origin."""
+    return replace(nav_at(), heading_rad=heading_rad)

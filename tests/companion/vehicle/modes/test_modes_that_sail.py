@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import FRAME, nav_at, place
-from mode_inputs import mode_inputs
+from mode_inputs import fenced, held, mode_inputs, turned
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
@@ -15,11 +15,8 @@ from companion.core.intent import (
     Intent,
     KeepStation,
 )
-from companion.core.requests import ManualControl
-from companion.core.state import NavState
 from companion.core.status_text import StatusText
-from companion.geofence.fence import Fence, FenceCircle
-from companion.rc.manual_input import ManualInput
+from companion.geofence.fence import Fence
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import HandOver, Home, Waypoint
 from companion.vehicle.modes.auto import AutoMode
@@ -34,23 +31,6 @@ from companion.vehicle.return_route import ReturnRoute
 from companion.vehicle.track import SailedTrack
 
 CONFIG = BoatConfig()
-
-
-def held(throttle: float, steering: float) -> ManualInput:
-    sticks = ManualInput()
-    sticks.ingest(ManualControl(throttle, steering), 0.0)
-    return sticks
-
-
-def fenced(radius_m: float = 50.0) -> Fence:
-    fence = Fence()
-    fence.set_areas([FenceCircle(FRAME.origin, radius_m, is_inclusion=True)])
-    fence.update(FRAME, FRAME.origin, CONFIG.fence)
-    return fence
-
-
-def turned(heading_rad: float) -> NavState:
-    return replace(nav_at(), heading_rad=heading_rad)
 
 
 def local(intent: Intent) -> Point:

@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from boat_rig import FRAME, nav_at, place
-from mode_inputs import mode_inputs
+from boat_rig import nav_at, place
+from mode_inputs import fenced, held, mode_inputs, turned
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
@@ -19,11 +19,11 @@ from companion.core.intent import (
     KeepStation,
     Stop,
 )
-from companion.core.requests import ManualControl, OtherVehicle, SetPoint
+from companion.core.requests import OtherVehicle, SetPoint
 from companion.core.state import NavState
 from companion.core.status_text import StatusText
-from companion.geofence.fence import Fence, FenceCircle
-from companion.rc.manual_input import ManualInput, top_speed_m_s
+from companion.geofence.fence import Fence
+from companion.rc.manual_input import top_speed_m_s
 from companion.vehicle.modes.acro import AcroMode
 from companion.vehicle.modes.follow import FollowMode
 from companion.vehicle.modes.guided import GuidedMode
@@ -36,23 +36,6 @@ from companion.vehicle.modes.steering import SteeringMode
 CONFIG = BoatConfig()
 TOP_M_S = top_speed_m_s(CONFIG.speed)
 STALE_S = CONFIG.failsafe.manual_timeout_s + 0.1
-
-
-def held(throttle: float, steering: float) -> ManualInput:
-    sticks = ManualInput()
-    sticks.ingest(ManualControl(throttle, steering), 0.0)
-    return sticks
-
-
-def fenced(radius_m: float = 50.0) -> Fence:
-    fence = Fence()
-    fence.set_areas([FenceCircle(FRAME.origin, radius_m, is_inclusion=True)])
-    fence.update(FRAME, FRAME.origin, CONFIG.fence)
-    return fence
-
-
-def turned(heading_rad: float) -> NavState:
-    return replace(nav_at(), heading_rad=heading_rad)
 
 
 def without_position(north_m_s: float = 0.0, east_m_s: float = 0.0) -> NavState:
