@@ -40,7 +40,7 @@ SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
 SPARE_CPU_S = 10.0  # beyond twice what the tests take without a fault: a loop that does not end is killed
 OPTIONS = (
-    "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:rerunfailures",
+    "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist",
     "-W", "ignore::pytest.PytestAssertRewriteWarning",  # Hypothesis is imported once for all mutants
 )  # fmt: skip
 KILLED, SURVIVED = 1, 0
