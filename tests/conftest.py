@@ -1,4 +1,6 @@
-"""Shared test set-up: Hypothesis prints what it takes to replay a failure, and is reproducible in CI."""
+"""Shared test set-up. Hypothesis tries the same examples in every run; with MAVBOAT_SEARCH=1 it looks for
+new ones, and prints what it takes to replay a failure.
+"""
 
 import os
 import signal
@@ -9,10 +11,14 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
-    "default", deadline=None, print_blob=True, suppress_health_check=[HealthCheck.too_slow]
+    "default",
+    deadline=None,
+    derandomize=True,
+    print_blob=True,
+    suppress_health_check=[HealthCheck.too_slow],
 )
-settings.register_profile("ci", parent=settings.get_profile("default"), derandomize=True)
-settings.load_profile("ci" if os.environ.get("CI") else "default")
+settings.register_profile("search", parent=settings.get_profile("default"), derandomize=False)
+settings.load_profile("search" if os.environ.get("MAVBOAT_SEARCH") else "default")
 
 # A shell's background job ignores SIGINT, and so would the programs that the tests start and interrupt
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -32,6 +32,7 @@ _HALF_HULL: Final = 0.45  # of the margin: half the hull length
 _TOUCHES: Final = 0.3  # of the margin: hull clearance that counts as a collision
 _AHEAD_COST: Final = 2.5  # of passing ahead of crossing traffic
 _CROSSES: Final = 0.6  # of its speed
+_STILL_M_S: Final = 0.05  # the direction of a slower mover is rounding and sonar noise
 _ABAFT_RAD: Final = 2.0
 _TURN_LAG_S: Final = 0.6  # delay of the turn
 _TURN_GAIN: Final = 1.5  # rad/s for each rad that it points elsewhere
@@ -109,7 +110,7 @@ def _crossing(scene: Scene, course_rad: float) -> int:
         return 0
     mover = min(scene.movers, key=lambda one: one.distance_m(scene.here, scene.now_s))
     across_m_s = mover.east_m_s * math.cos(course_rad) - mover.north_m_s * math.sin(course_rad)
-    if abs(across_m_s) < _CROSSES * mover.speed_m_s:
+    if abs(across_m_s) < max(_CROSSES * mover.speed_m_s, _STILL_M_S):
         return 0
     return 1 if across_m_s > 0.0 else -1
 

@@ -44,6 +44,8 @@ def test_the_speeds_that_are_tried(
         ((-0.5, 0.0), 0.5 * math.pi, 1),
         ((0.5, 0.0), 0.5 * math.pi, -1),
         ((-0.5, 0.0), 0.0, 0),
+        ((0.0, 0.04), 0.0, 0),  # still: its direction is noise
+        ((0.0, 0.06), 0.0, 1),
     ],
 )
 def test_the_side_that_the_nearest_mover_crosses_to(

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import nav_at
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -68,6 +68,8 @@ CURRENTS = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 
 
 @given(PLACES, VELOCITIES, CURRENTS, st.integers(1, 3), st.floats(-200.0, 200.0), st.floats(-200.0, 200.0))
+@example((1.0, 0.0), (0.0, 1.6e-203), (0.0, 0.0), 1, 1.0, 0.0)
+@example((1.0, 0.0), (0.0, 1.6e-203), (0.1875, 0.0), 1, 1.0, 0.0)
 def test_a_scene_that_is_turned_and_moved_has_the_same_maneuver(
     at: tuple[float, float],
     velocity: tuple[float, float],
