@@ -12,7 +12,7 @@ help:  ## list the targets
 
 setup: $(STAMP)  ## create .venv with the tested set of packages
 
-$(STAMP): pyproject.toml constraints.txt requirements-peers.txt
+$(STAMP): pyproject.toml setup.py constraints.txt requirements-peers.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "mavboat needs Python 3.11 or later; '$(PYTHON)' is older: call make PYTHON=python3.11"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'

@@ -82,6 +82,15 @@ def test_nothing_is_compiled_whose_structs_need_the_options_of_their_class_line(
                 assert not any(isinstance(default, ast.Call) for default in defaults), f"{name}: {node.name}"
 
 
+def test_the_kernels_of_route_planning_are_left_alone(tmp_path: Path) -> None:
+    kernel = house(tmp_path) / "companion/planning/_polygon.so"
+    kernel.parent.mkdir()
+    kernel.touch()
+    remove(tmp_path)
+    assert kernel.exists()
+    assert libraries(tmp_path) == []
+
+
 def test_what_was_just_compiled_is_not_stale(tmp_path: Path) -> None:
     root = house(tmp_path)
     remember(root)
