@@ -22,6 +22,7 @@ from benchmarks import (
     planner,
     radio,
     router,
+    startup,
     transfer,
 )
 from benchmarks.measure import Row
@@ -38,6 +39,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "radio": radio.rows,
     "router": router.rows,
     "memory": memory.rows,
+    "startup": startup.rows,
     "loop": loop.rows,
     "garbage": garbage.rows,
 }

@@ -1,4 +1,17 @@
-"""Times and lengths as people say them."""
+"""Lines for people: where they go, and times and lengths as people say them."""
+
+from typing import TextIO
+
+
+class Printer:
+    """Prints lines to a stream, each at once."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def __call__(self, line: str) -> None:
+        self.stream.write(line + "\n")
+        self.stream.flush()
 
 
 def duration(seconds: float) -> str:

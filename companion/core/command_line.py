@@ -1,10 +1,6 @@
-"""Common end of a command-line program: one line for an error, and the exit code.
-
-0 done, 1 the job failed, 2 wrong usage or input, 3 no vehicle or link, 130 interrupted.
-"""
+"""Command-line programs built on typer: they end as `program_end` says."""
 
 import errno
-import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -16,6 +12,7 @@ import typer
 from companion import __version__
 from companion.core.errors import BoatError, LinkError
 from companion.core.interrupts import INTERRUPTED
+from companion.core.program_end import end, end_with
 
 HELP_NAMES = {"help_option_names": ["-h", "--help"]}
 
@@ -62,34 +59,23 @@ def run_app(
 
     expected: roots of the errors that a user can correct; each has its own `exit_code`.
     """
-    is_debug, is_json = "--debug" in arguments, "--json" in arguments
+    is_json = "--json" in arguments
     try:
         code = app(args=list(arguments), prog_name=name, standalone_mode=False)
-    except (KeyboardInterrupt, typer.Abort):
-        return _end(name, "interrupted", INTERRUPTED, is_json)
+    except typer.Abort:
+        return end(name, "interrupted", INTERRUPTED, is_json=is_json)
+    except KeyboardInterrupt as error:
+        return end_with(error, name, arguments, expected)
     except expected as error:
-        if is_debug:
-            raise
-        return _end(name, str(error), getattr(error, "exit_code", 1), is_json)
+        return end_with(error, name, arguments, expected)
     except Exception as error:
         message: Callable[[], str] | None = getattr(error, "format_message", None)
         if type(error).__name__ == "NoArgsIsHelpError" and message is not None:
             sys.stderr.write(message() + "\n")
             return 2
         if message is not None:  # typer's own usage error
-            return _end(name, f"{' '.join(message().split())} (see {name} --help)", 2, is_json)
-        if is_debug:
-            raise
-        if isinstance(error, OSError) and isinstance(error.filename, str):
-            return _end(name, f"{error.filename}: {error.strerror}", 1, is_json)
-        return _end(name, f"unexpected {error!r}: please report it, with what --debug says", 1, is_json)
+            return end(name, f"{' '.join(message().split())} (see {name} --help)", 2, is_json=is_json)
+        return end_with(error, name, arguments, expected)
     if code == INTERRUPTED:  # some versions of typer turn the interrupt into this
-        return _end(name, "interrupted", INTERRUPTED, is_json)
+        return end(name, "interrupted", INTERRUPTED, is_json=is_json)
     return code if isinstance(code, int) else 0
-
-
-def _end(name: str, message: str, code: int, is_json: bool) -> int:
-    sys.stderr.write(f"{name}: {message}\n")
-    if is_json:
-        sys.stdout.write(json.dumps({"ok": False, "exit_code": code, "error": message}) + "\n")
-    return code

@@ -7,12 +7,16 @@ and an interrupt ends the process at once. In between it is a KeyboardInterrupt.
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 INTERRUPTED = 130  # 128 + SIGINT, as in shells
 
 Run = Callable[[list[str]], int]
+Handler = Callable[[int, FrameType | None], None]
+
+_end_at_once: list[Handler] = []  # of the program that runs; empty while it is not to be interrupted
 
 
 def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
@@ -28,6 +32,7 @@ def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
         os._exit(INTERRUPTED)
 
     signal.signal(signal.SIGINT, end_at_once)
+    _end_at_once[:] = [end_at_once]
     run = load()
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -38,3 +43,17 @@ def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
         sys.stderr.write(f"{name}: interrupted\n")
         return INTERRUPTED
     return code
+
+
+@contextmanager
+def importing() -> Iterator[None]:
+    """Imports that a program does late: an interrupt ends it at once, as during its first imports.
+
+    A KeyboardInterrupt within the import of a C extension may come out as another error.
+    """
+    if not _end_at_once or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, _end_at_once[0])
+    yield
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -2,17 +2,12 @@
 
 import json
 import sys
+from argparse import Namespace
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from companion.core.command_line import HELP_NAMES, Version
-from mission_tools.cli.exit import run_app
-from mission_tools.maps import load_source
-from mission_tools.mission.check import check_mission
-from mission_tools.mission.plan_file import load_mission
-from mission_tools.planning.planner import PlanSettings
+from companion.core.interrupts import importing
+from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.parser import Parser, number
 
 PROGRAM = "mission-check"
 EXAMPLES = f"""
@@ -28,33 +23,37 @@ Examples:
 Exit codes: 0 nothing found, 1 findings, 2 wrong usage or input.
 """
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None, context_settings=HELP_NAMES)
+
+def _parser() -> Parser:
+    parser = Parser(PROGRAM, EXAMPLES, "FILE", is_required=True)
+    group = parser.add_argument_group("check")
+    group.add_argument(
+        "--map", metavar="SOURCE", dest="map_source", help="scenario, .toml or .geojson to check against"
+    )
+    group.add_argument(
+        "--clearance", type=number, metavar="M", help="metres kept from everything [the scenario's, or 4]"
+    )
+    parser.add_common()
+    return parser
 
 
-@app.command(help=EXAMPLES, no_args_is_help=True)
-def check(
-    file: Annotated[Path, typer.Argument(help="the mission")],
-    map_source: Annotated[
-        str | None,
-        typer.Option("--map", metavar="SOURCE", help="scenario, .toml or .geojson to check against"),
-    ] = None,
-    clearance: Annotated[
-        float | None, typer.Option(metavar="M", help="metres kept from everything [the scenario's, or 4]")
-    ] = None,
-    as_json_text: Annotated[bool, typer.Option("--json", help="findings as JSON on stdout")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="tracebacks")] = False,  # noqa: ARG001 - run_app reads it
-    version: Version = False,  # noqa: ARG001 - its callback prints it
-) -> int:
-    """The command; its help is EXAMPLES."""
+def _check(given: Namespace) -> int:
+    with importing():
+        from mission_tools.maps import load_source  # noqa: PLC0415 - numpy and more, not needed for --help
+        from mission_tools.mission.check import check_mission  # noqa: PLC0415
+        from mission_tools.mission.plan_file import load_mission  # noqa: PLC0415
+        from mission_tools.planning.planner import PlanSettings  # noqa: PLC0415
+
+    file = Path(given.source)
     mission = load_mission(file)
-    if map_source is None:
+    if given.map_source is None:
         findings = check_mission(mission)
     else:
-        source = load_source(map_source)
-        settings = PlanSettings.from_route(source.route, clearance_m=clearance)
+        source = load_source(given.map_source)
+        settings = PlanSettings.from_route(source.route, clearance_m=given.clearance)
         findings = check_mission(mission, source.chart, settings.clearance_m)
     code = 1 if findings else 0
-    if as_json_text:
+    if given.as_json:
         listed = [{"item": finding.item, "text": finding.text} for finding in findings]
         sys.stdout.write(
             json.dumps({"ok": not findings, "exit_code": code, "findings": listed}, indent=2) + "\n"
@@ -69,4 +68,4 @@ def check(
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_app(app, PROGRAM, arguments)
+    return run_parsed(_parser(), arguments, _check)

@@ -1,14 +1,26 @@
-"""How a program of this package ends: `companion.core.command_line`, with the planner's own errors."""
+"""How a program of this package runs and ends, with the planner's own errors."""
 
-from collections.abc import Sequence
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 
-import typer
-
-from companion.core import command_line
-from companion.core.errors import OutputError
+from companion.core.errors import BoatError
+from companion.core.program_end import end_with
+from mission_tools.cli.parser import Parser
 from mission_tools.errors import MissionToolsError
 
 
-def run_app(app: typer.Typer, name: str, arguments: Sequence[str]) -> int:
-    """Run a typer app; returns the exit code. With --debug every error keeps its traceback."""
-    return command_line.run_app(app, name, arguments, expected=(MissionToolsError, OutputError))
+def run_parsed(parser: Parser, arguments: Sequence[str], work: Callable[[Namespace], int | None]) -> int:
+    """Parse, do the work, and return the exit code. Without arguments the help is printed.
+
+    work: takes what was given; None stands for exit code 0.
+    """
+    if not arguments:
+        parser.print_help(sys.stderr)
+        return 2
+    try:
+        return work(parser.read(arguments)) or 0
+    except SystemExit as done:  # --help and --version
+        return done.code if isinstance(done.code, int) else 0
+    except (KeyboardInterrupt, Exception) as error:
+        return end_with(error, parser.prog, arguments, (MissionToolsError, BoatError))

@@ -12,25 +12,12 @@ from mission_tools.mission.areas import NO_AREAS, Areas
 from mission_tools.mission.check import in_the_way
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
+from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 
 MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
-
-
-@dataclass(frozen=True, slots=True)
-class PlanOptions:
-    """The route options of the command line; None where not given."""
-
-    start_at: LatLon | None = None
-    goal: LatLon | None = None
-    case: str | None = None
-    clearance_m: float | None = None
-    cell_m: float | None = None
-    heuristic: str | None = None
-    smooth: bool | None = None
-    speed_m_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,11 +15,10 @@ from mavsdk.logging import log_subscribe
 
 from companion.mavlink.signing_key import SigningKey
 from mission_tools.errors import NoVehicle
-from mission_tools.vehicle.link_url import LinkUrl
+from mission_tools.vehicle.link_url import DEFAULT_SYSTEM_ID, LinkUrl
 from mission_tools.vehicle.signed_link import signed_link
 from mission_tools.vehicle.vehicle import SILENCE_S, Vehicle
 
-DEFAULT_SYSTEM_ID = 246  # 245 is what MAVSDK's own ground stations take
 ONBOARD_COMPUTER = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
 MESSAGES = (
     "HEARTBEAT",

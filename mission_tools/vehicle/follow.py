@@ -5,7 +5,7 @@ import math
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import Self
+from typing import Self, TextIO
 
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
@@ -22,7 +22,7 @@ LOOK_EVERY_S = 0.1
 async def follow(
     vehicle: Vehicle,
     monitor: MissionMonitor,
-    console: Console,
+    stream: TextIO,
     timeout_s: float = math.inf,
     clock: Callable[[], float] = time.monotonic,
 ) -> None:
@@ -33,6 +33,7 @@ async def follow(
         LinkLost: the vehicle fell silent.
     """
     began_s = clock()
+    console = Console(file=stream, highlight=False, markup=False, soft_wrap=True)
     with ProgressDisplay(console) as display:
         while True:
             vehicle.raise_if_lost("following the mission")

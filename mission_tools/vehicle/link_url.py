@@ -7,6 +7,7 @@ from mission_tools.errors import UsageError
 
 DEFAULT_LINK = "tcp:127.0.0.1:5760"
 DEFAULT_BAUD = 57600
+DEFAULT_SYSTEM_ID = 246  # 245 is what MAVSDK's own ground stations take
 
 FORMS = (
     "tcp:HOST:PORT, tcpin:HOST:PORT, udp:HOST:PORT or udpin:HOST:PORT (listen), udpout:HOST:PORT, "

@@ -13,7 +13,7 @@ import pytest
 from patience import JOB_S
 from programs import Program, RunProgram, processes_of, until
 
-from mission_tools.job import _in_thread
+from mission_tools.vehicle.off_loop import in_thread
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
@@ -57,10 +57,9 @@ def hook(tmp_path: Path) -> Path:
         ("boat-sitl", "companion.boat"),
         ("boat-companion", "typer"),
         ("boat-companion", "companion.app.composition"),
-        ("mission-upload", "shapely"),
-        ("mission-upload", "mavsdk"),
-        ("mission-check", "typer"),
-        ("mission-check", "pyproj"),
+        ("mission-plan", "argparse"),
+        ("mission-upload", "mission_tools.cli.options"),
+        ("mission-check", "argparse"),
     ],
 )
 def test_an_interrupt_during_the_imports_is_one_line(
@@ -69,6 +68,15 @@ def test_an_interrupt_during_the_imports_is_one_line(
     environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": module, "INTERRUPT_IN": "program"}
     ended = run_program(program, "--help", environment=environment).wait(JOB_S)
     assert (ended.code, ended.out, ended.err) == (INTERRUPTED, "", f"{program}: interrupted\n")
+
+
+@pytest.mark.parametrize("module", ["numpy", "shapely", "msgspec"])
+def test_an_interrupt_during_late_imports_is_one_line(
+    run_program: RunProgram, hook: Path, module: str
+) -> None:
+    environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": module, "INTERRUPT_IN": "program"}
+    ended = run_program("mission-plan", "lake", environment=environment).wait(JOB_S)
+    assert (ended.code, ended.out, ended.err) == (INTERRUPTED, "", "mission-plan: interrupted\n")
 
 
 def campaign(run_program: RunProgram, folder: Path, **environment: str) -> Program:
@@ -114,7 +122,7 @@ def test_nobody_waits_for_planning_that_was_called_off() -> None:
     is_over = threading.Event()
 
     async def job() -> None:
-        planning = asyncio.ensure_future(_in_thread(is_over.wait))
+        planning = asyncio.ensure_future(in_thread(is_over.wait))
         await asyncio.sleep(0.0)
         planning.cancel()
         with pytest.raises(asyncio.CancelledError):

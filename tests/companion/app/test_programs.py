@@ -14,6 +14,7 @@ from companion.core.interrupts import Run
 PROGRAMS = {
     "boat-companion": "companion.__main__",
     "boat-sitl": "sitl.__main__",
+    "mission-plan": "mission_tools.cli.plan",
     "mission-upload": "mission_tools.cli.upload",
     "mission-check": "mission_tools.cli.check",
 }

@@ -13,7 +13,8 @@ from mission_tools.mission.areas import Areas
 from mission_tools.mission.check import check_mission
 from mission_tools.mission.mission import Command, Fence, FenceCircle, FencePolygon, Mission, MissionItem
 from mission_tools.mission.plan_file import save_mission
-from mission_tools.mission.planned_mission import MapSource, MissionFile, PlannedMission, PlanOptions
+from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.mission.planned_mission import MapSource, MissionFile, PlannedMission
 
 POND = LatLon(50.0, -1.2)
 START, GOAL = Point(0.0, 0.0), Point(200.0, 0.0)

@@ -13,6 +13,7 @@ import pytest
 
 from companion.core.geo import LatLon
 from mission_tools.cli import check as check_cli
+from mission_tools.cli import plan as plan_cli
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
@@ -27,10 +28,11 @@ FENCE = ROOT / "examples" / "maps" / "mill_pond_fence.geojson"
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 PROGRAMS: dict[str, Callable[[list[str]], int]] = {
     "boat-sitl": run_sitl,
+    "mission-plan": plan_cli.run_program,
     "mission-upload": upload_cli.run_program,
     "mission-check": check_cli.run_program,
 }
-COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-upload|mission-check|make demo)\b.*)$")
+COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-\w+|make demo)\b.*)$")
 # Where each command of the emulator goes to work: everything before that is done here
 AT_WORK = {
     "serve": "sitl.cli.serve.start_fleet",

@@ -1,0 +1,83 @@
+"""The options that `mission-plan` and `mission-upload` share, by groups, and what they amount to."""
+
+from argparse import BooleanOptionalAction, Namespace
+from pathlib import Path
+
+from mission_tools.cli.arguments import position
+from mission_tools.cli.parser import Parser, number, system_id
+from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, FORMS
+
+
+def add_route(parser: Parser) -> None:
+    """Where the route leads."""
+    group = parser.add_argument_group("route")
+    group.add_argument(
+        "--start-at", metavar="LAT,LON", help="where it starts (also --start LAT,LON) [the boat]"
+    )
+    group.add_argument("--goal", metavar="LAT,LON", help="where it ends [the scenario's]")
+    group.add_argument("--case", metavar="N", help="one of the scenario's cases")
+    group.add_argument("--clearance", type=number, metavar="M", help="metres kept from everything")
+    group.add_argument("--speed", type=number, metavar="M/S", help="speed over ground [the boat's]")
+    group.add_argument("--cell", type=number, metavar="M", help="plan on a grid with cells of this side")
+    group.add_argument("--heuristic", metavar="NAME", help="of the grid: octile, euclidean or manhattan")
+    group.add_argument("--smooth", action=BooleanOptionalAction, help="pull the grid's path taut")
+
+
+def add_areas(parser: Parser) -> None:
+    """Fence and rally points."""
+    group = parser.add_argument_group("fence and rally points")
+    group.add_argument("--fence", metavar="FILE", help="plan inside this fence and upload it (none: clear)")
+    group.add_argument("--rally", metavar="FILE", help="upload these rally points (none: clear)")
+
+
+def add_outputs(parser: Parser) -> None:
+    """Files to write."""
+    group = parser.add_argument_group("files")
+    group.add_argument(
+        "--save", "--out", type=Path, metavar="FILE", help="write the mission: .plan or .waypoints"
+    )
+    group.add_argument("--preview", type=Path, metavar="FILE", help="draw map, plan, track: .png, .svg, .pdf")
+
+
+def add_link(parser: Parser) -> None:
+    """The link to the vehicle."""
+    group = parser.add_argument_group("vehicle")
+    group.add_argument(
+        "--connect", default=DEFAULT_LINK, metavar="URL", help=f"the link: {FORMS} [{DEFAULT_LINK}]"
+    )
+    group.add_argument(
+        "--patience",
+        type=number,
+        default=10.0,
+        metavar="S",
+        help="wait for heartbeat, position, arming [10]",
+    )
+    group.add_argument(
+        "--sign-key", type=Path, metavar="FILE", help="sign what is sent; take only what is signed"
+    )
+    group.add_argument(
+        "--system-id",
+        type=system_id,
+        default=DEFAULT_SYSTEM_ID,
+        metavar="N",
+        help=f"our own id, 1 to 255 [{DEFAULT_SYSTEM_ID}]",
+    )
+
+
+def plan_options(given: Namespace) -> PlanOptions:
+    """What the route options ask for.
+
+    Raises:
+        UsageError: names the option and what was expected there.
+    """
+    return PlanOptions(
+        start_at=position("--start-at", given.start_at),
+        goal=position("--goal", given.goal),
+        case=given.case,
+        clearance_m=given.clearance,
+        cell_m=given.cell,
+        heuristic=given.heuristic,
+        smooth=given.smooth,
+        speed_m_s=given.speed,
+    )

@@ -1,0 +1,66 @@
+"""The command mission-plan: the options of mission-upload that need no vehicle."""
+
+import json
+import logging
+import sys
+from argparse import Namespace
+
+from companion.core.interrupts import importing
+from mission_tools.cli.arguments import with_start_position_option
+from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.options import add_areas, add_outputs, add_route, plan_options
+from mission_tools.cli.parser import Parser
+
+PROGRAM = "mission-plan"
+EXAMPLES = f"""
+Plan a mission, describe it, and write it to a file. No vehicle is needed; mission-upload takes the same
+options.
+
+SOURCE is a scenario (`lake`, or a .toml file), a map (.geojson) with --start and --goal, or a mission that is
+ready (QGroundControl's .plan, or .waypoints).
+
+Examples:
+
+    {PROGRAM} lake --out lake.plan --preview lake.png
+
+    {PROGRAM} pond.geojson --start 29.4102,-82.1712 --goal 29.4105,-82.1702 --clearance 3 --out pond.plan
+
+Exit codes: 0 done, 1 no route, 2 wrong usage or input.
+"""
+
+
+def _parser() -> Parser:
+    parser = Parser(PROGRAM, EXAMPLES, "SOURCE", is_required=True)
+    add_route(parser)
+    add_areas(parser)
+    add_outputs(parser)
+    parser.add_common()
+    return parser
+
+
+def _plan(given: Namespace) -> None:
+    with importing():
+        from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
+        from mission_tools.job import Report, Request, run  # noqa: PLC0415
+        from mission_tools.wording import Printer  # noqa: PLC0415
+
+    if given.debug:
+        logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
+    request = Request(
+        source=given.source,
+        options=plan_options(given),
+        dry_run=True,
+        save=given.save,
+        preview=given.preview,
+        fence=given.fence,
+        rally=given.rally,
+    )
+    report = Report()
+    run(request, report, Printer(sys.stderr if given.as_json else sys.stdout))
+    if given.as_json:
+        sys.stdout.write(json.dumps(as_json(report), indent=2) + "\n")
+
+
+def run_program(arguments: list[str]) -> int:
+    """Run the program; returns its exit code."""
+    return run_parsed(_parser(), with_start_position_option(arguments), _plan)

@@ -1,0 +1,53 @@
+"""The files that a job writes: checked before the work, written after it."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mission_tools.errors import UsageError
+from mission_tools.mission.plan_file import check_mission_name, save_mission
+
+if TYPE_CHECKING:
+    from mission_tools.mission.planned_mission import PlannedMission
+    from mission_tools.vehicle.mission_monitor import MissionMonitor
+
+
+def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path | str | None]) -> None:
+    """See whether what is asked for can be written: in a known format, and over nothing that is read.
+
+    Raises:
+        PlanFileError, UsageError: names the file.
+    """
+    if preview is not None:
+        from mission_tools.drawing.preview import check_picture_name  # noqa: PLC0415 - seldom needed
+
+        check_picture_name(preview)
+    if save is not None:
+        check_mission_name(save)
+    read = [Path(name) for name in inputs if name is not None]
+    for option, output in (("--save", save), ("--preview", preview)):
+        for given in read:
+            if output is not None and output.exists() and given.exists() and output.samefile(given):
+                raise UsageError(
+                    f"{option} {output}: would overwrite {given}, which is read; choose another name"
+                )
+
+
+def save_planned(planned: "PlannedMission", path: Path) -> None:
+    """Write the mission in the format of the file's suffix.
+
+    Raises:
+        PlanFileError: the format cannot hold it, or the file cannot be written.
+    """
+    save_mission(planned.mission, path)
+
+
+def draw_planned(planned: "PlannedMission", path: Path, monitor: "MissionMonitor | None" = None) -> None:
+    """Draw the mission, and the track that the monitor has kept.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    from mission_tools.drawing.preview import save_preview  # noqa: PLC0415 - seldom needed
+
+    save_preview(path, planned, monitor)

@@ -1,0 +1,62 @@
+"""Lists of items between us and a vehicle: sent, cleared, read back and compared."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from mission_tools.errors import ReadBackMismatch
+from mission_tools.mission.compare import Difference, differences
+from mission_tools.mission.mission import MissionItem, MissionType
+from mission_tools.vehicle.vehicle import NAMES, Vehicle
+
+SHOWN_DIFFERENCES = 3
+
+Lists = Mapping[MissionType, Sequence[MissionItem]]
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """How long the two directions took."""
+
+    upload_s: float
+    read_back_s: float
+
+
+async def send(vehicle: Vehicle, lists: Lists) -> Transfer:
+    """Replace the vehicle's lists by these, empty ones too, and read them back.
+
+    Raises:
+        ReadBackMismatch: it does not hold what was sent; names list, item and field.
+        UploadRejected, LinkLost: as `Vehicle.upload`.
+    """
+    began_s = time.perf_counter()
+    for kind, items in lists.items():
+        if items:
+            await vehicle.upload(kind, items)
+        else:
+            await vehicle.clear(kind)
+    sent_s = time.perf_counter()
+    held = {kind: await vehicle.download(kind) for kind in lists}
+    done_s = time.perf_counter()
+    found = differing(lists, held, is_ardupilot=vehicle.state.is_ardupilot)
+    if found:
+        shown = "; ".join(_named(kind, difference) for kind, difference in found[:SHOWN_DIFFERENCES])
+        more = f" and {len(found) - SHOWN_DIFFERENCES} more" if len(found) > SHOWN_DIFFERENCES else ""
+        raise ReadBackMismatch(f"the vehicle does not hold what was sent: {shown}{more}")
+    return Transfer(sent_s - began_s, done_s - sent_s)
+
+
+def differing(sent: Lists, held: Lists, *, is_ardupilot: bool) -> list[tuple[MissionType, Difference]]:
+    """Every difference between what was sent and what is held. On ArduPilot home is the vehicle's own."""
+    return [
+        (kind, difference)
+        for kind, items in sent.items()
+        for difference in differences(
+            items, held[kind], home_is_the_vehicles=kind is MissionType.MISSION and is_ardupilot
+        )
+    ]
+
+
+def _named(kind: MissionType, difference: Difference) -> str:
+    """A difference, with the name of its list unless that is the mission."""
+    return str(difference) if kind is MissionType.MISSION else f"{NAMES[kind]}, {difference}"
