@@ -1,0 +1,79 @@
+"""How much of the water a survey covers, and the least length that any order of its tracks could have."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.core.geo import Point
+
+Array = NDArray[np.float64]
+SAMPLES = 40_000  # of the area: the error of the share is well below 0.1 %
+FAR_M = 1e9
+
+
+def coverage(path: Sequence[Point], target: BaseGeometry, swath_m: float, samples: int = SAMPLES) -> float:
+    """The share of the target that lies within half a swath of the path, by a regular grid of samples."""
+    points = sample_points(target, samples)
+    line = shapely.LineString([(point.east_m, point.north_m) for point in path])
+    return float(np.mean(is_covered(points, line, swath_m)))
+
+
+def sample_points(target: BaseGeometry, samples: int) -> Array:
+    """A hexagonal grid of about that many points in the target, as (east, north)."""
+    side_m = math.sqrt(target.area / samples / (math.sqrt(3.0) / 2.0))
+    west, south, east, north = target.bounds
+    rows = np.arange(south, north + side_m, side_m * math.sqrt(3.0) / 2.0)
+    columns = np.arange(west, east + side_m, side_m)
+    grid_x = columns[None, :] + np.where(np.arange(len(rows)) % 2, 0.5 * side_m, 0.0)[:, None]
+    points = np.column_stack((grid_x.ravel(), np.repeat(rows, len(columns))))
+    shapely.prepare(target)
+    found: Array = points[shapely.intersects_xy(target, points[:, 0], points[:, 1])]
+    return found
+
+
+def is_covered(points: Array, path: BaseGeometry, swath_m: float) -> NDArray[np.bool_]:
+    """Which points lie within half a swath of a path."""
+    shapely.prepare(path)
+    found: NDArray[np.bool_] = shapely.dwithin(path, shapely.points(points), 0.5 * swath_m)
+    return found
+
+
+def least_transits_m(ends: Array, rings: Sequence[Polygon | BaseGeometry], start: Array | None) -> float:
+    """A lower bound of all transits, whatever the order, as the crow flies.
+
+    ends: the low end of every track, then the high end of every track. Each end is joined to the end of
+    another track, to a ring (which is entered once and left once) or to the start, except the last, which is
+    the end of the survey. The cheapest such joining is at least half of an assignment of every end to
+    another, which leaves out that the joined tracks must be one route.
+    """
+    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415  a survey alone needs it
+
+    tracks = len(ends) // 2
+    points = shapely.points(ends)
+    loops = np.array(rings, dtype=object)
+    count = len(ends) + 2 * len(rings) + 2
+    cost = np.zeros((count, count))
+    cost[: len(ends), : len(ends)] = np.hypot(*(ends[:, None] - ends[None]).transpose(2, 0, 1))
+    for number in range(len(rings)):
+        for copy in (len(ends) + number, len(ends) + len(rings) + number):
+            cost[copy, : len(ends)] = cost[: len(ends), copy] = shapely.distance(loops[number], points)
+            both = np.tile(shapely.distance(loops[number], loops), 2)
+            cost[copy, len(ends) : -2] = cost[len(ends) : -2, copy] = both
+    if start is not None:
+        cost[-2, : len(ends)] = cost[: len(ends), -2] = np.hypot(*(ends - start).T)
+        to_rings = np.tile(shapely.distance(loops, shapely.Point(start)), 2)
+        cost[-2, len(ends) : -2] = cost[len(ends) : -2, -2] = to_rings
+    # Nothing is joined to itself, nor a track's end to its other end, nor the start to the free end.
+    own = np.arange(tracks)
+    cost[own, own + tracks] = cost[own + tracks, own] = FAR_M
+    ring = len(ends) + np.arange(len(rings))
+    cost[ring, ring + len(rings)] = cost[ring + len(rings), ring] = FAR_M
+    cost[-1, -2] = cost[-2, -1] = FAR_M
+    np.fill_diagonal(cost, FAR_M)
+    rows, columns = linear_sum_assignment(cost)
+    return float(0.5 * cost[rows, columns].sum())

@@ -1,0 +1,83 @@
+"""What a survey is asked to be."""
+
+import math
+from dataclasses import dataclass, field
+
+from mission_tools.errors import UsageError
+from mission_tools.planning.planner import PlanSettings
+
+MOST_OVERLAP = 0.9
+BOAT_TURN_RADIUS_M = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SurveySettings:
+    """Tracks and how they are sailed.
+
+    Two of footprint_m (the width that the sensor covers, half of it on either side), overlap (the share of a
+    footprint that the next one covers again) and spacing_m (between tracks) give the third; spacing_m alone
+    is a footprint without overlap. angle_rad: course of the tracks, 0 = north, clockwise; None: the one with
+    the fewest turns. plan: clearance and margin, which tracks and transits keep. shore_pass: sail along the
+    shore, round each island and along the area's edge as well, so that nothing is left out between the ends
+    of the tracks. cross_spacing_m: between lines across the tracks, for checking; None: no cross lines.
+    turn_radius_m: of the boat's turns at its survey speed; 0: it turns on the spot. is_return: end where the
+    boat started.
+
+    Raises:
+        UsageError: values that make no sense, or do not go together.
+    """
+
+    spacing_m: float | None = None
+    footprint_m: float | None = None
+    overlap: float | None = None
+    angle_rad: float | None = None
+    plan: PlanSettings = field(default_factory=PlanSettings)
+    shore_pass: bool = True
+    cross_spacing_m: float | None = None
+    turn_radius_m: float = BOAT_TURN_RADIUS_M
+    is_return: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("spacing_m", "footprint_m", "cross_spacing_m"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < math.inf:
+                raise UsageError(f"{_said(name)} is {value:g} m: expected more than 0")
+        if self.overlap is not None and not 0.0 <= self.overlap <= MOST_OVERLAP:
+            raise UsageError(f"overlap is {self.overlap:g}: expected a share from 0 to {MOST_OVERLAP:g}")
+        if not 0.0 <= self.turn_radius_m < math.inf:
+            raise UsageError(f"turn radius is {self.turn_radius_m:g} m: expected 0 or more")
+        if self.spacing_m is None and self.footprint_m is None:
+            raise UsageError("a survey needs the spacing of its tracks, or the footprint of its sensor")
+        if None not in (self.spacing_m, self.footprint_m, self.overlap):
+            raise UsageError("spacing, footprint and overlap: any two give the third; leave one out")
+        if self.track_spacing_m > self.swath_m:
+            raise UsageError(
+                f"tracks {self.track_spacing_m:g} m apart leave gaps: the footprint is {self.swath_m:g} m"
+            )
+
+    @property
+    def track_spacing_m(self) -> float:
+        """The largest distance between neighbouring tracks."""
+        if self.spacing_m is not None:
+            return self.spacing_m
+        return self.swath_m * (1.0 - (self.overlap or 0.0))
+
+    @property
+    def swath_m(self) -> float:
+        """The width that one track covers."""
+        if self.footprint_m is not None:
+            return self.footprint_m
+        assert self.spacing_m is not None  # noqa: S101  checked when made
+        return self.spacing_m / (1.0 - (self.overlap or 0.0))
+
+
+def turn_radius_m(speed_m_s: float, turn_rate_rad_s: float, corner_accel_m_s2: float) -> float:
+    """The tightest turn at a speed: of the boat's turn rate, and of the acceleration allowed in corners.
+
+    In a boat's TOML: speed.cruise_m_s, handling.turn_rate_rad_s, guidance.corner_accel_m_s2.
+    """
+    return max(speed_m_s / turn_rate_rad_s, speed_m_s * speed_m_s / corner_accel_m_s2)
+
+
+def _said(name: str) -> str:
+    return name.removesuffix("_m").replace("_", " ")

@@ -1,0 +1,157 @@
+"""A survey: parallel tracks that cover an area of water, a pass along its shore, and the transits that join
+them.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.core.geo import Point
+from mission_tools.errors import NoRoute
+from mission_tools.maps.chart import Chart
+from mission_tools.tasks.room import polygons, simplified, union, water_clear_of_shores, water_reached_from
+from mission_tools.tasks.survey.coverage import coverage, least_transits_m
+from mission_tools.tasks.survey.settings import SurveySettings
+from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across
+from mission_tools.tasks.survey.visits import Visit, in_best_order, with_rings
+from mission_tools.tasks.task_route import TaskLeg, TaskRoute, joined
+from mission_tools.tasks.transits import Transits
+
+Array = NDArray[np.float64]
+CORNER_INSET = 1.0 / (
+    2.0 * math.sqrt(2.0)
+)  # of the footprint: that near to the edge, a square corner is covered
+RING_ERROR = 0.01  # of the footprint: how far a shore pass may cut its corners
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """A planned survey.
+
+    route: its legs; tracks, shore passes and cross lines, and the transits between them. target: what it is
+    asked to cover: the part of the area within half a footprint of the water that the boat can reach with its
+    clearance and margin. coverage: the share of the target within half a footprint of the route. least_m: no
+    route that sails the same tracks and passes is shorter than this.
+    """
+
+    route: TaskRoute
+    target: BaseGeometry
+    swath_m: float
+    spacing_m: float
+    course_rad: float
+    tracks: int
+    coverage: float
+    least_m: float
+
+    @property
+    def length_ratio(self) -> float:
+        """The route's length over least_m."""
+        return self.route.length_m / self.least_m if self.least_m > 0.0 else 1.0
+
+
+def survey(
+    chart: Chart, start: Point | None, settings: SurveySettings, area: Polygon | MultiPolygon | None = None
+) -> Survey:
+    """Plan a survey of an area; of the whole water that the boat can reach, where that is None.
+
+    start: where the boat is; None begins at the most convenient track. Of waters that are apart, the one with
+    the start is surveyed, without a start the largest. area: in the chart's frame, x = east and y = north;
+    land in it is left out.
+
+    Raises:
+        NoRoute: no water in the area is wide enough for the clearance.
+        NoRouteError: the start is no place for a boat.
+    """
+    plan, swath_m = settings.plan, settings.swath_m
+    reached = water_reached_from(water_clear_of_shores(chart, plan.clearance_m), start)
+    wide = [reached]
+    if plan.margin_m > 0.0:
+        wide = polygons(union(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
+    water = wide if area is None else _inside(wide, area, swath_m)
+    if not water:
+        raise NoRoute(f"no water in the area keeps {plan.required_m:g} m from every shore")
+    target = union(wide).buffer(0.5 * swath_m).intersection(chart.navigable)
+    if area is not None:
+        target = target.intersection(area)
+    rings = _rings(chart, water, settings) if settings.shore_pass else []
+    inside: Sequence[Polygon] = water
+    if rings:
+        inside = polygons(union(water).buffer(-(0.5 - RING_ERROR) * swath_m))
+    course_rad = settings.angle_rad
+    if course_rad is None:
+        course_rad = fewest_turns_rad(inside or water)
+    tracks = Tracks(course_rad, (), ())
+    if inside:
+        tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m)
+    origin = None if start is None else np.array([start.east_m, start.north_m])
+    end = origin if settings.is_return else None
+    detail_m = 0.25 * swath_m
+    visits = in_best_order(tracks, reached, origin, end, detail_m, "track")
+    if rings:
+        visits = with_rings(visits, rings, reached, origin, 0.5 * swath_m)
+    ends = tracks.ends() if tracks.tracks else np.zeros((0, 2))
+    least_m = sum(_length_m(visit.points) for visit in visits)
+    least_m += least_transits_m(ends, [shapely.LineString(ring) for ring in rings], origin)
+    if settings.cross_spacing_m is not None:
+        lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
+        last = visits[-1].points[-1] if visits else origin
+        visits += in_best_order(lines, reached, last, end, detail_m, "cross")
+        least_m += sum(track.high_m - track.low_m for track in lines.tracks)
+        least_m += least_transits_m(lines.ends(), [], None)
+    legs = _joined_legs(chart, visits, start, union(wide), settings)
+    route = joined(legs)
+    return Survey(
+        route,
+        target,
+        swath_m,
+        settings.track_spacing_m,
+        course_rad,
+        len(tracks.tracks),
+        coverage(route.points, target, swath_m),
+        least_m,
+    )
+
+
+def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, swath_m: float) -> list[Polygon]:
+    """The water from which the footprint reaches the edge of the area, but not much beyond."""
+    inset = area.buffer(-CORNER_INSET * swath_m, join_style="mitre")
+    inset = area if inset.is_empty else inset
+    return [piece for part in water for piece in polygons(part.intersection(inset))]
+
+
+def _rings(chart: Chart, water: Sequence[Polygon], settings: SurveySettings) -> list[Array]:
+    """Closed passes along the outline of every piece, as (east, north)."""
+    outlines = [shapely.get_coordinates(ring) for ring in shapely.get_rings(water)]
+    error_m, clear_m = RING_ERROR * settings.swath_m, settings.plan.required_m
+    return [simplified(outline, chart.shores, clear_m, error_m) for outline in outlines]
+
+
+def _joined_legs(
+    chart: Chart, visits: Sequence[Visit], start: Point | None, wide: MultiPolygon, settings: SurveySettings
+) -> list[TaskLeg]:
+    """Visits and the transits between them: straight where that lies in the water, planned elsewhere."""
+    transits = Transits(chart, settings.plan)
+    shapely.prepare(wide)
+    legs: list[TaskLeg] = []
+    here = start
+    for visit in visits:
+        points = tuple(Point(float(north_m), float(east_m)) for east_m, north_m in visit.points)
+        if here is not None and here != points[0]:
+            straight = shapely.LineString([(here.east_m, here.north_m), visit.points[0]])
+            way = (here, points[0]) if wide.covers(straight) else transits.route(here, points[0])
+            legs.append(TaskLeg("transit", way))
+        legs.append(TaskLeg(visit.kind, points))
+        here = points[-1]
+    if settings.is_return and start is not None and here is not None and here != start:
+        legs.append(TaskLeg("transit", transits.route(start, here)[::-1]))
+    return legs
+
+
+def _length_m(points: Array) -> float:
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())

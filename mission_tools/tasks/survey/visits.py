@@ -1,0 +1,132 @@
+"""What a survey sails, in order: tracks, closed passes along the shore, cross lines."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import Polygon
+
+from mission_tools.tasks.survey.metric import way_lengths_m
+from mission_tools.tasks.survey.sequence import Mode, best_sequence
+from mission_tools.tasks.survey.tracks import Tracks
+from mission_tools.tasks.task_route import LegKind
+
+Array = NDArray[np.float64]
+_TRIES = 64  # entries into a ring that are tried for a clear line before a planned way is taken
+
+
+class Visit(NamedTuple):
+    """Something sailed whole, as (east, north) points."""
+
+    kind: LegKind
+    points: Array
+
+
+def in_best_order(
+    tracks: Tracks, water: Polygon, start: Array | None, end: Array | None, detail_m: float, kind: LegKind
+) -> list[Visit]:
+    """The tracks, each cell to and fro, the cells in the order with the shortest transits.
+
+    start, end: where the boat comes from and goes to afterwards; None where that is free.
+    """
+    if not tracks.cells:
+        return []
+    ends = tracks.ends()
+    count = len(tracks.tracks)
+    paths = [_ways_through(cell, count) for cell in tracks.cells]
+    corners = sorted({node for ways in paths for way in ways for node in (way[0], way[-1])})
+    number = {node: index for index, node in enumerate(corners)}
+    places = np.vstack([ends[corners], *([place[None] for place in (start, end) if place is not None])])
+    found_m = way_lengths_m(water, places, np.arange(len(places)), detail_m)
+    lengths_m = np.zeros((len(corners) + 2, len(corners) + 2))
+    named = [*range(len(corners))]
+    named += [len(corners)] if start is not None else []
+    named += [len(corners) + 1] if end is not None else []
+    lengths_m[np.ix_(named, named)] = found_m
+    items = [[Mode(number[way[0]], number[way[-1]], _inner_m(way, ends)) for way in ways] for ways in paths]
+    order = best_sequence(items, lengths_m, len(corners), len(corners) + 1)
+    visits = []
+    for item, mode in order:
+        way = paths[item][mode]
+        visits += [Visit(kind, ends[[way[n], way[n + 1]]]) for n in range(0, len(way), 2)]
+    return visits
+
+
+def with_rings(
+    visits: Sequence[Visit], rings: Sequence[Array], water: Polygon, start: Array | None, spacing_m: float
+) -> list[Visit]:
+    """The visits with each closed ring sailed where the detour to it is least."""
+    done = list(visits)
+    shapely.prepare(water)
+    for ring in sorted(rings, key=len, reverse=True):
+        stations = _along(ring, spacing_m)
+        before = [start, *(visit.points[-1] for visit in done)]
+        after = [*(visit.points[0] for visit in done), None]
+        detours = []
+        for origin, goal in zip(before, after, strict=True):
+            to_m = 0.0 if origin is None else np.hypot(*(stations - origin).T)
+            from_m = 0.0 if goal is None else np.hypot(*(stations - goal).T)
+            direct_m = 0.0 if origin is None or goal is None else float(np.hypot(*(goal - origin)))
+            detours.append(np.broadcast_to(to_m + from_m - direct_m, len(stations)))
+        cost_m = np.array(detours)
+        gap, station = _first_clear(cost_m, before, after, stations, water)
+        done.insert(gap, Visit("shore", _from_station(ring, stations[station])))
+    return done
+
+
+def _ways_through(cell: tuple[int, ...], count: int) -> list[tuple[int, ...]]:
+    """The nodes of a cell's tracks in the four ways to sail them: from either side, from either end."""
+    ways = []
+    for tracks in (cell, cell[::-1]):
+        for is_up in (True, False):
+            way: list[int] = []
+            for step, track in enumerate(tracks):
+                low, high = track, track + count
+                way += (low, high) if is_up == (step % 2 == 0) else (high, low)
+            ways.append(tuple(way))
+    return ways
+
+
+def _inner_m(way: tuple[int, ...], ends: Array) -> float:
+    """Of the transits between the tracks of a cell."""
+    nodes = np.array(way)
+    return float(np.hypot(*(ends[nodes[2::2]] - ends[nodes[1:-1:2]]).T).sum())
+
+
+def _along(ring: Array, spacing_m: float) -> Array:
+    """Points along a closed ring, corners included, at most spacing_m apart."""
+    gaps_m = np.hypot(*np.diff(ring, axis=0).T)
+    parts = [
+        start
+        + np.linspace(0.0, 1.0, max(1, int(np.ceil(gap_m / spacing_m))), endpoint=False)[:, None]
+        * (end - start)
+        for start, end, gap_m in zip(ring, ring[1:], gaps_m, strict=False)
+    ]
+    return np.vstack(parts)
+
+
+def _from_station(ring: Array, station: Array) -> Array:
+    """The closed ring, begun and ended at a point on it."""
+    line = shapely.LinearRing(ring)
+    at_m = line.project(shapely.Point(station))
+    along_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(ring, axis=0).T))))
+    ahead = ring[:-1][along_m[:-1] > at_m + 1e-6]
+    behind = ring[:-1][along_m[:-1] < at_m - 1e-6]
+    return np.vstack((station, ahead, behind, station))
+
+
+def _first_clear(
+    cost_m: Array, before: list[Array | None], after: list[Array | None], stations: Array, water: Polygon
+) -> tuple[int, int]:
+    """The cheapest (gap, station) whose straight lines lie in the water; the cheapest of all if none tried
+    does.
+    """
+    flat = np.argsort(cost_m, axis=None, kind="stable")[:_TRIES]
+    for gap, station in zip(*np.unravel_index(flat, cost_m.shape), strict=True):
+        ends = [place for place in (before[gap], after[gap]) if place is not None]
+        if all(water.covers(shapely.LineString([place, stations[station]])) for place in ends):
+            return int(gap), int(station)
+    gap, station = np.unravel_index(int(flat[0]), cost_m.shape)
+    return int(gap), int(station)

@@ -1,0 +1,125 @@
+"""What every task gives: a route in legs, each with a kind, and the times to hold at their ends."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.errors import UsageError
+from mission_tools.maps.chart import Chart
+from mission_tools.mission.mission import Mission, MissionItem
+from mission_tools.mission.route import with_speed
+from mission_tools.planning.smooth import path_length_m
+
+LegKind = Literal["transit", "track", "shore", "cross"]
+LONGEST_HOLD_S = 65_535.0  # ArduPilot keeps the hold time of a waypoint in 16 bits, in whole seconds
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A place to sail to. hold_s: how long the boat holds there. name: for messages."""
+
+    place: Point
+    hold_s: float = 0.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.hold_s <= LONGEST_HOLD_S:
+            raise UsageError(
+                f"hold time is {self.hold_s:g} s: expected 0 to {LONGEST_HOLD_S:g} s, the most there is"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class TaskLeg:
+    """A part of a route, at least two points long, or one where the boat already is at its end.
+
+    kind: transit, between two places; track, of a survey; shore, along a shore; cross, a survey's cross line.
+    hold_s: how long to hold at its end.
+    """
+
+    kind: LegKind
+    points: tuple[Point, ...]
+    hold_s: float = 0.0
+
+    @property
+    def length_m(self) -> float:
+        """Along its points."""
+        return path_length_m(self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class TaskRoute:
+    """Legs in the order of sailing; each begins where the one before it ends, the first at the start.
+
+    notes: what a person should know.
+    """
+
+    legs: tuple[TaskLeg, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The whole route, each point once."""
+        return tuple(point for point, _ in self.waypoints)
+
+    @property
+    def waypoints(self) -> tuple[tuple[Point, float], ...]:
+        """The whole route with the hold time of each point; the first is where the boat starts."""
+        found: list[tuple[Point, float]] = []
+        for leg in self.legs:
+            for point in leg.points:
+                if not found or point != found[-1][0]:
+                    found.append((point, 0.0))
+            if leg.hold_s > 0.0:
+                place, hold_s = found[-1]
+                found[-1] = place, max(hold_s, leg.hold_s)
+        return tuple(found)
+
+    @property
+    def length_m(self) -> float:
+        """Of all legs."""
+        return sum(leg.length_m for leg in self.legs)
+
+    @property
+    def hold_s(self) -> float:
+        """Of all stops."""
+        return sum(leg.hold_s for leg in self.legs)
+
+    def length_of_m(self, kind: LegKind) -> float:
+        """Of the legs of one kind."""
+        return sum(leg.length_m for leg in self.legs if leg.kind == kind)
+
+    def min_clearance_m(self, chart: Chart) -> float:
+        """Smallest distance from the route to a shore; infinite in open water."""
+        points = self.points
+        return min(
+            (chart.leg_clearance_m(a, b) for a, b in pairwise(points)),
+            default=chart.clearance_m(points[0]) if points else float("inf"),
+        )
+
+
+def mission_of(route: TaskRoute, frame: LocalFrame, speed_m_s: float | None = None) -> Mission:
+    """The route as a mission: its first point is home, the others are waypoints.
+
+    A hold is the first parameter of its NAV_WAYPOINT, which ArduPilot, PX4, QGroundControl and this project's
+    boat all read as seconds to wait there. ArduPilot keeps whole seconds: a fraction is rounded up.
+
+    Raises:
+        UsageError: fewer than two points, or a speed out of range.
+    """
+    waypoints = route.waypoints
+    if len(waypoints) < 2:
+        raise UsageError(f"a route needs a start and a goal, got {len(waypoints)} point(s)")
+    items = tuple(
+        MissionItem.at(frame.to_global(place), params=(float(-int(-hold_s // 1)), 0.0, 0.0, 0.0))
+        for place, hold_s in waypoints[1:]
+    )
+    home: LatLon = frame.to_global(waypoints[0][0])
+    return with_speed(Mission(items, home=home), speed_m_s)
+
+
+def joined(legs: Iterable[TaskLeg], notes: Sequence[str] = ()) -> TaskRoute:
+    """A route of these legs, without those that lead nowhere and hold for no time."""
+    return TaskRoute(tuple(leg for leg in legs if len(set(leg.points)) > 1 or leg.hold_s > 0.0), tuple(notes))

@@ -1,0 +1,63 @@
+"""Routes and route lengths between the places of a task, on one chart with one clearance."""
+
+import contextlib
+import math
+from collections.abc import Sequence
+
+from companion.core.geo import Point, distance_m
+from mission_tools.errors import NoRouteError
+from mission_tools.maps.chart import Chart
+from mission_tools.planning.planner import PlanSettings, plan
+from mission_tools.planning.smooth import path_length_m
+
+
+class Transits:
+    """Plans the way between two places, and remembers it."""
+
+    def __init__(self, chart: Chart, settings: PlanSettings) -> None:
+        self._chart = chart
+        self._settings = settings
+        self._found: dict[tuple[Point, Point], tuple[Point, ...] | NoRouteError] = {}
+
+    def route(self, start: Point, goal: Point) -> tuple[Point, ...]:
+        """The points of the way, both ends included.
+
+        Raises:
+            NoRouteError: there is none.
+        """
+        found = self._found.get((start, goal))
+        if found is None:
+            found = self._found[start, goal] = self._plan(start, goal)
+            if not isinstance(found, NoRouteError):
+                self._found.setdefault((goal, start), found[::-1])
+        if isinstance(found, NoRouteError):
+            raise found
+        return found
+
+    def lengths_m(self, start: Point, goals: Sequence[Point]) -> list[float]:
+        """Of the way to each goal; infinite where there is none."""
+        lengths = []
+        for goal in goals:
+            length_m = math.inf
+            with contextlib.suppress(NoRouteError):
+                length_m = path_length_m(self.route(start, goal))
+            lengths.append(length_m)
+        return lengths
+
+    def _plan(self, start: Point, goal: Point) -> tuple[Point, ...] | NoRouteError:
+        if start == goal:
+            return (start,)
+        chart, required_m = self._chart, self._settings.required_m
+        # is_clear leaves it to its caller that both ends lie in the water
+        ends_m = min(chart.clearance_m(start), chart.clearance_m(goal))
+        if ends_m >= required_m and chart.is_clear(start, goal, required_m):
+            return start, goal
+        try:
+            return plan(chart, start, goal, self._settings).points
+        except NoRouteError as error:
+            return error
+
+
+def straight_lengths_m(start: Point, goals: Sequence[Point]) -> list[float]:
+    """As the crow flies, a lower bound of the way."""
+    return [distance_m(start, goal) for goal in goals]

@@ -1,0 +1,181 @@
+"""Surveys: what is covered, how long the route is, what it keeps clear of."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from task_waters import basin, real_lake, route_line
+
+from companion.core.geo import Point
+from mission_tools.errors import NoRoute, UsageError
+from mission_tools.maps import Chart
+from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
+from mission_tools.tasks.survey.survey import Survey, survey
+from mission_tools.tasks.survey.tracks import fewest_turns_rad, lay_tracks
+
+SETTINGS = SurveySettings(footprint_m=10.0, overlap=0.1, plan=PlanSettings(clearance_m=4.0))
+ISLAND = shapely.box(80.0, 40.0, 100.0, 60.0)
+
+
+def reachable(
+    chart: Chart, settings: SurveySettings, area: shapely.Polygon | None = None
+) -> shapely.Geometry:
+    """What the footprint can reach, built by other means than the survey's: round joins of 0.1 % error."""
+    eroded = chart.navigable.buffer(-settings.plan.clearance_m, quad_segs=32)
+    largest = max(shapely.get_parts(eroded), key=lambda part: part.area)
+    target = largest.buffer(0.5 * settings.swath_m, quad_segs=32).intersection(chart.navigable)
+    return target if area is None else target.intersection(area)
+
+
+def covered_share(found: Survey, target: shapely.Geometry) -> float:
+    """By areas of polygons; the survey's own figure is by samples."""
+    line = route_line(found.route.points)
+    # A buffer of a long line with many crossings is slow: buffer its legs and join them.
+    swath = shapely.union_all(
+        [
+            shapely.LineString(pair).buffer(0.5 * found.swath_m, quad_segs=16)
+            for pair in zip(line.coords, line.coords[1:], strict=False)
+        ]
+    )
+    return float(swath.intersection(target).area / target.area)
+
+
+@pytest.mark.parametrize("overlap", [0.0, 0.1, 0.3])
+@pytest.mark.parametrize("angle_deg", [None, 0.0, 33.0, 90.0])
+def test_everything_within_reach_is_covered(overlap: float, angle_deg: float | None) -> None:
+    chart = basin(ISLAND)
+    angle_rad = None if angle_deg is None else math.radians(angle_deg)
+    settings = replace(SETTINGS, overlap=overlap, angle_rad=angle_rad)
+    found = survey(chart, Point(10.0, 10.0), settings)
+    assert covered_share(found, reachable(chart, settings)) >= 0.995
+    assert found.coverage >= 0.995
+    assert found.route.min_clearance_m(chart) >= 4.0
+    assert found.route.points[0] == Point(10.0, 10.0)
+
+
+def test_without_a_shore_pass_tracks_reach_the_clearance_and_cover_less() -> None:
+    chart = basin()
+    whole, bare = (survey(chart, None, replace(SETTINGS, shore_pass=flag)) for flag in (True, False))
+    assert {leg.kind for leg in bare.route.legs} == {"track", "transit"}
+    assert bare.route.length_m < whole.route.length_m
+    assert 0.9 < bare.coverage < whole.coverage
+
+
+def test_the_best_course_is_along_a_long_basin() -> None:
+    assert fewest_turns_rad([shapely.box(0.0, 0.0, 200.0, 100.0)]) == pytest.approx(math.pi / 2.0)
+    tilted = shapely.affinity.rotate(shapely.box(0.0, 0.0, 200.0, 50.0), 30.0)
+    assert fewest_turns_rad([tilted]) == pytest.approx(math.radians(60.0))
+
+
+def test_tracks_of_a_rectangle_are_as_many_and_as_long_as_by_hand() -> None:
+    laid = lay_tracks([shapely.box(0.0, 0.0, 95.0, 40.0)], 0.0, 10.0, 12.0)
+    assert len(laid.tracks) == 10
+    assert laid.cells == (tuple(range(10)),)
+    width_m = 9.5
+    short_m = math.sqrt(6.0**2 - (width_m / 2.0) ** 2)  # the footprint reaches that far beyond a track's end
+    for number, track in enumerate(laid.tracks):
+        assert track.across_m == pytest.approx((number + 0.5) * width_m)
+        assert (track.low_m, track.high_m) == pytest.approx((short_m, 40.0 - short_m))
+
+
+def test_an_island_splits_the_tracks_into_four_cells() -> None:
+    water = shapely.box(0.0, 0.0, 100.0, 60.0).difference(shapely.box(40.0, 20.0, 60.0, 40.0))
+    laid = lay_tracks([water], 0.0, 10.0, 10.0)
+    assert sorted(map(len, laid.cells)) == [2, 2, 4, 4]
+
+
+def test_an_area_is_covered_to_its_edge_and_hardly_beyond() -> None:
+    chart = basin(width_m=400.0, height_m=300.0)
+    area = shapely.Polygon([(100.0, 100.0), (300.0, 120.0), (280.0, 250.0), (120.0, 220.0)])
+    found = survey(chart, None, SETTINGS, area)
+    assert covered_share(found, area) >= 0.995
+    assert area.covers(route_line(found.route.points))
+
+
+def test_an_area_half_on_land_is_surveyed_where_there_is_water() -> None:
+    chart = basin(ISLAND)
+    area = shapely.box(60.0, 30.0, 120.0, 130.0)
+    found = survey(chart, Point(10.0, 10.0), SETTINGS, area)
+    assert covered_share(found, reachable(chart, SETTINGS, area)) >= 0.995
+    assert found.route.min_clearance_m(chart) >= 4.0
+    with pytest.raises(NoRoute, match="4 m from every shore"):
+        survey(chart, None, SETTINGS, shapely.box(82.0, 42.0, 98.0, 58.0))
+
+
+def test_a_margin_widens_the_distance_from_the_shore() -> None:
+    plan = PlanSettings(clearance_m=4.0, margin_m=3.0)
+    found = survey(basin(ISLAND), None, replace(SETTINGS, plan=plan))
+    assert found.coverage >= 0.995
+    assert found.route.min_clearance_m(basin(ISLAND)) >= 7.0
+
+
+def test_cross_lines_run_across_the_tracks() -> None:
+    found = survey(basin(), None, replace(SETTINGS, cross_spacing_m=50.0))
+    crosses = [leg for leg in found.route.legs if leg.kind == "cross"]
+    assert len(crosses) == 4  # 192 m of water in lines some 50 m apart
+    for leg in crosses:
+        assert leg.points[0].east_m == pytest.approx(leg.points[1].east_m)
+        assert leg.length_m == pytest.approx(92.0, abs=0.5)
+
+
+def test_the_way_back_ends_at_the_start() -> None:
+    start = Point(10.0, 10.0)
+    found = survey(basin(ISLAND), start, replace(SETTINGS, is_return=True))
+    assert found.route.points[-1] == start
+    assert found.length_ratio < 1.08
+
+
+@pytest.mark.parametrize(
+    ("given", "spacing_m", "swath_m"),
+    [
+        ({"spacing_m": 8.0}, 8.0, 8.0),
+        ({"footprint_m": 10.0}, 10.0, 10.0),
+        ({"footprint_m": 10.0, "overlap": 0.2}, 8.0, 10.0),
+        ({"spacing_m": 8.0, "overlap": 0.2}, 8.0, 10.0),
+        ({"spacing_m": 8.0, "footprint_m": 10.0}, 8.0, 10.0),
+    ],
+)
+def test_two_of_spacing_footprint_and_overlap_give_the_third(
+    given: dict[str, float], spacing_m: float, swath_m: float
+) -> None:
+    settings = SurveySettings(**given)  # type: ignore[arg-type]
+    assert (settings.track_spacing_m, settings.swath_m) == pytest.approx((spacing_m, swath_m))
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "needs the spacing"),
+        ({"spacing_m": 12.0, "footprint_m": 10.0}, "leave gaps"),
+        ({"spacing_m": 8.0, "footprint_m": 10.0, "overlap": 0.2}, "leave one out"),
+        ({"spacing_m": -1.0}, "spacing is -1 m"),
+        ({"footprint_m": 5.0, "overlap": 1.0}, "overlap is 1"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(given: dict[str, float], said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        SurveySettings(**given)  # type: ignore[arg-type]
+
+
+def test_the_turn_radius_is_the_larger_of_what_rate_and_acceleration_allow() -> None:
+    assert turn_radius_m(2.0, 0.65, 0.8) == pytest.approx(5.0)
+    assert turn_radius_m(0.4, 0.65, 0.8) == pytest.approx(0.4 / 0.65)
+
+
+def test_a_survey_is_the_same_every_time() -> None:
+    first, second = (survey(basin(ISLAND), Point(10.0, 10.0), SETTINGS) for _ in range(2))
+    assert first.route == second.route
+
+
+def test_a_real_pond_with_islands_is_covered_at_eight_percent_above_the_bound() -> None:
+    chart = real_lake("pond_two_islands_nh")
+    found = survey(chart, None, SETTINGS)
+    assert covered_share(found, reachable(chart, SETTINGS)) >= 0.995
+    assert found.length_ratio <= 1.08
+    assert found.route.min_clearance_m(chart) >= 4.0
+    tracks_m = found.route.length_of_m("track") + found.route.length_of_m("shore")
+    assert tracks_m < found.least_m <= found.route.length_m + 1e-6
+    assert np.isfinite(found.least_m)
