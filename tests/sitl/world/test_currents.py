@@ -97,7 +97,7 @@ def test_a_grid_in_time_is_linear_between_its_sheets(tmp_path: Path) -> None:
     ("name", "text", "what"),
     [
         ("none.csv", None, "No such file"),
-        ("bare.csv", "east_m,north_m\n1,2\n", "it has no column current_east_m_s, current_north_m_s"),
+        ("bare.csv", "east_m,north_m\n1,2\n", "it has no current_east_m_s, current_north_m_s"),
         ("word.csv", CSV + "x,0,0,0\n", "line 6: expected four numbers"),
         ("twice.csv", CSV + "20,10,1,1\n", "line 6: the point (10, 20) comes twice"),
         ("hole.csv", CSV + "30,10,1,1\n", "5 points are no grid of 2 × 3"),

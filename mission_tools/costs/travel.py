@@ -1,0 +1,169 @@
+"""What a metre of the way costs a boat: seconds, or charge, in the current that it meets there.
+
+The boat holds its speed over ground as long as its thrusters reach: through the water it makes at most its
+top speed. To stay on a leg it points up against the current's part across it (the wind triangle of
+navigation), and what is left of the top speed drives it along.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import MultiPolygon, Polygon
+
+from mission_tools.costs.current import STILL_WATER, Current
+from mission_tools.errors import UsageError
+
+Floats = NDArray[np.float64]
+SLOWEST_M_S = 0.1
+"""Over ground. A leg that leaves less counts as one that cannot be stemmed: a gust would stop the boat."""
+
+
+@dataclass(frozen=True, slots=True)
+class BoatSpeed:
+    """What the boat asks of itself and what it can do.
+
+    over_ground_m_s: its cruise speed. top_m_s: through the water, at full throttle. keep_m_s: the least speed
+    through the water with steerage way, which it also keeps in a current that is faster than its cruise.
+
+    Raises:
+        UsageError: not positive, or a cruise speed above the top speed.
+    """
+
+    over_ground_m_s: float = 2.0
+    top_m_s: float = 3.0
+    keep_m_s: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.over_ground_m_s <= self.top_m_s < math.inf:
+            raise UsageError(
+                f"a speed of {self.over_ground_m_s:g} m/s over ground with a top speed of {self.top_m_s:g} "
+                "m/s through the water: expected more than 0, and no more than the top speed"
+            )
+
+    def made_good_m_s(self, along_m_s: Floats, across_m_s: Floats) -> Floats:
+        """Speed over ground on a course, from the current along and across it; 0 where that is too strong."""
+        spare = self.top_m_s * self.top_m_s - across_m_s * across_m_s
+        fastest = np.where(spare > 0.0, along_m_s + np.sqrt(np.maximum(spare, 0.0)), 0.0)
+        wanted = np.maximum(self.over_ground_m_s, along_m_s + self.keep_m_s)
+        speed = np.minimum(wanted, fastest)
+        return np.where(speed >= SLOWEST_M_S, speed, 0.0)
+
+    def at_most(self, limit_m_s: float) -> "BoatSpeed":
+        """The same boat in a zone with a speed limit over ground."""
+        return replace(self, over_ground_m_s=min(self.over_ground_m_s, limit_m_s))
+
+
+class Travel(Protocol):
+    """What a metre costs, for arrays of places and courses."""
+
+    @property
+    def unit(self) -> str:
+        """Of the cost: s or mAh."""
+        ...
+
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+        """Cost of a metre over ground; infinite where the current cannot be stemmed on this course."""
+        ...
+
+
+def _parts(current: Current, north_m: Floats, east_m: Floats, course_rad: Floats) -> tuple[Floats, Floats]:
+    """The current along a course, and across it to starboard."""
+    north_m_s, east_m_s = current.at(north_m, east_m)
+    cos, sin = np.cos(course_rad), np.sin(course_rad)
+    return north_m_s * cos + east_m_s * sin, east_m_s * cos - north_m_s * sin
+
+
+@dataclass(frozen=True, slots=True)
+class TravelTime:
+    """Seconds."""
+
+    speed: BoatSpeed
+    current: Current = STILL_WATER
+    unit: str = "s"
+
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+        """One over the speed made good."""
+        along, across = _parts(self.current, north_m, east_m, course_rad)
+        with np.errstate(divide="ignore"):
+            return 1.0 / self.speed.made_good_m_s(along, across)
+
+
+@dataclass(frozen=True, slots=True)
+class Charge:
+    """Milliampere hours.
+
+    drawn_a: what the whole boat draws at a speed through the water, m/s to A; for arrays.
+    """
+
+    speed: BoatSpeed
+    drawn_a: Callable[[Floats], Floats]
+    current: Current = STILL_WATER
+    unit: str = "mAh"
+
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+        """The draw at the speed through the water that the leg needs, for the time that a metre takes."""
+        along, across = _parts(self.current, north_m, east_m, course_rad)
+        good = self.speed.made_good_m_s(along, across)
+        through = np.hypot(good - along, across)
+        with np.errstate(divide="ignore"):
+            return self.drawn_a(through) / good / 3.6
+
+
+@dataclass(frozen=True, slots=True)
+class OpenWater:
+    """Another cost, raised near the shore: a soft preference for open water.
+
+    room_m gives the distance to the nearest shore. A metre at the shore costs 1 + weight times as much as in
+    open water, and 1 + weight / e at a distance of scale_m.
+    """
+
+    travel: Travel
+    room_m: Callable[[Floats, Floats], Floats]
+    weight: float
+    scale_m: float
+
+    @property
+    def unit(self) -> str:
+        """That of the cost below, only for comparison."""
+        return self.travel.unit
+
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+        """The cost below, weighted."""
+        near = np.exp(-self.room_m(north_m, east_m) / self.scale_m)
+        return self.travel.per_m(north_m, east_m, course_rad) * (1.0 + self.weight * near)
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedZone:
+    """An area, in east and north metres, and its speed limit over ground."""
+
+    area: Polygon | MultiPolygon
+    limit_m_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class InZones:
+    """Another cost, at the speed that each zone allows; where zones overlap the lowest counts."""
+
+    travel: TravelTime | Charge
+    zones: tuple[SpeedZone, ...]
+
+    @property
+    def unit(self) -> str:
+        """That of the cost outside the zones."""
+        return self.travel.unit
+
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+        """The cost at each place's speed."""
+        cost = self.travel.per_m(north_m, east_m, course_rad)
+        for zone in sorted(self.zones, key=lambda one: -one.limit_m_s):
+            inside = shapely.contains_xy(zone.area, east_m, north_m)
+            if inside.any():
+                slow = replace(self.travel, speed=self.travel.speed.at_most(zone.limit_m_s))
+                cost = np.where(inside, slow.per_m(north_m, east_m, course_rad), cost)
+        return cost

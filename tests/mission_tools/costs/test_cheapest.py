@@ -1,0 +1,129 @@
+"""Routes by time in a river: along the bank against it, never slower than the shortest, or refused."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from mission_tools.costs.cheapest import cheapest_route, route_cost
+from mission_tools.costs.current import River, UniformCurrent
+from mission_tools.costs.travel import BoatSpeed, InZones, OpenWater, SpeedZone, TravelTime
+from mission_tools.errors import NoRoute
+from mission_tools.maps.chart import Chart, Feature, build_chart
+from mission_tools.planning.planner import PlanSettings, plan
+
+FRAME = LocalFrame(LatLon(50.0, 10.0))
+CLEARANCE_M = 4.0
+RIVER = River((Point(30.0, 0.0), Point(30.0, 400.0)), 60.0, 1.0)
+
+
+def channel(*islands: shapely.Polygon) -> Chart:
+    features = [Feature(f"island {n}", "island", shape) for n, shape in enumerate(islands, 1)]
+    return build_chart("river", FRAME, shapely.box(0.0, 0.0, 400.0, 60.0), features)
+
+
+def shortest(chart: Chart, start: Point, goal: Point) -> tuple[Point, ...]:
+    return plan(chart, start, goal, PlanSettings(clearance_m=CLEARANCE_M)).points
+
+
+def keeps_clear(chart: Chart, points: Sequence[Point]) -> bool:
+    return all(chart.leg_clearance_m(a, b) >= CLEARANCE_M - 1e-6 for a, b in pairwise(points))
+
+
+def test_against_the_stream_it_goes_along_the_bank_and_with_it_down_the_middle() -> None:
+    chart, low, high = channel(), Point(30.0, 10.0), Point(30.0, 390.0)
+    travel = TravelTime(BoatSpeed(1.5, 1.6), RIVER)
+    up = cheapest_route(chart, (high, low), CLEARANCE_M, travel)
+    assert all(p.north_m < 5.0 or p.north_m > 55.0 for p in up.points if 30.0 < p.east_m < 373.0)
+    assert up.points[2].north_m == pytest.approx(up.points[3].north_m, abs=1.0)
+    assert keeps_clear(chart, up.points)
+    assert up.shortest_cost == pytest.approx(380.0 / 0.6)
+    assert up.cost < 0.55 * up.shortest_cost
+    assert len(up.points) <= 8
+    down = cheapest_route(chart, (low, high), CLEARANCE_M, travel)
+    assert down.points == (low, high)
+    assert down.cost == down.shortest_cost == pytest.approx(380.0 / 1.5)
+
+
+def test_it_is_never_slower_than_the_shortest_route() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(4):
+        islands = [
+            shapely.Point(rng.uniform(60, 340), rng.uniform(10, 50)).buffer(rng.uniform(3.0, 9.0), 4)
+            for _ in range(3)
+        ]
+        chart = channel(*islands)
+        ends = [Point(rng.uniform(6, 54), 20.0), Point(rng.uniform(6, 54), 380.0)]
+        start, goal = ends if rng.random() < 0.5 else ends[::-1]
+        travel = TravelTime(BoatSpeed(1.2, 1.5), RIVER)
+        direct = shortest(chart, start, goal)
+        found = cheapest_route(chart, direct, CLEARANCE_M, travel)
+        assert (found.points[0], found.points[-1]) == (start, goal)
+        assert keeps_clear(chart, found.points)
+        # Both measured again, by finer steps than the planner's
+        assert route_cost(travel, found.points, 0.1) <= route_cost(travel, direct, 0.1) * (1.0 + 1e-3)
+
+
+def test_in_a_uniform_current_and_in_still_water_the_straight_line_is_best() -> None:
+    chart, start, goal = channel(), Point(10.0, 10.0), Point(50.0, 300.0)
+    for travel in (
+        TravelTime(BoatSpeed(1.0, 1.5)),
+        TravelTime(BoatSpeed(1.0, 1.5), UniformCurrent(0.3, -0.6)),
+    ):
+        assert cheapest_route(chart, (start, goal), CLEARANCE_M, travel).points == (start, goal)
+
+
+def test_a_current_that_is_too_strong_everywhere_is_refused_with_the_place() -> None:
+    chart, start, goal = channel(), Point(30.0, 390.0), Point(30.0, 10.0)
+    with pytest.raises(NoRoute, match=r"too strong .* first at 50\.\d+,10\.\d+, 0 m along"):
+        cheapest_route(chart, (start, goal), CLEARANCE_M, TravelTime(BoatSpeed(0.2, 0.3), RIVER))
+
+
+def test_what_cannot_be_stemmed_in_the_middle_is_stemmed_at_the_bank() -> None:
+    chart, start, goal = channel(), Point(6.0, 390.0), Point(6.0, 10.0)
+    through_middle = (start, Point(30.0, 200.0), goal)
+    found = cheapest_route(chart, through_middle, CLEARANCE_M, TravelTime(BoatSpeed(0.8, 0.9), RIVER))
+    assert found.shortest_cost == math.inf
+    assert math.isfinite(found.cost)
+
+
+def test_a_slow_zone_is_gone_round_where_that_saves_time() -> None:
+    chart, start, goal = channel(), Point(30.0, 20.0), Point(30.0, 380.0)
+    zone = SpeedZone(shapely.box(150.0, 20.0, 250.0, 60.0), 0.3)
+    travel = InZones(TravelTime(BoatSpeed(1.5, 2.0)), (zone,))
+    found = cheapest_route(chart, (start, goal), CLEARANCE_M, travel)
+    assert found.cost < 0.55 * found.shortest_cost
+    assert all(not zone.area.buffer(-2.0).contains(shapely.Point(p.east_m, p.north_m)) for p in found.points)
+
+
+def test_open_water_is_preferred_where_it_is_near() -> None:
+    island = shapely.box(150.0, 0.0, 250.0, 20.0)
+    chart, start, goal = channel(island), Point(30.0, 100.0), Point(30.0, 300.0)
+    hugging = (start, Point(24.5, 150.0), Point(24.5, 250.0), goal)
+
+    def room_m(
+        north_m: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+        east_m: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+    ) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        distances: np.ndarray[tuple[int, ...], np.dtype[np.float64]] = shapely.distance(
+            chart.shores, shapely.points(east_m, north_m)
+        )
+        return distances
+
+    travel = OpenWater(TravelTime(BoatSpeed(1.5, 2.0)), room_m, weight=4.0, scale_m=6.0)
+    found = cheapest_route(chart, hugging, CLEARANCE_M, travel)
+    least = min(chart.leg_clearance_m(a, b) for a, b in pairwise(found.points))
+    assert least > 9.0
+    assert sum(distance_m(a, b) for a, b in pairwise(found.points)) < 1.05 * 200.0
+
+
+def test_a_start_at_the_jetty_keeps_its_way_out() -> None:
+    chart, jetty = channel(), Point(1.0, 200.0)
+    direct = shortest(chart, jetty, Point(30.0, 20.0))
+    found = cheapest_route(chart, direct, CLEARANCE_M, TravelTime(BoatSpeed(1.2, 1.5), RIVER))
+    assert found.points[:2] == direct[:2]
+    assert keeps_clear(chart, found.points[1:])
