@@ -9,9 +9,9 @@ from mission_tools.errors import UsageError
 from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
 from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.mission.planned_mission import PlannedMission, open_source
-from mission_tools.outputs import check_outputs, draw_planned, save_planned
+from mission_tools.outputs import check_outputs, draw_planned, save
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, parse_link
-from mission_tools.wording import Printer, distance
+from mission_tools.wording import Printer, counted, distance
 
 if TYPE_CHECKING:
     from mission_tools.vehicle.mission_monitor import MissionMonitor
@@ -35,6 +35,8 @@ class Request:
     sign_key: Path | None = None
     fence: str | None = None  # a file, or "none" to clear
     rally: str | None = None
+    diff: bool = False  # say what an upload changes aboard
+    if_changed: bool = False  # and send only the lists that it changes
 
 
 @dataclass(slots=True)
@@ -47,6 +49,7 @@ class Report:
     mode: str = ""
     items: int = 0
     lists: dict[str, int] = field(default_factory=dict)  # items of each list, cleared ones too
+    changed: list[str] | None = None  # lists that differ from those on board; None: not compared
     upload_s: float = math.nan
     read_back_s: float = math.nan
     read_back_equal: bool = False
@@ -107,7 +110,7 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
     for line in described(planned):
         say(line)
     if request.save is not None:
-        save_planned(planned, request.save)
+        save(planned.mission, request.save)
         report.saved = request.save
         say(f"saved {request.save}")
 
@@ -127,8 +130,7 @@ def draw(planned: PlannedMission, request: Request, report: Report, say: Printer
 def described(planned: PlannedMission) -> list[str]:
     """The plan in a line, and its notes."""
     mission, plan = planned.mission, planned.plan
-    count = len(mission.places)
-    line = f"{planned.name}: {count} waypoint{'' if count == 1 else 's'}"
+    line = f"{planned.name}: {counted(len(mission.places), 'waypoint')}"
     if plan is not None:
         line += f", {distance(plan.length_m)} (straight {distance(plan.straight_m)})"
         if math.isfinite(plan.min_clearance_m):

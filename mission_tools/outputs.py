@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mission_tools.errors import UsageError
+from mission_tools.mission.mission import Mission
 from mission_tools.mission.plan_file import check_mission_name, save_mission
 
 if TYPE_CHECKING:
@@ -33,13 +34,13 @@ def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path
                 )
 
 
-def save_planned(planned: "PlannedMission", path: Path) -> None:
-    """Write the mission in the format of the file's suffix.
+def save(mission: Mission, path: Path) -> None:
+    """Write a mission in the format of the file's suffix.
 
     Raises:
         PlanFileError: the format cannot hold it, or the file cannot be written.
     """
-    save_mission(planned.mission, path)
+    save_mission(mission, path)
 
 
 def draw_planned(planned: "PlannedMission", path: Path, monitor: "MissionMonitor | None" = None) -> None:

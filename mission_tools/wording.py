@@ -14,6 +14,11 @@ class Printer:
         self.stream.flush()
 
 
+def counted(count: int, what: str) -> str:
+    """no items, 1 item, 2 items."""
+    return f"{count or 'no'} {what}{'' if count == 1 else 's'}"
+
+
 def duration(seconds: float) -> str:
     """41 s, 3 min 20 s, 2 h 05 min."""
     whole = round(seconds)

@@ -4,15 +4,22 @@ import json
 import sys
 from argparse import Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from companion.core.interrupts import importing
 from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.options import add_link
 from mission_tools.cli.parser import Parser, number
+from mission_tools.errors import UsageError
+
+if TYPE_CHECKING:
+    from mission_tools.mission.mission import Mission
 
 PROGRAM = "mission-check"
 EXAMPLES = f"""
-Check a mission (.plan or .waypoints): items that a boat cannot do, missing home, odd places and frames; with
-a map also legs over land or nearer to it than the clearance.
+Check a mission (.plan or .waypoints), or with --connect the one that a vehicle holds: items that a boat
+cannot do, missing home, odd places and frames; with a map also legs over land or nearer to it than the
+clearance.
 
 Examples:
 
@@ -20,12 +27,14 @@ Examples:
 
     {PROGRAM} survey.plan --map pond.geojson --clearance 3
 
-Exit codes: 0 nothing found, 1 findings, 2 wrong usage or input.
+    {PROGRAM} --connect tcp:127.0.0.1:5760 --map lake
+
+Exit codes: 0 nothing found, 1 findings, 2 wrong usage or input, 3 no vehicle or link lost.
 """
 
 
 def _parser() -> Parser:
-    parser = Parser(PROGRAM, EXAMPLES, "FILE", is_required=True)
+    parser = Parser(PROGRAM, EXAMPLES, "FILE")
     group = parser.add_argument_group("check")
     group.add_argument(
         "--map", metavar="SOURCE", dest="map_source", help="scenario, .toml or .geojson to check against"
@@ -33,6 +42,7 @@ def _parser() -> Parser:
     group.add_argument(
         "--clearance", type=number, metavar="M", help="metres kept from everything [the scenario's, or 4]"
     )
+    add_link(parser, None)
     parser.add_common()
     return parser
 
@@ -44,8 +54,12 @@ def _check(given: Namespace) -> int:
         from mission_tools.mission.plan_file import load_mission  # noqa: PLC0415
         from mission_tools.planning.planner import PlanSettings  # noqa: PLC0415
 
-    file = Path(given.source)
-    mission = load_mission(file)
+    if (given.source is None) == (given.connect is None):
+        raise UsageError("expected either a FILE or --connect URL, which checks what is on board")
+    if given.source is not None:
+        name, mission = given.source, load_mission(Path(given.source))
+    else:
+        name, mission = given.connect, _on_board(given)
     if given.map_source is None:
         findings = check_mission(mission)
     else:
@@ -60,10 +74,17 @@ def _check(given: Namespace) -> int:
         )
         return code
     for finding in findings:
-        sys.stdout.write(f"{file}: {finding}\n")
+        sys.stdout.write(f"{name}: {finding}\n")
     count = len(mission.items)
-    sys.stdout.write(f"{file}: {count} items, {len(findings)} finding{'' if len(findings) == 1 else 's'}\n")
+    sys.stdout.write(f"{name}: {count} items, {len(findings)} finding{'' if len(findings) == 1 else 's'}\n")
     return code
+
+
+def _on_board(given: Namespace) -> "Mission":
+    with importing():
+        from mission_tools.vehicle.held import ask_vehicle  # noqa: PLC0415 - MAVSDK takes half a second
+
+    return ask_vehicle(given.connect, given.patience, given.sign_key, given.system_id).mission
 
 
 def run_program(arguments: list[str]) -> int:

@@ -40,11 +40,11 @@ def add_outputs(parser: Parser) -> None:
     group.add_argument("--preview", type=Path, metavar="FILE", help="draw map, plan, track: .png, .svg, .pdf")
 
 
-def add_link(parser: Parser) -> None:
-    """The link to the vehicle."""
+def add_link(parser: Parser, default: str | None = DEFAULT_LINK) -> None:
+    """The link to the vehicle. default: None where the program also works without."""
     group = parser.add_argument_group("vehicle")
     group.add_argument(
-        "--connect", default=DEFAULT_LINK, metavar="URL", help=f"the link: {FORMS} [{DEFAULT_LINK}]"
+        "--connect", default=default, metavar="URL", help=f"{FORMS}" + (f" [{default}]" if default else "")
     )
     group.add_argument(
         "--patience",

@@ -48,6 +48,7 @@ def _upload(report: Report) -> dict[str, Any]:
         "mode": report.mode,
         "items": report.items,
         "lists": report.lists,
+        "changed": report.changed,
         "upload_s": _finite(report.upload_s),
         "read_back_s": _finite(report.read_back_s),
         "read_back_equal": report.read_back_equal,

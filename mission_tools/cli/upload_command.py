@@ -19,11 +19,15 @@ def _parser() -> Parser:
     add_route(parser)
     add_areas(parser)
     add_outputs(parser)
-    sail = parser.add_argument_group("sailing")
+    sail = parser.add_argument_group("upload")
     sail.add_argument("--start", action="store_true", help="arm and start the mission")
     sail.add_argument("--follow", action="store_true", help="watch until the mission has ended")
     sail.add_argument(
         "--timeout", type=number, default=math.inf, metavar="S", help="give up following after this"
+    )
+    sail.add_argument("--diff", action="store_true", help="say what the upload changes on board")
+    sail.add_argument(
+        "--if-changed", action="store_true", help="as --diff, and upload only the lists that change"
     )
     sail.add_argument("--dry-run", action="store_true", help="plan and report; no vehicle")
     add_link(parser)
@@ -54,6 +58,8 @@ def _upload(given: Namespace) -> None:
         sign_key=given.sign_key,
         fence=given.fence,
         rally=given.rally,
+        diff=given.diff,
+        if_changed=given.if_changed,
     )
     report = Report()
     run(request, report, Printer(sys.stderr if given.as_json else sys.stdout))

@@ -46,6 +46,7 @@ from mission_tools.mission.mission import (
     Rally,
 )
 from mission_tools.mission.plan_file import load_mission
+from mission_tools.wording import counted
 
 NONE = "none"  # instead of a file: what the boat holds is cleared
 FENCE_KINDS = ("inclusion", "exclusion", "return_point")
@@ -71,9 +72,9 @@ class Areas:
     def __str__(self) -> str:
         said = []
         if self.fence is not None:
-            said.append(_counted(len(self.fence.polygons) + len(self.fence.circles), "fence area"))
+            said.append(counted(len(self.fence.polygons) + len(self.fence.circles), "fence area"))
         if self.rally is not None:
-            said.append(_counted(len(self.rally), "rally point"))
+            said.append(counted(len(self.rally), "rally point"))
         return ", ".join(said)
 
     def wire_lists(self) -> dict[MissionType, tuple[MissionItem, ...]]:
@@ -87,10 +88,6 @@ class Areas:
 
 
 NO_AREAS = Areas()
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count or 'no'} {what}{'' if count == 1 else 's'}"
 
 
 def open_areas(fence: str | None, rally: str | None) -> Areas:

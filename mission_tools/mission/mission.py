@@ -250,6 +250,13 @@ class MissionType(IntEnum):
     RALLY = 2
 
 
+LIST_NAMES = {
+    MissionType.MISSION: "mission",
+    MissionType.FENCE: "fence",
+    MissionType.RALLY: "rally points",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Mission:
     """Everything that an upload carries. `items` is without home: items[0] has sequence number 1.

@@ -1,13 +1,14 @@
 """Lists of items between us and a vehicle: sent, cleared, read back and compared."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from mission_tools.errors import ReadBackMismatch
+from mission_tools.errors import ReadBackMismatch, VehicleError
 from mission_tools.mission.compare import Difference, differences
-from mission_tools.mission.mission import MissionItem, MissionType
-from mission_tools.vehicle.vehicle import NAMES, Vehicle
+from mission_tools.mission.mission import LIST_NAMES, Mission, MissionItem, MissionType
+from mission_tools.mission.wire import mission_from
+from mission_tools.vehicle.vehicle import Vehicle
 
 SHOWN_DIFFERENCES = 3
 
@@ -20,6 +21,31 @@ class Transfer:
 
     upload_s: float
     read_back_s: float
+
+
+async def holdings(
+    vehicle: Vehicle, kinds: Iterable[MissionType]
+) -> dict[MissionType, tuple[MissionItem, ...]]:
+    """What the vehicle holds of these lists.
+
+    Raises:
+        UploadRejected, LinkLost: as `Vehicle.download`.
+    """
+    return {kind: await vehicle.download(kind) for kind in kinds}
+
+
+async def held_mission(vehicle: Vehicle) -> Mission:
+    """The mission, fence and rally points that are on board.
+
+    Raises:
+        VehicleError: a fence on board that is none; names the item.
+        UploadRejected, LinkLost: as `Vehicle.download`.
+    """
+    held = await holdings(vehicle, MissionType)
+    try:
+        return mission_from(held, home_first=vehicle.state.is_ardupilot)
+    except ValueError as error:
+        raise VehicleError(f"{vehicle.link.typed}: on board: {error}") from None
 
 
 async def send(vehicle: Vehicle, lists: Lists) -> Transfer:
@@ -36,7 +62,7 @@ async def send(vehicle: Vehicle, lists: Lists) -> Transfer:
         else:
             await vehicle.clear(kind)
     sent_s = time.perf_counter()
-    held = {kind: await vehicle.download(kind) for kind in lists}
+    held = await holdings(vehicle, lists)
     done_s = time.perf_counter()
     found = differing(lists, held, is_ardupilot=vehicle.state.is_ardupilot)
     if found:
@@ -59,4 +85,4 @@ def differing(sent: Lists, held: Lists, *, is_ardupilot: bool) -> list[tuple[Mis
 
 def _named(kind: MissionType, difference: Difference) -> str:
     """A difference, with the name of its list unless that is the mission."""
-    return str(difference) if kind is MissionType.MISSION else f"{NAMES[kind]}, {difference}"
+    return str(difference) if kind is MissionType.MISSION else f"{LIST_NAMES[kind]}, {difference}"

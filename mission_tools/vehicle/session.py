@@ -5,17 +5,19 @@ import time
 from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING
 
+from mission_tools.contract.diff import diff
 from mission_tools.errors import NoVehicle
 from mission_tools.mission.areas import Areas
+from mission_tools.mission.mission import LIST_NAMES
 from mission_tools.mission.planned_mission import MapSource, MissionFile, PlannedMission
 from mission_tools.vehicle.connection import connect
-from mission_tools.vehicle.exchange import Lists, send
+from mission_tools.vehicle.exchange import Lists, differing, holdings, send
 from mission_tools.vehicle.follow import follow
 from mission_tools.vehicle.link_url import LinkUrl
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.vehicle.off_loop import in_thread
 from mission_tools.vehicle.signed_link import read_sign_key
-from mission_tools.vehicle.vehicle import NAMES, Vehicle
+from mission_tools.vehicle.vehicle import Vehicle
 from mission_tools.wording import Printer, distance, duration
 
 if TYPE_CHECKING:
@@ -94,11 +96,15 @@ class _Session:
         state, typed, report = vehicle.state, vehicle.link.typed, self._report
         report.link, report.vehicle_id, report.mode = typed, vehicle.system_id, state.mode
         report.lists = {kind.name.lower(): len(items) for kind, items in lists.items()}
+        if self._request.diff or self._request.if_changed:
+            lists = await self._changed(vehicle, lists)
+        if not lists:
+            return
         times = await send(vehicle, lists)
         report.items = sum(map(len, lists.values()))
         report.upload_s, report.read_back_s = times.upload_s, times.read_back_s
         report.read_back_equal = True
-        cleared = [NAMES[kind] for kind, items in lists.items() if not items]
+        cleared = [LIST_NAMES[kind] for kind, items in lists.items() if not items]
         if cleared:
             self._say(f"cleared the {' and the '.join(cleared)} of vehicle {vehicle.system_id} on {typed}")
         if report.items:
@@ -106,6 +112,22 @@ class _Session:
                 f"uploaded {report.items} items to vehicle {vehicle.system_id} on {typed} "
                 f"in {times.upload_s:.2f} s, read back and found equal"
             )
+
+    async def _changed(self, vehicle: Vehicle, lists: Lists) -> Lists:
+        """Say what an upload changes; with --if-changed, the lists that it changes."""
+        held, is_ardupilot = await holdings(vehicle, lists), vehicle.state.is_ardupilot
+        for line in diff(lists, held, is_ardupilot=is_ardupilot):
+            self._say(line)
+        changed = {kind for kind, _ in differing(lists, held, is_ardupilot=is_ardupilot)}
+        self._report.changed = [kind.name.lower() for kind in lists if kind in changed]
+        if not self._request.if_changed:
+            return lists
+        if not changed:
+            self._report.read_back_equal = True
+            self._say(
+                f"nothing uploaded: vehicle {vehicle.system_id} on {vehicle.link.typed} holds all of it"
+            )
+        return {kind: items for kind, items in lists.items() if kind in changed}
 
     async def _sail(self, vehicle: Vehicle, planned: PlannedMission) -> None:
         request, report = self._request, self._report

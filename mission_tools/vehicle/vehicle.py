@@ -14,7 +14,7 @@ from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
 
 from mission_tools.errors import CommandRefused, LinkLost, UploadRejected
-from mission_tools.mission.mission import Command, MissionItem, MissionType
+from mission_tools.mission.mission import LIST_NAMES, Command, MissionItem, MissionType
 from mission_tools.vehicle.link_url import LinkUrl
 from mission_tools.vehicle.state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
 
@@ -23,7 +23,6 @@ TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
 RETRY_S = 1.0
 CLEAR_TRIES = 5
 ASKED_RATES_HZ = {33: 4.0, 42: 2.0}  # GLOBAL_POSITION_INT, MISSION_CURRENT
-NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
 
 Transfer = Callable[[], Awaitable[list[RawItem] | None]]
 
@@ -68,7 +67,7 @@ class Vehicle:
             MissionType.FENCE: self._missions.upload_geofence,
             MissionType.RALLY: self._missions.upload_rally_points,
         }[kind]
-        await self._transfer(f"uploading the {NAMES[kind]}", lambda: upload(raw))
+        await self._transfer(f"uploading the {LIST_NAMES[kind]}", lambda: upload(raw))
 
     async def download(self, kind: MissionType) -> tuple[MissionItem, ...]:
         """One of the lists that the vehicle holds.
@@ -82,7 +81,7 @@ class Vehicle:
             MissionType.FENCE: self._missions.download_geofence,
             MissionType.RALLY: self._missions.download_rallypoints,
         }[kind]
-        return tuple(map(_item, await self._transfer(f"reading back the {NAMES[kind]}", download)))
+        return tuple(map(_item, await self._transfer(f"reading back the {LIST_NAMES[kind]}", download)))
 
     async def clear(self, kind: MissionType) -> None:
         """Empty one of the vehicle's lists: MAVSDK uploads no empty ones.
@@ -100,11 +99,11 @@ class Vehicle:
             if await self.wait_for(lambda: kind in answers, RETRY_S):
                 break
         else:
-            where = f"clearing the {NAMES[kind]}{self._advice(began_s)}"
+            where = f"clearing the {LIST_NAMES[kind]}{self._advice(began_s)}"
             raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
         if answers[kind]:
             raise UploadRejected(
-                f"clearing the {NAMES[kind]}: the vehicle refused: {_refusal(answers[kind])}"
+                f"clearing the {LIST_NAMES[kind]}: the vehicle refused: {_refusal(answers[kind])}"
             )
 
     async def _transfer(self, doing: str, transfer: Transfer) -> list[RawItem]:

@@ -16,6 +16,7 @@ PROGRAMS = {
     "boat-sitl": "sitl.__main__",
     "mission-plan": "mission_tools.cli.plan",
     "mission-upload": "mission_tools.cli.upload",
+    "mission-download": "mission_tools.cli.download",
     "mission-check": "mission_tools.cli.check",
 }
 programs = pytest.mark.parametrize("name", PROGRAMS)

@@ -1,0 +1,64 @@
+"""The command mission-download."""
+
+import json
+import logging
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from companion.core.interrupts import importing
+from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.options import add_link
+from mission_tools.cli.parser import Parser
+
+PROGRAM = "mission-download"
+EXAMPLES = f"""
+Save the mission, the fence and the rally points that a vehicle holds. It changes nothing on board.
+
+FILE is a .plan for QGroundControl, or .waypoints, which holds the mission alone.
+
+Examples:
+
+    {PROGRAM} aboard.plan
+
+    {PROGRAM} aboard.plan --connect udp:0.0.0.0:14550
+
+Exit codes: 0 done, 1 the vehicle refused, 2 wrong usage or input, 3 no vehicle or link lost.
+"""
+
+
+def _parser() -> Parser:
+    parser = Parser(PROGRAM, EXAMPLES, "FILE", is_required=True)
+    add_link(parser)
+    parser.add_common()
+    return parser
+
+
+def _download(given: Namespace) -> None:
+    with importing():
+        from mission_tools.outputs import check_outputs, save  # noqa: PLC0415 - not needed for --help
+        from mission_tools.vehicle.held import ask_vehicle  # noqa: PLC0415
+        from mission_tools.wording import counted  # noqa: PLC0415
+
+    if given.debug:
+        logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
+    file = Path(given.source)
+    check_outputs(file, None, ())
+    held = ask_vehicle(given.connect, given.patience, given.sign_key, given.system_id)
+    mission = held.mission
+    save(mission, file)
+    areas = len(mission.fence.polygons) + len(mission.fence.circles)
+    counts = {"items": len(mission.items), "fence_areas": areas, "rally_points": len(mission.rally)}
+    if given.as_json:
+        tree = {"ok": True, "exit_code": 0, "system_id": held.vehicle_id, "saved": str(file), **counts}
+        sys.stdout.write(json.dumps(tree, indent=2) + "\n")
+        return
+    said = ", ".join(
+        counted(count, name.replace("_", " ").removesuffix("s")) for name, count in counts.items()
+    )
+    sys.stdout.write(f"vehicle {held.vehicle_id} on {held.link}: {said}\nsaved {file}\n")
+
+
+def run_program(arguments: list[str]) -> int:
+    """Run the program; returns its exit code."""
+    return run_parsed(_parser(), arguments, _download)
