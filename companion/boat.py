@@ -34,7 +34,7 @@ from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
-from companion.services.telemetry.snapshot import Snapshot, take_snapshot
+from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.resume import VoyageResume
 from companion.vehicle.vehicle import Vehicle
 
@@ -287,7 +287,7 @@ class Boat:
 
     def take_snapshot(self) -> Snapshot:
         """The state of the present tick, for telemetry and log."""
-        return take_snapshot(
+        return Snapshot(
             self._now_s,
             self._wall_time.unix_s(self._now_s),
             self.parameters.config,
@@ -295,6 +295,6 @@ class Boat:
             self.sensors,
             self.steering,
             self.command,
-            load=self.load,
-            free_memory_bytes=self.free_memory_bytes,
+            self.load,
+            self.free_memory_bytes,
         )

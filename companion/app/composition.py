@@ -221,7 +221,7 @@ def run_boat(
         logbook = open_log(config, config.storage.folder)
         boat = Boat(config, hardware, ports, storage, clock.unix_offset_s(), logbook)
         undo.callback(boat.close)
-        boat.endpoint.log_status_texts()
+        boat.endpoint.texts.logs_texts = True
         path = status_path(config)
         status = StatusFile(path, boat.channels) if path is not None else None
         if status is not None:

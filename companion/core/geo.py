@@ -6,8 +6,11 @@ Manual* (USGS PP 1395, 1987), equations 8-9 to 8-18, truncated where the next te
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
+from companion.core.units import e7_to_deg
 
 WGS84_A_M = 6378137.0
 WGS84_F = 1.0 / 298.257223563
@@ -37,6 +40,13 @@ class LatLon:
             raise ValueError(f"latitude {self.lat_deg} is outside -90..90 degrees")
         if not -180.0 <= self.lon_deg <= 180.0:
             raise ValueError(f"longitude {self.lon_deg} is outside -180..180 degrees")
+
+
+def position_from_e7(lat_e7: int, lon_e7: int) -> LatLon | None:
+    """MAVLink's 1e-7 degree integers as a position; None for 0, 0, which means "unknown", or out of range."""
+    if lat_e7 == lon_e7 == 0 or abs(lat_e7) > 900_000_000 or abs(lon_e7) > 1_800_000_000:
+        return None
+    return LatLon(e7_to_deg(lat_e7), e7_to_deg(lon_e7))
 
 
 def _meridian_radius_m(lat_rad: float) -> float:
@@ -110,6 +120,18 @@ class LocalFrame:
 def longitude_difference_deg(lon_deg: float, from_deg: float) -> float:
     """Eastward difference of two longitudes, the short way around: in [−180, 180)."""
     return (lon_deg - from_deg + 180.0) % 360.0 - 180.0
+
+
+def from_body_axes(ahead: float, right: float, heading_rad: float) -> Point:
+    """A vector in body axes, as north and east; likewise any frame turned clockwise from north."""
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    return Point(ahead * c - right * s, ahead * s + right * c)
+
+
+def yaw_of_quaternion(q: Sequence[float]) -> float:
+    """Yaw of a rotation w, x, y, z (Diebel, "Representing attitude", 2006, equation 290)."""
+    w, x, y, z = q
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 def distance_m(a: Point, b: Point) -> float:

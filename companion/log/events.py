@@ -79,8 +79,8 @@ class EventWatch:
         if now.command.reason != self._reason:
             self._reason = now.command.reason
             yield from text(us, f"Motors: {self._reason or 'running'}")
-        if now.frame is not None and now.frame.origin is not self._origin:
-            self._origin = now.frame.origin
+        if now.vehicle.frame is not None and now.vehicle.frame.origin is not self._origin:
+            self._origin = now.vehicle.frame.origin
             yield _place(us, _ORIGIN, self._origin)
         errors = set(_errors(now))
         if errors != self._errors:
@@ -90,7 +90,7 @@ class EventWatch:
 
 
 def _errors(now: Snapshot) -> Iterator[int]:
-    nav, limit_s = now.nav, now.config.motors.estimate_timeout_s
+    nav, limit_s = now.vehicle.nav, now.config.motors.estimate_timeout_s
     if nav is None or nav.heading_age_s > limit_s:
         yield _COMPASS
     if nav is None or nav.position_age_s > limit_s:

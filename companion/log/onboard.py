@@ -183,18 +183,18 @@ class OnboardLog:
 
     def _sample(self, now: Snapshot) -> None:
         self._add(self._watch.slow_changes(now))
-        if now.frame is not None and now.nav is not None:
-            if self._linear is None or not self._linear.is_of(now.frame):
-                self._linear = LinearFrame(now.frame, now.nav.point)
+        if now.vehicle.frame is not None and now.vehicle.nav is not None:
+            if self._linear is None or not self._linear.is_of(now.vehicle.frame):
+                self._linear = LinearFrame(now.vehicle.frame, now.vehicle.nav.point)
         else:
             self._linear = None
         self._add(samples.motion(now, self._linear))
-        if now.fix is not None and (self._fix is None or now.fix.time_s != self._fix.time_s):
-            self._fix = now.fix
-            self._add(samples.gnss(now.fix))
-        if now.sonar is not None and now.sonar is not self._ping:
-            self._ping = now.sonar
-            self._add(samples.sonar(now.sonar))
+        if now.sensors.fix is not None and (self._fix is None or now.sensors.fix.time_s != self._fix.time_s):
+            self._fix = now.sensors.fix
+            self._add(samples.gnss(now.sensors.fix))
+        if now.sensors.sonar is not None and now.sensors.sonar is not self._ping:
+            self._ping = now.sensors.sonar
+            self._add(samples.sonar(now.sensors.sonar))
         heard = now.vehicle.manual_input.rc.latest
         if heard is not None and heard is not self._heard:
             self._heard = heard
@@ -202,9 +202,11 @@ class OnboardLog:
 
     def _status(self, now: Snapshot, channels: Channels) -> Iterator[bytes]:
         us = self._now_us
-        if now.battery is not None and now.battery is not self._reading:
-            self._reading = now.battery
-            yield samples.battery(now.battery, now.consumed_mah, now.config.battery.capacity_mah)
+        if now.sensors.battery is not None and now.sensors.battery is not self._reading:
+            self._reading = now.sensors.battery
+            yield samples.battery(
+                now.sensors.battery, now.sensors.consumed_mah, now.config.battery.capacity_mah
+            )
         for number, channel in channels.open.items():
             counted = channel.counters
             yield r.MAV.pack(

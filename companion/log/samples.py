@@ -32,7 +32,7 @@ def time_us(time_s: float) -> int:
 
 def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     """Motion and steering. linear: for the present frame, None without one."""
-    us, nav, demand, command = time_us(now.now_s), now.nav, now.demand, now.command
+    us, nav, demand, command = time_us(now.now_s), now.vehicle.nav, now.guidance.demand, now.command
     left, right = command.left, command.right
     pulses = round(1500.0 + 500.0 * left), round(1500.0 + 500.0 * right)
     yield r.RCOU.pack(us, pulses[0], 0, pulses[1], 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
@@ -67,7 +67,7 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
     """Obstacles and avoidance: dR0 is the paper's equation 1, to the nearest obstacle; Cls the closing speed
     of the nearest mover. Nothing without obstacles.
     """
-    perception, avoidance = now.perception, now.avoidance
+    perception, avoidance = now.guidance.perception, now.guidance.avoidance
     if perception is None or avoidance is None or perception.is_empty:
         return
     here, now_s = nav.point, now.now_s
@@ -85,22 +85,22 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
 
 def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int) -> Iterator[bytes]:
     """The closed loops."""
-    if (pid := now.heading_pid) is not None:
+    if (pid := now.guidance.helm.heading_pid) is not None:
         wanted, actual = demand.heading_rad, nav.heading_rad
         error_deg = wrap_pi(wanted - actual) * _DEG
         yield r.PIDS.pack(
             us, _degrees(wanted), _degrees(actual), error_deg, pid.p, pid.i, pid.d, pid.ff, 0.0,
             0.0, pid.saturated,
         )  # fmt: skip
-    if (speed_pid := now.speed_pid) is not None:
+    if (speed_pid := now.guidance.helm.speed_pid) is not None:
         error_m_s = demand.speed_m_s - nav.surge_m_s
         yield r.PIDA.pack(
             us, demand.speed_m_s, nav.surge_m_s, error_m_s, speed_pid.p, speed_pid.i, speed_pid.d,
             speed_pid.ff, 0.0, 0.0, speed_pid.saturated,
         )  # fmt: skip
     target_deg = wanted_deg = _degrees(demand.heading_rad)
-    if now.frame is not None and (target := now.vehicle.destination) is not None:
-        target_deg = _degrees(bearing_rad(nav.point, now.frame.to_local(target)))
+    if now.vehicle.frame is not None and (target := now.vehicle.destination) is not None:
+        target_deg = _degrees(bearing_rad(nav.point, now.vehicle.frame.to_local(target)))
     yield r.NTUN.pack(us, demand.distance_m, target_deg, wanted_deg, centideg, demand.cross_track_m)
 
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Container
 
 from companion.config.parameters import Parameters
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionResult
 from companion.services.commands.command import DENIED
@@ -87,7 +87,7 @@ class AccessService:
         if now_s - self._reported_s.get(origin.address.system, -math.inf) >= _REPEAT_S:
             self._reported_s[origin.address.system] = now_s
             text = f"Station {origin.address.system} refused: not the operator (SYSID_ENFORCE)"
-            self._texts.send([StatusText(Severity.WARNING, text)])
+            self._texts.notify(Severity.WARNING, text)
         return True
 
     def _is_change(self, message: Message) -> bool:

@@ -8,7 +8,7 @@ operator gets one message how to change that.
 import logging
 from collections.abc import Mapping
 
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.mavlink.dialect import Message, dialect
 from companion.router.amplification import Question
 from companion.router.channel import Channel
@@ -68,4 +68,4 @@ class AddressCheck:
         self._warned.add(host)
         text = f"{host} does not answer PING: no telemetry unless local_networks has its network"
         logger.warning(text)
-        self._texts.send([StatusText(Severity.WARNING, text)])
+        self._texts.notify(Severity.WARNING, text)

@@ -24,14 +24,15 @@ from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
+from companion.services.commands.command import from_int, from_long
 from companion.services.commands.dispatcher import CommandService
 from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp.mounts import build_tree, open_worker
 from companion.services.ftp.service import FtpService
 from companion.services.guided import GuidedService
-from companion.services.logs import LogService
+from companion.services.logs import LOG_MESSAGES, LogService
 from companion.services.manual_control import ManualControlService
-from companion.services.missions.service import MissionService
+from companion.services.missions.service import MISSION_MESSAGES, MissionService
 from companion.services.other_vehicles import OtherVehicleService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
@@ -45,27 +46,6 @@ from companion.services.time_sync import TimeService
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
-
-_MISSION = (
-    dialect.MAVLINK_MSG_ID_MISSION_COUNT,
-    dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
-    dialect.MAVLINK_MSG_ID_MISSION_ITEM,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_LIST,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST,
-    dialect.MAVLINK_MSG_ID_MISSION_ACK,
-    dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
-    dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
-    dialect.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST,
-)
-
-_LOGS = (
-    dialect.MAVLINK_MSG_ID_LOG_REQUEST_LIST,
-    dialect.MAVLINK_MSG_ID_LOG_REQUEST_DATA,
-    dialect.MAVLINK_MSG_ID_LOG_REQUEST_END,
-    dialect.MAVLINK_MSG_ID_LOG_ERASE,
-)
 
 _SLOW_S = 0.1  # period of slow tasks
 
@@ -115,57 +95,54 @@ class Endpoint:
         self._own = own
         self._vehicle = vehicle
         self._parameters = parameters
-        self._texts = StatusTextService(self.outbox)
+        self.texts = StatusTextService(self.outbox)
         if logbook is not None:
-            self._texts.listener = logbook.note
+            self.texts.listener = logbook.note
         self._heartbeat = HeartbeatService(vehicle, self.outbox, motor_test)
         self._telemetry = TelemetryService(self.outbox, take_snapshot, may_send)
         self._time = TimeService(self.outbox)
-        self._addresses = AddressCheck(channels, self.outbox, self._texts)
-        send_texts = self._texts.send
+        self._addresses = AddressCheck(channels, self.outbox, self.texts)
         self._pose = ExternalPoseService(
-            external, vehicle, parameters, self.outbox, send_texts, self._time.to_own_clock
+            external, vehicle, parameters, self.outbox, self.texts, self._time.to_own_clock
         )
-        self._listings = ParameterService(parameters, self.outbox, self._texts, vehicle.losses)
+        self._listings = ParameterService(parameters, self.outbox, self.texts, vehicle.losses)
         self._commands = CommandService(
             vehicle,
             self._telemetry,
             self.outbox,
             motor_test,
             self._listings,
-            send_texts,
+            self.texts,
             self._pose,
             calibration,
             gauge,
             faults,
         )
         self._access = AccessService(
-            parameters, self._listings, self._commands.questions, self.outbox, self._texts
+            parameters, self._listings, self._commands.questions, self.outbox, self.texts
         )
-        self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self._texts)
-        self._manual = ManualControlService(vehicle, self._texts)
-        self._guided = GuidedService(vehicle, self._texts)
+        self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self.texts)
+        self._manual = ManualControlService(vehicle, self.texts)
+        self._guided = GuidedService(vehicle, self.texts)
         self._other_vehicles = OtherVehicleService(vehicle)
         self._modes = AvailableModesService(vehicle, self.outbox)
         self.roles = Roles()
         folder = storage.folder if isinstance(storage, FolderStorage) else None
         tree = build_tree(parameters, self._listings, folder, parameters.config.storage.files_mb)
         self._files = FtpService(own, self.outbox, tree, open_worker(folder))
-        self._logs = LogService(own, vehicle, self.outbox, self._texts, logbook)
-        self._signing = SigningService(own, vehicle, signing, channels, self._texts)
+        self._logs = LogService(own, vehicle, self.outbox, self.texts, logbook)
+        self._signing = SigningService(own, vehicle, signing, channels, self.texts)
         self._handlers = self._dispatch_table()
 
     def _dispatch_table(self) -> dict[int, Handler]:
         listings, telemetry, commands = self._listings, self._telemetry, self._commands
-        table: dict[int, Handler] = {
+        return {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._on_heartbeat,
-            dialect.MAVLINK_MSG_ID_COMMAND_LONG: commands.on_long,
-            dialect.MAVLINK_MSG_ID_COMMAND_INT: commands.on_int,
-            dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION_REQUEST: lambda m, o, t: commands.on_version_request(
-                o, t
-            ),
+            dialect.MAVLINK_MSG_ID_COMMAND_LONG: lambda m, o, t: commands.handle(from_long(m, o, t)),
+            dialect.MAVLINK_MSG_ID_COMMAND_INT: lambda m, o, t: commands.handle(from_int(m, o, t)),
+            dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION_REQUEST: commands.on_version_request,
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._time.on_timesync,
-            dialect.MAVLINK_MSG_ID_PING: lambda m, o, t: self._on_ping(m, o),
+            dialect.MAVLINK_MSG_ID_PING: self._on_ping,
             dialect.MAVLINK_MSG_ID_SYSTEM_TIME: self._on_system_time,
             **self._pose.table,
             dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
@@ -176,8 +153,8 @@ class Endpoint:
                 lambda m, o, t: telemetry.on_request_data_stream(m, o.channel, t)
             ),
             dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: self._files.handle,
-            dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_manual_control,
-            dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._on_rc_override,
+            dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: self._manual.on_manual_control,
+            dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: self._manual.on_rc_override,
             dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: self._guided.on_global_target,
             dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._guided.on_local_target,
             dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: self._guided.on_attitude_target,
@@ -186,10 +163,9 @@ class Endpoint:
                 lambda m, o, t: self._other_vehicles.on_global_position(m, o)
             ),
             dialect.MAVLINK_MSG_ID_SETUP_SIGNING: self._signing.on_setup,
+            **dict.fromkeys(MISSION_MESSAGES, self._missions.handle),
+            **dict.fromkeys(LOG_MESSAGES, self._logs.handle),
         }
-        table.update(dict.fromkeys(_MISSION, self._missions.handle))
-        table.update(dict.fromkeys(_LOGS, self._logs.handle))
-        return table
 
     @property
     def message_ids(self) -> frozenset[int]:
@@ -208,15 +184,12 @@ class Endpoint:
 
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has closed."""
-        self._signing.forget(channel)
-        self._addresses.forget(channel)
-        self._telemetry.forget(channel)
-        self._listings.forget(channel)
-        self._files.forget(channel)
         self._missions.forget(channel, now_s)
-        self._manual.forget(channel)
-        self._commands.forget(channel)
-        self._logs.forget(channel)
+        for service in (
+            self._signing, self._addresses, self._telemetry, self._listings, self._files, self._manual,
+            self._commands, self._logs,
+        ):  # fmt: skip
+            service.forget(channel)
 
     @property
     def restart_due_s(self) -> float:
@@ -227,10 +200,6 @@ class Endpoint:
     def unix_offset_s(self) -> float | None:
         """Unix time less the boat's time, from a station."""
         return self._time.unix_offset_s
-
-    def log_status_texts(self) -> None:
-        """Also log all status texts."""
-        self._texts.logs_texts = True
 
     def mission_items(self) -> tuple[MissionItem, ...]:
         """The stored mission."""
@@ -287,9 +256,9 @@ class Endpoint:
             self._upkeep_s = now_s + _SLOW_S
             self._modes.tick(now_s)
             self._time.tick(now_s)
-            self._texts.tick(_SLOW_S)
+            self.texts.tick(_SLOW_S)
         if status_texts := self._vehicle.take_status_texts():
-            self._texts.send(status_texts)
+            self.texts.send(status_texts)
         self._telemetry.tick(now_s)
 
     def _note_planner(self, message: Message, sender: Address, now_s: float) -> None:
@@ -303,15 +272,11 @@ class Endpoint:
         """Send changes by the last message at once."""
         self._heartbeat.announce_change()
         self._modes.announce_change()
-        self._texts.send(self._vehicle.take_status_texts())
+        self.texts.send(self._vehicle.take_status_texts())
 
     def _is_for_us(self, message: Message) -> bool:
         target_system = getattr(message, "target_system", getattr(message, "target", 0))
         return concerns(self._own, target_system, getattr(message, "target_component", 0))
-
-    def _is_operator(self, origin: Origin) -> bool:
-        chosen = self._parameters.config.identity.operator_system_id
-        return chosen in (0, origin.address.system)
 
     def _on_heartbeat(self, message: Message, origin: Origin, now_s: float) -> None:
         # Only the operator's heartbeat resets the operator failsafe
@@ -323,7 +288,7 @@ class Endpoint:
             self._vehicle.failsafes.planner.heard(now_s)
         self._addresses.on_heartbeat(origin, self._heartbeat, now_s)
 
-    def _on_ping(self, message: Message, origin: Origin) -> None:
+    def _on_ping(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
         self._time.on_ping(message, origin)
         self._addresses.on_ping(message, origin)
 
@@ -331,11 +296,3 @@ class Endpoint:
         # Not from other vehicles, which broadcast their time
         if self.roles.of(origin.address) in (Role.OPERATOR, Role.PLANNER):
             self._time.on_system_time(message, now_s)
-
-    def _on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:
-        if self._is_operator(origin):
-            self._manual.on_manual_control(message, origin, now_s)
-
-    def _on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
-        if self._is_operator(origin):
-            self._manual.on_rc_override(message, origin, now_s)

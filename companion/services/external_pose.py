@@ -10,16 +10,16 @@ from collections.abc import Callable
 
 from companion.config.boat_config import External
 from companion.config.parameters import Parameters
-from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.status_text import Severity, StatusText
-from companion.core.units import e7_to_deg, wrap_pi
+from companion.core.geo import LatLon, LocalFrame, Point, from_body_axes, position_from_e7, yaw_of_quaternion
+from companion.core.status_text import Severity
+from companion.core.units import wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.external import ExternalSensors, Use
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
-from companion.services.commands.vehicle import SendTexts
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.motion_messages import global_origin
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _MIN_SPACING_S = 0.015  # at most one pose per tick
@@ -48,7 +48,7 @@ class ExternalPoseService:
         vehicle: Vehicle,
         parameters: Parameters,
         outbox: Outbox,
-        send_texts: SendTexts,
+        texts: StatusTextService,
         to_own_clock: ToOwnClock,
     ) -> None:
         self.dropped = 0
@@ -56,7 +56,7 @@ class ExternalPoseService:
         self._vehicle = vehicle
         self._parameters = parameters
         self._outbox = outbox
-        self._send_texts = send_texts
+        self._texts = texts
         self._to_own_clock = to_own_clock
         self._source: Address | None = None
         self._source_s = -math.inf
@@ -77,21 +77,21 @@ class ExternalPoseService:
     def set_origin(self, origin: LatLon) -> bool:
         """Set the origin of local poses. Refused once the boat has a frame: it would jump."""
         if self._vehicle.frame is not None:
-            self._send_texts([StatusText(Severity.WARNING, "Origin: already set, not moved")])
+            self._texts.notify(Severity.WARNING, "Origin: already set, not moved")
             return False
         self._external.frame = LocalFrame(origin)
         self._outbox.broadcast(global_origin(origin))
         return True
 
     def _on_set_origin(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
-        place = _place(message.latitude, message.longitude)
+        place = position_from_e7(message.latitude, message.longitude)
         if place is None:
             self.dropped += 1
         else:
             self.set_origin(place)
 
     def _on_gps_input(self, message: Message, origin: Origin, now_s: float) -> None:
-        place = _place(message.lat, message.lon)
+        place = position_from_e7(message.lat, message.lon)
         flags = message.ignore_flags
         has_velocity = not flags & dialect.GPS_INPUT_IGNORE_FLAG_VEL_HORIZ
         north_m_s, east_m_s = (message.vn, message.ve) if has_velocity else (None, None)
@@ -149,7 +149,7 @@ class ExternalPoseService:
         direction = turn_rad + (yaw if is_body else 0.0)
         velocity = None
         if _all_below((ahead, aside), _FASTEST_M_S):
-            velocity = _turned(ahead, aside, direction)
+            velocity = from_body_axes(ahead, aside, direction)
         sigma_m = _sigma_m(message.pose_covariance)
         rate_rad_s = rate if _all_below((rate,), _FASTEST_RAD_S) else None
         self._ingest_pose(
@@ -179,7 +179,7 @@ class ExternalPoseService:
         time_s = self._to_own_clock(origin.address, stamp_us, now_s)
         external.fix = GnssFix(
             time_s,
-            frame.to_global(_turned(*place, turn_rad)),
+            frame.to_global(from_body_axes(*place, turn_rad)),
             3,
             _UNKNOWN_SATELLITES,
             0.5,
@@ -244,27 +244,9 @@ def _all_below(values: tuple[float, ...] | list[float], limit: float) -> bool:
     return all(abs(value) <= limit for value in values)
 
 
-def _place(lat_e7: int, lon_e7: int) -> LatLon | None:
-    if lat_e7 == 0 and lon_e7 == 0:
-        return None
-    try:
-        return LatLon(e7_to_deg(lat_e7), e7_to_deg(lon_e7))
-    except ValueError:
-        return None
-
-
-def _turned(ahead: float, right: float, angle_rad: float) -> Point:
-    """Rotate a vector to north and east; angle_rad: of its frame, clockwise from north."""
-    c, s = math.cos(angle_rad), math.sin(angle_rad)
-    return Point(ahead * c - right * s, ahead * s + right * c)
-
-
 def _yaw_of(q: list[float]) -> float | None:
     """The yaw of a quaternion w, x, y, z; None if invalid."""
-    w, x, y, z = q
-    if not _UNIT[0] <= math.hypot(w, x, y, z) <= _UNIT[1]:
-        return None
-    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    return yaw_of_quaternion(q) if _UNIT[0] <= math.hypot(*q) <= _UNIT[1] else None
 
 
 def _sigma_m(covariance: list[float]) -> float:

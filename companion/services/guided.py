@@ -7,14 +7,14 @@ in REPEAT_S.
 import math
 from collections.abc import Callable
 
-from companion.core.geo import LatLon, Point
+from companion.core.geo import LatLon, Point, from_body_axes, position_from_e7, yaw_of_quaternion
 from companion.core.intent import Hold, HoldCourse, HoldHeading, HoldTurn
 from companion.core.requests import GoTo, SetPoint
 from companion.core.state import NavState
-from companion.core.status_text import Severity, StatusText
-from companion.core.units import e7_to_deg, wrap_pi
+from companion.core.status_text import Severity
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import ItemFault, MissionItem, MissionResult
+from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, MissionResult
 from companion.rc.manual_input import top_speed_m_s
 from companion.services.missions.items import global_position
 from companion.services.outbox import Origin
@@ -42,16 +42,6 @@ _BODY_FRAMES = frozenset(
     (dialect.MAV_FRAME_BODY_NED, dialect.MAV_FRAME_BODY_OFFSET_NED, dialect.MAV_FRAME_BODY_FRD)
 )
 _LOCAL_FRAMES = _BODY_FRAMES | {dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_OFFSET_NED}
-_GLOBAL_FRAMES = frozenset(
-    (
-        dialect.MAV_FRAME_GLOBAL,
-        dialect.MAV_FRAME_GLOBAL_INT,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT,
-        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
-    )
-)
 
 
 def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
@@ -81,11 +71,12 @@ class GuidedService:
 
     def on_global_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_GLOBAL_INT."""
-        self._on_target(message, origin, now_s, _GLOBAL_FRAMES, self._global)
+        place = position_from_e7(message.lat_int, message.lon_int)
+        self._on_target(message, origin, now_s, GLOBAL_FRAMES, lambda _: place)
 
     def on_local_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_POSITION_TARGET_LOCAL_NED."""
-        self._on_target(message, origin, now_s, _LOCAL_FRAMES, self._local)
+        self._on_target(message, origin, now_s, _LOCAL_FRAMES, lambda nav: self._local(message, nav))
 
     def on_attitude_target(self, message: Message, origin: Origin, now_s: float) -> None:
         """SET_ATTITUDE_TARGET: yaw of the quaternion or body yaw rate, thrust as a share of top speed."""
@@ -107,7 +98,7 @@ class GuidedService:
         elif mask & _NO_ATTITUDE or nav is None:
             hold = HoldTurn(0.0, speed_m_s)
         else:
-            hold = HoldHeading(_yaw_rad(message.q), speed_m_s)
+            hold = HoldHeading(yaw_of_quaternion(message.q), speed_m_s)
         self._hold(hold, origin, now_s)
 
     def _on_target(
@@ -116,7 +107,7 @@ class GuidedService:
         origin: Origin,
         now_s: float,
         frames: frozenset[int],
-        locate: Callable[[Message, NavState], LatLon | None],
+        locate: Callable[[NavState], LatLon | None],
     ) -> None:
         """Position has priority over velocity, yaw over yaw rate; accelerations and forces are refused.
 
@@ -131,7 +122,7 @@ class GuidedService:
         elif mask & _NO_ACCELERATION != _NO_ACCELERATION:
             self._notify(origin, "accelerations and forces are not supported", now_s)
         elif not mask & _NO_POSITION:
-            self._go_to(message, locate(message, nav), origin, now_s)
+            self._go_to(message, locate(nav), origin, now_s)
         elif (hold := _motion(message, nav)) is None:
             self._notify(origin, "neither position nor velocity nor yaw, or not a number", now_s)
         else:
@@ -146,14 +137,10 @@ class GuidedService:
             self._notify(origin, "a number is out of range", now_s)
         elif not self._vehicle.is_guided:
             self._notify(origin, "not in GUIDED", now_s)
-        elif self._is_beyond_fence(position):
+        elif (frame := self._vehicle.frame) and not self._vehicle.fence.allows(frame.to_local(position)):
             self._notify(origin, "outside the fence", now_s)
         else:
             self._vehicle.request(GoTo(position, speed_m_s))
-
-    def _is_beyond_fence(self, position: LatLon) -> bool:
-        vehicle = self._vehicle
-        return vehicle.frame is not None and not vehicle.fence.allows(vehicle.frame.to_local(position))
 
     def _hold(self, hold: Hold, origin: Origin, now_s: float) -> None:
         outcome = self._vehicle.request(SetPoint(hold))
@@ -168,16 +155,7 @@ class GuidedService:
         self._reported_s = {one: at_s for one, at_s in self._reported_s.items() if now_s - at_s < REPEAT_S}
         if len(self._reported_s) < _MOST_REASONS:
             self._reported_s[text] = now_s
-            self._texts.send([StatusText(Severity.WARNING, text)])
-
-    @staticmethod
-    def _global(message: Message, nav: NavState) -> LatLon | None:  # noqa: ARG004
-        if message.lat_int == message.lon_int == 0:
-            return None
-        try:
-            return LatLon(e7_to_deg(message.lat_int), e7_to_deg(message.lon_int))
-        except ValueError:
-            return None
+            self._texts.notify(Severity.WARNING, text)
 
     def _local(self, message: Message, nav: NavState) -> LatLon | None:
         """LOCAL_NED is relative to the origin of the local frame, all others to the boat."""
@@ -186,7 +164,7 @@ class GuidedService:
         if frame is None or not math.isfinite(north + east) or math.hypot(north, east) > 1e5:
             return None
         if message.coordinate_frame in _BODY_FRAMES:
-            north, east = _turned(north, east, nav.heading_rad)
+            north, east = from_body_axes(north, east, nav.heading_rad)
         if message.coordinate_frame != dialect.MAV_FRAME_LOCAL_NED:
             north, east = north + nav.north_m, east + nav.east_m
         return frame.to_global(Point(north, east))
@@ -203,7 +181,7 @@ def _motion(message: Message, nav: NavState) -> Hold | None:
         return None
     is_astern = is_body and north < 0.0
     if is_body:
-        north, east = _turned(north, east, nav.heading_rad)
+        north, east = from_body_axes(north, east, nav.heading_rad)
         yaw = None if yaw is None else yaw + nav.heading_rad
     speed = math.hypot(north, east)
     if yaw is not None:  # only the velocity along the bow counts
@@ -215,14 +193,3 @@ def _motion(message: Message, nav: NavState) -> Hold | None:
     if speed == 0.0 or is_astern:
         return HoldTurn(0.0, -speed)
     return HoldCourse(math.atan2(east, north), speed)
-
-
-def _turned(x: float, y: float, by_rad: float) -> tuple[float, float]:
-    c, s = math.cos(by_rad), math.sin(by_rad)
-    return x * c - y * s, x * s + y * c
-
-
-def _yaw_rad(q: list[float]) -> float:
-    """Yaw of a quaternion w, x, y, z (Diebel, "Representing attitude", 2006, equation 290)."""
-    w, x, y, z = q
-    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)

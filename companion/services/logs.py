@@ -13,7 +13,7 @@ parts again.
 from collections import deque
 from typing import Final, NamedTuple
 
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.log.logbook import Logbook
 from companion.log.reader import LogReader
 from companion.log.store import LogFile
@@ -23,6 +23,12 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
+LOG_MESSAGES = (
+    dialect.MAVLINK_MSG_ID_LOG_REQUEST_LIST,
+    dialect.MAVLINK_MSG_ID_LOG_REQUEST_DATA,
+    dialect.MAVLINK_MSG_ID_LOG_REQUEST_END,
+    dialect.MAVLINK_MSG_ID_LOG_ERASE,
+)
 CHUNK_BYTES: Final = 90
 _FRAME_BYTES: Final = 12 + 7 + CHUNK_BYTES
 _MOST_PER_TICK: Final = 256.0  # chunks, of all downloads: 1.1 MB/s at 50 Hz
@@ -215,14 +221,14 @@ class LogService:
 
     def _erase(self) -> None:
         if self._vehicle.armed:
-            self._texts.send([StatusText(Severity.WARNING, "Logs are not erased while the boat is armed")])
+            self._texts.notify(Severity.WARNING, "Logs are not erased while the boat is armed")
             return
         if self._store is not None and self._logbook is not None:
             self._downloads.clear()
             self._entries.clear()
             self._listed.clear()
             self._logbook.worker.submit(self._store.erase)
-            self._texts.send([StatusText(Severity.NOTICE, "Logs erased")])
+            self._texts.notify(Severity.NOTICE, "Logs erased")
 
 
 def _chunk(number: int, offset: int, piece: bytes) -> Message:

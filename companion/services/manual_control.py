@@ -71,7 +71,9 @@ class ManualControlService:
             self._helm_s = -math.inf
 
     def _may_steer(self, origin: Origin, now_s: float) -> bool:
-        """Whether this station has control; it takes control if no station has."""
+        """Whether this is the operator and has control; it takes control if no station has."""
+        if self._vehicle.config.identity.operator_system_id not in (0, origin.address.system):
+            return False
         if origin == self._helm:
             self._helm_s = now_s
             return True
@@ -82,7 +84,7 @@ class ManualControlService:
         self._told.clear()
         if last is not None and last.address != origin.address:
             text = f"Helm: {_name(origin)} took over from {_name(last)}"
-            self._texts.send([StatusText(Severity.NOTICE, text)])
+            self._texts.notify(Severity.NOTICE, text)
         return True
 
     def _send_busy(self, origin: Origin) -> None:

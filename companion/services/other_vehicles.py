@@ -2,9 +2,8 @@
 
 import math
 
-from companion.core.geo import LatLon
+from companion.core.geo import position_from_e7, yaw_of_quaternion
 from companion.core.requests import OtherVehicle
-from companion.core.units import e7_to_deg
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Origin
 from companion.vehicle.vehicle import Vehicle
@@ -26,9 +25,8 @@ class OtherVehicleService:
         """FOLLOW_TARGET, sent by ground stations for the operator's position."""
         known = message.est_capabilities
         north_m_s, east_m_s = message.vel[:2] if known & _HAS_VELOCITY else (0.0, 0.0)
-        w, x, y, z = message.attitude_q
-        heading = math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
-        self._request(message, origin, north_m_s, east_m_s, heading if known & _HAS_ATTITUDE else None)
+        heading = yaw_of_quaternion(message.attitude_q) if known & _HAS_ATTITUDE else None
+        self._request(message, origin, north_m_s, east_m_s, heading)
 
     def on_global_position(self, message: Message, origin: Origin) -> None:
         """GLOBAL_POSITION_INT of another vehicle or a mobile ground station."""
@@ -40,11 +38,8 @@ class OtherVehicleService:
     def _request(
         self, message: Message, origin: Origin, north_m_s: float, east_m_s: float, heading: float | None
     ) -> None:
-        if message.lat == message.lon == 0 or not math.isfinite(north_m_s + east_m_s):
-            return
-        try:
-            position = LatLon(e7_to_deg(message.lat), e7_to_deg(message.lon))
-        except ValueError:
+        position = position_from_e7(message.lat, message.lon)
+        if position is None or not math.isfinite(north_m_s + east_m_s):
             return
         if heading is None or not math.isfinite(heading):
             moves = math.hypot(north_m_s, east_m_s) > _STILL_M_S

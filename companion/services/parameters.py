@@ -57,7 +57,7 @@ class ParameterService:
     def on_set(self, message: Message) -> None:
         """PARAM_SET: the stored value is broadcast, even after a refusal."""
         if reason := self.set(_name(message.param_id), message.param_value):
-            self._texts.send([StatusText(Severity.WARNING, reason)])
+            self._texts.notify(Severity.WARNING, reason)
 
     def set(self, name: str, value: float) -> str:
         """Change a parameter; its value and those of its aliases are broadcast once stored. Returns the
@@ -95,7 +95,7 @@ class ParameterService:
         try:
             values = unpack_upload(file)
         except PackError as error:
-            self._texts.send([StatusText(Severity.WARNING, f"Parameter file refused: {error}")])
+            self._texts.notify(Severity.WARNING, f"Parameter file refused: {error}")
             raise Refusal(Code.FAIL) from None
         reasons = self._parameters.set_many(values)
         self._answer()
@@ -129,7 +129,7 @@ class ParameterService:
     def _answer(self) -> None:
         for values, counts, error in self._parameters.poll_saves():
             if error:
-                self._texts.send([StatusText(Severity.ERROR, f"Parameters not stored: {error}")])
+                self._texts.notify(Severity.ERROR, f"Parameters not stored: {error}")
             else:
                 self._losses.end(_STORED)
             for name, value in values.items():

@@ -7,7 +7,7 @@ A key sent over the air could be intercepted, so it is accepted only on a link t
 import logging
 from collections.abc import Mapping
 
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message
 from companion.mavlink.signing import SigningGuard
@@ -103,17 +103,17 @@ class SigningService:
             return
         what = "Signing key stored" if self._store.boat.key else "Signing key removed"
         if error:
-            self._texts.send([StatusText(Severity.ERROR, f"Signing key not stored: {error}")])
+            self._texts.notify(Severity.ERROR, f"Signing key not stored: {error}")
         else:
             for name in self._store.losses:
                 self._vehicle.losses.end(name)
-            self._texts.send([StatusText(Severity.NOTICE, what)])
+            self._texts.notify(Severity.NOTICE, what)
 
     def _refuse(self, reason: str, now_s: float) -> None:
         self.refused += 1
         if now_s >= self._refuse_s:
             self._refuse_s = now_s + _KEY_PAUSE_S
-            self._texts.send([StatusText(Severity.WARNING, f"Signing key refused: {reason}")])
+            self._texts.notify(Severity.WARNING, f"Signing key refused: {reason}")
 
     def _warn_of_refused(self, now_s: float) -> None:
         """Report refused messages once per link."""
@@ -129,11 +129,11 @@ class SigningService:
                 why = "not signed" if counters.unsigned else "not signed with our key, or out of date"
                 text = f"{channel.link.name}: messages refused, {why}"
                 logger.info(text)
-                self._texts.send([StatusText(Severity.WARNING, text)])
+                self._texts.notify(Severity.WARNING, text)
                 return
 
     def _warn_once(self, text: str) -> None:
         if text not in self._warned and len(self._warned) < _MAX_WARNINGS:
             self._warned.add(text)
             logger.warning(text)
-            self._texts.send([StatusText(Severity.WARNING, text)])
+            self._texts.notify(Severity.WARNING, text)

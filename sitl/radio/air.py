@@ -11,7 +11,7 @@ from companion.hal.interfaces import Link, Port
 from sitl.radio.channel import WHOLE, Channel, Quality
 from sitl.radio.link import LinkSettings
 from sitl.world.computer import Computer
-from sitl.world.sensors import generator
+from sitl.world.sensors.sampling import generator
 
 _SILENT = Quality(loss=1.0)
 

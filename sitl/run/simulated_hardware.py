@@ -6,7 +6,7 @@ The motors' inputs are here; receiver, compass, sonar and battery monitor are in
 import math
 
 from companion.core.units import clamp
-from sitl.world.sensors import SimBattery
+from sitl.world.sensors.battery_monitor import SimBattery
 
 __all__ = ["SimBattery", "SimMotors"]
 

@@ -29,13 +29,13 @@ from sitl.radio.link import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.scenarios.random_world import RandomWater, random_world
 from sitl.world.battery import BatteryParameters
-from sitl.world.drive import ThrusterParameters
-from sitl.world.environment import Environment
+from sitl.world.drive.settings import ThrusterParameters
+from sitl.world.environment.settings import Environment
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.hull import VesselParameters
 from sitl.world.movers import MoverSettings
-from sitl.world.sensors import Sensors
 from sitl.world.sensors.sampling import Seed
+from sitl.world.sensors.settings import Sensors
 
 SCENARIOS = Path(__file__).parent
 BOATS = SCENARIOS.with_name("boats")

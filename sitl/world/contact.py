@@ -22,6 +22,21 @@ _ATTEMPTS = 3  # to find a pose beside the shore: in a corner one impact leads t
 _PUSH = 1e-3  # of half the hull's length: the gap after an impact
 
 
+class Pose(NamedTuple):
+    """Position and heading of a hull."""
+
+    north_m: float
+    east_m: float
+    heading_rad: float
+
+
+class Velocity(NamedTuple):
+    """Of the water over ground."""
+
+    north_m_s: float
+    east_m_s: float
+
+
 class Touch(NamedTuple):
     """Where, in body axes about the centre, and the normal there, a unit vector toward the hull."""
 
@@ -57,22 +72,17 @@ class Contact:
     def meets(
         self,
         vessel: Vessel,
-        north_m: float,
-        east_m: float,
-        heading_rad: float,
-        current_north_m_s: float,
-        current_east_m_s: float,
+        before: Pose,
+        current: Velocity,
         dt_s: float,
         time_s: float,
     ) -> bool:
-        """Whether the step that brought the vessel here from a pose made it touch.
+        """Whether the step that brought the vessel here from the pose before made it touch.
 
         If so, pose and velocity are put right. A boat that starts alongside rubs as it casts off: that is no
         touch yet, until it first has had room to turn on the spot.
         """
-        if self.is_stuck and self._holds(
-            vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s, dt_s
-        ):
+        if self.is_stuck and self._holds(vessel, before, current, dt_s):
             return self._has_cast_off
         if self.room_m > 0.0 and (
             not self._movers or self._movers.gap_m(vessel.east_m, vessel.north_m, time_s) > self._radius_m
@@ -90,47 +100,37 @@ class Contact:
             for attempt in range(1, _ATTEMPTS + 1):
                 push_north = push_east = 0.0
                 for touch in touches:
-                    apply_contact(vessel, touch, current_north_m_s, current_east_m_s)
+                    apply_contact(vessel, touch, current)
                     push_north += touch.normal_ahead * vessel.cos - touch.normal_starboard * vessel.sin
                     push_east += touch.normal_ahead * vessel.sin + touch.normal_starboard * vessel.cos
                 push_m = attempt * _PUSH * self._lever_m
                 vessel.place(
-                    north_m + dt_s * (vessel.water_north_m_s + current_north_m_s) + push_m * push_north,
-                    east_m + dt_s * (vessel.water_east_m_s + current_east_m_s) + push_m * push_east,
-                    heading_rad + dt_s * vessel.yaw_rate_rad_s,
+                    before.north_m
+                    + dt_s * (vessel.water_north_m_s + current.north_m_s)
+                    + push_m * push_north,
+                    before.east_m + dt_s * (vessel.water_east_m_s + current.east_m_s) + push_m * push_east,
+                    before.heading_rad + dt_s * vessel.yaw_rate_rad_s,
                 )
                 touches = self._touches(vessel, time_s)
                 if not touches:
                     return self._has_cast_off
-            if self._gets_free(vessel, north_m, east_m, heading_rad, time_s):
+            if self._gets_free(vessel, before, time_s):
                 return self._has_cast_off
-        stop(vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s)
+        vessel.place(*before)
+        vessel.hold(*current)
         return self._has_cast_off
 
-    def _gets_free(
-        self, vessel: Vessel, north_m: float, east_m: float, heading_rad: float, time_s: float
-    ) -> bool:
-        """Whether a hull that lay in contact before, as a mover may leave it, now does so less."""
-        north, east, heading = vessel.north_m, vessel.east_m, vessel.heading_rad
-        gap_m = self._gap_m(east, north, time_s)
-        vessel.place(north_m, east_m, heading_rad)
-        lay_in_contact = bool(self._touches(vessel, time_s))
-        vessel.place(north, east, heading)
-        return lay_in_contact and gap_m > self._gap_m(east_m, north_m, time_s)
+    def _gets_free(self, vessel: Vessel, before: Pose, time_s: float) -> bool:
+        """Whether a hull that was in contact before, as a mover may leave it, now is less so."""
+        now = Pose(vessel.north_m, vessel.east_m, vessel.heading_rad)
+        vessel.place(*before)
+        was_in_contact = bool(self._touches(vessel, time_s))
+        vessel.place(*now)
+        return was_in_contact and self._gap_m(now, time_s) > self._gap_m(before, time_s)
 
-    def _holds(
-        self,
-        vessel: Vessel,
-        north_m: float,
-        east_m: float,
-        heading_rad: float,
-        current_north_m_s: float,
-        current_east_m_s: float,
-        dt_s: float,
-    ) -> bool:
+    def _holds(self, vessel: Vessel, before: Pose, current: Velocity, dt_s: float) -> bool:
         """Whether the shore can take the momentum that this step has given to the stopped hull."""
-        along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
-        across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
+        along, across = _in_body_axes(vessel, current)
         m11, m22, m33 = vessel.inertia
         pull_n = (
             math.hypot(
@@ -142,11 +142,14 @@ class Contact:
         )
         self.is_stuck = pull_n <= self._hold_n
         if self.is_stuck:
-            stop(vessel, north_m, east_m, heading_rad, current_north_m_s, current_east_m_s)
+            vessel.place(*before)
+            vessel.hold(*current)
         return self.is_stuck
 
-    def _gap_m(self, east_m: float, north_m: float, time_s: float) -> float:
-        return min(self._shore.room_m(east_m, north_m), self._movers.gap_m(east_m, north_m, time_s))
+    def _gap_m(self, at: Pose, time_s: float) -> float:
+        return min(
+            self._shore.room_m(at.east_m, at.north_m), self._movers.gap_m(at.east_m, at.north_m, time_s)
+        )
 
     def _touches(self, vessel: Vessel, time_s: float) -> list[Touch]:
         """Every stretch of shore and every mover that the hull's outline meets."""
@@ -240,11 +243,15 @@ def _touch(ahead_m: float, starboard_m: float, normal_ahead: float, normal_starb
     return Touch(ahead_m, starboard_m, normal_ahead / size, normal_starboard / size)
 
 
-def apply_contact(vessel: Vessel, touch: Touch, current_north_m_s: float, current_east_m_s: float) -> None:
+def _in_body_axes(vessel: Vessel, current: Velocity) -> tuple[float, float]:
+    along = current.north_m_s * vessel.cos + current.east_m_s * vessel.sin
+    return along, current.east_m_s * vessel.cos - current.north_m_s * vessel.sin
+
+
+def apply_contact(vessel: Vessel, touch: Touch, current: Velocity) -> None:
     """Reduce the speed over ground along the shore by friction, and remove the speed into it."""
     m11, m22, m33 = vessel.inertia
-    along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
-    across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
+    along, across = _in_body_axes(vessel, current)
     u, v, r = vessel.surge_m_s + along, vessel.sway_m_s + across, vessel.yaw_rate_rad_s
     x, y, normal_x, normal_y = touch
     arm = x * normal_y - y * normal_x
@@ -263,18 +270,3 @@ def apply_contact(vessel: Vessel, touch: Touch, current_north_m_s: float, curren
         impulse = -into / normal_ease
         u, v, r = u + impulse * normal_x / m11, v + impulse * normal_y / m22, r + impulse * arm / m33
     vessel.move(u - along, v - across, r)
-
-
-def stop(
-    vessel: Vessel,
-    north_m: float,
-    east_m: float,
-    heading_rad: float,
-    current_north_m_s: float,
-    current_east_m_s: float,
-) -> None:
-    """Stop over ground in a pose."""
-    vessel.place(north_m, east_m, heading_rad)
-    along = current_north_m_s * vessel.cos + current_east_m_s * vessel.sin
-    across = current_east_m_s * vessel.cos - current_north_m_s * vessel.sin
-    vessel.move(-along, -across, 0.0)

@@ -21,7 +21,12 @@ from sitl.world.faults.parts import (
 from sitl.world.faults.schedule import Faults
 from sitl.world.movers import Movers
 from sitl.world.parameters import fault_hooks, hull_hooks
-from sitl.world.sensors import SimBattery, SimCompass, SimGnss, SimHull, SimRc, SimSonar
+from sitl.world.sensors.battery_monitor import SimBattery
+from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.gnss import SimGnss
+from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.rc import SimRc
+from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 
 if TYPE_CHECKING:

@@ -6,12 +6,15 @@ from functools import partial
 
 from companion.config.parameters import ParameterHook, ParameterRow, ParameterType
 from companion.core.geo import LatLon, LocalFrame
-from sitl.world.environment import Current, Environment, Wind
+from sitl.world.environment.current import Current
+from sitl.world.environment.settings import Environment
+from sitl.world.environment.wind import Wind
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import LeakPart
 from sitl.world.faults.schedule import Faults
-from sitl.world.sensors import HullSensorSettings, SimHull
+from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.settings import HullSensorSettings
 
 _MAG_KINDS = {1: "off", 2: "stuck"}
 _RC_KINDS = {1: "off", 2: "wrong", 3: "stuck", 4: "garbage", 5: "failsafe"}  # the first two as in ArduPilot

@@ -14,10 +14,12 @@ from typing import NamedTuple
 from companion.core.errors import ConfigError
 from companion.core.units import wrap_pi
 from sitl.scenarios.scenario import Scenario
-from sitl.world.contact import Contact
-from sitl.world.drive import Thrusters
+from sitl.world.contact import Contact, Pose, Velocity
+from sitl.world.drive.thruster import Thrusters
 from sitl.world.electronics import Electronics
-from sitl.world.environment import Current, Waves, Wind
+from sitl.world.environment.current import Current
+from sitl.world.environment.waves import Waves
+from sitl.world.environment.wind import Wind
 from sitl.world.hull import LONGEST_STEP_S
 from sitl.world.movers import Movers
 from sitl.world.pack import Pack
@@ -149,7 +151,7 @@ class World:
             self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
         self.tick += 1
         motors, vessel, pack = self._motors, self._vessel, self._pack
-        north_m, east_m, heading_rad = vessel.north_m, vessel.east_m, vessel.heading_rad
+        before = Pose(vessel.north_m, vessel.east_m, vessel.heading_rad)
         surge_n, yaw_nm = self._thrusters.step(
             motors.left, motors.right, pack.supply_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, dt_s
         )
@@ -172,9 +174,9 @@ class World:
             )
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
         contact = self._contact
-        contact.room_m -= abs(vessel.north_m - north_m) + abs(vessel.east_m - east_m)
+        contact.room_m -= abs(vessel.north_m - before.north_m) + abs(vessel.east_m - before.east_m)
         if (contact.room_m <= 0.0 or contact.is_watchful) and contact.meets(
-            vessel, north_m, east_m, heading_rad, self._flow_n, self._flow_e, dt_s, time_s
+            vessel, before, Velocity(self._flow_n, self._flow_e), dt_s, time_s
         ):
             self.groundings += not self.truth.grounded
             self._touched_s = time_s

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from companion.hal.interfaces import Compass
 from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HeadingReading, HullReading
-from sitl.world.faults import FaultSetting
+from sitl.world.faults.catalogue import FaultSetting
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 

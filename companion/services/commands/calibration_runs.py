@@ -6,7 +6,7 @@ Both answer IN_PROGRESS until the run ends. Its results become parameters.
 from collections.abc import Callable
 
 from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationRunner
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import (
     ACCEPTED,
@@ -17,8 +17,8 @@ from companion.services.commands.command import (
     REJECTED_FOR_NOW,
     Command,
 )
-from companion.services.commands.vehicle import SendTexts
 from companion.services.parameters import ParameterService
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _AXES = (0, 4)  # AUTOTUNE_AXIS: default, yaw
@@ -28,12 +28,16 @@ class CalibrationCommands:
     """Starts runs and stores their results."""
 
     def __init__(
-        self, vehicle: Vehicle, runner: CalibrationRunner, parameters: ParameterService, send_texts: SendTexts
+        self,
+        vehicle: Vehicle,
+        runner: CalibrationRunner,
+        parameters: ParameterService,
+        texts: StatusTextService,
     ) -> None:
         self._vehicle = vehicle
         self._runner = runner
         self._parameters = parameters
-        self._send_texts = send_texts
+        self._texts = texts
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_DO_AUTOTUNE_ENABLE: self._tune_heading,
             dialect.MAV_CMD_USER_1: self._calibrate_thrusters,
@@ -45,16 +49,16 @@ class CalibrationCommands:
         if result is None:
             return None
         if result.reason:
-            self._report(Severity.WARNING, f"{result.kind.name} aborted: {result.reason}")
+            self._texts.notify(Severity.WARNING, f"{result.kind.name} aborted: {result.reason}")
             return FAILED
         for name, value in result.findings:
             short = float(f"{value:.4g}")
             was = self._parameters.value(name)
             if reason := self._parameters.set(name, short):
-                self._report(Severity.WARNING, reason)
+                self._texts.notify(Severity.WARNING, reason)
             else:
-                self._report(Severity.INFO, f"{name} {was:.4g} -> {short:g}")
-        self._report(Severity.NOTICE, f"{result.kind.name} done: {len(result.findings)} parameters set")
+                self._texts.notify(Severity.INFO, f"{name} {was:.4g} -> {short:g}")
+        self._texts.notify(Severity.NOTICE, f"{result.kind.name} done: {len(result.findings)} parameters set")
         return ACCEPTED
 
     def progress_percent(self, now_s: float) -> int | None:
@@ -77,7 +81,7 @@ class CalibrationCommands:
                 return ACCEPTED
             runner.stop("by command")
             runner.take_result()
-            self._report(Severity.NOTICE, f"{kind.name} aborted by command")
+            self._texts.notify(Severity.NOTICE, f"{kind.name} aborted by command")
             return CANCELLED
         if wanted != 1:
             return DENIED
@@ -86,10 +90,7 @@ class CalibrationCommands:
         if reason := runner.start(
             kind, radius_m, vehicle.status, vehicle.nav, vehicle.fence, vehicle.config, command.now_s
         ):
-            self._report(Severity.WARNING, f"{kind.name}: {reason}")
+            self._texts.notify(Severity.WARNING, f"{kind.name}: {reason}")
             return REJECTED_FOR_NOW
-        self._report(Severity.NOTICE, f"{kind.name} started, within {runner.radius_m:.1f} m")
+        self._texts.notify(Severity.NOTICE, f"{kind.name} started, within {runner.radius_m:.1f} m")
         return IN_PROGRESS
-
-    def _report(self, severity: int, text: str) -> None:
-        self._send_texts([StatusText(severity, text)])

@@ -13,7 +13,7 @@ from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
-from companion.services.commands.battery import BatteryCommands
+from companion.services.commands.battery import reset_battery
 from companion.services.commands.calibration_runs import CalibrationCommands
 from companion.services.commands.command import (
     ACCEPTED,
@@ -23,17 +23,16 @@ from companion.services.commands.command import (
     IN_PROGRESS,
     UNSUPPORTED,
     Command,
-    from_int,
-    from_long,
 )
-from companion.services.commands.faults import FaultCommands
+from companion.services.commands.faults import inject_fault
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
-from companion.services.commands.vehicle import SendTexts, VehicleCommands
+from companion.services.commands.vehicle import VehicleCommands
 from companion.services.external_pose import ExternalPoseService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.service import TelemetryService
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 RESEND_S = 2.0
@@ -62,7 +61,7 @@ class CommandService:
         outbox: Outbox,
         motor_test: MotorTest,
         parameters: ParameterService,
-        send_texts: SendTexts,
+        texts: StatusTextService,
         pose: ExternalPoseService,
         calibration: CalibrationRunner,
         gauge: FuelGauge,
@@ -72,18 +71,19 @@ class CommandService:
         self._outbox = outbox
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
-        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, send_texts, self._send_later)
-        self._calibration = CalibrationCommands(vehicle, calibration, parameters, send_texts)
+        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, texts, self._send_later)
+        self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
-            **BatteryCommands(vehicle, gauge, send_texts).table,
+            dialect.MAV_CMD_BATTERY_RESET: lambda command: reset_battery(command, vehicle, gauge, texts),
             **self._calibration.table,
-            **VehicleCommands(vehicle, parameters, send_texts).table,
-            **FaultCommands(faults, send_texts).table,
+            **VehicleCommands(vehicle, parameters, texts).table,
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
+        if faults is not None:
+            self._table[dialect.MAV_CMD_INJECT_FAILURE] = lambda command: inject_fault(command, faults, texts)
         self.questions = frozenset((*self._questions, *_HARMLESS))
         """Commands that change nothing."""
         self._done: Command | None = None  # the latest non-idempotent command
@@ -96,20 +96,12 @@ class CommandService:
         """When to restart the program; infinite without a request."""
         return self._upkeep.restart_due_s
 
-    def on_long(self, message: Message, origin: Origin, now_s: float) -> None:
-        """COMMAND_LONG."""
-        self.handle(from_long(message, origin, now_s))
-
-    def on_int(self, message: Message, origin: Origin, now_s: float) -> None:
-        """COMMAND_INT."""
-        self.handle(from_int(message, origin, now_s))
-
     def on_set_mode(self, message: Message, origin: Origin) -> None:
         """SET_MODE, deprecated; acknowledged like the command, as ArduPilot does."""
         p = (float(message.base_mode), float(message.custom_mode), 0.0, 0.0)
         self.handle(Command(dialect.MAV_CMD_DO_SET_MODE, p, math.nan, math.nan, 0, origin, 0.0))
 
-    def on_version_request(self, origin: Origin, now_s: float) -> None:
+    def on_version_request(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
         """AUTOPILOT_VERSION_REQUEST, deprecated; ArduPilot answers with the message alone."""
         asked = (float(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION), 0.0, 0.0, 0.0)
         self._questions[dialect.MAV_CMD_REQUEST_MESSAGE](
@@ -128,10 +120,10 @@ class CommandService:
 
     def handle(self, command: Command) -> None:
         """Execute and acknowledge a command, then send the requested messages."""
-        self._handle(command)
+        self._execute(command)
         self._send_what_follows()
 
-    def _handle(self, command: Command) -> None:
+    def _execute(self, command: Command) -> None:
         carry_out = self._table.get(command.number)
         if carry_out is None:
             self._answer(command, UNSUPPORTED)

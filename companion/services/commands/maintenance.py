@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from companion import __version__
 from companion.calibration.motor_test import MotorTest, TestedMotor
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HeadingReading
@@ -21,9 +21,9 @@ from companion.services.commands.command import (
     SendLater,
 )
 from companion.services.commands.gyro_calibration import GyroCalibration
-from companion.services.commands.vehicle import SendTexts
 from companion.services.outbox import Origin
 from companion.services.parameters import ParameterService
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _RESTART_AFTER_S = 0.3  # time to send the ACK
@@ -49,7 +49,7 @@ class MaintenanceCommands:
         vehicle: Vehicle,
         motor_test: MotorTest,
         parameters: ParameterService,
-        send_texts: SendTexts,
+        texts: StatusTextService,
         send_later: SendLater,
     ) -> None:
         self.restart_due_s = math.inf
@@ -58,7 +58,7 @@ class MaintenanceCommands:
         self._vehicle = vehicle
         self._motor_test = motor_test
         self._parameters = parameters
-        self._send_texts = send_texts
+        self._texts = texts
         self._send_later = send_later
         self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_seen_s = -math.inf
@@ -120,10 +120,10 @@ class MaintenanceCommands:
 
     def _end_test(self, why: str) -> None:
         self._motor_test.stop()
-        self._send_texts([StatusText(Severity.WARNING, f"Motor test: ended, {why}")])
+        self._texts.notify(Severity.WARNING, f"Motor test: ended, {why}")
 
     def _report(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
-        self._send_texts([StatusText(severity, text)])
+        self._texts.notify(severity, text)
         return result
 
     def _has_no(self, part: str) -> int:

@@ -20,10 +20,8 @@ from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
 from companion.services.parameters import ParameterService
+from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
-
-SendTexts = Callable[[list[StatusText]], None]
-"""Sends status texts to all stations."""
 
 _DISARM_MAGIC = 21196
 _ARM_MAGIC = (2989, 21196)  # ArduPilot's, and that of MAVLink's common set, which forces both ways
@@ -34,10 +32,10 @@ _NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
 class VehicleCommands:
     """Executes the requests; the vehicle reports refusals itself."""
 
-    def __init__(self, vehicle: Vehicle, parameters: ParameterService, send_texts: SendTexts) -> None:
+    def __init__(self, vehicle: Vehicle, parameters: ParameterService, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._parameters = parameters
-        self._send_texts = send_texts
+        self._texts = texts
         self._paused: Mode | None = None
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_COMPONENT_ARM_DISARM: self._arm_disarm,
@@ -73,7 +71,7 @@ class VehicleCommands:
         if self._vehicle.armed:
             return REJECTED_FOR_NOW
         faults = self._vehicle.arming_faults()
-        self._send_texts([StatusText(Severity.CRITICAL, f"PreArm: {fault}") for fault in faults])
+        self._texts.send([StatusText(Severity.CRITICAL, f"PreArm: {fault}") for fault in faults])
         return ACCEPTED
 
     def _set_mode(self, command: Command) -> int:
@@ -141,6 +139,6 @@ class VehicleCommands:
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED
         if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
-            self._send_texts([StatusText(Severity.ERROR, "Fence: none uploaded")])
+            self._texts.notify(Severity.ERROR, "Fence: none uploaded")
             return FAILED
         return FAILED if self._parameters.set("FENCE_ENABLE", float(wanted)) else ACCEPTED

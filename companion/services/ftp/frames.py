@@ -95,16 +95,7 @@ def ack(
     is_burst_over: bool = False,
 ) -> bytes:
     """Payload of an ACK. Omitted values are those of the request."""
-    return _HEADER.pack(
-        (request.sequence + 1 if sequence is None else sequence) & 0xFFFF,
-        request.session if session is None else session,
-        _ACK,
-        len(data),
-        request.opcode,
-        is_burst_over,
-        0,
-        request.offset if offset is None else offset,
-    ) + data.ljust(DATA_BYTES, b"\x00")
+    return _reply(request, _ACK, data, session, offset, sequence, is_burst_over)
 
 
 def nak(
@@ -113,13 +104,26 @@ def nak(
     """Payload of a NAK."""
     is_numbered = refusal.code is Code.FAIL_ERRNO
     data = bytes((refusal.code, refusal.number & 0xFF)) if is_numbered else bytes((refusal.code,))
+    is_burst_over = refusal.code is Code.END_OF_FILE and request.opcode == Opcode.BURST_READ_FILE
+    return _reply(request, _NAK, data, None, offset, sequence, is_burst_over)
+
+
+def _reply(
+    request: Request,
+    opcode: int,
+    data: bytes,
+    session: int | None,
+    offset: int | None,
+    sequence: int | None,
+    is_burst_over: bool,
+) -> bytes:
     return _HEADER.pack(
         (request.sequence + 1 if sequence is None else sequence) & 0xFFFF,
-        request.session,
-        _NAK,
+        request.session if session is None else session,
+        opcode,
         len(data),
         request.opcode,
-        refusal.code is Code.END_OF_FILE and request.opcode == Opcode.BURST_READ_FILE,
+        is_burst_over,
         0,
         request.offset if offset is None else offset,
     ) + data.ljust(DATA_BYTES, b"\x00")

@@ -53,12 +53,10 @@ class Content:
         """Up to count bytes."""
         return self._content[offset : offset + count]
 
+    fetch = read
+
     def load(self, offset: int) -> None:
         """No effect."""
-
-    def fetch(self, offset: int, count: int) -> bytes:
-        """The same as `read`."""
-        return self.read(offset, count)
 
     def close(self) -> None:
         """No effect."""
@@ -101,25 +99,11 @@ class VirtualMount:
             raise OSError(errno.EFBIG, "too long")
         take(content)
 
-    def truncate(self, names: Names, size: int) -> None:  # noqa: ARG002
-        """Never."""
+    def truncate(self, names: Names, to: object = None) -> None:  # noqa: ARG002
+        """Never: the files of a virtual folder are fixed."""
         raise Refusal(Code.FILE_PROTECTED)
 
-    def remove(self, names: Names) -> None:  # noqa: ARG002
-        """Never."""
-        raise Refusal(Code.FILE_PROTECTED)
-
-    def make_folder(self, names: Names) -> None:  # noqa: ARG002
-        """Never."""
-        raise Refusal(Code.FILE_PROTECTED)
-
-    def remove_folder(self, names: Names) -> None:  # noqa: ARG002
-        """Never."""
-        raise Refusal(Code.FILE_PROTECTED)
-
-    def rename(self, names: Names, to: Names) -> None:  # noqa: ARG002
-        """Never."""
-        raise Refusal(Code.FILE_PROTECTED)
+    remove = make_folder = remove_folder = rename = truncate
 
     def _file(self, name: str) -> VirtualFile:
         file = self._files.get(name)

@@ -52,7 +52,6 @@ class MissionList:
         self.loss = ""  # what of the stored list is lost, and what is used instead
         self.home: Callable[[], LatLon | None] = lambda: None  # set by the owner
         self._own = own
-        self._timers = config.mavlink
         self._storage = storage
         self._arriving: list[ListEntry] = []
         self._arrived: tuple[ListEntry, ...] = ()
@@ -61,7 +60,7 @@ class MissionList:
             MissionType.FENCE: config.mission.max_fence_items,
             MissionType.RALLY: config.mission.max_rally_items,
         }[mission_type]
-        timers = config.mavlink
+        self._timers = timers = config.mavlink
         self.receiver = Receiver(
             own, mission_type, timers.item_retry_s, _ITEM_RETRIES * timers.retries, self.most, self._check
         )
@@ -122,14 +121,12 @@ class MissionList:
 
     def _load(self) -> None:
         items, self.loss = load_items(self._storage, self.type)
-        text = ""
-        for seq, item in enumerate(items):
-            if fault := self._check(seq, item):
-                text = f"item {seq}: {fault.text}"
-                break
-        else:
-            fault = self._check_whole(self._arriving)
-            text = fault.text if fault else ""
+        faults = (
+            f"item {seq}: {fault.text}" for seq, item in enumerate(items) if (fault := self._check(seq, item))
+        )
+        text = next(faults, "")
+        if not text and (fault := self._check_whole(self._arriving)):
+            text = fault.text
         if text:
             self.loss = f"{text}; none is in use"
         else:

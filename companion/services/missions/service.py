@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.requests import SetCurrentItem
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
@@ -29,6 +29,19 @@ from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
 
+MISSION_MESSAGES = (
+    dialect.MAVLINK_MSG_ID_MISSION_COUNT,
+    dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
+    dialect.MAVLINK_MSG_ID_MISSION_ITEM,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_LIST,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST,
+    dialect.MAVLINK_MSG_ID_MISSION_ACK,
+    dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
+    dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
+    dialect.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST,
+)
 _ALL_TYPES = dialect.MAV_MISSION_TYPE_ALL
 _ITEM = frozenset({"MISSION_ITEM_INT", "MISSION_ITEM"})
 _OFFERS = frozenset({"MISSION_COUNT", "MISSION_CLEAR_ALL", "MISSION_WRITE_PARTIAL_LIST"})
@@ -65,7 +78,6 @@ class MissionService:
         self._texts = texts
         self._clearing: _Clearing | None = None
         self._reported_seq = 0
-        self._busy: list[MissionList] = []  # lists with a transfer or save in progress
         self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
         for one in self._lists.values():
             if one.loss:
@@ -85,7 +97,7 @@ class MissionService:
         """Handle a message of the protocol."""
         if not is_named(self._own, message.target_system, message.target_component):
             return  # broadcast transfers are ignored
-        for one in self._busy:
+        for one in self._lists.values():
             if one.upload_channel == origin.channel:
                 one.receiver.rest(origin.address)
         name = message.get_type()
@@ -103,8 +115,6 @@ class MissionService:
             self._acknowledge(origin, MissionResult.UNSUPPORTED, message.mission_type)
             return
         one = self._lists[MissionType(message.mission_type)]
-        if one not in self._busy:
-            self._busy.append(one)
         if name in _UPLOAD or (name == "MISSION_ACK" and one.upload_channel == origin.channel):
             self._receive(one, message, origin, now_s)
         if name == "MISSION_REQUEST_PARTIAL_LIST":
@@ -118,14 +128,12 @@ class MissionService:
         """Retries, time-outs and finished saves."""
         if self._clearing is not None:
             self._finish_clearing(self._clearing)
-        for one in self._busy:
-            self._tick_list(one, now_s)
-        if self._busy:
-            self._busy = [one for one in self._busy if not one.is_idle]
+        for one in self._lists.values():
+            if not one.is_idle:
+                self._tick_list(one, now_s)
         progress = self._vehicle.progress
-        if progress.reached:
-            for seq in progress.take_reached():
-                self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
+        for seq in progress.take_reached():
+            self._outbox.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
         if progress.current_seq != self._reported_seq:
             self._send_current()
 
@@ -185,14 +193,14 @@ class MissionService:
             if isinstance(event, Completed):
                 self._store(one, event, now_s)
             elif isinstance(event, Failed):
-                self._notify(Severity.WARNING, f"{_title(one)} upload failed: {event.text}")
+                self._texts.notify(Severity.WARNING, f"{_title(one)} upload failed: {event.text}")
         self._post(one.receiver, one.upload_channel)
 
     def _store(self, one: MissionList, completed: Completed, now_s: float) -> None:
         fault = one.store(completed)
         if fault is not None:
             one.receiver.confirm(now_s, fault.result)
-            self._notify(Severity.WARNING, f"{_title(one)} refused: {fault.text}")
+            self._texts.notify(Severity.WARNING, f"{_title(one)} refused: {fault.text}")
             return
         self._finish_saving(one, now_s)
 
@@ -224,7 +232,7 @@ class MissionService:
         if skipped:
             what = command_name(one.entries[skipped[0]].item.command)
             more = f", and {len(skipped) - 1} more" if len(skipped) > 1 else ""
-            self._notify(Severity.WARNING, f"Mission: item {skipped[0]}, {what}, is ignored{more}")
+            self._texts.notify(Severity.WARNING, f"Mission: item {skipped[0]}, {what}, is ignored{more}")
 
     def _clear_all(self, origin: Origin) -> None:
         if self._clearing is not None or any(one.receiver.partner for one in self._lists.values()):
@@ -287,10 +295,7 @@ class MissionService:
         )
 
     def _report_not_stored(self, one: MissionList, error: str) -> None:
-        self._notify(Severity.ERROR, f"{_title(one)} not stored: {error}")
-
-    def _notify(self, severity: int, text: str) -> None:
-        self._texts.send([StatusText(severity, text)])
+        self._texts.notify(Severity.ERROR, f"{_title(one)} not stored: {error}")
 
 
 def _title(one: MissionList) -> str:

@@ -17,7 +17,7 @@ def _health(now: Snapshot) -> tuple[int, float, float]:
 
     ESTIMATOR_STATUS_FLAGS and EKF_STATUS_FLAGS have the same bits up to EKF_PRED_POS_HORIZ_ABS.
     """
-    nav, config = now.nav, now.config
+    nav, config = now.vehicle.nav, now.config
     if nav is None:
         return 0, 1.0, 1.0
     faults, timeout_s = nav.faults, config.motors.estimate_timeout_s
@@ -45,17 +45,17 @@ def ekf_status_report(now: Snapshot) -> Message:
     The variances are normalised: 1 is the limit used by stations and the boat.
     """
     flags, position, heading = _health(now)
-    if now.frame is None:
+    if now.vehicle.frame is None:
         flags |= dialect.EKF_UNINITIALIZED
-    elif now.nav is not None and now.nav.faults & _GLITCH:
+    elif now.vehicle.nav is not None and now.vehicle.nav.faults & _GLITCH:
         flags |= dialect.EKF_GPS_GLITCHING
     return dialect.MAVLink_ekf_status_report_message(flags, position, position, 0.0, heading, 0.0)
 
 
 def estimator_status(now: Snapshot) -> Message | None:
     """The same in the standard message, with the position accuracy in metres."""
-    nav = now.nav
-    if nav is None or now.frame is None:
+    nav = now.vehicle.nav
+    if nav is None or now.vehicle.frame is None:
         return None
     flags, position, heading = _health(now)
     if nav.faults & _GLITCH:
@@ -79,8 +79,8 @@ def water_current(now: Snapshot) -> Message | None:
 
     MAVLink has no message for a current, and WIND would show it as wind, so it is sent as a named vector.
     """
-    nav = now.nav
-    if nav is None or now.frame is None:
+    nav = now.vehicle.nav
+    if nav is None or now.vehicle.frame is None:
         return None
     return dialect.MAVLink_debug_vect_message(
         _CURRENT_NAME, now.boot_us, nav.current_north_m_s, nav.current_east_m_s, 0.0

@@ -25,26 +25,33 @@ def _heading_cdeg(heading_rad: float) -> int:
 
 def attitude(now: Snapshot) -> Message | None:
     """Roll and pitch are 0: the estimate has none."""
-    if now.nav is None:
+    if now.vehicle.nav is None:
         return None
     return dialect.MAVLink_attitude_message(
-        now.boot_ms, 0.0, 0.0, now.nav.heading_rad, 0.0, 0.0, now.nav.yaw_rate_rad_s
+        now.boot_ms, 0.0, 0.0, now.vehicle.nav.heading_rad, 0.0, 0.0, now.vehicle.nav.yaw_rate_rad_s
     )
 
 
 def attitude_quaternion(now: Snapshot) -> Message | None:
     """The same as ATTITUDE, as a rotation."""
-    if now.nav is None:
+    if (nav := now.vehicle.nav) is None:
         return None
-    half_rad = 0.5 * now.nav.heading_rad
+    half_rad = 0.5 * nav.heading_rad
     return dialect.MAVLink_attitude_quaternion_message(
-        now.boot_ms, math.cos(half_rad), 0.0, 0.0, math.sin(half_rad), 0.0, 0.0, now.nav.yaw_rate_rad_s
+        now.boot_ms,
+        math.cos(half_rad),
+        0.0,
+        0.0,
+        math.sin(half_rad),
+        0.0,
+        0.0,
+        nav.yaw_rate_rad_s,
     )
 
 
 def global_position_int(now: Snapshot) -> Message | None:
     """The estimate, not the receiver's fix."""
-    nav, frame = now.nav, now.frame
+    nav, frame = now.vehicle.nav, now.vehicle.frame
     if nav is None or frame is None:
         return None
     here = frame.to_global(nav.point)
@@ -63,8 +70,8 @@ def global_position_int(now: Snapshot) -> Message | None:
 
 def local_position_ned(now: Snapshot) -> Message | None:
     """Relative to the frame's origin."""
-    nav = now.nav
-    if nav is None or now.frame is None:
+    nav = now.vehicle.nav
+    if nav is None or now.vehicle.frame is None:
         return None
     return dialect.MAVLink_local_position_ned_message(
         now.boot_ms, nav.north_m, nav.east_m, 0.0, nav.north_m_s, nav.east_m_s, 0.0
@@ -80,12 +87,12 @@ def global_origin(origin: LatLon, time_us: int = 0) -> Message:
 
 def gps_global_origin(now: Snapshot) -> Message | None:
     """The origin of LOCAL_POSITION_NED, once set."""
-    return None if now.frame is None else global_origin(now.frame.origin, now.boot_us)
+    return None if now.vehicle.frame is None else global_origin(now.vehicle.frame.origin, now.boot_us)
 
 
 def position_target_global_int(now: Snapshot) -> Message | None:
     """The target position and speed; None without a target."""
-    target, demand = now.vehicle.destination, now.demand
+    target, demand = now.vehicle.destination, now.guidance.demand
     if target is None or demand is None:
         return None
     north_m_s = demand.speed_m_s * math.cos(demand.heading_rad)
@@ -110,7 +117,7 @@ def position_target_global_int(now: Snapshot) -> Message | None:
 
 def vfr_hud(now: Snapshot) -> Message | None:
     """Ground speed, heading and throttle."""
-    nav = now.nav
+    nav = now.vehicle.nav
     if nav is None:
         return None
     speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
@@ -121,7 +128,7 @@ def vfr_hud(now: Snapshot) -> Message | None:
 
 def gps_raw_int(now: Snapshot) -> Message | None:
     """The receiver's fix; "no fix" without one."""
-    fix = now.fix
+    fix = now.sensors.fix
     if fix is None:
         return dialect.MAVLink_gps_raw_int_message(
             now.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFF
@@ -149,7 +156,7 @@ def gps_raw_int(now: Snapshot) -> Message | None:
 
 def nav_controller_output(now: Snapshot) -> Message | None:
     """Guidance output. xtrack_error is positive to the right of the line."""
-    nav, demand = now.nav, now.demand
+    nav, demand = now.vehicle.nav, now.guidance.demand
     if nav is None:
         return None
     if demand is None:
@@ -158,8 +165,8 @@ def nav_controller_output(now: Snapshot) -> Message | None:
             0.0, 0.0, heading_deg, heading_deg, 0, 0.0, 0.0, 0.0
         )
     target_deg = heading_deg = _int16(math.degrees(demand.heading_rad))
-    if now.frame is not None and (waypoint := now.vehicle.destination) is not None:
-        target_deg = _int16(math.degrees(bearing_rad(nav.point, now.frame.to_local(waypoint))))
+    if now.vehicle.frame is not None and (waypoint := now.vehicle.destination) is not None:
+        target_deg = _int16(math.degrees(bearing_rad(nav.point, now.vehicle.frame.to_local(waypoint))))
     return dialect.MAVLink_nav_controller_output_message(
         nav_roll=0.0,
         nav_pitch=0.0,
@@ -182,7 +189,7 @@ def servo_output_raw(now: Snapshot) -> Message:
 
 def pid_tuning(now: Snapshot) -> Message | None:
     """The heading PID; None while it is inactive."""
-    pid, demand, nav = now.heading_pid, now.demand, now.nav
+    pid, demand, nav = now.guidance.helm.heading_pid, now.guidance.demand, now.vehicle.nav
     if pid is None or demand is None or nav is None:
         return None
     return dialect.MAVLink_pid_tuning_message(

@@ -13,7 +13,7 @@ def obstacle_distance(now: Snapshot) -> Message | None:
     """The latest sweep and the remembered obstacles, 72 sectors clockwise from the bow; None without
     pings.
     """
-    sweep = now.sweep
+    sweep = now.sensors.sweep
     if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
         return None
     distances, farthest_cm = sweep.distances_cm(now.now_s)
@@ -36,7 +36,7 @@ def obstacle_distance(now: Snapshot) -> Message | None:
 def _remembered_cm(now: Snapshot) -> dict[int, int]:
     """The nearest solid cell in each sector."""
     nearest: dict[int, int] = {}
-    perception, nav = now.perception, now.nav
+    perception, nav = now.guidance.perception, now.vehicle.nav
     if perception is None or nav is None:
         return nearest
     here, half_m = nav.point, 0.5 * perception.occupancy.cell_m
@@ -52,7 +52,7 @@ def _remembered_cm(now: Snapshot) -> dict[int, int]:
 
 def obstacle_distance_3d(now: Snapshot) -> Message | None:
     """The nearest track, ahead and to starboard, with its number."""
-    perception, nav = now.perception, now.nav
+    perception, nav = now.guidance.perception, now.vehicle.nav
     known = [] if perception is None else perception.tracks.known(now.now_s)
     if perception is None or nav is None or not known:
         return None

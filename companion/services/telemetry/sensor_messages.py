@@ -15,7 +15,7 @@ _FIELD = 1000.0  # length of the magnetic field vector
 
 def _imu(now: Snapshot) -> tuple[int, int, int] | None:
     """Yaw rate in mrad/s and direction of north in body axes; None without a compass."""
-    reading = now.heading
+    reading = now.sensors.compass
     if reading is None:
         return None
     rate = reading.yaw_rate_rad_s or 0.0
@@ -41,13 +41,13 @@ def raw_imu(now: Snapshot) -> Message | None:
 
 def power_status(now: Snapshot) -> Message | None:
     """The pack as the motor rail. The computer's 5 V are not measured: 0."""
-    if now.battery is None:
+    if now.sensors.battery is None:
         return None
     flags = dialect.MAV_POWER_STATUS_BRICK_VALID
     if now.vehicle.armed:
         flags |= dialect.MAV_POWER_STATUS_SERVO_VALID
     return dialect.MAVLink_power_status_message(
-        0, round(clamp(now.battery.voltage_v * 1e3, 0.0, 65535.0)), flags
+        0, round(clamp(now.sensors.battery.voltage_v * 1e3, 0.0, 65535.0)), flags
     )
 
 

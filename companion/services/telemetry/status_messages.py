@@ -28,7 +28,7 @@ _PRESENT = (
 def sys_status(now: Snapshot) -> Message:
     """Health bits. Stations use the PREARM_CHECK bit as "ready to arm"."""
     vehicle, estimate_timeout_s = now.vehicle, now.config.motors.estimate_timeout_s
-    nav = now.nav
+    nav = now.vehicle.nav
     health = _PRESENT & ~dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
     if not vehicle.failsafes.fence.is_outside:
         # Also set without a fence: MAVProxy reports a breach if this bit is missing
@@ -49,7 +49,7 @@ def sys_status(now: Snapshot) -> Message:
     enabled |= fitted
     if not now.config.failsafe.rc_enabled:
         enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-    battery = now.battery
+    battery = now.sensors.battery
     current_a = battery.current_a if battery is not None else None
     return dialect.MAVLink_sys_status_message(
         onboard_control_sensors_present=_PRESENT | fitted,
@@ -58,7 +58,7 @@ def sys_status(now: Snapshot) -> Message:
         load=round(clamp(now.load * 1000.0, 0.0, 1000.0)),
         voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),
         current_battery=-1 if current_a is None else round(current_a * 100.0),
-        battery_remaining=now.battery_percent,
+        battery_remaining=now.sensors.gauge.percent,
         drop_rate_comm=0,
         errors_comm=0,
         errors_count1=0,
@@ -73,29 +73,29 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
     fitted = well = 0
     if now.vehicle.fence.is_active:
         fitted |= dialect.MAV_SYS_STATUS_GEOFENCE
-    if now.battery is not None:
+    if now.sensors.battery is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
         if not now.vehicle.failsafes.pack_is_low:
             well |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-    if now.heading is not None and now.heading.yaw_rate_rad_s is not None:
+    if now.sensors.compass is not None and now.sensors.compass.yaw_rate_rad_s is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
-        if now.now_s - now.heading.time_s <= now.config.motors.estimate_timeout_s:
+        if now.now_s - now.sensors.compass.time_s <= now.config.motors.estimate_timeout_s:
             well |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
     radio = now.vehicle.manual_input.rc
     if radio.is_fitted:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
         if radio.is_fresh(now.config.rc, now.now_s):
             well |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-    if now.sweep is not None and now.sweep.latest is not None:
+    if now.sensors.sweep is not None and now.sensors.sweep.latest is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
-        if not now.sweep.is_empty(now.now_s):
+        if not now.sensors.sweep.is_empty(now.now_s):
             well |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
     return fitted, well
 
 
 def battery_status(now: Snapshot) -> Message | None:
     """The pack; the total voltage is in the first cell's field."""
-    battery = now.battery
+    battery = now.sensors.battery
     if battery is None:
         return None
     is_low = now.vehicle.failsafes.pack_is_low
@@ -106,9 +106,9 @@ def battery_status(now: Snapshot) -> Message | None:
         temperature=0x7FFF,
         voltages=[round(battery.voltage_v * 1e3)] + [0xFFFF] * 9,
         current_battery=-1 if battery.current_a is None else round(battery.current_a * 100.0),
-        current_consumed=-1 if battery.current_a is None else round(now.consumed_mah),
+        current_consumed=-1 if battery.current_a is None else round(now.sensors.consumed_mah),
         energy_consumed=-1,
-        battery_remaining=now.battery_percent,
+        battery_remaining=now.sensors.gauge.percent,
         charge_state=dialect.MAV_BATTERY_CHARGE_STATE_LOW if is_low else dialect.MAV_BATTERY_CHARGE_STATE_OK,
     )
 
@@ -137,7 +137,7 @@ def home_position(now: Snapshot) -> Message | None:
     home = now.vehicle.home
     if home is None:
         return None
-    north_m, east_m = now.frame.to_local(home) if now.frame is not None else (0.0, 0.0)
+    north_m, east_m = now.vehicle.frame.to_local(home) if now.vehicle.frame is not None else (0.0, 0.0)
     return dialect.MAVLink_home_position_message(
         latitude=deg_to_e7(home.lat_deg),
         longitude=deg_to_e7(home.lon_deg),
@@ -174,7 +174,7 @@ def mission_current(vehicle: Vehicle) -> Message:
 
 def distance_sensor(now: Snapshot) -> Message | None:
     """The latest ping. Other bearings than multiples of 45° use a custom orientation."""
-    ping = now.sonar
+    ping = now.sensors.sonar
     if ping is None:
         return None
     half_yaw_rad = 0.5 * ping.bearing_rad

@@ -31,6 +31,10 @@ class StatusTextService:
         self.listener: Callable[[StatusText], object] | None = None  # the onboard log
         self.logs_texts = False  # whether messages are also logged
 
+    def notify(self, severity: int, text: str) -> None:
+        """Send one message to all."""
+        self.send([StatusText(severity, text)])
+
     def send(self, status_texts: Iterable[StatusText]) -> None:
         """Send to all; the excess is dropped and counted, the least severe first."""
         for notice in status_texts:

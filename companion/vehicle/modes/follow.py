@@ -3,7 +3,7 @@
 import math
 
 from companion.config.boat_config import Follow
-from companion.core.geo import LocalFrame, Point, distance_m
+from companion.core.geo import LocalFrame, Point, distance_m, from_body_axes
 from companion.core.intent import HoldCourse, Intent, KeepStation
 from companion.core.requests import OtherVehicle
 from companion.core.status_text import Severity, StatusText
@@ -82,8 +82,7 @@ class FollowMode(ModeController):
         at = frame.to_local(lead.position)
         north, east = setting.offset_x_m, setting.offset_y_m
         if setting.offset_type == 1:
-            c, s = math.cos(lead.heading_rad), math.sin(lead.heading_rad)
-            north, east = north * c - east * s, north * s + east * c
+            north, east = from_body_axes(north, east, lead.heading_rad)
         return Point(
             at.north_m + lead.north_m_s * ahead_s + north, at.east_m + lead.east_m_s * ahead_s + east
         )

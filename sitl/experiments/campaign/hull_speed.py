@@ -9,7 +9,8 @@ from functools import cache
 from itertools import product
 from typing import Final
 
-from sitl.world.drive import ThrusterParameters, Thrusters
+from sitl.world.drive.settings import ThrusterParameters
+from sitl.world.drive.thruster import Thrusters
 from sitl.world.hull import VesselParameters
 from sitl.world.vessel import Vessel
 

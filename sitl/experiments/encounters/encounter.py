@@ -26,7 +26,7 @@ from sitl.run.mission_run import MissionRun, Result
 from sitl.scenarios.layers import COMMAND_LINE, Layer
 from sitl.scenarios.missions import wire_items
 from sitl.scenarios.scenario import Scenario, load_scenario
-from sitl.world.sensors import generator
+from sitl.world.sensors.sampling import generator
 from sitl.world.world import Truth
 
 MOST_S = 400.0

@@ -14,7 +14,7 @@ from companion.boat import TICK_S
 from companion.core.units import wrap_pi
 from sitl.run.recorder import Rows
 from sitl.scenarios.scenario import Scenario
-from sitl.world.drive import Thrusters
+from sitl.world.drive.thruster import Thrusters
 from sitl.world.movers import Movers
 from sitl.world.vessel import Vessel
 from sitl.world.world import Truth

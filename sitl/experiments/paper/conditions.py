@@ -9,7 +9,7 @@ from enum import StrEnum
 from functools import cache
 
 from sitl.scenarios.scenario import Scenario, load_scenario
-from sitl.world.sensors import generator
+from sitl.world.sensors.sampling import generator
 
 CASES = ("1", "2", "3", "4", "5")
 RUNS = 12  # Table 3 divides by it

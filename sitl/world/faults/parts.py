@@ -11,16 +11,14 @@ from sitl.radio.channel import WHOLE, Quality
 from sitl.run.simulated_hardware import SimMotors
 from sitl.world.computer import Computer
 from sitl.world.faults.catalogue import FaultSetting
-from sitl.world.sensors import (
-    SensorFault,
-    SimBattery,
-    SimCompass,
-    SimGnss,
-    SimHull,
-    SimRc,
-    SimSonar,
-    generator,
-)
+from sitl.world.sensors.battery_monitor import SimBattery
+from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.gnss import SimGnss
+from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.rc import SimRc
+from sitl.world.sensors.sampling import generator
+from sitl.world.sensors.sonar import SimSonar
 
 Part = Callable[[FaultSetting | None, float], None]
 

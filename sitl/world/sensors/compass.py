@@ -58,10 +58,8 @@ class SimCompass(Sensor[HeadingReading]):
         surge_m_s: float = 0.0,
     ) -> None:
         """Sample when due."""
-        if now_s < self.due_s:
+        if not self._is_due(now_s, self._rate_hz):
             return
-        self._count += 1
-        self.due_s = self._count / self._rate_hz - TIME_SLACK_S
         random = self._random.random
         if now_s >= self._slow_due_s:
             self._slow_due_s = now_s + _SLOW_S - TIME_SLACK_S
@@ -83,7 +81,7 @@ class SimCompass(Sensor[HeadingReading]):
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading
         else:
-            faulty = self._with_fault(reading, now_s)
+            faulty = self._with_faults(reading, now_s)
             if faulty is not None:
                 self._latest = faulty
 
@@ -95,7 +93,7 @@ class SimCompass(Sensor[HeadingReading]):
             + self._motor_rad_per_a * motor_current_a * sin(heading_rad - self._motor_at_rad)
         )
 
-    def _with_fault(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
+    def _with_faults(self, reading: HeadingReading, now_s: float) -> HeadingReading | None:
         faulty: HeadingReading | None = reading
         if self.gyro_fault is not None:
             faulty = self._faulty_rate(reading, self.gyro_fault)

@@ -36,11 +36,9 @@ class SimRc(Sensor[RcReading]):
 
     def sample(self, now_s: float, north_m: float, east_m: float) -> None:
         """Put out a frame when one is due, if it arrives."""
-        if now_s < self.due_s:
-            return
-        self._count += 1
         settings = self._settings
-        self.due_s = self._count / settings.rate_hz - TIME_SLACK_S
+        if not self._is_due(now_s, settings.rate_hz):
+            return
         while self._next < len(settings.sticks) and now_s + TIME_SLACK_S >= settings.sticks[self._next].at_s:
             self._channels_us = settings.sticks[self._next].channels
             self._next += 1
@@ -55,11 +53,8 @@ class SimRc(Sensor[RcReading]):
         if noise_us:
             channels_us = tuple([pulse_us + round(noise_us * normal(numbers)) for pulse_us in channels_us])
         rssi_dbm = settings.rssi_dbm - 20.0 * math.log10(max(off_m / _NEAR_M, 1.0))
-        reading = RcReading(now_s + self.clock_offset_s, channels_us, quality <= 0.0, quality, rssi_dbm)
-        if self.fault is None:
-            self._latest = self._sampled = reading
-        elif (faulty := self._with_fault(reading, self.fault, now_s)) is not None:
-            self._latest = faulty
+        stamp_s = now_s + self.clock_offset_s
+        self._output(RcReading(stamp_s, channels_us, quality <= 0.0, quality, rssi_dbm), now_s)
 
     def _quality(self, off_m: float) -> float:
         """Share of the frames that arrive so far off."""
@@ -73,9 +68,6 @@ class SimRc(Sensor[RcReading]):
     ) -> RcReading | None:
         replace = msgspec.structs.replace
         match fault.kind:
-            case "stuck":
-                held = fault.hold(self._sampled, reading)
-                return replace(held, time_s=reading.time_s)
             case "garbage":
                 low_us, high_us = _GARBAGE_US
                 noise = tuple([fault.random.randint(low_us, high_us) for _ in reading.channels_us])
@@ -87,4 +79,4 @@ class SimRc(Sensor[RcReading]):
             case "failsafe":
                 return replace(reading, is_failsafe=True, quality=0.0)
             case _:
-                return fault.output_at(reading, now_s)
+                return super()._with_fault(reading, fault, now_s)

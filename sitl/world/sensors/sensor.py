@@ -2,7 +2,10 @@
 
 from typing import Generic
 
+import msgspec
+
 from sitl.world.sensors.fault import R, SensorFault
+from sitl.world.sensors.sampling import TIME_SLACK_S
 
 
 class Sensor(Generic[R]):
@@ -18,6 +21,27 @@ class Sensor(Generic[R]):
         self._count = 0  # of samples
         self._latest: R | None = None
         self._sampled: R | None = None  # before a fault
+
+    def _is_due(self, now_s: float, rate_hz: float) -> bool:
+        """Whether to sample now; sets the time of the next sample."""
+        if now_s < self.due_s:
+            return False
+        self._count += 1
+        self.due_s = self._count / rate_hz - TIME_SLACK_S
+        return True
+
+    def _output(self, reading: R, now_s: float) -> None:
+        """The sensor's output at this sample, with its fault."""
+        if self.fault is None:
+            self._latest = self._sampled = reading
+        elif (faulty := self._with_fault(reading, self.fault, now_s)) is not None:
+            self._latest = faulty
+
+    def _with_fault(self, reading: R, fault: SensorFault[R], now_s: float) -> R | None:
+        """What the fault makes of a reading; None for nothing."""
+        if fault.kind == "stuck":
+            return msgspec.structs.replace(fault.hold(self._sampled, reading), time_s=reading.time_s)
+        return fault.output_at(reading, now_s)
 
     def read(self) -> R | None:
         """The latest reading."""

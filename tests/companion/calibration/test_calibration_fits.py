@@ -10,7 +10,7 @@ from companion.calibration.fitting import Fit
 from companion.calibration.heading import RelayFeedback, gains
 from companion.calibration.routine import CalibrationError
 from companion.calibration.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
-from sitl.world.sensors import generator
+from sitl.world.sensors.sampling import generator
 
 COEFFICIENTS = st.floats(-100.0, 100.0)
 

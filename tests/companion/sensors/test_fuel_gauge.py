@@ -94,7 +94,7 @@ def test_relaxation_after_a_load_does_not_show_but_another_pack_does() -> None:
 def test_what_stations_see_does_not_dip_as_the_boat_starts() -> None:
     rig = Rig().ready()
     rig.peer.forget()
-    at_rest = rig.boat.take_snapshot().battery_percent
+    at_rest = rig.boat.sensors.gauge.percent
     rig = Rig().sail(waypoint(60.0, 0.0))
     rig.run(30.0)
     shown = [one.battery_remaining for one in rig.peer.said("BATTERY_STATUS")]
@@ -127,8 +127,8 @@ def test_a_changed_pack_is_full_and_its_failsafe_is_over() -> None:
     assert "Battery set to 100 %" in rig.peer.texts
     assert not is_low(rig)
     rig.run(15.0)
-    assert rig.boat.take_snapshot().battery_percent in (99, 100)
-    assert rig.boat.take_snapshot().consumed_mah < 10.0
+    assert rig.boat.sensors.gauge.percent in (99, 100)
+    assert rig.boat.sensors.consumed_mah < 10.0
     assert not is_low(rig)
     assert rig.peer.said("BATTERY_STATUS")[-1].charge_state == dialect.MAV_BATTERY_CHARGE_STATE_OK
 

@@ -20,7 +20,7 @@ from sitl.experiments.tuning.gains import TUNED, Gains, drawn_around, gains_of, 
 from sitl.experiments.tuning.problem import FAILED, TuningProblem
 from sitl.experiments.tuning.search import search
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.sensors import generator
+from sitl.world.sensors.sampling import generator
 
 POOL = load_scenario("open", ["boat.model=pool"])
 WANTED = {"heading.kp": 9.0, "heading.ki": 1.0, "heading.kd": 2.5, "speed.kp": 3.0, "speed.ki": 1.0}

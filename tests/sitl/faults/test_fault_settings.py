@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from companion.core.errors import ConfigError
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.faults import CATALOGUE, FaultSetting
+from sitl.world.faults.catalogue import CATALOGUE, FaultSetting
 
 KINDS = [(what, kind) for what, kinds in CATALOGUE.items() for kind in kinds]
 

@@ -8,7 +8,7 @@ import pytest
 
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.faults import CATALOGUE
+from sitl.world.faults.catalogue import CATALOGUE
 from sitl.world.world import World
 
 PAGE = (Path(__file__).parents[3] / "docs" / "faults.md").read_text(encoding="utf-8")

@@ -9,7 +9,8 @@ from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HullReading
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.parts import LeakPart, thermometer_part
-from sitl.world.sensors import HullSensorSettings, SimHull
+from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.settings import HullSensorSettings
 
 
 def mission_run(*settings: str) -> Rig:

@@ -14,18 +14,13 @@ from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.drive import Thruster
-from sitl.world.sensors import (
-    CompassSettings,
-    GnssSettings,
-    SensorFault,
-    SimCompass,
-    SimGnss,
-    SimSonar,
-    SonarSettings,
-)
-from sitl.world.sensors.gnss import stated_accuracy_m
+from sitl.world.drive.thruster import Thruster
+from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.gnss import SimGnss, stated_accuracy_m
 from sitl.world.sensors.sampling import generator
+from sitl.world.sensors.settings import CompassSettings, GnssSettings, SonarSettings
+from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 
 DT_S = 0.02

@@ -8,16 +8,11 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import build_chart
-from sitl.world.sensors import (
-    BatteryMonitorSettings,
-    CompassSettings,
-    GnssSettings,
-    SimBattery,
-    SimCompass,
-    SimGnss,
-    SimSonar,
-    SonarSettings,
-)
+from sitl.world.sensors.battery_monitor import SimBattery
+from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.gnss import SimGnss
+from sitl.world.sensors.settings import BatteryMonitorSettings, CompassSettings, GnssSettings, SonarSettings
+from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -11,16 +11,11 @@ from companion.core.geo import LatLon, LocalFrame
 from companion.hal.interfaces import Compass, Gnss, Sonar
 from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
 from mission_tools.maps.chart import build_chart
-from sitl.world.sensors import (
-    CompassSettings,
-    GnssSettings,
-    SimCompass,
-    SimGnss,
-    SimSonar,
-    SonarSettings,
-    generator,
-    sweep_bearings_rad,
-)
+from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.gnss import SimGnss
+from sitl.world.sensors.sampling import generator
+from sitl.world.sensors.settings import CompassSettings, GnssSettings, SonarSettings
+from sitl.world.sensors.sonar import SimSonar, sweep_bearings_rad
 from sitl.world.shore import Shore
 
 DT_S = 0.02

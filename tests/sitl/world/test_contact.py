@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.contact import Touch, apply_contact
+from sitl.world.contact import Touch, Velocity, apply_contact
 from sitl.world.vessel import Vessel
 from sitl.world.world import Truth, World
 
@@ -110,7 +110,7 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
     before_j = vessel.energy_j
     normal = math.cos(angle), math.sin(angle)
     into = normal[0] * (u - r * starboard_m) + normal[1] * (v + r * ahead_m)
-    apply_contact(vessel, Touch(ahead_m, starboard_m, *normal), 0.0, 0.0)
+    apply_contact(vessel, Touch(ahead_m, starboard_m, *normal), Velocity(0.0, 0.0))
     assert vessel.energy_j <= before_j * (1.0 + 1e-12) + 1e-12
     if into >= 0.0:
         assert vessel.energy_j == before_j
@@ -121,7 +121,7 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
 def test_a_frictionless_central_blow_only_stops_what_goes_into_the_wall() -> None:
     vessel = Vessel(LAKE)
     vessel.move(2.0, 0.0, 0.0)
-    apply_contact(vessel, Touch(0.5, 0.0, -1.0, 0.0), 0.0, 0.0)
+    apply_contact(vessel, Touch(0.5, 0.0, -1.0, 0.0), Velocity(0.0, 0.0))
     assert (vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s) == (0.0, 0.0, 0.0)
 
 
@@ -129,7 +129,7 @@ def test_a_blow_at_the_bow_turns_the_boat_away() -> None:
     vessel = Vessel(LAKE)
     vessel.move(2.0, 0.0, 0.0)
     normal = -math.sin(0.5), -math.cos(0.5)  # a wall to starboard ahead
-    apply_contact(vessel, Touch(0.5, 0.0, *normal), 0.0, 0.0)
+    apply_contact(vessel, Touch(0.5, 0.0, *normal), Velocity(0.0, 0.0))
     assert vessel.yaw_rate_rad_s < -0.1
 
 

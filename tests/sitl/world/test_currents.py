@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from companion.core.errors import ConfigError
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.environment import Current, Environment, Gyre, River, Tide
+from sitl.world.environment.current import Current
 from sitl.world.environment.grid import read_grid
+from sitl.world.environment.settings import Environment, Gyre, River, Tide
 from sitl.world.world import World
 
 DT_S = 0.02

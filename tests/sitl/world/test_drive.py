@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.drive import PropellerParameters, Thruster, ThrusterParameters, Thrusters
+from sitl.world.drive.propeller import PropellerParameters
+from sitl.world.drive.settings import ThrusterParameters
+from sitl.world.drive.thruster import Thruster, Thrusters
 
 LAKE = load_scenario("open").thrusters
 POOL = load_scenario("pool").thrusters

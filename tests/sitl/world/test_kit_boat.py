@@ -9,7 +9,7 @@ import pytest
 from companion.config.boat_config import load_config
 from companion.hal.l298n import L298N
 from sitl.scenarios.scenario import Scenario, load_scenario
-from sitl.world.drive import Thruster
+from sitl.world.drive.thruster import Thruster
 from sitl.world.world import World
 
 ROOT = Path(__file__).parents[3]

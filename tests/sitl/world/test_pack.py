@@ -5,7 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.world.battery import BatteryParameters
-from sitl.world.drive import MotorParameters, PropellerParameters, Thruster, ThrusterParameters
+from sitl.world.drive.propeller import PropellerParameters
+from sitl.world.drive.settings import MotorParameters, ThrusterParameters
+from sitl.world.drive.thruster import Thruster
 from sitl.world.pack import CELL_V, CLIFF, Pack
 
 

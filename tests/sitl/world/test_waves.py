@@ -6,7 +6,8 @@ import statistics
 import pytest
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.environment import Environment, Waves
+from sitl.world.environment.settings import Environment
+from sitl.world.environment.waves import Waves
 from sitl.world.world import Truth, World
 
 DT_S = 0.02

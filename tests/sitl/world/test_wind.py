@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.environment import Environment, Wind
-from sitl.world.environment.wind import PEAK_FACTOR
+from sitl.world.environment.settings import Environment
+from sitl.world.environment.wind import PEAK_FACTOR, Wind
 from sitl.world.hull import WindageParameters
 from sitl.world.windage import AIR_KG_M3, Windage
 from sitl.world.world import Truth, World
