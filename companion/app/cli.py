@@ -20,30 +20,15 @@ from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.core.command_line import HELP_NAMES, Version, busy_port_explained, run_app
+from companion.core.command_line import busy_port_explained, program_app, run_app
 from companion.core.errors import BoatError
 from companion.persistence.storage import MemoryStorage
 
 PROGRAM = "boat-companion"
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings=HELP_NAMES,
-    help="The vehicle: drives the boat and speaks MAVLink to every ground station.",
-)
+app = program_app("The vehicle: drives the boat and speaks MAVLink to every ground station.")
 
 ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
-
-
-@app.callback()
-def options(
-    debug: Annotated[bool, typer.Option("--debug", help="A traceback with every error.")] = False,
-    version: Version = False,
-) -> None:
-    """What goes before the command; --debug is looked for where errors end."""
 
 
 @app.command()

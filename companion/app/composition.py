@@ -3,7 +3,7 @@
 import logging
 import os
 from collections.abc import Callable, Collection, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from companion.app import garbage_collection as garbage
@@ -18,7 +18,7 @@ from companion.core.errors import ConfigError
 from companion.hal.bno055 import open_bno055
 from companion.hal.hull import open_hull
 from companion.hal.ina219 import open_ina219
-from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Port, Sonar
+from companion.hal.interfaces import Compass, Gnss, Hardware, Port
 from companion.hal.l298n import open_l298n
 from companion.hal.nmea import open_nmea_compass, open_nmea_gnss
 from companion.hal.rc_receiver import open_rc_receiver
@@ -137,18 +137,15 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         undo.callback(gnss.close)
         compass = open_compass(parts.compass, now)
         undo.callback(compass.close)
-        sonar: Sonar | None = None
+        sonar = battery = hull = rc = None
         if parts.sonar.driver != "none":
-            sonar = open_ultrasonic(parts.sonar, now)
-            undo.callback(sonar.close)
-        battery: Battery | None = None
+            sonar = undo.enter_context(closing(open_ultrasonic(parts.sonar, now)))
         if parts.battery.driver != "none":
-            battery = open_ina219(parts.battery, now)
-            undo.callback(battery.close)
-        hull = None if parts.hull.driver == "none" else open_hull(parts.hull, now)
-        if hull is not None:
-            undo.callback(hull.close)
-        rc = None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
+            battery = undo.enter_context(closing(open_ina219(parts.battery, now)))
+        if parts.hull.driver != "none":
+            hull = undo.enter_context(closing(open_hull(parts.hull, now)))
+        if config.rc.driver != "none":
+            rc = open_rc_receiver(config.rc, now)
         undo.pop_all()
     return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors)
 

@@ -28,6 +28,27 @@ Version = Annotated[
 ]
 
 
+def _options(
+    debug: Annotated[bool, typer.Option("--debug", help="a traceback with every error")] = False,
+    version: Version = False,
+) -> None:
+    """What goes before the command; --debug is looked for where errors end."""
+
+
+def program_app(text: str) -> typer.Typer:
+    """The app of a program with several commands. text: what the program is."""
+    app = typer.Typer(
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings=HELP_NAMES,
+        help=text,
+    )
+    app.callback()(_options)
+    return app
+
+
 class PortInUseError(BoatError):
     """Another program uses the port."""
 

@@ -2,9 +2,8 @@
 
 import logging
 import threading
-from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Generic, Self, TypeVar
 
 from companion.links.backoff import Backoff
 
@@ -63,26 +62,32 @@ class Background:
                 is_well = True
 
 
-class PolledSensor(ABC, Generic[Reading]):
-    """A sensor that a thread polls; its latest reading is available without waiting."""
+class BackgroundSensor(Generic[Reading]):
+    """A sensor that a thread reads; its latest reading is available without waiting."""
 
-    def __init__(self, name: str, now: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        step: Callable[[], float],
+        name: str,
+        now: Callable[[], float],
+        release: Callable[[], None] = lambda: None,
+    ) -> None:
+        """step: reads the part once, as for `Background`. release: releases the part, at every `close`."""
         self._now = now
         self._latest: Reading | None = None
-        self._background = Background(self.step, name)
+        self._background = Background(step, name)
+        self._release = release
 
-    def start(self) -> None:
-        """Begin to poll."""
+    def start(self) -> Self:
+        """Begin to read in a thread."""
         self._background.start()
-
-    @abstractmethod
-    def step(self) -> float:
-        """Read the part once; returns the seconds to wait before the next reading."""
+        return self
 
     def read(self) -> Reading | None:
         """The latest reading, None before the first."""
         return self._latest
 
     def close(self) -> None:
-        """Stop the thread. May be called twice."""
+        """Stop the thread, then release the part. May be called twice."""
         self._background.close()
+        self._release()

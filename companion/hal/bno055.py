@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.core.units import wrap_pi
-from companion.hal.background import PolledSensor
+from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
 from companion.sensors.readings import HeadingReading
 
@@ -49,7 +49,7 @@ class Bno055:
         """Raises:
         HardwareError: another part answers.
         """
-        self._bus = bus
+        self.bus = bus
         self._address = address
         (found,) = self._read(_CHIP_ID_AT, 1)
         if found != CHIP_ID:
@@ -91,18 +91,14 @@ class Bno055:
         self._write(_UNITS_AT, UNITS)
         self._write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
 
-    def close(self) -> None:
-        """Close the bus."""
-        self._bus.close()
-
     def _read(self, register: int, length: int) -> bytes:
-        return bytes(self._bus.read_i2c_block_data(self._address, register, length))
+        return bytes(self.bus.read_i2c_block_data(self._address, register, length))
 
     def _write(self, register: int, value: int) -> None:
-        self._bus.write_i2c_block_data(self._address, register, [value])
+        self.bus.write_i2c_block_data(self._address, register, [value])
 
 
-class Bno055Compass(PolledSensor[HeadingReading]):
+class Bno055Compass(BackgroundSensor[HeadingReading]):
     """Satisfies `companion.hal.interfaces.Compass`.
 
     The part lies flat with z up: its heading grows clockwise and its z rate is positive counter-clockwise
@@ -112,7 +108,7 @@ class Bno055Compass(PolledSensor[HeadingReading]):
     """
 
     def __init__(self, part: Bno055, now: Callable[[], float], correction_rad: float = 0.0) -> None:
-        super().__init__("BNO055", now)
+        super().__init__(self.step, "BNO055", now, part.bus.close)
         self._part = part
         self._correction_rad = correction_rad
         self._knows_north = False
@@ -133,11 +129,6 @@ class Bno055Compass(PolledSensor[HeadingReading]):
             self._latest = HeadingReading(self._now(), heading_rad, rate_rad_s, roll_rad, pitch_rad)
         return _PERIOD_S
 
-    def close(self) -> None:
-        """Stop the thread and close the bus. May be called twice."""
-        super().close()
-        self._part.close()
-
 
 def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Compass:
     """Open the part on the Pi's I²C bus and start reading.
@@ -145,8 +136,6 @@ def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Comp
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
-    compass = open_i2c_part(
+    return open_i2c_part(
         "BNO055", part.address, lambda bus: Bno055Compass(Bno055(bus, part.address), now, part.correction_rad)
-    )
-    compass.start()
-    return compass
+    ).start()

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.config import parts
-from companion.hal.background import PolledSensor
+from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import opening_pins
 from companion.sensors.readings import HullReading
 
@@ -20,7 +20,7 @@ class DigitalInput(Protocol):
     def close(self) -> None: ...
 
 
-class HullSensor(PolledSensor[HullReading]):
+class HullSensor(BackgroundSensor[HullReading]):
     """Satisfies `companion.hal.interfaces.Hull`.
 
     thermometer: a file with millidegrees Celsius, as below /sys/class/thermal; None is reported if it cannot
@@ -28,7 +28,7 @@ class HullSensor(PolledSensor[HullReading]):
     """
 
     def __init__(self, thermometer: Path, switch: DigitalInput | None, now: Callable[[], float]) -> None:
-        super().__init__("hull sensor", now)
+        super().__init__(self.step, "hull sensor", now, lambda: switch.close() if switch else None)
         self._thermometer = thermometer
         self._switch = switch
 
@@ -37,12 +37,6 @@ class HullSensor(PolledSensor[HullReading]):
         is_wet = None if self._switch is None else bool(self._switch.value)
         self._latest = HullReading(self._now(), is_wet, _celsius(self._thermometer))
         return _PERIOD_S
-
-    def close(self) -> None:
-        """Stop the thread and release the pin. May be called twice."""
-        super().close()
-        if self._switch is not None:
-            self._switch.close()
 
 
 def _celsius(thermometer: Path) -> float | None:
@@ -62,6 +56,4 @@ def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
     if part.leak >= 0:
         with opening_pins("leak switch") as gpiozero:
             switch = gpiozero.DigitalInputDevice(part.leak, pull_up=True)  # it closes to ground when wet
-    hull = HullSensor(Path(part.thermometer), switch, now)
-    hull.start()
-    return hull
+    return HullSensor(Path(part.thermometer), switch, now).start()

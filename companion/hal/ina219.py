@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.background import PolledSensor
+from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
 from companion.sensors.readings import BatteryReading
 
@@ -39,7 +39,7 @@ class Ina219:
         """Raises:
         HardwareError: the part does not keep its configuration, so it is not an INA219.
         """
-        self._bus = bus
+        self.bus = bus
         self._address = address
         self._configure()
         if self._read(_CONFIGURATION_AT) != CONFIGURATION:
@@ -59,21 +59,17 @@ class Ina219:
         is_in_range = abs(shunt) < _SHUNT_LIMIT
         return Ina219Sample((bus >> 3) * _BUS_V, shunt * _SHUNT_V if is_in_range else None)
 
-    def close(self) -> None:
-        """Close the bus."""
-        self._bus.close()
-
     def _configure(self) -> None:
-        self._bus.write_i2c_block_data(
+        self.bus.write_i2c_block_data(
             self._address, _CONFIGURATION_AT, list(struct.pack(">H", CONFIGURATION))
         )
 
     def _read(self, register: int) -> int:
-        high, low = self._bus.read_i2c_block_data(self._address, register, 2)
+        high, low = self.bus.read_i2c_block_data(self._address, register, 2)
         return high << 8 | low
 
 
-class Ina219Battery(PolledSensor[BatteryReading]):
+class Ina219Battery(BackgroundSensor[BatteryReading]):
     """Satisfies `companion.hal.interfaces.Battery`.
 
     Vin+ is wired to the pack and Vin− to the load: discharge is positive, and the pack voltage is the bus
@@ -82,7 +78,7 @@ class Ina219Battery(PolledSensor[BatteryReading]):
     """
 
     def __init__(self, part: Ina219, now: Callable[[], float], shunt_ohm: float = 0.1) -> None:
-        super().__init__("battery monitor", now)
+        super().__init__(self.step, "battery monitor", now, part.bus.close)
         self._part = part
         self._shunt_ohm = shunt_ohm
 
@@ -95,11 +91,6 @@ class Ina219Battery(PolledSensor[BatteryReading]):
             self._latest = BatteryReading(self._now(), bus_v + shunt_v, shunt_v / self._shunt_ohm)
         return _PERIOD_S
 
-    def close(self) -> None:
-        """Stop the thread and close the bus. May be called twice."""
-        super().close()
-        self._part.close()
-
 
 def open_ina219(part: parts.BatteryPart, now: Callable[[], float]) -> Ina219Battery:
     """Open the monitor on the Pi's I²C bus and start reading.
@@ -107,8 +98,6 @@ def open_ina219(part: parts.BatteryPart, now: Callable[[], float]) -> Ina219Batt
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
     """
-    battery = open_i2c_part(
+    return open_i2c_part(
         "INA219", part.address, lambda bus: Ina219Battery(Ina219(bus, part.address), now, part.shunt_ohm)
-    )
-    battery.start()
-    return battery
+    ).start()

@@ -7,7 +7,7 @@ blocks: a driver that must wait keeps a thread and returns the latest reading, s
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from companion.config.parameters import ParameterHook
 from companion.sensors.readings import (
@@ -19,26 +19,7 @@ from companion.sensors.readings import (
     SonarReading,
 )
 
-__all__ = [
-    "Battery",
-    "BatteryReading",
-    "Compass",
-    "FaultInjector",
-    "Gnss",
-    "GnssFix",
-    "Hardware",
-    "HeadingReading",
-    "Hull",
-    "HullReading",
-    "Link",
-    "MotorCutoff",
-    "Motors",
-    "Port",
-    "RcReading",
-    "RcReceiver",
-    "Sonar",
-    "SonarReading",
-]
+Reading_co = TypeVar("Reading_co", covariant=True)
 
 
 class Motors(Protocol):
@@ -62,24 +43,22 @@ class MotorCutoff(Protocol):
         """Number of cut-offs."""
 
 
-class Gnss(Protocol):
-    """Position over ground."""
+class Sensor(Protocol[Reading_co]):
+    """A part that measures."""
 
-    def read(self) -> GnssFix | None:
-        """The latest fix, repeated until a new one arrives; None before the first."""
-
-    def close(self) -> None:
-        """Release the part. May be called twice."""
-
-
-class Compass(Protocol):
-    """Heading."""
-
-    def read(self) -> HeadingReading | None:
-        """The latest reading, None before the first."""
+    def read(self) -> Reading_co | None:
+        """The latest reading, repeated until a new one arrives; None before the first."""
 
     def close(self) -> None:
         """Release the part. May be called twice."""
+
+
+Gnss = Sensor[GnssFix]
+Compass = Sensor[HeadingReading]
+Battery = Sensor[BatteryReading]
+Hull = Sensor[HullReading]
+RcReceiver = Sensor[RcReading]
+"""A reading is stamped with the arrival of its frame."""
 
 
 class Sonar(Protocol):
@@ -90,36 +69,6 @@ class Sonar(Protocol):
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """Sweep between these bearings from the bow, as far as the part reaches; no effect on a fixed one."""
-
-    def close(self) -> None:
-        """Release the part. May be called twice."""
-
-
-class Battery(Protocol):
-    """Battery monitor."""
-
-    def read(self) -> BatteryReading | None:
-        """The latest reading, None before the first."""
-
-    def close(self) -> None:
-        """Release the part. May be called twice."""
-
-
-class Hull(Protocol):
-    """Leak and temperature inside the hull."""
-
-    def read(self) -> HullReading | None:
-        """The latest reading, None before the first."""
-
-    def close(self) -> None:
-        """Release the part. May be called twice."""
-
-
-class RcReceiver(Protocol):
-    """The receiver of an RC transmitter. A reading is stamped with the arrival of its frame."""
-
-    def read(self) -> RcReading | None:
-        """The latest frame, repeated until a new one arrives; None before the first."""
 
     def close(self) -> None:
         """Release the part. May be called twice."""

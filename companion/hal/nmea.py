@@ -69,9 +69,7 @@ def open_nmea_gnss(part: parts.GnssPart, now: Callable[[], float]) -> NmeaGnss:
         ConfigError: the port url is invalid.
         LinkError: the port cannot be opened.
     """
-    gnss = NmeaGnss(_open_port(part.port, part.baud, now), now, part.latency_s)
-    gnss.start()
-    return gnss
+    return NmeaGnss(_open_port(part.port, part.baud, now), now, part.latency_s).start()
 
 
 def open_nmea_compass(part: parts.CompassPart, now: Callable[[], float]) -> NmeaCompass:
@@ -81,9 +79,7 @@ def open_nmea_compass(part: parts.CompassPart, now: Callable[[], float]) -> Nmea
         ConfigError: the port url is invalid.
         LinkError: the port cannot be opened.
     """
-    compass = NmeaCompass(_open_port(part.port, part.baud, now), now, part.correction_rad)
-    compass.start()
-    return compass
+    return NmeaCompass(_open_port(part.port, part.baud, now), now, part.correction_rad).start()
 
 
 def _open_port(place: str, baud: float, now: Callable[[], float]) -> Port:

@@ -3,27 +3,24 @@
 import select
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
-from typing import Generic
 
-from companion.hal.background import Background, Reading
+from companion.hal.background import BackgroundSensor, Reading
 from companion.hal.interfaces import Link, Port
 
 _PATIENCE_S = 0.2  # longest wait for bytes, and period of reconnection attempts
 
 
-class PortSensor(ABC, Generic[Reading]):
+class PortSensor(ABC, BackgroundSensor[Reading]):
     """Keeps the latest reading. The port reconnects an unplugged part.
 
     rest_s: minimum time between reads, for a part whose every byte would wake the thread.
     """
 
     def __init__(self, port: Port, now: Callable[[], float], rest_s: float = 0.0) -> None:
+        super().__init__(self._wait_and_step, port.name, now, port.close)
         self._port = port
-        self._now = now
         self._rest_s = rest_s
-        self._latest: Reading | None = None
         self._links: list[Link] = []
-        self._background = Background(self._wait_and_step, port.name)
 
     @abstractmethod
     def _decode(self, chunk: bytes, time_s: float) -> Iterable[Reading]:
@@ -32,14 +29,6 @@ class PortSensor(ABC, Generic[Reading]):
     @abstractmethod
     def _forget(self) -> None:
         """Drop a partial message, after a reconnect."""
-
-    def read(self) -> Reading | None:
-        """The latest reading, None before the first."""
-        return self._latest
-
-    def start(self) -> None:
-        """Begin to read in a thread."""
-        self._background.start()
 
     def step(self) -> None:
         """Process received bytes. Never waits."""
@@ -51,11 +40,6 @@ class PortSensor(ABC, Generic[Reading]):
                 for reading in self._decode(chunk, self._now()):
                     self._latest = reading
         self._links = [link for link in self._links if not link.is_closed]
-
-    def close(self) -> None:
-        """Stop the thread and close the port. May be called twice."""
-        self._background.close()
-        self._port.close()
 
     def _wait_and_step(self) -> float:
         waiting = {link.fileno() for link in self._links} | {self._port.fileno()}

@@ -59,6 +59,4 @@ def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
         port: Port = SerialPort(setting.port, protocol.baud, now, line=protocol.line)
     else:
         port = open_port(setting.port, now)
-    receiver = SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s)
-    receiver.start()
-    return receiver
+    return SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s).start()

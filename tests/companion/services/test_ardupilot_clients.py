@@ -185,7 +185,7 @@ def bytes_of(message: Message | None) -> bytes:
 
 def test_a_ping_is_told_after_fifty_days_too() -> None:
     ping = SonarReading(50.0 * 86400.0, 0.5, 2.0)
-    message = distance_sensor(types.SimpleNamespace(sonar=ping))  # type: ignore[arg-type]
+    message = distance_sensor(types.SimpleNamespace(sensors=types.SimpleNamespace(sonar=ping)))  # type: ignore[arg-type]
     assert bytes_of(message)
     assert message is not None
     assert message.time_boot_ms == 50 * 86_400_000 - 2**32
@@ -196,7 +196,7 @@ def test_a_ping_is_told_after_fifty_days_too() -> None:
 )
 def test_a_cold_receivers_numbers_fit_their_fields(altitude_m: float, accuracy_m: float) -> None:
     fix = GnssFix(1.0, LatLon(0.0, 0.0), 1, 0, 99.99, altitude_m=altitude_m, horizontal_accuracy_m=accuracy_m)
-    now = types.SimpleNamespace(fix=fix, boot_us=0)
+    now = types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix), boot_us=0)
     message = gps_raw_int(now)  # type: ignore[arg-type]
     assert bytes_of(message)
     assert message is not None
