@@ -100,7 +100,7 @@ class Boat:
         self.endpoint.outbox.room = self.channels.room_bytes
         self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
         self._origin = OriginMonitor(self.estimator, self.sensors.external)
-        self.steering = GuidancePipeline(config, self.vehicle.status_texts)
+        self.guidance = GuidancePipeline(config, self.vehicle.status_texts)
         self.net = SafetyNet()
         self.resume = VoyageResume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; set by the runner
@@ -139,7 +139,7 @@ class Boat:
         may_drive = self.vehicle.armed or self.motor_test.is_running
         if not may_drive and (self.command.left or self.command.right):
             self.motors.stop()  # a disarmed boat does not wait for its next tick
-        self.steering.request_update()
+        self.guidance.request_update()
         self.endpoint.announce_changes()
         self._links.flush()
 
@@ -186,7 +186,7 @@ class Boat:
             outcome, has_stopped = f"motors do not stop: {stuck}", False
         self.motor_test.stop()
         self.calibration.stop("fault in the program")
-        self.steering.reset()
+        self.guidance.reset()
         fall = self.net.caught(error)
         what = f"Fault in the program: {type(error).__name__}, {outcome}"
         self.vehicle.stop_on_fault(what, disarms=fall is not Fall.HOLD or not has_stopped)
@@ -224,9 +224,9 @@ class Boat:
         self._origin.share_frame()
         self.nav = estimator.update(sensors.fix, sensors.heading, now_s, self.command)
         if self._origin.check(self.vehicle):
-            self.steering.reset()
+            self.guidance.reset()
         if sensors.pings:
-            perception = self.steering.perception
+            perception = self.guidance.perception
             perception.ingest(sensors.pings, self.nav, self.parameters.config.avoidance, now_s)
             sensors.point_sonar(perception.sector)
         self._wall_time.update(sensors.fix, self.endpoint.unix_offset_s, is_fix_own=sensors.is_fix_own)
@@ -242,17 +242,17 @@ class Boat:
         for request in actions.requests:
             vehicle.request(request)
         if actions.is_urgent:
-            self.steering.request_update()
+            self.guidance.request_update()
 
     def _steer(self, now_s: float) -> MotorCommand:
-        steering, config, nav, vehicle = self.steering, self.parameters.config, self.nav, self.vehicle
-        if steering.is_due(now_s) or self.calibration.is_running:
+        guidance, config, nav, vehicle = self.guidance, self.parameters.config, self.nav, self.vehicle
+        if guidance.is_due(now_s) or self.calibration.is_running:
             if vehicle.failsafes.is_due(now_s):
                 log_fault = "" if self._logbook is None else self._logbook.sink.fault
                 vehicle.board = board_readings(
                     vehicle.board,
                     self.sensors,
-                    steering,
+                    guidance,
                     self.command,
                     is_calibrating=self.calibration.is_running,
                     load=self.load,
@@ -260,7 +260,7 @@ class Boat:
                 )
             intent = vehicle.decide()
             if self.calibration.is_running:
-                if steering.avoidance.stage is not Stage.CLEAR:
+                if guidance.avoidance.stage is not Stage.CLEAR:
                     self.calibration.stop("an obstacle")
                 intent = self.calibration.update(
                     intent,
@@ -271,19 +271,19 @@ class Boat:
                     now_s,
                     fix=self.sensors.fix,
                     command=self.command,
-                    is_slowed=steering.avoidance.safe_speed.ahead_m_s < math.inf,
+                    is_slowed=guidance.avoidance.safe_speed.ahead_m_s < math.inf,
                 )
-            steering.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
+            guidance.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:
             thrust = self.motor_test.thrust(vehicle.status, now_s)  # may end the test
-            return steering.test_motors(
+            return guidance.test_motors(
                 thrust,
                 config,
                 TICK_S,
                 may_turn=self.motor_test.is_running,
                 command_age_s=now_s - self.motor_test.decided_s,
             )
-        return steering.drive(nav, vehicle.status, config, now_s, TICK_S)
+        return guidance.drive(nav, vehicle.status, config, now_s, TICK_S)
 
     def take_snapshot(self) -> Snapshot:
         """The state of the present tick, for telemetry and log."""
@@ -293,7 +293,7 @@ class Boat:
             self.parameters.config,
             self.vehicle,
             self.sensors,
-            self.steering,
+            self.guidance,
             self.command,
             self.load,
             self.free_memory_bytes,

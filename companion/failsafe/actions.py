@@ -46,7 +46,7 @@ class Notify(NamedTuple):
     text: str
 
 
-class Disarm(NamedTuple):
+class StopMotors(NamedTuple):
     """Motors off."""
 
 
@@ -76,4 +76,4 @@ class AssumeFailed(NamedTuple):
     is_left: bool
 
 
-Decision = Notify | Disarm | Retreat | LimitSpeed | Recover | AssumeFailed
+Decision = Notify | StopMotors | Retreat | LimitSpeed | Recover | AssumeFailed

@@ -10,11 +10,11 @@ from companion.failsafe.actions import (
     Action,
     AssumeFailed,
     Decision,
-    Disarm,
     LimitSpeed,
     Notify,
     Recover,
     Retreat,
+    StopMotors,
 )
 from companion.failsafe.escalation import Change
 from companion.failsafe.guards import may_drift
@@ -44,7 +44,7 @@ def respond(alarm: Alarm, inputs: FailsafeInputs) -> list[Decision]:
     if not acts:
         return [told]
     if action is Action.DISARM:
-        return [told, Disarm()]
+        return [told, StopMotors()]
     if action in RECOVERIES:
         return [told, *_recover(action, inputs)]
     if action is not Action.HOLD and row.guard.spares(inputs):

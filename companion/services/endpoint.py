@@ -105,7 +105,7 @@ class Endpoint:
         self._pose = ExternalPoseService(
             external, vehicle, parameters, self.outbox, self.texts, self._time.to_own_clock
         )
-        self._listings = ParameterService(parameters, self.outbox, self.texts, vehicle.losses)
+        self._listings = ParameterService(parameters, self.outbox, self.texts, vehicle.data_losses)
         self._commands = CommandService(
             vehicle,
             self._telemetry,

@@ -6,7 +6,7 @@ from companion.config.parameter_pack import PackError, unpack_upload
 from companion.config.parameters import Parameters
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message, dialect
-from companion.persistence.losses import Losses
+from companion.persistence.data_losses import DataLosses
 from companion.services.ftp.frames import Code, Refusal
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
@@ -26,9 +26,13 @@ class ParameterService:
     """
 
     def __init__(
-        self, parameters: Parameters, outbox: Outbox, texts: StatusTextService, losses: Losses | None = None
+        self,
+        parameters: Parameters,
+        outbox: Outbox,
+        texts: StatusTextService,
+        losses: DataLosses | None = None,
     ) -> None:
-        self._losses = losses or Losses()
+        self._losses = losses or DataLosses()
         if parameters.loss:
             self._losses.add(_STORED, parameters.loss, "Set any parameter to keep what is in use")
         self._parameters = parameters

@@ -49,7 +49,7 @@ class SigningService:
         self._complain_s = 0.0
         self._refuse_s = 0.0
         for name, what in store.losses.items():
-            vehicle.losses.add(name, what, "Set or remove the signing key")
+            vehicle.data_losses.add(name, what, "Set or remove the signing key")
 
     def open(self, channel: int) -> None:
         """A channel has opened: guard it. Problems are reported once.
@@ -106,7 +106,7 @@ class SigningService:
             self._texts.notify(Severity.ERROR, f"Signing key not stored: {error}")
         else:
             for name in self._store.losses:
-                self._vehicle.losses.end(name)
+                self._vehicle.data_losses.end(name)
             self._texts.notify(Severity.NOTICE, what)
 
     def _refuse(self, reason: str, now_s: float) -> None:

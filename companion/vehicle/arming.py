@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from companion.config.boat_config import Arming, BoatConfig, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
-from companion.persistence.losses import FENCE
+from companion.persistence.data_losses import FENCE
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
 
@@ -22,7 +22,7 @@ def arming_faults(vehicle: "Vehicle", now_s: float) -> list[str]:
     faults = sensor_faults(config.arming, config.motors, mode, vehicle.nav, vehicle.fix, vehicle.battery)
     if config.arming.check and vehicle.is_outside and not mode.rules.comes_inside:
         faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
-    if config.arming.check and vehicle.losses.text(FENCE):
+    if config.arming.check and vehicle.data_losses.text(FENCE):
         faults.append("Fence: the stored fence is lost: upload or clear it")
     if fault := rc_fault(vehicle.manual_input, config, now_s):
         faults.append(fault)

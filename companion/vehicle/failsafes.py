@@ -9,7 +9,15 @@ from companion.core.health import lacks_heading
 from companion.core.intent import Intent
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
-from companion.failsafe.actions import AssumeFailed, Decision, Disarm, LimitSpeed, Notify, Recover, Retreat
+from companion.failsafe.actions import (
+    AssumeFailed,
+    Decision,
+    LimitSpeed,
+    Notify,
+    Recover,
+    Retreat,
+    StopMotors,
+)
 from companion.failsafe.guards import may_drift
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.monitor import PERIOD_S
@@ -91,7 +99,7 @@ def _carry_out(decision: Decision, vehicle: "Vehicle", now_s: float) -> None:
     match decision:
         case Notify(severity, text):
             vehicle.notify(severity, text)
-        case Disarm():
+        case StopMotors():
             vehicle.disarm("by failsafe")
         case Retreat(modes):
             vehicle.recovery.handle(Trigger.RETREAT if modes else Trigger.ABORT, now_s)

@@ -54,7 +54,7 @@ class VoyageResume:
         self._track = TrackRecord(storage, vehicle.track, self._number if is_cut else None)
         for name, what in ((_VOYAGE, self._record.loss), (_TRACK, self._track.loss)):
             if what:
-                vehicle.losses.add(name, what, "Arming begins a new one")
+                vehicle.data_losses.add(name, what, "Arming begins a new one")
 
     @property
     def fault(self) -> str:
@@ -72,8 +72,8 @@ class VoyageResume:
         if vehicle.armed and not self._seen[1]:
             self._number += 1
             self._track.begin()
-            vehicle.losses.end(_VOYAGE)
-            vehicle.losses.end(_TRACK)
+            vehicle.data_losses.end(_VOYAGE)
+            vehicle.data_losses.end(_TRACK)
         self._due_s, self._seen = now_s + PERIOD_S, seen
         self._track.restore(vehicle.frame, vehicle.armed)
         if vehicle.armed and vehicle.frame is not None:

@@ -16,7 +16,7 @@ from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FenceArea
-from companion.persistence.losses import Losses
+from companion.persistence.data_losses import DataLosses
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
 from companion.vehicle.arming import RESTARTING, PreArmReport, arming_faults
@@ -61,7 +61,7 @@ class Vehicle:
         self.is_returning_from_mission = False  # in RTL, as the mission's last item
         self.is_restarting = False  # the program restarts soon: no arming
         self.is_resuming = False  # by itself after a power loss; selecting a mode or disarming ends that
-        self.losses = Losses()
+        self.data_losses = DataLosses()
         self.is_home_set = False  # by a request: arming does not move it
         self._pre_arm = PreArmReport()
         self._now_s = 0.0
@@ -116,7 +116,7 @@ class Vehicle:
         """Run the failsafes, then the mode. The intent for guidance."""
         if self.failsafes.is_due(self._now_s):
             run_failsafes(self, self._now_s)
-        for text in self.losses.update(self._now_s):
+        for text in self.data_losses.update(self._now_s):
             self.notify(Severity.WARNING, text)
         if not self.armed:
             for fault in self._pre_arm.update(self.arming_faults, self._now_s, self.config.arming.repeat_s):

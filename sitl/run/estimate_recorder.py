@@ -87,7 +87,7 @@ class EstimateRecorder:
 
 
 def _estimate(boat: Boat, shift: Point, now_s: float) -> Estimate:
-    nav, demand, command, vehicle = boat.nav, boat.steering.demand, boat.command, boat.vehicle
+    nav, demand, command, vehicle = boat.nav, boat.guidance.demand, boat.command, boat.vehicle
     return Estimate(
         now_s,
         *(

@@ -168,7 +168,7 @@ def test_switched_off_it_changes_nothing() -> None:
     voyage = Voyage(rig)
     voyage.until(("AUTO",), 60.0)
     assert rig.world.groundings > 0
-    assert rig.boat.steering.avoidance.stage is Stage.CLEAR
+    assert rig.boat.guidance.avoidance.stage is Stage.CLEAR
 
 
 def test_told_to_stop_it_stops_before_the_thing() -> None:

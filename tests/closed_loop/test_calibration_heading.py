@@ -52,7 +52,7 @@ def response(model: str, gains: dict[str, object]) -> StepResponse:
         off = []
         for _ in range(seconds):
             rig.boat.vehicle.request(SetPoint(HoldHeading(heading_rad, speed_m_s)))
-            rig.boat.steering.request_update()
+            rig.boat.guidance.request_update()
             for _ in range(50):
                 rig.step()
                 off.append(wrap_pi(rig.world.truth.heading_rad - heading_rad) / STEP_RAD)

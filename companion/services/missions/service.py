@@ -83,7 +83,7 @@ class MissionService:
             if one.loss:
                 name = one.type.name.lower()
                 logger.warning("the stored %s is lost: %s", name, one.loss)
-                vehicle.losses.add(name, one.loss, f"Upload or clear the {_NAMES[one.type]}")
+                vehicle.data_losses.add(name, one.loss, f"Upload or clear the {_NAMES[one.type]}")
         self._lists[MissionType.MISSION].home = lambda: vehicle.home
         vehicle.set_mission(self._lists[MissionType.MISSION].steps)
         vehicle.set_fence(fence_areas(self.items(MissionType.FENCE)))
@@ -220,7 +220,7 @@ class MissionService:
 
     def _swap_in(self, one: MissionList) -> None:
         one.swap_in()
-        self._vehicle.losses.end(one.type.name.lower())
+        self._vehicle.data_losses.end(one.type.name.lower())
         if one.type is MissionType.FENCE:
             self._vehicle.set_fence(fence_areas(one.items))
             return

@@ -12,9 +12,9 @@ from companion.core.intent import Intent, KeepStation
 from companion.core.state import NavState
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.conditions import ConditionalCommand
-from companion.vehicle.mission.halts import Halting, HoldItem
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.route import MissionRoute
+from companion.vehicle.mission.stationary_items import StationaryItem, StationaryStep
 from companion.vehicle.mission.steps import (
     AfterDelay,
     Done,
@@ -59,7 +59,7 @@ class MissionProgress:
         self._is_loose = False  # it began wherever the boat was
         self._orbit: Orbit | None = None
         self._deferred = ConditionalCommand()
-        self._halt = HoldItem()
+        self._stationary = StationaryItem()
 
     @property
     def is_empty(self) -> bool:
@@ -95,7 +95,7 @@ class MissionProgress:
         self.forget_jumps()
         self.has_started = False
         self.speed_m_s = None
-        self._halt.limit = LimitHandOver(0.0, 0.0)
+        self._stationary.limit = LimitHandOver(0.0, 0.0)
         self.set_current(1 if not self.is_empty else 0)
 
     def forget_jumps(self) -> None:
@@ -188,7 +188,7 @@ class MissionProgress:
             case GoRound() as circle:
                 return self._go_round(circle, nav, frame, config)
             case Wait() | Turn() | HandOver() as halt:
-                return self._hold_up(halt, nav, now_s)
+                return self._stay(halt, nav, now_s)
             case ReturnHome():
                 self.go_home = self.finished = True
             case Jump(target, times):
@@ -238,11 +238,11 @@ class MissionProgress:
         self._is_loose = not self.finished
         return None
 
-    def _hold_up(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
+    def _stay(self, step: StationaryStep, nav: NavState, now_s: float) -> Intent | None:
         if math.isnan(self._begun_s):
             self._begun_s = now_s
-            self._station = self._halt.begin(step, nav, self._station, now_s)
-        if (intent := self._halt.intent(step, nav, now_s)) is not None:
+            self._station = self._stationary.begin(step, nav, self._station, now_s)
+        if (intent := self._stationary.intent(step, nav, now_s)) is not None:
             return intent
         self.reached.append(self.current_seq)
         if isinstance(step, Wait):
@@ -261,7 +261,7 @@ class MissionProgress:
             case MoveHome(position):
                 self.homes.append(position)
             case LimitHandOver():
-                self._halt.limit = step
+                self._stationary.limit = step
 
     # Sequence
 

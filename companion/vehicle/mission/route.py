@@ -1,6 +1,6 @@
 """The way that a mission leads next: the leg to the waypoint of now, and the corners of the way behind it.
 
-Waypoints that lie close together are sailed on a fair line (`fair_line.py`), each still reached in its turn.
+Close waypoints are joined by a straightened line (`straightening.py`); each is still reached in its turn.
 """
 
 from collections.abc import Mapping, Sequence
@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from companion.core.geo import Line, LocalFrame, Point
 from companion.core.intent import FollowLeg
 from companion.guidance.leg import Leg
-from companion.vehicle.mission.fair_line import fair_line
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.steps import (
     GoRound,
@@ -20,6 +19,7 @@ from companion.vehicle.mission.steps import (
     Wait,
     Waypoint,
 )
+from companion.vehicle.mission.straightening import straighten
 
 MOST = 48  # waypoints of look-ahead
 _RENEWED_AT = 16  # remaining waypoints at which the look-ahead is renewed
@@ -89,7 +89,7 @@ class MissionRoute:
             places.append(locate(waypoint.position, frame, places[-1]))
             radii_m.append(waypoint.radius_m)
         self._places, self._radii_m, self._is_open, self._intent = places, radii_m, is_open, None
-        self._corners = fair_line(places, [radius_m or own_radius_m for radius_m in radii_m])
+        self._corners = straighten(places, [radius_m or own_radius_m for radius_m in radii_m])
 
     def intent(self, leg: Leg, start: Point | None, speed_m_s: float, here: Point) -> FollowLeg:
         """Sail from corner to corner, as long as the leg begins at start; else the leg alone.

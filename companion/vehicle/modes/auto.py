@@ -4,9 +4,9 @@ from companion.core.geo import LatLon, LocalFrame
 from companion.core.intent import Intent
 from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
-from companion.vehicle.mission.approach import Approach
 from companion.vehicle.mission.check import MissionCheck
 from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.route_to_mission import RouteToMission
 from companion.vehicle.mission.steps import GoRound, Waypoint
 from companion.vehicle.modes.controller import ModeController, ModeInputs
 from companion.vehicle.modes.guided import GuidedMode
@@ -16,7 +16,7 @@ from companion.vehicle.return_route import ReturnRoute
 class AutoMode(ModeController):
     """Sails the mission on from its current item."""
 
-    __slots__ = ("_approach", "_check", "_fence", "_guided", "_guided_seq", "_progress")
+    __slots__ = ("_check", "_fence", "_guided", "_guided_seq", "_progress", "_route_to_mission")
 
     def __init__(
         self,
@@ -31,7 +31,7 @@ class AutoMode(ModeController):
         self._guided_seq = -1  # the item in which another program steers
         self._fence = fence
         self._check = MissionCheck(status_texts)
-        self._approach = Approach(fence, route, status_texts)
+        self._route_to_mission = RouteToMission(fence, route, status_texts)
 
     def prepare(self, frame: LocalFrame) -> None:
         """Check some more items against the fence. To be called every tick."""
@@ -64,7 +64,7 @@ class AutoMode(ModeController):
         intent = progress.update(inputs.nav, inputs.frame, inputs.config, inputs.now_s)
         if not progress.is_handed_over:
             self._guided_seq = -1
-            return self._approach.update(intent, progress, inputs.nav, inputs.config)
+            return self._route_to_mission.update(intent, progress, inputs.nav, inputs.config)
         if self._guided_seq != progress.current_seq:
             self._guided_seq = progress.current_seq
             self._guided.enter(inputs)

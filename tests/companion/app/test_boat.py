@@ -107,7 +107,7 @@ def test_without_compass_and_course_the_motors_stop() -> None:
     rig.run(rig.config.motors.estimate_timeout_s + 1.3)
     assert "Failsafe: Heading lost" in rig.peer.texts
     assert rig.mode == "HOLD"
-    assert rig.boat.steering.helm.heading_pid is None  # an open loop learns nothing and tells nothing
+    assert rig.boat.guidance.helm.heading_pid is None  # an open loop learns nothing and tells nothing
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 

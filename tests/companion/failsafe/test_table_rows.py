@@ -13,7 +13,7 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
 from companion.failsafe import conditions, guards
-from companion.failsafe.actions import RECOVERIES, Action, Disarm, LimitSpeed, Notify, Recover, Retreat
+from companion.failsafe.actions import RECOVERIES, Action, LimitSpeed, Notify, Recover, Retreat, StopMotors
 from companion.failsafe.escalation import Change
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.monitor import PERIOD_S, Alarm, Failsafes
@@ -131,7 +131,7 @@ def check_mode(
     told, *decisions = respond(alarm, run.latest)
     assert told == Notify(Severity.CRITICAL if is_concerned else Severity.WARNING, f"Failsafe: {one.text}")
     if action is Action.DISARM:
-        assert decisions == [Disarm()]
+        assert decisions == [StopMotors()]
     elif not is_concerned or mode is Mode.HOLD:
         assert decisions == []
     elif action in RECOVERIES:

@@ -43,8 +43,8 @@ class Voyage:
         self.commands[us] = boat.command
         if boat.nav is not None:
             self.nav[us] = boat.nav
-        if boat.steering.helm.heading_pid is not None and boat.steering.helm.speed_pid is not None:
-            self.heading[us], self.speed[us] = boat.steering.helm.heading_pid, boat.steering.helm.speed_pid
+        if boat.guidance.helm.heading_pid is not None and boat.guidance.helm.speed_pid is not None:
+            self.heading[us], self.speed[us] = boat.guidance.helm.heading_pid, boat.guidance.helm.speed_pid
 
     def of(self, name: str) -> list[Record]:
         """Records of a kind from the ticks that were watched."""
@@ -331,7 +331,7 @@ def test_a_log_whose_definitions_are_not_taken_is_given_up(open_rig: OpenRig, tm
 def test_a_number_that_no_field_holds_costs_a_record_not_the_boat(open_rig: OpenRig, tmp_path: Path) -> None:
     rig = open_rig(tmp_path)
     rig.sail(waypoint(500, 0)).run(2.0)
-    rig.boat.steering.helm.heading_pid = PidOutput(1e300, 0.0, 0.0, 0.0, False)
+    rig.boat.guidance.helm.heading_pid = PidOutput(1e300, 0.0, 0.0, 0.0, False)
     later_s = rig.now_s + 1.0
     now = msgspec.structs.replace(rig.boat.take_snapshot(), now_s=later_s)
     rig.log.tick(later_s, lambda: now, rig.boat.channels)

@@ -8,8 +8,8 @@ from companion.config.fence import FenceSetting
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldCourse, KeepStation
 from companion.geofence.fence import Fence, FenceArea, FenceCircle, FencePolygon
-from companion.vehicle.mission.approach import Approach
 from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.route_to_mission import RouteToMission
 from companion.vehicle.mission.steps import Home, SetSpeed, Waypoint
 from companion.vehicle.return_route import ReturnRoute
 
@@ -30,7 +30,7 @@ def is_open(here: tuple[float, float], end: tuple[float, float], *areas: FenceAr
     progress.replace((Home(), SetSpeed(1.0), Waypoint(place(*end))))
     wanted = progress.update(nav, FRAME, CONFIG, 0.0)
     assert isinstance(wanted, FollowLeg)
-    sailed = Approach(fence, route, []).update(wanted, progress, nav, CONFIG)
+    sailed = RouteToMission(fence, route, []).update(wanted, progress, nav, CONFIG)
     assert sailed is wanted or sailed == KeepStation(Point(*here))
     return sailed is wanted
 
@@ -65,14 +65,14 @@ def test_what_is_no_leg_or_does_not_begin_at_the_boat_is_left_as_it_is() -> None
     fence = Fence()
     fence.set_areas([SQUARE, ISLAND])
     fence.update(FRAME, None, FenceSetting())
-    approach, progress = Approach(fence, ReturnRoute(fence, []), []), MissionProgress()
+    route, progress = RouteToMission(fence, ReturnRoute(fence, []), []), MissionProgress()
     station, nav = KeepStation(Point(1.0, 2.0)), nav_at(0.0, -40.0)
-    assert approach.update(station, progress, nav, CONFIG) is station
+    assert route.update(station, progress, nav, CONFIG) is station
     progress.replace((Home(), Waypoint(place(0.0, 40.0))))
     leg = progress.update(nav, FRAME, CONFIG, 0.0)
-    assert approach.update(leg, progress, nav, CONFIG) == KeepStation(nav.point)
+    assert route.update(leg, progress, nav, CONFIG) == KeepStation(nav.point)
     course = HoldCourse(0.0, 1.0)
-    assert approach.update(course, progress, nav, CONFIG) is course
+    assert route.update(course, progress, nav, CONFIG) is course
     progress.begin_leg_at(Point(0.0, -40.0))
     leg = progress.update(nav, FRAME, CONFIG, 0.0)
-    assert approach.update(leg, progress, nav, CONFIG) is leg
+    assert route.update(leg, progress, nav, CONFIG) is leg

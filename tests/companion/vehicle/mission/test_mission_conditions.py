@@ -8,8 +8,8 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.intent import HoldHeading, KeepStation
 from companion.core.state import NavState
 from companion.vehicle.mission.conditions import ConditionalCommand
-from companion.vehicle.mission.halts import HoldItem
 from companion.vehicle.mission.places import Offset, locate
+from companion.vehicle.mission.stationary_items import StationaryItem
 from companion.vehicle.mission.steps import (
     AfterDelay,
     HandOver,
@@ -94,7 +94,7 @@ def test_what_is_cleared_never_happens() -> None:
 
 @pytest.mark.parametrize(("station", "place"), [(None, Point(4.0, 0.0)), (END, END)])
 def test_a_wait_keeps_the_boat_where_it_lies(station: Point | None, place: Point) -> None:
-    item = HoldItem()
+    item = StationaryItem()
     assert item.begin(Wait(5.0), nav_at(4.0), station, 100.0) == place
     assert item.intent(Wait(5.0), nav_at(9.0), 104.9) == KeepStation(place)
     assert item.intent(Wait(5.0), nav_at(9.0), 105.0) is None
@@ -105,7 +105,7 @@ def test_a_wait_keeps_the_boat_where_it_lies(station: Point | None, place: Point
     [(Turn(1.0), 1.0), (Turn(1.0, is_relative=True), 1.5), (Turn(3.0, is_relative=True), 3.5)],
 )
 def test_a_turn_is_to_a_heading_or_by_an_angle_to_starboard(turn: Turn, heading: float) -> None:
-    item = HoldItem()
+    item = StationaryItem()
     assert item.begin(turn, nav_at(heading=0.5), END, 10.0) == END
     intent = item.intent(turn, nav_at(heading=0.5), 10.0)
     assert isinstance(intent, HoldHeading)
@@ -119,7 +119,7 @@ def test_a_turn_is_to_a_heading_or_by_an_angle_to_starboard(turn: Turn, heading:
 
 
 def test_a_hand_over_keeps_station_until_time_or_distance_are_used_up() -> None:
-    item, step = HoldItem(), HandOver(is_on=True)
+    item, step = StationaryItem(), HandOver(is_on=True)
     item.limit = LimitHandOver(20.0, 15.0)
     assert item.begin(step, nav_at(4.0), END, 100.0) == Point(4.0, 0.0)
     assert item.intent(step, nav_at(18.9), 119.9) == KeepStation(Point(4.0, 0.0))
@@ -129,7 +129,7 @@ def test_a_hand_over_keeps_station_until_time_or_distance_are_used_up() -> None:
 
 
 def test_a_limit_of_zero_is_none() -> None:
-    item, step = HoldItem(), HandOver(is_on=True)
+    item, step = StationaryItem(), HandOver(is_on=True)
     assert item.limit == LimitHandOver(0.0, 0.0)
     item.begin(step, nav_at(0.0), None, 0.0)
     assert item.intent(step, nav_at(1e6), 1e6) is not None

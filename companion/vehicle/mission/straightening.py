@@ -1,9 +1,9 @@
 """Straightens close waypoints: the shortest line that passes near each of them in turn.
 
-Each waypoint has a gate across the path through it, and the line is the shortest through all gates in order,
-by the funnel algorithm (D. T. Lee and F. P. Preparata, "Euclidean shortest paths in the presence of
-rectilinear barriers", *Networks* 14, 1984). Zigzags along the cells of a grid become straight. The line is
-nowhere further from the plan than half a gate's width.
+Each waypoint has a portal, a short line across the path through it. The result is the shortest line through
+all portals in order, by the funnel algorithm (D. T. Lee and F. P. Preparata, "Euclidean shortest paths in
+the presence of rectilinear barriers", *Networks* 14, 1984). Zigzags along the cells of a grid become
+straight. The line is nowhere further from the plan than half a portal's width.
 """
 
 import math
@@ -14,7 +14,7 @@ from typing import NamedTuple
 from companion.core.geo import Line, Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
 
-SHIFT_SHARE = 0.45  # of a waypoint's radius: half the width of its gate, unless gates would meet
+SHIFT_SHARE = 0.45  # of a waypoint's radius: half the width of its portal, unless portals would meet
 SHORT_RADII = 3.0  # waypoint radii: legs up to this length are short
 SHARP_RAD = math.radians(100.0)  # a waypoint with a sharper turn is passed exactly
 GENTLE_RAD = math.radians(30.0)  # so is one with a smaller turn in a steady bend
@@ -24,15 +24,15 @@ END_SHARE = 0.95  # near to the first place, is passed there; as is the last but
 _LEVEL_M2 = 1e-12
 
 
-class Gate(NamedTuple):
+class Portal(NamedTuple):
     """Port and starboard end; equal where the line must pass the waypoint exactly."""
 
     port: Point
     starboard: Point
 
 
-def fair_line(places: Sequence[Point], radii_m: Sequence[float]) -> list[tuple[Point, int]]:
-    """Corners of the fair line from the first place to the last, each with the place whose gate it is on.
+def straighten(places: Sequence[Point], radii_m: Sequence[float]) -> list[tuple[Point, int]]:
+    """Corners of the line from the first place to the last, each with the place whose portal it is on.
 
     radii_m: how near to pass the places. A place is passed exactly where either leg is not short, the way
     turns sharply, or it bends gently; and is left out where the way only turns back there, near another.
@@ -40,13 +40,13 @@ def fair_line(places: Sequence[Point], radii_m: Sequence[float]) -> list[tuple[P
     kept = _kept(places, radii_m)
     legs = [Line(places[one], places[other]) for one, other in pairwise(kept)]
     turns = [wrap_pi(leg.course_rad - before.course_rad) for before, leg in pairwise(legs)]
-    gates = []
+    portals = []
     for n, turn in enumerate(turns):
         around = (turns[n - 1] if n else 0.0, turns[n + 1] if n + 1 < len(turns) else 0.0)
-        gates.append(_gate(legs[n], legs[n + 1], turn, around, radii_m[kept[n + 1]]))
+        portals.append(_portal(legs[n], legs[n + 1], turn, around, radii_m[kept[n + 1]]))
     last = places[kept[-1]]
-    corners = _pull(places[0], [*gates, Gate(last, last)])
-    return [(places[0], 0), *((point, kept[1 + gate]) for point, gate in corners)]
+    corners = _pull(places[0], [*portals, Portal(last, last)])
+    return [(places[0], 0), *((point, kept[1 + portal]) for point, portal in corners)]
 
 
 def is_short(leg_m: float, radius_m: float) -> bool:
@@ -68,35 +68,35 @@ def _kept(places: Sequence[Point], radii_m: Sequence[float]) -> list[int]:
     return [*kept, last]
 
 
-def _gate(leg: Line, next_leg: Line, turn: float, around: tuple[float, float], radius_m: float) -> Gate:
-    """The gate between two legs. turn: there; around: turns at the waypoints before and after it."""
+def _portal(leg: Line, next_leg: Line, turn: float, around: tuple[float, float], radius_m: float) -> Portal:
+    """The portal between two legs. turn: there; around: turns at the waypoints before and after it."""
     at, size = leg.end, abs(turn)
     goes_on = turn * around[0] > -STRAIGHT_RAD * size and turn * around[1] > -STRAIGHT_RAD * size
     is_bend = STRAIGHT_RAD < size < GENTLE_RAD and goes_on
     if is_bend or size > SHARP_RAD or not is_short(max(leg.length_m, next_leg.length_m), radius_m):
-        return Gate(at, at)
+        return Portal(at, at)
     half_m = min(SHIFT_SHARE * radius_m, 0.5 * min(leg.length_m, next_leg.length_m))
     across = leg.course_rad + 0.5 * turn + 0.5 * math.pi
     north, east = half_m * math.cos(across), half_m * math.sin(across)
-    return Gate(Point(at.north_m - north, at.east_m - east), Point(at.north_m + north, at.east_m + east))
+    return Portal(Point(at.north_m - north, at.east_m - east), Point(at.north_m + north, at.east_m + east))
 
 
-def _pull(start: Point, gates: Sequence[Gate]) -> list[tuple[Point, int]]:
-    """The corners of the shortest line through the gates, each with its gate."""
+def _pull(start: Point, portals: Sequence[Portal]) -> list[tuple[Point, int]]:
+    """The corners of the shortest line through the portals, each with its portal."""
     corners: list[tuple[Point, int]] = []
     apex = port = starboard = start
     port_at = starboard_at = at = 0
-    while at < len(gates):
-        gate = gates[at]
+    while at < len(portals):
+        portal = portals[at]
         corner = -1
-        if _side_m2(apex, starboard, gate.starboard) <= _LEVEL_M2:
-            if starboard == apex or _side_m2(apex, port, gate.starboard) > 0.0:
-                starboard, starboard_at = gate.starboard, at
+        if _side_m2(apex, starboard, portal.starboard) <= _LEVEL_M2:
+            if starboard == apex or _side_m2(apex, port, portal.starboard) > 0.0:
+                starboard, starboard_at = portal.starboard, at
             else:
                 apex, corner = port, port_at
-        if corner < 0 and _side_m2(apex, port, gate.port) >= -_LEVEL_M2:
-            if port == apex or _side_m2(apex, starboard, gate.port) < 0.0:
-                port, port_at = gate.port, at
+        if corner < 0 and _side_m2(apex, port, portal.port) >= -_LEVEL_M2:
+            if port == apex or _side_m2(apex, starboard, portal.port) < 0.0:
+                port, port_at = portal.port, at
             else:
                 apex, corner = starboard, starboard_at
         if corner >= 0:
@@ -105,9 +105,9 @@ def _pull(start: Point, gates: Sequence[Gate]) -> list[tuple[Point, int]]:
             port_at = starboard_at = corner
             at = corner
         at += 1
-    end = gates[-1].port
+    end = portals[-1].port
     if not corners or corners[-1][0] != end:
-        corners.append((end, len(gates) - 1))
+        corners.append((end, len(portals) - 1))
     return corners
 
 

@@ -7,7 +7,7 @@ FIRST_S: Final = 5.0  # since boot, as for PreArm reports: stations need time to
 REPEAT_S: Final = 30.0
 
 
-class Losses:
+class DataLosses:
     """A message for each lost list, by name."""
 
     def __init__(self) -> None:

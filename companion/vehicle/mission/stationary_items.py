@@ -8,13 +8,13 @@ from companion.core.state import NavState
 from companion.core.units import wrap_pi
 from companion.vehicle.mission.steps import HandOver, LimitHandOver, Turn, Wait
 
-Halting = Wait | Turn | HandOver
+StationaryStep = Wait | Turn | HandOver
 
 _TURNED_RAD = math.radians(5.0)
 _TURN_LIMIT_S = 30.0  # then the mission continues, turned or not
 
 
-class HoldItem:
+class StationaryItem:
     """The current one. limit: how long and how far another program may steer."""
 
     __slots__ = ("_since_s", "_station", "_turn_to_rad", "limit")
@@ -25,7 +25,7 @@ class HoldItem:
         self._station = Point(0.0, 0.0)
         self._turn_to_rad = 0.0
 
-    def begin(self, step: Halting, nav: NavState, station: Point | None, now_s: float) -> Point | None:
+    def begin(self, step: StationaryStep, nav: NavState, station: Point | None, now_s: float) -> Point | None:
         """The item begins. station: the present one, None without; returns the new one."""
         self._since_s = now_s
         match step:
@@ -38,7 +38,7 @@ class HoldItem:
                 self._station = station or nav.point
         return self._station
 
-    def intent(self, step: Halting, nav: NavState, now_s: float) -> Intent | None:
+    def intent(self, step: StationaryStep, nav: NavState, now_s: float) -> Intent | None:
         """The item's intent; None once it is over."""
         match step:
             case Wait(hold_s):

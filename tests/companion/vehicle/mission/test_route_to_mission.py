@@ -9,8 +9,8 @@ from companion.core.geo import Point
 from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence, FencePolygon
-from companion.vehicle.mission.approach import Approach
 from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.route_to_mission import RouteToMission
 from companion.vehicle.mission.steps import Home, Waypoint
 from companion.vehicle.return_route import ReturnRoute
 
@@ -35,12 +35,12 @@ class Boat:
                 break
         self.progress = MissionProgress()
         self.progress.replace((Home(), Waypoint(place(*end))))
-        self.approach = Approach(fence, route, self.texts)
+        self.route_to_mission = RouteToMission(fence, route, self.texts)
 
     def sail(self) -> tuple[Intent, Intent]:
         """What the mission wants, and what is sailed instead."""
         wanted = self.progress.update(self.nav, FRAME, CONFIG, 0.0)
-        return wanted, self.approach.update(wanted, self.progress, self.nav, CONFIG)
+        return wanted, self.route_to_mission.update(wanted, self.progress, self.nav, CONFIG)
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ _FIELD_STEPS = 4
 _CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it within this distance
 
 
-class Approach:
+class RouteToMission:
     """Replaces the first leg where it is not clear, and tells the operator."""
 
     __slots__ = ("_checked", "_fence", "_field", "_route", "_station", "_status_texts", "_way")

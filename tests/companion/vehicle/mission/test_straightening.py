@@ -1,4 +1,4 @@
-"""The fair line through waypoints that lie close together."""
+"""The straightened line through waypoints that lie close together."""
 
 import math
 from itertools import pairwise
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Line, Point, distance_m
-from companion.vehicle.mission.fair_line import SHIFT_SHARE, fair_line, is_short
+from companion.vehicle.mission.straightening import SHIFT_SHARE, is_short, straighten
 
 RADIUS_M = 2.0
 HALF_M = SHIFT_SHARE * RADIUS_M
@@ -17,7 +17,7 @@ NEIGHBOURS = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -
 
 def corners(*places: tuple[float, float]) -> list[Point]:
     points = [Point(*place) for place in places]
-    return [corner for corner, _ in fair_line(points, [RADIUS_M] * len(points))]
+    return [corner for corner, _ in straighten(points, [RADIUS_M] * len(points))]
 
 
 def off_m(at: Point, start: Point, end: Point) -> float:
@@ -88,7 +88,7 @@ def test_a_place_further_back_is_sailed_to() -> None:
 def test_every_waypoint_is_passed_in_its_turn_and_the_line_is_never_longer_than_the_plan(
     walk: list[Point],
 ) -> None:
-    line = [corner for corner, _ in fair_line(walk, [RADIUS_M] * len(walk))]
+    line = [corner for corner, _ in straighten(walk, [RADIUS_M] * len(walk))]
     assert (line[0], line[-1]) == (walk[0], walk[-1])
     assert all(min(off_m(at, *leg) for leg in pairwise(line)) <= HALF_M + 1e-9 for at in walk)
     length_m = sum(distance_m(a, b) for a, b in pairwise(line))
@@ -96,8 +96,8 @@ def test_every_waypoint_is_passed_in_its_turn_and_the_line_is_never_longer_than_
 
 
 @given(cell_walks())
-def test_the_line_is_nowhere_further_from_the_plan_than_half_a_gate(walk: list[Point]) -> None:
-    for start, end in pairwise(corner for corner, _ in fair_line(walk, [RADIUS_M] * len(walk))):
+def test_the_line_is_nowhere_further_from_the_plan_than_half_a_portal(walk: list[Point]) -> None:
+    for start, end in pairwise(corner for corner, _ in straighten(walk, [RADIUS_M] * len(walk))):
         for share in (0.0, 0.25, 0.5, 0.75):
             at = Point(
                 start.north_m + share * (end.north_m - start.north_m),
@@ -107,8 +107,8 @@ def test_the_line_is_nowhere_further_from_the_plan_than_half_a_gate(walk: list[P
 
 
 @given(cell_walks())
-def test_each_corner_is_on_the_gate_of_its_waypoint_and_they_come_in_order(walk: list[Point]) -> None:
-    found = fair_line(walk, [RADIUS_M] * len(walk))
+def test_each_corner_is_on_the_portal_of_its_waypoint_and_they_come_in_order(walk: list[Point]) -> None:
+    found = straighten(walk, [RADIUS_M] * len(walk))
     assert all(distance_m(corner, walk[n]) <= HALF_M + 1e-9 for corner, n in found)
     assert all(one < other for (_, one), (_, other) in pairwise(found))
 

@@ -11,7 +11,7 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
-from companion.persistence.losses import FIRST_S, REPEAT_S, Losses
+from companion.persistence.data_losses import FIRST_S, REPEAT_S, DataLosses
 from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
 from companion.persistence.storage import FolderStorage
 from companion.services.ftp.mounts import InlineExecutor
@@ -219,12 +219,12 @@ def test_a_damaged_key_leaves_the_previous_one_in_use_not_an_open_boat(tmp_path:
     rig = keyed(tmp_path)
     rig.damage(KEY_FILE)
     assert rig.boat.signing.boat.key == SigningKey(bytes([1] * 32))
-    assert rig.boat.vehicle.losses.text("signing key") == (
+    assert rig.boat.vehicle.data_losses.text("signing key") == (
         f"Signing key lost: {KEY_FILE} {PREVIOUS}. Set or remove the signing key"
     )
     rig.boat.signing.change_key(SigningKey(bytes([3] * 32)), 1)
     rig.run(1.0)
-    assert rig.boat.vehicle.losses.text("signing key") == ""
+    assert rig.boat.vehicle.data_losses.text("signing key") == ""
 
 
 def test_timestamps_begin_beyond_whatever_the_damaged_file_may_have_said(tmp_path: Path) -> None:
@@ -249,7 +249,7 @@ def test_nothing_is_told_of_a_boat_whose_memory_is_whole(rig: StoredRig) -> None
 
 
 def test_a_loss_is_told_soon_then_at_intervals_until_it_ends() -> None:
-    losses = Losses()
+    losses = DataLosses()
     losses.add("fence", "it is damaged", "Upload it")
     tell: Callable[[float], list[str]] = losses.update
     assert [tell(FIRST_S - 0.1), tell(FIRST_S), tell(FIRST_S + REPEAT_S - 0.1)] == [
