@@ -4,9 +4,9 @@ Shapes are shapely's, with x = east and y = north in metres of the chart's frame
 """
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
 
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
@@ -20,17 +20,21 @@ Area: TypeAlias = Polygon | MultiPolygon
 
 KEPT_OUT: frozenset[str] = frozenset({"keep_out", "swimming"})
 SOLID: frozenset[str] = frozenset({"island", "obstacle", "pier", "raft"})
-REACH_DEG = 2.0  # of latitude or longitude from a chart's origin; nothing farther away belongs to it
+REACH_DEG = 2.0  # of a great circle to north and east of a chart's origin; nothing farther belongs to it
 OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice REACH_DEG: beyond any route
 
 
 @dataclass(frozen=True, slots=True)
 class Feature:
-    """Something on the chart that has a name. A landmark is a point and only for pictures."""
+    """Something on the chart that has a name. A landmark is a point and only for pictures.
+
+    properties: everything that the file says about it.
+    """
 
     name: str
     kind: Kind
     shape: BaseGeometry
+    properties: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +43,7 @@ class Chart:
 
     navigable: water less keep_out. shores: the outline of navigable, which a boat keeps clear of.
     is_open: there is no shore at all; water is then a large square that stands for the sea.
+    notes: what was repaired or skipped when the map was read, a line each.
     """
 
     name: str
@@ -49,11 +54,13 @@ class Chart:
     is_open: bool
     navigable: Area
     shores: BaseGeometry
+    notes: tuple[str, ...] = ()
 
     def reaches(self, place: LatLon) -> bool:
         """Whether a place may belong to this chart."""
         origin = self.frame.origin
         east_deg = longitude_difference_deg(place.lon_deg, origin.lon_deg)
+        east_deg *= math.cos(math.radians(place.lat_deg))
         return max(abs(place.lat_deg - origin.lat_deg), abs(east_deg)) <= REACH_DEG
 
     def clearance_m(self, point: Point) -> float:
@@ -93,7 +100,13 @@ class Chart:
         return "on land" if self.water.envelope.contains(at) else "outside the map"
 
 
-def build_chart(name: str, frame: LocalFrame, water: Area | None, features: Iterable[Feature]) -> Chart:
+def build_chart(
+    name: str,
+    frame: LocalFrame,
+    water: Area | None,
+    features: Iterable[Feature],
+    notes: Iterable[str] = (),
+) -> Chart:
     """Cut solid features out of the water (None: open water), collect those to keep out of.
 
     Raises:
@@ -103,9 +116,9 @@ def build_chart(name: str, frame: LocalFrame, water: Area | None, features: Iter
     half = OPEN_WATER_HALF_SIDE_M
     whole = shapely.box(-half, -half, half, half) if water is None else water
     solid = shapely.union_all([feature.shape for feature in features if feature.kind in SOLID])
-    kept_out = _area(shapely.union_all([feature.shape for feature in features if feature.kind in KEPT_OUT]))
-    cut = _area(whole.difference(solid))
-    navigable = _area(cut.difference(kept_out))
+    kept_out = area_of(shapely.union_all([feature.shape for feature in features if feature.kind in KEPT_OUT]))
+    cut = area_of(whole.difference(solid))
+    navigable = area_of(cut.difference(kept_out))
     if navigable.is_empty:
         raise MapError(f"{name}: no water is left between its islands, obstacles and keep-out areas")
     shores = navigable.boundary
@@ -113,12 +126,13 @@ def build_chart(name: str, frame: LocalFrame, water: Area | None, features: Iter
         shores = shores.difference(whole.boundary)
     shapely.prepare(shores)
     shapely.prepare(navigable)
-    return Chart(name, frame, cut, kept_out, features, water is None, navigable, shores)
+    return Chart(name, frame, cut, kept_out, features, water is None, navigable, shores, tuple(notes))
 
 
-def _area(shape: BaseGeometry) -> Area:
+def area_of(shape: BaseGeometry) -> Area:
     """The polygons of a geometry; lines and points that an overlay left behind are dropped."""
     if isinstance(shape, Polygon | MultiPolygon):
         return shape
-    parts = [part for part in shapely.get_parts(shape) if isinstance(part, Polygon)]
+    flat = shapely.get_parts(shapely.get_parts(shape))
+    parts = [part for part in flat if isinstance(part, Polygon)]
     return MultiPolygon(parts)

@@ -6,13 +6,19 @@ PROJ transforms what it knows; a file whose CRS it does not know, or only roughl
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import pyproj
+import shapely
 from pyproj.transformer import AreaOfInterest, TransformerGroup
+from shapely.geometry.base import BaseGeometry
 
+from companion.core.geo import LatLon
 from mission_tools.errors import MapError
+from mission_tools.maps.projection import LONG_EDGE_M, MOST_PIECES
 
 # PROJ's stated accuracy: NAD83 and GDA94 to WGS 84 have 3 to 4 m, NAD27 without its grid files has 7 to 10 m,
 # which is more than a boat's usual clearance
@@ -40,11 +46,57 @@ def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
     name = _name(given, source)
     leaves: list[list[Any]] = []
     rest = {key: value for key, value in tree.items() if key != "crs"}
-    copied: dict[str, Any] = _copied(rest, leaves)
     crs = _known(name, source)
-    if leaves and not any(crs.equals(pyproj.CRS(same), ignore_axis_order=True) for same in _SAME):
+    step = LONG_EDGE_M / (crs.axis_info[0].unit_conversion_factor or 1.0) if crs.is_projected else math.inf
+    copied: dict[str, Any] = _copied(rest, leaves, step)
+    if leaves and not _is_wgs84(crs):
         _transform(leaves, crs, f'{source}: crs "{name}" ({crs.name})')
     return copied
+
+
+def shapes_to_wgs84(shapes: Sequence[BaseGeometry], name: str, source: str) -> list[BaseGeometry]:
+    """Shapes of one CRS, named as PROJ understands it (also WKT), in WGS 84 degrees.
+
+    Edges longer than 1 km of a projected CRS get corners in between, as they are straight there.
+
+    Raises:
+        MapError: as `to_wgs84`.
+    """
+    crs = _known(name, source)
+    if not shapes or _is_wgs84(crs):
+        return list(shapes)
+    if crs.is_projected:
+        unit_m = crs.axis_info[0].unit_conversion_factor or 1.0
+        shapes = [shapely.segmentize(shape, LONG_EDGE_M / unit_m) for shape in shapes]
+    xy = shapely.get_coordinates(shapes)
+    where = f"{source}: crs {crs.name}"
+    if not len(xy):
+        return list(shapes)
+    if not np.isfinite(xy).all():
+        raise MapError(f"{where}: a coordinate is not a number")
+    x, y = xy[:, 0].tolist(), xy[:, 1].tolist()
+    lon_deg, lat_deg = _best(x, y, crs, where).transform(x, y)
+    if not all(map(math.isfinite, (*lon_deg, *lat_deg))):
+        raise MapError(f"{where}: a position is outside of it; {_ADVICE}")
+    moved = shapely.set_coordinates(np.array(shapes, dtype=object), np.column_stack((lon_deg, lat_deg)))
+    return list(moved)
+
+
+def from_wgs84(place: LatLon, name: str, source: str) -> tuple[float, float]:
+    """x and y of a place in a CRS.
+
+    Raises:
+        MapError: the CRS is not known, or has no place for it.
+    """
+    crs = _known(name, source)
+    x, y = pyproj.Transformer.from_crs(_WGS84, crs, always_xy=True).transform(place.lon_deg, place.lat_deg)
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise MapError(f"{source}: {place.lat_deg:.6f},{place.lon_deg:.6f} is outside of {crs.name}")
+    return x, y
+
+
+def _is_wgs84(crs: pyproj.CRS) -> bool:
+    return any(crs.equals(pyproj.CRS(same), ignore_axis_order=True) for same in _SAME)
 
 
 def _name(given: object, source: str) -> str:
@@ -112,26 +164,47 @@ def _area(x: list[float], y: list[float], crs: pyproj.CRS) -> AreaOfInterest | N
     return AreaOfInterest(min(lon_deg), min(lat_deg), max(lon_deg), max(lat_deg))
 
 
-def _copied(value: Any, leaves: list[list[Any]]) -> Any:  # noqa: ANN401 (decoded JSON)
-    """A copy of decoded JSON; `leaves` gets every position in it."""
+def _copied(value: Any, leaves: list[list[Any]], step: float) -> Any:  # noqa: ANN401 (decoded JSON)
+    """A copy of decoded JSON; `leaves` gets every position in it. step: longest edge without corners."""
     if isinstance(value, Mapping):
         return {
-            key: _coordinates(part, leaves) if key == "coordinates" else _copied(part, leaves)
+            key: _coordinates(part, leaves, step) if key == "coordinates" else _copied(part, leaves, step)
             for key, part in value.items()
         }
     if isinstance(value, list):
-        return [_copied(part, leaves) for part in value]
+        return [_copied(part, leaves, step) for part in value]
     return value
 
 
-def _coordinates(value: Any, leaves: list[list[Any]]) -> Any:  # noqa: ANN401 (decoded JSON)
+def _coordinates(value: Any, leaves: list[list[Any]], step: float) -> Any:  # noqa: ANN401 (decoded JSON)
     if not isinstance(value, list):
         return value
-    is_position = len(value) >= 2 and all(
-        isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in value[:2]
+    if _is_position(value):
+        leaf = list(value)
+        leaves.append(leaf)
+        return leaf
+    if value and math.isfinite(step) and all(map(_is_position, value)):
+        value = _with_corners(value, step)
+    return [_coordinates(part, leaves, step) for part in value]
+
+
+def _is_position(value: object) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) >= 2
+        and all(
+            isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in value[:2]
+        )
     )
-    if not is_position:
-        return [_coordinates(part, leaves) for part in value]
-    leaf = list(value)
-    leaves.append(leaf)
-    return leaf
+
+
+def _with_corners(line: list[list[Any]], step: float) -> list[list[Any]]:
+    """Positions with others between them, so that no edge is longer than a step."""
+    found = [line[0]]
+    for start, end in pairwise(line):
+        count = min(math.ceil(math.dist(start[:2], end[:2]) / step), MOST_PIECES)
+        found += [
+            [start[axis] + n / count * (end[axis] - start[axis]) for axis in (0, 1)] for n in range(1, count)
+        ]
+        found.append(end)
+    return found

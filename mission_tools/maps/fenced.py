@@ -42,7 +42,7 @@ def fenced(chart: Chart, fence: Fence, source: str) -> Chart:
             water = shapely.box(west - BEYOND_M, south - BEYOND_M, east + BEYOND_M, north + BEYOND_M)
         features.append(Feature(OUTSIDE, "keep_out", water.difference(inside)))
     try:
-        return build_chart(chart.name, chart.frame, water, features)
+        return build_chart(chart.name, chart.frame, water, features, chart.notes)
     except MapError:
         raise MapError(f"{source}: leaves no water of {chart.name} to sail on") from None
 

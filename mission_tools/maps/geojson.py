@@ -14,47 +14,49 @@ island. A member `crs` is obeyed (`crs.py`).
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
+import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import LatLon, LocalFrame
+from companion.core.geo import LatLon
 from mission_tools.errors import MapError
-from mission_tools.maps.chart import Area, Chart, Feature, Kind, build_chart
-from mission_tools.maps.crs import to_wgs84
-from mission_tools.maps.kinds import kind_of, raise_if_ambiguous
-from mission_tools.maps.projection import to_local
+from mission_tools.maps.assemble import chart_of
+from mission_tools.maps.chart import Area, Chart
+from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
+Corners = list[tuple[float, float]]
+
+MOST_LON_DEG = 360.0
 _CROSSINGS = ("Self-intersection", "Ring Self-intersection")
-MAX_DISTANCE_FROM_ORIGIN_M = 100_000.0
 
 
 def load_geojson(path: Path, origin: LatLon | None = None) -> Chart:
     """Read a map; without an origin the middle of its water becomes one.
 
     Raises:
-        MapError: cannot be read, is not GeoJSON, a shape is not valid, or there is no water in it; one line
+        MapError: cannot be read, is not GeoJSON, a shape cannot be used, or there is no water in it; one line
             that names the file, the feature and the place.
     """
     return parse_geojson(read_json(path), str(path), path.stem, origin)
 
 
 def read_json(path: Path) -> object:
-    """What is in a file of JSON.
+    """What is in a file of JSON; a byte order mark is ignored.
 
     Raises:
         MapError: cannot be read, or is not JSON.
     """
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise MapError(f"{path}: cannot be read: {error.strerror}") from None
+        return json.loads(read_bytes(path).decode("utf-8-sig"))
     except json.JSONDecodeError as error:
         raise MapError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
+    except MapError:
+        raise
     except (ValueError, RecursionError):  # not UTF-8, a number of thousands of digits, or nested too deep
         raise MapError(f"{path}: not a JSON text file") from None
 
@@ -65,54 +67,30 @@ def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = 
     Raises:
         MapError: as `load_geojson`.
     """
-    features = map_features(feature_entries(tree, source), source)
-    water = _area([feature for feature in features if feature.kind == "water"])
-    if water is None:
-        raise MapError(
-            f"{source}: no water in it: expected a polygon with the property kind = water, or none"
-        )
-    west, south, east, north = water.bounds
-    frame = LocalFrame(origin or LatLon(0.5 * (south + north), 0.5 * (west + east)))
-    local = to_local(water, frame.origin)
-    if local.distance(shapely.Point(0.0, 0.0)) > MAX_DISTANCE_FROM_ORIGIN_M:
-        raise MapError(
-            f"{source}: lies more than {MAX_DISTANCE_FROM_ORIGIN_M / 1000:.0f} km from the origin "
-            f"{frame.origin.lat_deg:.4f}, {frame.origin.lon_deg:.4f}: GeoJSON wants [longitude, latitude]"
-        )
-    named = [
-        Feature(feature.name, feature.kind, to_local(feature.shape, frame.origin))
-        for feature in features
-        if feature.name
-    ]
     title = tree.get("name") if isinstance(tree, Mapping) else None
-    first = next((feature.name for feature in features if feature.kind == "water" and feature.name), name)
-    try:
-        return build_chart(title if isinstance(title, str) else first, frame, cast(Area, local), named)
-    except MapError as error:
-        raise MapError(f"{source}: {error}") from None
+    raw = raw_map(feature_entries(tree, source), source, name, title if isinstance(title, str) else "")
+    return chart_of(raw, origin)
 
 
-def map_features(entries: Sequence[object], source: str) -> list[Feature]:
-    """The features of a map, in degrees: x longitude, y latitude.
+def raw_map(entries: Sequence[object], source: str, fallback_name: str = "", title: str = "") -> RawMap:
+    """The features of a map as they are in the file.
 
     Raises:
         MapError: names the feature and what is wrong with it.
     """
-    features: list[Feature] = []
-    water: list[tuple[str, BaseGeometry, bool]] = []
+    notes: list[str] = []
+    features: list[RawFeature] = []
     for number, entry in enumerate(entries, 1):
-        where, properties, geometry = labelled(entry, f"{source}: feature {number}")
-        kind, is_said = kind_of(properties, where)
-        feature = _feature(kind, properties, geometry, where)
-        features.append(feature)
-        if kind == "water":
-            water.append((where, feature.shape, is_said))
-    raise_if_ambiguous(water)
-    return features
-
-
-def _area(features: Sequence[Feature]) -> BaseGeometry | None:
-    return shapely.union_all([feature.shape for feature in features]) if features else None
+        where = f"{source}: feature {number}"
+        if isinstance(entry, Mapping) and entry.get("geometry") is None:
+            notes.append(f"{where}: no geometry: skipped")
+            continue
+        where, properties, geometry = labelled(entry, where)
+        for part in _simple_geometries(geometry, where):
+            shape = _shape(part, where, notes)
+            if shape is not None:
+                features.append(RawFeature(where, properties, shape))
+    return RawMap(source, fallback_name, tuple(features), title, tuple(notes))
 
 
 def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
@@ -122,7 +100,10 @@ def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
         MapError: it is none.
     """
     if isinstance(tree, Mapping):
-        tree = to_wgs84(tree, source)
+        if _names_crs(tree):
+            from mission_tools.maps.crs import to_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
+
+            tree = to_wgs84(tree, source)
         kind = tree.get("type")
         if kind == "FeatureCollection" and isinstance(tree.get("features"), list):
             return list(tree["features"])
@@ -133,6 +114,12 @@ def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
         if kind == "GeometryCollection":
             raise MapError(f"{source}: a GeometryCollection: expected Polygon or MultiPolygon features")
     raise MapError(f"{source}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
+
+
+def _names_crs(tree: Mapping[str, Any]) -> bool:
+    features = tree.get("features")
+    entries = features if isinstance(features, list) else []
+    return tree.get("crs") is not None or any(isinstance(e, Mapping) and e.get("crs") for e in entries)
 
 
 def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping[str, Any]]:
@@ -149,19 +136,87 @@ def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping
     return f'{where} "{name}"' if isinstance(name, str) and name else where, properties, entry["geometry"]
 
 
-def _feature(kind: Kind, properties: Mapping[str, Any], geometry: Mapping[str, Any], where: str) -> Feature:
-    given = properties.get("name")
-    name = given if isinstance(given, str) else ""
-    if kind == "landmark":
-        return Feature(name, kind, _landmark(geometry, where))
-    shape = _polygons(geometry, where)
-    return Feature(name or ("" if kind == "water" else kind.replace("_", "-")), kind, shape)
+def _simple_geometries(geometry: Mapping[str, Any], where: str) -> Iterator[Mapping[str, Any]]:
+    """The geometries of a collection; a single one as it is."""
+    if geometry.get("type") != "GeometryCollection":
+        yield geometry
+        return
+    members = geometry.get("geometries")
+    for member in members if isinstance(members, list) else []:
+        if not isinstance(member, Mapping):
+            raise MapError(
+                f"{where}: a GeometryCollection with {str(member)[:40]} in it: expected geometries"
+            )
+        if member.get("type") != "GeometryCollection":  # RFC 7946, 3.1.8: none within another
+            yield member
 
 
-def _landmark(geometry: Mapping[str, Any], where: str) -> BaseGeometry:
-    if geometry.get("type") != "Point":
-        raise MapError(f"{where}: a landmark is a Point, not {geometry.get('type')!r}")
-    return shapely.Point(position(geometry.get("coordinates"), where))
+def _shape(geometry: Mapping[str, Any], where: str, notes: list[str]) -> BaseGeometry | None:
+    """A geometry as it is in the file, its rings closed; None with a note for an empty one."""
+    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+    if kind not in ("Polygon", "MultiPolygon", "Point", "MultiPoint", "LineString", "MultiLineString"):
+        raise MapError(f"{where}: geometry is {kind!r}: expected Polygon or MultiPolygon")
+    if not isinstance(coordinates, list) or not coordinates:
+        notes.append(f"{where}: empty geometry: skipped")
+        return None
+    if kind == "Polygon":
+        return _open_polygon(coordinates, where, notes)
+    if kind == "MultiPolygon":
+        parts = [_open_polygon(rings, f"{where}, part {n}", notes) for n, rings in enumerate(coordinates, 1)]
+        return MultiPolygon([part for part in parts if part is not None])
+    if kind == "Point":
+        return shapely.Point(position(coordinates, where))
+    lists = coordinates if kind == "MultiLineString" else [coordinates]
+    if not all(isinstance(places, list) for places in lists):
+        raise MapError(f"{where}: expected lists of positions, got {str(coordinates)[:60]}")
+    lines = [[position(place, where) for place in places] for places in lists]
+    if kind == "MultiPoint":
+        return shapely.MultiPoint(lines[0])
+    lines = [line for line in lines if len(line) > 1]
+    return shapely.LineString(lines[0]) if len(lines) == 1 else shapely.MultiLineString(lines)
+
+
+def _open_polygon(rings: object, where: str, notes: list[str]) -> Polygon | None:
+    """A polygon that may be invalid; None with a note where it has no outline."""
+    if not isinstance(rings, list):
+        raise MapError(f"{where}: expected a list of rings, got {str(rings)[:60]}")
+    if not rings:
+        notes.append(f"{where}: empty geometry: skipped")
+        return None
+    closed = [_closed(ring, f"{where}, ring {n}", notes) for n, ring in enumerate(rings, 1)]
+    outer, *holes = closed
+    return None if outer is None else Polygon(outer, [hole for hole in holes if hole is not None])
+
+
+def _closed(ring: object, where: str, notes: list[str]) -> Corners | None:
+    if not isinstance(ring, list):
+        raise MapError(f"{where}: expected a list of positions, got {str(ring)[:60]}")
+    return closed_ring(_corners(ring, where), where, notes)
+
+
+def closed_ring(corners: Corners, where: str, notes: list[str]) -> Corners | None:
+    """The corners, closed if they were not; None with a note if they are too few for an area."""
+    if corners and corners[0] != corners[-1]:
+        notes.append(f"{where}: not closed: ends at {_at(*corners[-1])}, began at {_at(*corners[0])}: closed")
+        corners = [*corners, corners[0]]
+    if len(corners) < 4:
+        said = f"{len(corners)} positions: a closed ring has at least 4" if corners else "empty ring"
+        notes.append(f"{where}: {said}: skipped")
+        return None
+    return corners
+
+
+def _corners(ring: list[Any], where: str) -> Corners:
+    """Longitude and latitude of each position."""
+    try:
+        array = np.array(ring)
+    except ValueError:  # positions with and without altitude, or worse
+        array = np.array(None)
+    if array.ndim == 2 and array.shape[1] >= 2 and array.dtype.kind in "fi":
+        flat = array[:, :2].astype(np.float64)
+        if np.isfinite(flat).all() and (np.abs(flat) <= (MOST_LON_DEG, 90.0)).all():
+            return list(map(tuple, flat.tolist()))
+    return [position(corner, f"{where}, position {n}") for n, corner in enumerate(ring, 1)]
 
 
 def polygon_parts(geometry: Mapping[str, Any], where: str) -> list[Polygon]:
@@ -180,15 +235,6 @@ def polygon_parts(geometry: Mapping[str, Any], where: str) -> list[Polygon]:
     return [_polygon(rings, f"{where}, part {n}") for n, rings in enumerate(coordinates, 1)]
 
 
-def _polygons(geometry: Mapping[str, Any], where: str) -> Area:
-    parts = polygon_parts(geometry, where)
-    if geometry["type"] == "Polygon":
-        return parts[0]
-    shape = MultiPolygon(parts)
-    _checked(shape, where)
-    return shape
-
-
 def _polygon(rings: object, where: str) -> Polygon:
     if not isinstance(rings, list) or not rings:
         raise MapError(f"{where}: empty geometry")
@@ -198,10 +244,10 @@ def _polygon(rings: object, where: str) -> Polygon:
     return shape
 
 
-def _ring(ring: object, where: str) -> list[tuple[float, float]]:
+def _ring(ring: object, where: str) -> Corners:
     if not isinstance(ring, list) or not ring:
         raise MapError(f"{where}: empty ring")
-    corners = [position(corner, f"{where}, position {n}") for n, corner in enumerate(ring, 1)]
+    corners = _corners(ring, where)
     if len(corners) < 4:
         raise MapError(f"{where}: {len(corners)} positions: a closed ring has at least 4")
     if corners[0] != corners[-1]:
@@ -210,7 +256,7 @@ def _ring(ring: object, where: str) -> list[tuple[float, float]]:
 
 
 def position(value: object, where: str) -> tuple[float, float]:
-    """Longitude and latitude in degrees.
+    """Longitude and latitude in degrees; longitudes beyond ±180° are the antimeridian's other side.
 
     Raises:
         MapError: not two numbers, or not on Earth.
@@ -221,7 +267,7 @@ def position(value: object, where: str) -> tuple[float, float]:
     ):
         raise MapError(f"{where}: expected [longitude, latitude], got {str(value)[:60]}")
     lon_deg, lat_deg = float(numbers[0]), float(numbers[1])
-    if abs(lat_deg) > 90.0 or abs(lon_deg) > 180.0:
+    if abs(lat_deg) > 90.0 or abs(lon_deg) > MOST_LON_DEG:
         swapped = abs(lat_deg) <= 180.0 and abs(lon_deg) <= 90.0
         hint = "longitude and latitude look swapped: " if swapped else ""
         raise MapError(

@@ -1,12 +1,13 @@
 """What a feature of a GeoJSON map is: its property `kind`, or else its OpenStreetMap tags.
 
 Without either it is water, so that a plain lake works as it is; but a shape within another's water is then
-ambiguous, most likely an island, and `raise_if_ambiguous` asks which.
+ambiguous, most likely an island: `ambiguity` finds it.
 """
 
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
+import shapely
 from shapely.geometry.base import BaseGeometry
 
 from mission_tools.errors import MapError
@@ -74,22 +75,24 @@ def _has(properties: Mapping[str, Any], tags: Mapping[str, Sequence[str]]) -> bo
     return any(properties.get(key) in values for key, values in tags.items())
 
 
-def raise_if_ambiguous(shapes: Sequence[tuple[str, BaseGeometry, bool]]) -> None:
-    """Ask about water by default that lies in other water: taken as water it would be sailed over.
+def ambiguity(shapes: Sequence[tuple[str, BaseGeometry, bool]]) -> list[tuple[int, int]]:
+    """Water by default that lies in other water: taken as water, an island would be sailed over.
 
     shapes: every piece of water as (name for messages, shape, whether the file says that it is water).
 
-    Raises:
-        MapError: names both features.
+    Returns:
+        Pairs of indices: the inner piece, and the one around it.
     """
-    for where, shape, is_said in shapes:
+    if len(shapes) < 2 or all(is_said for _, _, is_said in shapes):
+        return []
+    tree = shapely.STRtree([shape for _, shape, _ in shapes])
+    found: list[tuple[int, int]] = []
+    for inner, (_, shape, is_said) in enumerate(shapes):
         if is_said:
             continue
-        for other, around, _ in shapes:
-            if other == where or around.area <= shape.area:
-                continue
-            if shape.intersection(around).area > INSIDE_SHARE * shape.area:
-                raise MapError(
-                    f"{where}: lies within {other.rpartition(': ')[2]} and does not say what it is: "
-                    f"add the property kind, such as island (land in it) or water (to be sailed over)"
-                )
+        for outer in sorted(tree.query(shape, "intersects").tolist()):
+            around = shapes[outer][1]
+            if around.area > shape.area and shape.intersection(around).area > INSIDE_SHARE * shape.area:
+                found.append((inner, outer))
+                break
+    return found

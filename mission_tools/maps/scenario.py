@@ -25,8 +25,8 @@ from shapely.geometry import Polygon
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.toml_text import parse_toml
 from mission_tools.errors import MapError
+from mission_tools.maps.catalogue import load_map
 from mission_tools.maps.chart import Chart, Feature, build_chart
-from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.source import RouteDefaults, Source
 
 Positive = Annotated[float, Meta(gt=0.0)]
@@ -149,10 +149,11 @@ def _chart(scenario: _Scenario, path: Path) -> Chart:
     if scenario.map.file:
         if scenario.map.water is not None:
             raise MapError(f"{path}: map.file and map.water exclude each other")
-        chart = load_geojson(path.parent / scenario.map.file, origin)
+        chart = load_map(path.parent / scenario.map.file, origin)
         if not extra:
             return chart
-        return build_chart(chart.name, chart.frame, chart.water, (*chart.features, *extra))
+        features = (*chart.features, *extra)
+        return build_chart(chart.name, chart.frame, chart.water, features, chart.notes)
     if origin is None:
         raise MapError(
             f"{path}: origin is missing: expected [origin] with lat_deg and lon_deg, or a map.file"

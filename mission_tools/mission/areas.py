@@ -25,17 +25,19 @@ from shapely.geometry import Polygon
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError, PlanFileError
+from mission_tools.maps.assemble import classified
 from mission_tools.maps.chart import KEPT_OUT, SOLID, Feature
 from mission_tools.maps.geojson import (
     feature_entries,
     labelled,
-    map_features,
     polygon_parts,
     position,
+    raw_map,
     read_json,
 )
 from mission_tools.maps.kinds import KINDS as MAP_KINDS
 from mission_tools.maps.kinds import tagged_kind
+from mission_tools.maps.longitudes import wrapped_lon_deg
 from mission_tools.mission.mission import (
     Fence,
     FenceCircle,
@@ -128,7 +130,7 @@ def load_rally(path: Path) -> tuple[Rally, ...]:
 
 
 def _load(path: Path) -> tuple[Fence, tuple[Rally, ...]]:
-    if path.suffix not in (".geojson", ".json"):
+    if path.suffix.lower() not in (".geojson", ".json"):
         mission = load_mission(path)
         return mission.fence, mission.rally
     return parse_areas(read_json(path), str(path))
@@ -144,7 +146,7 @@ def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
     returns: list[LatLon] = []
     entries = feature_entries(tree, source)
     if any(_is_of_a_map(entry, f"{source}: feature {n}") for n, entry in enumerate(entries, start=1)):
-        return _fence_of_map(map_features(entries, source), source), ()
+        return _fence_of_map(classified(raw_map(entries, source)).features, source), ()
     for number, entry in enumerate(entries, start=1):
         where = f"{source}: feature {number}"
         for part in _parts(entry, where):
@@ -164,6 +166,8 @@ def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
 
 def _is_of_a_map(entry: object, where: str) -> bool:
     """Whether a feature says what it is on a map, and not in a fence."""
+    if isinstance(entry, Mapping) and entry.get("geometry") is None:
+        return False
     _, properties, geometry = labelled(entry, where)
     if "kind" in properties:
         return properties["kind"] in MAP_KINDS
@@ -200,7 +204,7 @@ def _parts(entry: object, where: str) -> Iterator[FencePolygon | FenceCircle | R
     is_inclusion = kind == "inclusion"
     if is_point:
         lon_deg, lat_deg = position(geometry.get("coordinates"), where)
-        place = LatLon(lat_deg, lon_deg)
+        place = LatLon(lat_deg, wrapped_lon_deg(lon_deg))
         if kind == "rally":
             yield Rally(place)
         elif kind == "return_point":
@@ -220,7 +224,9 @@ def _parts(entry: object, where: str) -> Iterator[FencePolygon | FenceCircle | R
 
 def _polygon(ring: shapely.LinearRing, is_inclusion: bool) -> FencePolygon:
     corners = shapely.get_coordinates(ring)[:-1].tolist()
-    return FencePolygon(tuple(LatLon(lat_deg, lon_deg) for lon_deg, lat_deg in corners), is_inclusion)
+    return FencePolygon(
+        tuple(LatLon(lat_deg, wrapped_lon_deg(lon_deg)) for lon_deg, lat_deg in corners), is_inclusion
+    )
 
 
 def _radius_m(properties: Mapping[str, Any], where: str) -> float:

@@ -45,7 +45,7 @@ def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "Mi
         PlanFileError, MapError: it cannot be used.
     """
     path = Path(text)
-    if path.suffix in MISSION_SUFFIXES:
+    if path.suffix.lower() in MISSION_SUFFIXES:
         return MissionFile(path, load_mission(path), options, areas)
     source = load_source(text)
     if options.case is not None:
@@ -130,7 +130,8 @@ class MapSource:
         found = plan(self._chart, start, self._goal, self._settings, self._via)
         places = [self._chart.frame.to_global(point) for point in found.points]
         mission = self._areas.over(mission_along(places, self._wishes.speed_m_s))
-        return PlannedMission(self._chart.name, mission, self._chart, found, found.notes)
+        notes = (*self._chart.notes, *found.notes)
+        return PlannedMission(self._chart.name, mission, self._chart, found, notes)
 
     def _start_of(self, here: LatLon | None) -> Point:
         """The boat's position, or the scenario's start if that is unknown or within the clearance.

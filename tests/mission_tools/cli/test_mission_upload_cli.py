@@ -40,9 +40,8 @@ def pond(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "pond.toml").write_text(SCENARIO)
     (tmp_path / "bad_key.toml").write_text(SCENARIO.replace("clearance_m", "clearence_m"))
     (tmp_path / "not.toml").write_text("[route\n")
-    (tmp_path / "crossed.geojson").write_text(
-        '{"type": "Polygon", "coordinates": [[[-1.2, 50.0], [-1.19, 50.01], [-1.19, 50.0], [-1.2, 50.01], '
-        "[-1.2, 50.0]]]}"
+    (tmp_path / "numbers.geojson").write_text(
+        '{"type": "Polygon", "coordinates": [[[-1.2, 50.0], [-1.19, "x"], [-1.19, 50.0], [-1.2, 50.0]]]}'
     )
     (tmp_path / "broken.plan").write_text('{"fileType": "Plan", "mission": {"version": 2, "items": [{}]}}')
     monkeypatch.chdir(tmp_path)
@@ -95,7 +94,7 @@ def nobody() -> str:
         ("no_such_scenario", 2, "no_such_scenario: no such scenario"),
         ("bad_key.toml --dry-run", 2, "bad_key.toml: .*clearence_m"),
         ("not.toml --dry-run", 2, "not.toml: not a TOML file: Expected ']'.*line 1"),
-        (f"crossed.geojson --start-at {START} --goal {GOAL} --dry-run", 2, "crossed.geojson.*self"),
+        (f"numbers.geojson --start-at {START} --goal {GOAL} --dry-run", 2, "numbers.geojson.*position 2"),
         ("broken.plan --dry-run", 2, "broken.plan: item 1: "),
         ("pond.toml --goal 50.001,-1.199 --dry-run", 2, "goal 50.001000,-1.199000 lies on Goose Island"),
         ("pond.toml --goal 50.01,-1.199 --dry-run", 2, "goal .* outside the map"),

@@ -1,0 +1,183 @@
+"""From the features of a map file to a chart: one set of rules for every format.
+
+Shapes are made continuous across the antimeridian (`longitudes.py`) and valid (`repair.py`), classified
+(`kinds.py`), projected (`projection.py`) and joined. What says of itself that it is solid is never dropped,
+also as a point or a line; whatever else is no polygon is skipped with a note.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple, cast
+
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from companion.core.geo import LatLon, LocalFrame
+from mission_tools.errors import MapError
+from mission_tools.maps.chart import KEPT_OUT, SOLID, Area, Chart, Feature, Kind, area_of, build_chart
+from mission_tools.maps.kinds import ambiguity, kind_of, tagged_kind
+from mission_tools.maps.longitudes import continuous, is_near_antimeridian, wrapped_lon_deg
+from mission_tools.maps.projection import densified, to_local
+from mission_tools.maps.raw import RawFeature, RawMap
+from mission_tools.maps.repair import repaired, thickened
+
+MAX_DISTANCE_FROM_ORIGIN_M = 100_000.0
+MAX_LAT_DEG = 85.0  # as far as the local frame is accurate
+MOST_NOTES = 12  # lines for a person; more are counted
+MOST_FEATURES = 200_000
+
+
+class Classified(NamedTuple):
+    """A map's features in degrees, continuous and valid. Longitudes may be beyond ±180°."""
+
+    features: tuple[Feature, ...]
+    notes: tuple[str, ...]
+
+
+class _Piece(NamedTuple):
+    where: str
+    feature: Feature
+    is_said: bool  # the file says what it is
+
+
+def chart_of(raw: RawMap, origin: LatLon | None = None) -> Chart:
+    """The chart of a map; without an origin the middle of its water becomes one.
+
+    Raises:
+        MapError: no water in it, an island that does not say so, or a map too large or too near a pole; names
+            the file and, where there is one, the feature.
+    """
+    classified_map = classified(raw)
+    features, notes = classified_map
+    water = _union([feature.shape for feature in features if feature.kind == "water"])
+    if water is None or water.is_empty:
+        skipped = (
+            f" ({'; '.join(note.removeprefix(raw.source + ': ') for note in notes[:2])})" if notes else ""
+        )
+        raise MapError(
+            f"{raw.source}: no water in it: expected a polygon with the property kind = water, or none"
+            + skipped
+        )
+    west, south, east, north = water.bounds
+    if max(-south, north) > MAX_LAT_DEG:
+        raise MapError(
+            f"{raw.source}: reaches beyond {MAX_LAT_DEG:g}° of latitude: too near a pole to plan on"
+        )
+    frame = LocalFrame(origin or LatLon(0.5 * (south + north), wrapped_lon_deg(0.5 * (west + east))))
+    local = _projected(water, raw, frame)
+    if local.distance(shapely.Point(0.0, 0.0)) > MAX_DISTANCE_FROM_ORIGIN_M:
+        raise MapError(
+            f"{raw.source}: lies more than {MAX_DISTANCE_FROM_ORIGIN_M / 1000:.0f} km from the origin "
+            f"{frame.origin.lat_deg:.4f}, {frame.origin.lon_deg:.4f}: GeoJSON wants [longitude, latitude]"
+        )
+    named = [replace(f, shape=_projected(f.shape, raw, frame)) for f in features if f.name]
+    first = next((f.name for f in features if f.kind == "water" and f.name), raw.fallback_name)
+    try:
+        return build_chart(raw.title or first, frame, cast(Area, local), named, notes)
+    except MapError as error:
+        raise MapError(f"{raw.source}: {error}") from None
+
+
+def classified(raw: RawMap) -> Classified:
+    """What each feature is, repaired where that is needed.
+
+    Raises:
+        MapError: a kind that does not exist, tags that say neither water nor land, or a possible island.
+    """
+    if len(raw.features) > MOST_FEATURES:
+        raise MapError(
+            f"{raw.source}: {len(raw.features)} features: at most {MOST_FEATURES}; cut out what matters"
+        )
+    notes = list(raw.notes)
+    pieces: list[_Piece] = []
+    for feature in _all_continuous(raw.features):
+        piece = _piece(feature, raw, notes)
+        if piece is not None:
+            pieces.append(piece)
+    features = _with_islands(pieces, raw, notes)
+    if len(notes) > MOST_NOTES:
+        notes[MOST_NOTES:] = [f"{raw.source}: {len(notes) - MOST_NOTES} more repaired or skipped"]
+    return Classified(tuple(features), tuple(notes))
+
+
+def _all_continuous(features: Sequence[RawFeature]) -> Sequence[RawFeature]:
+    if not any(is_near_antimeridian(feature.shape) for feature in features if not feature.shape.is_empty):
+        return features
+    areas = [feature.shape for feature in features if isinstance(feature.shape, Polygon | MultiPolygon)]
+    near = next((float(shapely.get_coordinates(area)[0, 0]) for area in areas if not area.is_empty), 180.0)
+    return [
+        feature if feature.shape.is_empty else feature._replace(shape=continuous(feature.shape, near))
+        for feature in features
+    ]
+
+
+def _piece(raw_feature: RawFeature, raw: RawMap, notes: list[str]) -> _Piece | None:
+    """One feature; None and a note for what is skipped."""
+    where, properties, shape = raw_feature
+    if shape.is_empty:
+        notes.append(f"{where}: no geometry: skipped")
+        return None
+    is_area = isinstance(shape, Polygon | MultiPolygon)
+    is_asked = "kind" in properties or (is_area and raw.unlabelled != "skipped")
+    kind, is_said = kind_of(properties, where) if is_asked else _tagged(properties)
+    if not is_said and raw.unlabelled == "skipped":
+        return None
+    name = properties.get("name")
+    name = name if isinstance(name, str) else ""
+    if kind == "landmark":
+        return _Piece(where, Feature(name, kind, shape.centroid, properties), is_said)
+    if not is_area:
+        return _drawn_without_width(raw_feature, kind, name, notes)
+    fixed = repaired(cast(Area, shape), where, is_land=kind != "water")
+    notes.extend(fixed.notes)
+    if fixed.shape.is_empty:
+        return None
+    return _Piece(where, Feature(name or _default_name(kind), kind, fixed.shape, properties), is_said)
+
+
+def _tagged(properties: Mapping[str, Any]) -> tuple[Kind, bool]:
+    kind = tagged_kind(properties)
+    return kind or "water", kind is not None
+
+
+def _drawn_without_width(raw_feature: RawFeature, kind: Kind, name: str, notes: list[str]) -> _Piece | None:
+    """A point or a line: solid if it says so, else skipped."""
+    where, properties, shape = raw_feature
+    if kind not in SOLID | KEPT_OUT:
+        notes.append(f"{where}: a {shape.geom_type}, which encloses no water: skipped")
+        return None
+    area = area_of(thickened(shape))
+    return _Piece(where, Feature(name or _default_name(kind), kind, area, properties), True)
+
+
+def _default_name(kind: Kind) -> str:
+    return "" if kind == "water" else kind.replace("_", "-")
+
+
+def _with_islands(pieces: Sequence[_Piece], raw: RawMap, notes: list[str]) -> list[Feature]:
+    """Features, unlabelled ones within other water asked about or taken as land."""
+    water = [(n, piece) for n, piece in enumerate(pieces) if piece.feature.kind == "water"]
+    features = [piece.feature for piece in pieces]
+    found = ambiguity([(piece.where, piece.feature.shape, piece.is_said) for _, piece in water])
+    for inner, outer in found:
+        where, other = water[inner][1].where, water[outer][1].where.rpartition(": ")[2]
+        if raw.nested == "asked about":
+            raise MapError(
+                f"{where}: lies within {other} and does not say what it is: "
+                f"add the property kind, such as island (land in it) or water (to be sailed over)"
+            )
+        n, piece = water[inner]
+        features[n] = replace(piece.feature, kind="island", name=piece.feature.name or "island")
+        notes.append(f"{where}: lies within {other}: taken as an island")
+    return features
+
+
+def _union(shapes: Sequence[BaseGeometry]) -> Area | None:
+    if not shapes:
+        return None
+    return area_of(shapes[0] if len(shapes) == 1 else shapely.union_all(shapes))
+
+
+def _projected(shape: BaseGeometry, raw: RawMap, frame: LocalFrame) -> BaseGeometry:
+    return to_local(densified(shape, raw.edges), frame.origin)

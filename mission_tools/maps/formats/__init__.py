@@ -1,0 +1,1 @@
+"""Readers of map formats besides GeoJSON, each imported when a file needs it."""

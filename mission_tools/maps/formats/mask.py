@@ -1,0 +1,154 @@
+"""Masks of water: PNG with a world file, or GeoTIFF. Bright is water, dark or transparent is land.
+
+The outline runs between pixels and is drawn with fewer corners; then the water is shrunk by what that may
+have moved it, so that no pixel of land becomes water. A note says by how much.
+"""
+
+import warnings
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import MultiPolygon, Polygon
+
+from companion.core.geo import LatLon
+from mission_tools.errors import MapError
+from mission_tools.maps.assemble import chart_of
+from mission_tools.maps.chart import Area, Chart, area_of
+from mission_tools.maps.formats.georeference import Georeference, georeference_of
+from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
+
+Mask = NDArray[np.bool_]
+Levels = NDArray[np.uint8]
+
+MAX_PIXELS = 100_000_000
+TOLERANCE_PIXELS = 0.5  # of the outline's corners
+CORNER_PIXELS = 0.354  # half a pixel's half diagonal: how far a contour cuts into a corner
+SHRINK_PIXELS = TOLERANCE_PIXELS + CORNER_PIXELS
+LEAST_PIXELS = 4.0  # of a piece of water; smaller ones are specks
+BRIGHT = 128
+
+
+def load_mask(path: Path, origin: LatLon | None = None) -> Chart:
+    """Read a mask.
+
+    Raises:
+        MapError: one line that names the file and what is wrong with it.
+    """
+    levels, georeference = read_levels(path)
+    return chart_of(mask_map(levels >= BRIGHT, georeference, str(path), path.stem), origin)
+
+
+def read_levels(path: Path) -> tuple[Levels, Georeference]:
+    """The brightness of each pixel, 0 where it is transparent, and where the picture lies.
+
+    Raises:
+        MapError: no picture, in colours, or without a georeference.
+    """
+    picture, georeference = open_picture(path)
+    pixels = np.asarray(
+        picture.convert("RGBA") if picture.mode in ("P", "PA", "LA", "RGB", "RGBA") else picture
+    )
+    if pixels.ndim == 2:
+        return _scaled(pixels, str(path)), georeference
+    colours, alpha = pixels[:, :, :3].astype(np.int16), pixels[:, :, 3]
+    if np.abs(colours - colours[:, :, :1]).max(initial=0) > 8:
+        raise MapError(
+            f"{path}: a picture in colours is no mask: trace its water first, as by mission-trace {path.name}"
+        )
+    return np.where(alpha >= BRIGHT, pixels[:, :, 0], 0).astype(np.uint8), georeference
+
+
+def open_picture(path: Path):  # type: ignore[no-untyped-def]  # noqa: ANN201 (Pillow's own class)
+    """A picture and where it lies.
+
+    Raises:
+        MapError: no picture that can be read, one too large, or nothing says where it lies.
+    """
+    from PIL import Image  # noqa: PLC0415 (pictures only)
+
+    read_bytes(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Pillow's, about large pictures and odd tags
+            picture = Image.open(path)
+            tags = dict(getattr(picture, "tag_v2", {}))
+            is_too_large = picture.width * picture.height > MAX_PIXELS
+            if not is_too_large:
+                picture.load()
+    except Exception as error:  # Pillow raises many kinds on damaged files
+        raise MapError(f"{path}: not a picture that can be read: {str(error)[:100]}") from None
+    if is_too_large:
+        raise MapError(f"{path}: more than {MAX_PIXELS // 1_000_000} million pixels: scale it down")
+    return picture, georeference_of(path, tags)
+
+
+def _scaled(pixels: NDArray[Any], source: str) -> Levels:
+    """Brightness of 0 to 255; a mask of other numbers has two values, of which the larger is water."""
+    if pixels.dtype == np.uint8:
+        largest = pixels.max(initial=0)
+        return np.asarray(np.where(pixels > 0, 255, 0) if largest == 1 else pixels, dtype=np.uint8)
+    values = np.unique(pixels[np.isfinite(pixels)]) if pixels.dtype.kind == "f" else np.unique(pixels)
+    if not 1 <= len(values) <= 2:
+        raise MapError(f"{source}: {len(values)} different values: a mask has two, the larger is water")
+    is_water = (pixels == values[-1]) & (values[-1] > 0)
+    return np.where(is_water, 255, 0).astype(np.uint8)
+
+
+def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name: str) -> RawMap:
+    """The water of a mask as a map.
+
+    Raises:
+        MapError: no water in it.
+    """
+    water = outlines(mask)
+    if water.is_empty:
+        raise MapError(f"{source}: no water in it: no bright pixel (water is white, land is black)")
+    degrees = georeference.in_degrees(water, source)
+    pixel_m = _pixel_m(georeference, water, source)
+    note = (
+        f"{source}: outline drawn {SHRINK_PIXELS:.2f} pixels ({SHRINK_PIXELS * pixel_m:.2f} m) into the water"
+    )
+    return RawMap(source, fallback_name, (RawFeature(source, {"kind": "water"}, degrees),), notes=(note,))
+
+
+def outlines(mask: Mask) -> Area:
+    """The water of a mask as polygons of pixel corners (column, row): never over a pixel of land."""
+    traced = traced_area(mask, level=0.51)  # a land pixel's corner neighbour does not connect
+    simple = area_of(shapely.make_valid(shapely.simplify(traced, TOLERANCE_PIXELS)))
+    # GEOS' buffers are up to 1 % too small
+    return _without_specks(area_of(simple.buffer(-1.02 * SHRINK_PIXELS, join_style="mitre")))
+
+
+def traced_area(values: NDArray[np.generic], level: float) -> Area:
+    """Polygons of pixel corners around where values are above a level. Beyond the picture is land."""
+    from contourpy import FillType, contour_generator  # noqa: PLC0415 (pictures only)
+
+    padded = np.pad(values.astype(np.float32), 1)
+    generator = contour_generator(z=padded, fill_type=FillType.OuterOffset)
+    points, offsets = cast(Any, generator.filled(level, np.inf))
+    polygons = []
+    for corners, starts in zip(points, offsets, strict=True):
+        # the middle of padded pixel (1, 1) is at pixel corner (0.5, 0.5)
+        rings = [corners[a:b] - 0.5 for a, b in pairwise(starts)]
+        polygons.append(Polygon(rings[0], rings[1:]))
+    return area_of(shapely.union_all(shapely.make_valid(polygons)))
+
+
+def _without_specks(area: Area) -> Area:
+    parts = [part for part in shapely.get_parts(area) if part.area >= LEAST_PIXELS]
+    return MultiPolygon(parts)
+
+
+def _pixel_m(georeference: Georeference, water: Area, source: str) -> float:
+    """The longer side of a pixel, in the middle of the water."""
+    from mission_tools.maps.projection import local_coordinates  # noqa: PLC0415
+
+    at = water.centroid
+    cross = shapely.MultiPoint([(at.x, at.y), (at.x + 1.0, at.y), (at.x, at.y + 1.0)])
+    lon_lat = shapely.get_coordinates(georeference.in_degrees(cross, source))
+    local = local_coordinates(lon_lat, LatLon(float(lon_lat[0, 1]), float(lon_lat[0, 0])))
+    return float(np.hypot(*(local[1:] - local[0]).T).max())
