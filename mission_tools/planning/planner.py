@@ -16,12 +16,12 @@ from companion.core.units import wrap_pi
 from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.source import RouteDefaults
-from mission_tools.planning.astar import SearchMetrics, astar
+from mission_tools.planning.astar import SearchMetrics
 from mission_tools.planning.corners import widen_corners
 from mission_tools.planning.entry_cells import EntryCells, FreeWater
-from mission_tools.planning.expansion import EightNeighbours
 from mission_tools.planning.grid import Grid
-from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
+from mission_tools.planning.grid_search import GridSearch
+from mission_tools.planning.heuristics import HEURISTICS, HeuristicName
 from mission_tools.planning.inflate import Bounds, occupancy
 from mission_tools.planning.smooth import merge_short_legs, path_length_m, pull_taut
 
@@ -181,7 +181,7 @@ class _Planner:
         self._chart = chart
         self._grid = grid
         self._settings = settings
-        self._expansion = EightNeighbours(grid)
+        self._search = GridSearch(grid, settings.heuristic, settings.budget)
         self._water = FreeWater(chart, grid, settings.required_m)
 
     def plan(self, stops: Sequence[Point]) -> Plan:
@@ -223,7 +223,7 @@ class _Planner:
         shared = out.cells.keys() & into.cells.keys()
         if not shared:
             raise NoRoute(self._water.no_route(start, goal))
-        grid, settings = self._grid, self._settings
+        grid = self._grid
         region = min(
             shared,
             key=lambda r: (
@@ -231,13 +231,11 @@ class _Planner:
             ),
         )
         first, last = out.cells[region], into.cells[region]
-        found = astar(
-            self._expansion, estimates(settings.heuristic, grid, last), first, last, settings.budget
-        )
+        found = self._search.path(first, last)
         centres = [grid.centre(cell) for cell in found.cells]
         path = tuple(centres) if out.is_relaxed else (start, *centres)
         path = (*path, goal)
-        return _Leg(self._smoothed(path) if settings.smooth else _corners(path), path, found.metrics)
+        return _Leg(self._smoothed(path) if self._settings.smooth else _corners(path), path, found.metrics)
 
     def _smoothed(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
         clearance_m = self._settings.required_m
