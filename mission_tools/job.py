@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mission_tools.errors import UsageError
+from mission_tools.maps.chart import Chart
 from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
 from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.mission.planned_mission import PlannedMission, open_source
 from mission_tools.outputs import check_outputs, draw_planned, save
+from mission_tools.tasks.task_route import TaskRoute
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, parse_link
-from mission_tools.wording import Printer, counted, distance
+from mission_tools.wording import Printer, counted, distance, duration
 
 if TYPE_CHECKING:
     from mission_tools.vehicle.mission_monitor import MissionMonitor
@@ -136,4 +138,18 @@ def described(planned: PlannedMission) -> list[str]:
         if math.isfinite(plan.min_clearance_m):
             line += f", never nearer than {distance(plan.min_clearance_m)} to anything"
         line += f"; {plan.search.expanded} cells of {distance(plan.cell_m)} searched"
+    elif planned.task is not None:
+        line += _legs(planned.task, planned.chart)
     return [line, *(f"note: {note}" for note in planned.notes)]
+
+
+def _legs(task: TaskRoute, chart: Chart) -> str:
+    """The length of a task by kinds of legs, its clearance and its holds."""
+    kinds = {leg.kind: task.length_of_m(leg.kind) for leg in task.legs}
+    said = f", {distance(task.length_m)}"
+    if len(kinds) > 1:
+        said += f" ({', '.join(f'{kind} {distance(length_m)}' for kind, length_m in kinds.items())})"
+    nearest_m = task.min_clearance_m(chart)
+    if math.isfinite(nearest_m):
+        said += f", never nearer than {distance(nearest_m)} to anything"
+    return said + (f"; holds for {duration(task.hold_s)}" if task.hold_s > 0.0 else "")

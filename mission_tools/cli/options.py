@@ -5,7 +5,8 @@ from pathlib import Path
 
 from mission_tools.cli.arguments import position
 from mission_tools.cli.parser import Parser, number, system_id
-from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.errors import UsageError
+from mission_tools.mission.plan_options import PlanOptions, Via
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, FORMS
 
 
@@ -22,6 +23,43 @@ def add_route(parser: Parser) -> None:
     group.add_argument("--cell", type=number, metavar="M", help="plan on a grid with cells of this side")
     group.add_argument("--heuristic", metavar="NAME", help="of the grid: octile, euclidean or manhattan")
     group.add_argument("--smooth", action=BooleanOptionalAction, help="pull the grid's path taut")
+
+
+def add_tasks(parser: Parser) -> None:
+    """More than a way from place to place."""
+    group = parser.add_argument_group("tasks")
+    group.add_argument(
+        "--via",
+        action="append",
+        default=[],
+        metavar="LAT,LON[@S]",
+        help="a place on the way, perhaps with seconds to hold there; repeat it",
+    )
+    group.add_argument("--any-order", action="store_true", help="all places, the goal too, in the best order")
+    group.add_argument("--return", action="store_true", dest="is_return", help="back to the start at the end")
+    group.add_argument("--hold", type=number, metavar="S", help="hold this long at every --via and the goal")
+    group.add_argument(
+        "--survey", metavar="FILE", help="parallel tracks over the area in FILE (all: the whole water)"
+    )
+    group.add_argument("--spacing", type=number, metavar="M", help="of a survey: between tracks")
+    group.add_argument("--footprint", type=number, metavar="M", help="of a survey: width the sensor covers")
+    group.add_argument(
+        "--overlap", type=number, metavar="SHARE", help="of a survey: share of it that tracks cover twice"
+    )
+    group.add_argument(
+        "--angle", type=number, metavar="DEG", help="of a survey: course of its tracks [fewest turns]"
+    )
+    group.add_argument("--cross", type=number, metavar="M", help="of a survey: cross lines this far apart")
+    group.add_argument(
+        "--shore-pass", action=BooleanOptionalAction, help="of a survey: also along the shores [yes]"
+    )
+    group.add_argument(
+        "--follow-shore", metavar="LAT,LON", help="along the shore nearest to this place, all round"
+    )
+    group.add_argument("--distance", type=number, metavar="M", help="of --follow-shore: from the shore")
+    group.add_argument(
+        "--shore-to", choices=("port", "starboard"), help="of --follow-shore: its side [starboard]"
+    )
 
 
 def add_areas(parser: Parser) -> None:
@@ -80,4 +118,29 @@ def plan_options(given: Namespace) -> PlanOptions:
         heuristic=given.heuristic,
         smooth=given.smooth,
         speed_m_s=given.speed,
+        via=tuple(map(_via, given.via)),
+        any_order=given.any_order,
+        is_return=given.is_return,
+        hold_s=given.hold,
+        survey=given.survey,
+        spacing_m=given.spacing,
+        footprint_m=given.footprint,
+        overlap=given.overlap,
+        angle_deg=given.angle,
+        cross_m=given.cross,
+        shore_pass=given.shore_pass,
+        follow_shore_at=position("--follow-shore", given.follow_shore),
+        distance_m=given.distance,
+        shore_to=given.shore_to,
     )
+
+
+def _via(text: str) -> Via:
+    """LAT,LON or LAT,LON@SECONDS."""
+    place, at, seconds = text.partition("@")
+    found = position("--via", place)
+    assert found is not None  # noqa: S101  a text was given
+    try:
+        return Via(found, float(seconds) if at else None)
+    except ValueError:
+        raise UsageError(f"--via '{text}': expected LAT,LON or LAT,LON@SECONDS") from None

@@ -8,7 +8,7 @@ from argparse import Namespace
 from companion.core.interrupts import importing
 from mission_tools.cli.arguments import with_start_position_option
 from mission_tools.cli.exit import run_parsed
-from mission_tools.cli.options import add_areas, add_outputs, add_route, plan_options
+from mission_tools.cli.options import add_areas, add_outputs, add_route, add_tasks, plan_options
 from mission_tools.cli.parser import Parser
 
 PROGRAM = "mission-plan"
@@ -32,6 +32,7 @@ Exit codes: 0 done, 1 no route, 2 wrong usage or input.
 def _parser() -> Parser:
     parser = Parser(PROGRAM, EXAMPLES, "SOURCE", is_required=True)
     add_route(parser)
+    add_tasks(parser)
     add_areas(parser)
     add_outputs(parser)
     parser.add_common()

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from mission_tools.job import Report
+from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.planner import Plan
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 
@@ -19,6 +20,7 @@ def as_json(report: Report) -> dict[str, Any]:
         "waypoints": [[place.lat_deg, place.lon_deg] for place in mission.places] if mission else [],
         "home": [mission.home.lat_deg, mission.home.lon_deg] if mission and mission.home else None,
         "plan": _plan(planned.plan) if planned and planned.plan else None,
+        "task": _task(planned) if planned and planned.task else None,
         "upload": None if report.vehicle_id is None else _upload(report),
         "started": report.started,
         "voyage": _voyage(report.monitor) if report.monitor else None,
@@ -38,6 +40,19 @@ def _plan(plan: Plan) -> dict[str, Any]:
         "smooth": plan.settings.smooth,
         "expanded": plan.search.expanded,
         "notes": list(plan.notes),
+    }
+
+
+def _task(planned: PlannedMission) -> dict[str, Any]:
+    task = planned.task
+    assert task is not None  # noqa: S101  the caller's question
+    return {
+        "length_m": task.length_m,
+        "hold_s": task.hold_s,
+        "min_clearance_m": _finite(task.min_clearance_m(planned.chart)),
+        "clearance_m": planned.clearance_m,
+        "legs": [{"kind": leg.kind, "length_m": leg.length_m, "hold_s": leg.hold_s} for leg in task.legs],
+        "notes": list(task.notes),
     }
 
 

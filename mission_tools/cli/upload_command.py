@@ -9,7 +9,7 @@ from argparse import Namespace
 from companion.core.interrupts import importing
 from mission_tools.cli.arguments import with_start_position_option
 from mission_tools.cli.exit import run_parsed
-from mission_tools.cli.options import add_areas, add_link, add_outputs, add_route, plan_options
+from mission_tools.cli.options import add_areas, add_link, add_outputs, add_route, add_tasks, plan_options
 from mission_tools.cli.parser import Parser, number
 from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
 
@@ -17,6 +17,7 @@ from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
 def _parser() -> Parser:
     parser = Parser(PROGRAM, EXAMPLES, "SOURCE")
     add_route(parser)
+    add_tasks(parser)
     add_areas(parser)
     add_outputs(parser)
     sail = parser.add_argument_group("upload")

@@ -73,3 +73,14 @@ def _at(chart: Chart, place: LatLon, where: str) -> tuple[float, float]:
         )
     point = chart.frame.to_local(place)
     return point.east_m, point.north_m
+
+
+def fence_area(chart: Chart, fence: Fence, source: str) -> BaseGeometry:
+    """Everything inside one of the inclusions and outside the exclusions, in the chart's frame.
+
+    Raises:
+        MapError: an area that is no area, or far from the chart.
+    """
+    shapes = [(area.inclusion, _shape(chart, area, f"{source}: {label}")) for label, area in _labelled(fence)]
+    inside = shapely.union_all([shape for is_inclusion, shape in shapes if is_inclusion])
+    return inside.difference(shapely.union_all([shape for is_inclusion, shape in shapes if not is_inclusion]))

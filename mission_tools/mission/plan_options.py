@@ -1,13 +1,30 @@
 """What a user asks of a route."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields
 
 from companion.core.geo import LatLon
+
+_FLAGS = {"is_return": "--return", "shore_pass": "--no-shore-pass", "follow_shore_at": "--follow-shore"}
+_UNITS = ("_m_s", "_m", "_s", "_deg")
+
+
+@dataclass(frozen=True, slots=True)
+class Via:
+    """A place on the way. hold_s: how long the boat holds there, None: as the task says."""
+
+    place: LatLon
+    hold_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class PlanOptions:
-    """The route options of the command line; None where not given."""
+    """The route options of the command line; None, False or empty where not given.
+
+    via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
+    goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
+    follow_shore_at: near the shore to follow.
+    """
 
     start_at: LatLon | None = None
     goal: LatLon | None = None
@@ -17,3 +34,35 @@ class PlanOptions:
     heuristic: str | None = None
     smooth: bool | None = None
     speed_m_s: float | None = None
+    via: tuple[Via, ...] = ()
+    any_order: bool = False
+    is_return: bool = False
+    hold_s: float | None = None
+    survey: str | None = None
+    spacing_m: float | None = None
+    footprint_m: float | None = None
+    overlap: float | None = None
+    angle_deg: float | None = None
+    cross_m: float | None = None
+    shore_pass: bool | None = None
+    follow_shore_at: LatLon | None = None
+    distance_m: float | None = None
+    shore_to: str | None = None
+
+    def given(self) -> list[str]:
+        """The fields that were given."""
+        return [field.name for field in fields(self) if getattr(self, field.name) != field.default]
+
+    @property
+    def is_task(self) -> bool:
+        """Whether more is asked for than a way from place to place."""
+        stops = self.any_order or self.is_return or self.hold_s is not None
+        has_holds = any(via.hold_s is not None for via in self.via)
+        return stops or has_holds or self.survey is not None or self.follow_shore_at is not None
+
+
+def flags(names: Iterable[str]) -> Iterator[str]:
+    """What the fields are called on the command line."""
+    for name in names:
+        unit = next((unit for unit in _UNITS if name.endswith(unit)), "")
+        yield _FLAGS.get(name, "--" + name.removesuffix(unit).replace("_", "-"))

@@ -1,6 +1,5 @@
 """From SOURCE to a mission: a mission file, or a route planned on a map."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,9 +11,12 @@ from mission_tools.mission.areas import NO_AREAS, Areas
 from mission_tools.mission.check import in_the_way
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
-from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.mission.plan_options import PlanOptions, flags
+from mission_tools.mission.planned_task import check_task, shore_of, survey_of
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.planning.planner import Plan, PlanSettings, plan
+from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
+from mission_tools.tasks.tour import tour
 
 MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
@@ -22,12 +24,17 @@ MARGIN_SHARE = 0.15  # of the clearance, where that is small
 
 @dataclass(frozen=True, slots=True)
 class PlannedMission:
-    """A mission and its plan, which is None for a mission from a file. notes: for the user."""
+    """A mission and where it comes from: a plan, a task's legs, or neither for a mission from a file.
+
+    clearance_m: that was asked for; 0 for a mission from a file. notes: for the user.
+    """
 
     name: str
     mission: Mission
     chart: Chart
     plan: Plan | None = None
+    task: TaskRoute | None = None
+    clearance_m: float = 0.0
     notes: tuple[str, ...] = ()
 
     @property
@@ -65,11 +72,10 @@ class MissionFile:
         options: PlanOptions,
         areas: Areas = NO_AREAS,
     ) -> None:
-        given = replace(options, speed_m_s=None)
-        if given != PlanOptions():
-            names = [name for name in given.__slots__ if getattr(given, name) is not None]
-            flags = ", ".join("--" + name.removesuffix("_m").replace("_", "-") for name in names)
-            raise UsageError(f"{path} is a mission already: {flags} would plan one; leave that out")
+        names = [name for name in options.given() if name != "speed_m_s"]
+        if names:
+            flagged = ", ".join(flags(names))
+            raise UsageError(f"{path} is a mission already: {flagged} would plan one; leave that out")
         self._name = path.name
         self._mission = with_speed(areas.over(mission), options.speed_m_s)
         self._areas = areas
@@ -102,12 +108,8 @@ class MapSource:
             self._settings = replace(self._settings, margin_m=margin_m)
         self._named_start = self._local("--start-at", options.start_at) if options.start_at else None
         self._usual_start = source.route.start
-        goal = self._local("--goal", options.goal) if options.goal else source.route.goal
-        if goal is None:
-            raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
-        self._goal = goal
-        # The points in between belong to the scenario's own goal.
-        self._via: Sequence[Point] = () if options.goal else source.route.via
+        check_task(options)
+        self._stops = self._stops_of(text, source)
 
     @property
     def wants_position(self) -> bool:
@@ -127,11 +129,57 @@ class MapSource:
             UsageError: no start.
         """
         start = self._named_start or self._start_of(here)
-        found = plan(self._chart, start, self._goal, self._settings, self._via)
-        places = [self._chart.frame.to_global(point) for point in found.points]
-        mission = self._areas.over(mission_along(places, self._wishes.speed_m_s))
-        notes = (*self._chart.notes, *found.notes)
-        return PlannedMission(self._chart.name, mission, self._chart, found, notes)
+        chart, speed_m_s, clearance_m = self._chart, self._wishes.speed_m_s, self._settings.clearance_m
+        task = self._task(start)
+        if task is not None:
+            mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
+            return PlannedMission(
+                chart.name, mission, chart, None, task, clearance_m, (*chart.notes, *task.notes)
+            )
+        *via, goal = (stop.place for stop in self._stops)
+        found = plan(chart, start, goal, self._settings, via)
+        places = [chart.frame.to_global(point) for point in found.points]
+        mission = self._areas.over(mission_along(places, speed_m_s))
+        return PlannedMission(
+            chart.name, mission, chart, found, None, clearance_m, (*chart.notes, *found.notes)
+        )
+
+    def _task(self, start: Point) -> TaskRoute | None:
+        """The route of a task; None where only a way from place to place is asked for."""
+        chart, options, settings = self._chart, self._wishes, self._settings
+        if options.survey is not None:
+            return survey_of(chart, start, options, settings)
+        if options.follow_shore_at is not None:
+            return shore_of(chart, start, options, settings, self._local)
+        if options.is_task:
+            order = {"any_order": options.any_order, "is_return": options.is_return}
+            return tour(chart, start, self._stops, settings, **order)
+        return None
+
+    def _stops_of(self, text: str, source: Source) -> list[Stop]:
+        """Where the route leads, the goal last.
+
+        Raises:
+            UsageError: nowhere.
+        """
+        options, route = self._wishes, source.route
+        if options.survey is not None or options.follow_shore_at is not None:
+            return []
+        hold_s = options.hold_s or 0.0
+        stops = [
+            Stop(
+                self._local("--via", via.place), hold_s if via.hold_s is None else via.hold_s, f"via {number}"
+            )
+            for number, via in enumerate(options.via, start=1)
+        ]
+        if not options.via and not options.goal:  # points in between belong to the scenario's own goal
+            stops = [Stop(place) for place in route.via]
+        goal = self._local("--goal", options.goal) if options.goal else route.goal
+        if goal is not None:
+            stops.append(Stop(goal, hold_s, "goal"))
+        if not stops:
+            raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
+        return stops
 
     def _start_of(self, here: LatLon | None) -> Point:
         """The boat's position, or the scenario's start if that is unknown or within the clearance.

@@ -1,0 +1,118 @@
+"""From the options of a survey, or of following a shore, to a route in legs."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal, cast
+
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+
+from companion.core.geo import LatLon, Point
+from mission_tools.errors import UsageError
+from mission_tools.maps.chart import Chart
+from mission_tools.maps.fenced import fence_area
+from mission_tools.mission.areas import load_fence
+from mission_tools.mission.plan_options import PlanOptions, flags
+from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.shoreline import ShoreSettings, follow_shore
+from mission_tools.tasks.survey.settings import SurveySettings
+from mission_tools.tasks.survey.survey import Survey, survey
+from mission_tools.tasks.task_route import TaskRoute
+from mission_tools.wording import distance
+
+WHOLE_WATER = "all"
+_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass")
+_OF_SHORES = ("distance_m", "shore_to")
+_OF_TOURS = ("goal", "via", "any_order", "hold_s")
+
+
+def check_task(options: PlanOptions) -> None:
+    """See that the options of one task are given, and none of another.
+
+    Raises:
+        UsageError: names the options.
+    """
+    given = options.given()
+    tasks = [name for name in ("survey", "follow_shore_at") if name in given]
+    if len(tasks) == 2:
+        raise UsageError("--survey and --follow-shore are two tasks: plan one at a time")
+    unfit: list[str] = []
+    if "survey" not in given:
+        unfit += [name for name in _OF_SURVEYS if name in given]
+    if "follow_shore_at" not in given:
+        unfit += [name for name in _OF_SHORES if name in given]
+    if unfit:
+        needs = "--survey" if unfit[0] in _OF_SURVEYS else "--follow-shore"
+        raise UsageError(f"{', '.join(flags(unfit))}: only with {needs}")
+    of_tours = [name for name in _OF_TOURS if name in given]
+    if tasks and of_tours:
+        raise UsageError(f"{', '.join(flags(of_tours))}: not with {next(flags(tasks))}")
+    if options.follow_shore_at is not None and options.is_return:
+        raise UsageError("--return: not with --follow-shore")
+    if options.follow_shore_at is not None and options.distance_m is None:
+        raise UsageError("--follow-shore: expected --distance M as well")
+
+
+def shore_of(
+    chart: Chart,
+    start: Point | None,
+    options: PlanOptions,
+    settings: PlanSettings,
+    local: Callable[[str, LatLon], Point],
+) -> TaskRoute:
+    """Along the shore that was named.
+
+    Raises:
+        NoRouteError: too narrow, or no way leads there.
+        UsageError: values that make no sense.
+    """
+    assert options.follow_shore_at is not None  # noqa: S101  the caller's question
+    assert options.distance_m is not None  # noqa: S101  checked by check_task
+    side = cast(Literal["port", "starboard"], options.shore_to or "starboard")
+    near = local("--follow-shore", options.follow_shore_at)
+    return follow_shore(chart, start, ShoreSettings(near, options.distance_m, settings, shore_to=side))
+
+
+def survey_of(chart: Chart, start: Point | None, options: PlanOptions, settings: PlanSettings) -> TaskRoute:
+    """The survey of the area that was named.
+
+    Raises:
+        NoRouteError: no water in it that is wide enough.
+        MapError, PlanFileError: the area's file.
+        UsageError: values that make no sense.
+    """
+    assert options.survey is not None  # noqa: S101  the caller's question
+    found = survey(
+        chart,
+        start,
+        SurveySettings(
+            options.spacing_m,
+            options.footprint_m,
+            options.overlap,
+            angle_rad=None if options.angle_deg is None else math.radians(options.angle_deg),
+            plan=settings,
+            shore_pass=options.shore_pass is not False,
+            cross_spacing_m=options.cross_m,
+            is_return=options.is_return,
+        ),
+        survey_area(chart, options.survey),
+    )
+    return TaskRoute(found.route.legs, (*found.route.notes, described(found)))
+
+
+def survey_area(chart: Chart, name: str) -> Polygon | MultiPolygon | None:
+    """The area that a file names, in the chart's frame; None for the whole water."""
+    if name == WHOLE_WATER:
+        return None
+    area = fence_area(chart, load_fence(Path(name)), name)
+    return area if isinstance(area, Polygon | MultiPolygon) else shapely.MultiPolygon()
+
+
+def described(found: Survey) -> str:
+    """A survey in a line."""
+    course_deg = math.degrees(found.course_rad) % 180.0
+    return (
+        f"survey: {found.tracks} tracks {distance(found.spacing_m)} apart on {course_deg:.0f}°, "
+        f"{100.0 * found.coverage:.1f} % of the area covered"
+    )

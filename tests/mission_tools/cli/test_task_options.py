@@ -1,0 +1,156 @@
+"""Tasks on the command line: places on the way, tours, stations, surveys and shores."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from companion.core.geo import LatLon, LocalFrame, distance_m
+from mission_tools.cli.check import run_program as run_check
+from mission_tools.cli.plan import run_program as run_plan
+from mission_tools.mission.plan_file import load_mission
+
+SOUTH_WEST, SOUTH_EAST = "50.0002,-1.1998", "50.0002,-1.1982"
+NORTH_WEST, NORTH_EAST = "50.0018,-1.1998", "50.0018,-1.1982"
+POND = {
+    "type": "FeatureCollection",
+    "features": [
+        {
+            "type": "Feature",
+            "properties": {"kind": kind},
+            "geometry": {"type": "Polygon", "coordinates": [ring]},
+        }
+        for kind, ring in (
+            ("water", [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]),
+            (
+                "island",
+                [
+                    [-1.1993, 50.0008],
+                    [-1.1987, 50.0008],
+                    [-1.1987, 50.0012],
+                    [-1.1993, 50.0012],
+                    [-1.1993, 50.0008],
+                ],
+            ),
+        )
+    ],
+}
+AREA = [[-1.2, 50.0], [-1.1994, 50.0], [-1.1994, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
+
+
+@pytest.fixture
+def pond(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pond of 143 × 222 m with an island, and an area in its west; the working folder."""
+    (tmp_path / "pond.geojson").write_text(json.dumps(POND))
+    (tmp_path / "west.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [AREA]}))
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def plan(pond: None, capsys: pytest.CaptureFixture[str]) -> Any:  # noqa: ANN401
+    """Plans from the south-west and gives the report; the mission is in out.plan."""
+
+    def run(*arguments: str) -> dict[str, Any]:
+        common = ["pond.geojson", "--start", SOUTH_WEST, "--clearance", "3", "--json", "--out", "out.plan"]
+        assert run_plan([*common, *arguments]) == 0
+        report: dict[str, Any] = json.loads(capsys.readouterr().out)
+        assert run_check(["out.plan", "--map", "pond.geojson", "--clearance", "3"]) == 0
+        capsys.readouterr()
+        return report
+
+    return run
+
+
+def order(report: dict[str, Any], *places: str) -> list[int]:
+    """Where in the mission each place comes."""
+    found = []
+    for text in places:
+        lat_deg, lon_deg = map(float, text.split(","))
+        frame = LocalFrame(LatLon(lat_deg, lon_deg))
+        ways_m = [
+            distance_m(frame.to_local(LatLon(*at)), frame.to_local(frame.origin))
+            for at in report["waypoints"]
+        ]
+        assert min(ways_m) < 0.1
+        found.append(ways_m.index(min(ways_m)))
+    return found
+
+
+def test_places_on_the_way_come_in_the_order_they_are_given(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--via", NORTH_EAST, "--via", SOUTH_EAST, "--goal", NORTH_WEST)
+    found = order(report, NORTH_EAST, SOUTH_EAST, NORTH_WEST)
+    assert found == sorted(found)
+    assert report["task"] is None
+
+
+def test_without_a_goal_the_last_place_on_the_way_is_the_end(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--via", NORTH_EAST, "--via", NORTH_WEST)
+    assert order(report, NORTH_WEST) == [len(report["waypoints"]) - 1]
+
+
+def test_the_best_order_is_shorter_and_leads_back(plan: Any) -> None:  # noqa: ANN401
+    places = ["--via", NORTH_EAST, "--via", SOUTH_EAST, "--goal", NORTH_WEST]
+    as_given = plan(*places, "--return")["task"]["length_m"]
+    best = plan(*places, "--return", "--any-order")
+    assert best["task"]["length_m"] < 0.9 * as_given
+    assert order(best, SOUTH_WEST) == [len(best["waypoints"]) - 1]
+    found = order(best, SOUTH_EAST, NORTH_EAST, NORTH_WEST)
+    assert found in (sorted(found), sorted(found, reverse=True))
+
+
+def test_stations_hold_for_their_time(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--via", f"{NORTH_EAST}@45", "--goal", NORTH_WEST, "--hold", "60")
+    assert report["task"]["hold_s"] == 105.0
+    holds = [item.params[0] for item in load_mission(Path("out.plan")).items]
+    assert [hold for hold in holds if hold] == [45.0, 60.0]
+
+
+def test_a_survey_covers_the_area_of_a_file(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--survey", "west.geojson", "--footprint", "8", "--overlap", "0.25", "--angle", "0")
+    assert "tracks 6.00 m apart on 0°" in report["task"]["notes"][-1]
+    assert {"track", "shore"} <= {leg["kind"] for leg in report["task"]["legs"]}
+    assert max(lon for _, lon in report["waypoints"]) < -1.1993
+    tracks_only = plan("--survey", "west.geojson", "--footprint", "8", "--overlap", "0.25", "--no-shore-pass")
+    assert "shore" not in {leg["kind"] for leg in tracks_only["task"]["legs"]}
+
+
+def test_a_shore_is_followed_all_round_an_island(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--follow-shore", "50.0010,-1.1990", "--distance", "5")
+    along_m = sum(leg["length_m"] for leg in report["task"]["legs"] if leg["kind"] == "shore")
+    island_m = 2.0 * (42.9 + 44.5)
+    assert island_m < along_m < island_m + 2.0 * 3.15 * 5.5
+    assert 4.5 - 0.01 <= report["task"]["min_clearance_m"] <= 5.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("--spacing 5", "--spacing: only with --survey"),
+        ("--distance 5", "--distance: only with --follow-shore"),
+        (f"--survey all --spacing 5 --goal {NORTH_EAST}", "--goal: not with --survey"),
+        (f"--survey all --follow-shore {NORTH_EAST}", "two tasks"),
+        (f"--follow-shore {NORTH_EAST}", "--follow-shore: expected --distance M as well"),
+        (f"--follow-shore {NORTH_EAST} --distance 5 --return", "--return: not with --follow-shore"),
+        ("--survey all", "a survey needs the spacing of its tracks"),
+        ("--survey gone.geojson --spacing 5", "gone.geojson: cannot be read"),
+        (f"--via {NORTH_EAST}@soon", "expected LAT,LON or LAT,LON@SECONDS"),
+        ("--via there", "--via 'there': expected LAT,LON"),
+        (f"--goal {NORTH_EAST} --hold -1", "hold time is -1 s"),
+        ("--any-order", "names no goal"),
+        ("--shore-to left", "--shore-to"),
+    ],
+)
+def test_options_that_do_not_go_together_are_told_in_a_line(
+    arguments: str, said: str, pond: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_plan(["pond.geojson", "--start", SOUTH_WEST, *arguments.split()]) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+
+
+def test_a_mission_that_is_ready_takes_no_task(plan: Any, capsys: pytest.CaptureFixture[str]) -> None:  # noqa: ANN401
+    plan("--goal", NORTH_EAST)
+    assert run_plan(["out.plan", "--return", "--via", NORTH_WEST, "--follow-shore", NORTH_WEST]) == 2
+    assert "--via, --return, --follow-shore would plan one" in capsys.readouterr().err
