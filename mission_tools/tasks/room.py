@@ -5,7 +5,7 @@ distance, so a shore may come out nearer than asked. The polygons here are check
 their outline, and shrunk until it holds.
 """
 
-import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -21,6 +21,7 @@ QUADRANT_SEGMENTS = (
     8  # of the round corners of the polygons: their chords are 0.5 % of the distance off the arc
 )
 _ATTEMPTS = 6
+_ROUNDING = 1e-9
 
 
 def water_clear_of_shores(chart: Chart, distance_m: float) -> list[Polygon]:
@@ -31,10 +32,11 @@ def water_clear_of_shores(chart: Chart, distance_m: float) -> list[Polygon]:
         pieces = chart.navigable.buffer(-asked_m, quad_segs=QUADRANT_SEGMENTS)
         if pieces.is_empty:
             return []
-        nearest_m = float(chart.shores.distance(_outline(pieces, chart)))
-        if nearest_m >= distance_m:
+        legs = _legs(pieces)
+        near = legs[shapely.dwithin(chart.shores, legs, distance_m * (1.0 - _ROUNDING))]
+        if len(near) == 0:
             break
-        asked_m += 1.01 * (distance_m - nearest_m)
+        asked_m += 1.01 * (distance_m - float(shapely.distance(near, chart.shores).min()))
     return sorted(polygons(pieces), key=lambda piece: -piece.area)
 
 
@@ -69,6 +71,7 @@ def simplified(
     Corners are put back (as Douglas and Peucker do, the farthest first) until that holds and every new leg
     keeps clearance_m from the shores, as far as the ring itself does.
     """
+    shapely.prepare(shores)
     count = len(ring) - 1
     kept = {0, int(np.argmax(np.hypot(*(ring[:-1] - ring[0]).T))), count}
     open_legs = list(zip(sorted(kept), sorted(kept)[1:], strict=False))
@@ -77,12 +80,12 @@ def simplified(
         if not open_legs:
             break
         legs = shapely.linestrings([[ring[first], ring[last]] for first, last in open_legs])
-        gaps_m = shapely.distance(legs, shores) if clearance_m > 0.0 else np.full(len(legs), math.inf)
+        is_near = shapely.dwithin(shores, legs, clearance_m * (1.0 - _ROUNDING))
         split: list[tuple[int, int]] = []
-        for (first, last), gap_m in zip(open_legs, gaps_m, strict=True):
+        for (first, last), near in zip(open_legs, is_near, strict=True):
             off_m = _distances_m(ring[first + 1 : last], ring[first], ring[last])
             farthest = int(np.argmax(off_m))
-            if off_m[farthest] <= error_m and gap_m >= clearance_m:
+            if off_m[farthest] <= error_m and not near:
                 continue
             middle = first + 1 + (farthest if off_m[farthest] > 0.0 else (last - first) // 2 - 1)
             kept.add(middle)
@@ -105,18 +108,16 @@ def _distances_m(
     return found
 
 
-def _outline(pieces: BaseGeometry, chart: Chart) -> BaseGeometry:
-    """The boundary, without the sides of the square that stands for the open sea."""
-    outline = pieces.boundary
-    if not chart.is_open:
-        return outline
-    west, south, east, north = chart.navigable.bounds
-    inside = 0.5 * (east - west)
-    return outline.intersection(
-        shapely.box(west + inside / 2, south + inside / 2, east - inside / 2, north - inside / 2)
-    )
+def _legs(pieces: BaseGeometry) -> NDArray[np.object_]:
+    """Every leg of the outlines."""
+    found = []
+    for ring in shapely.get_rings(polygons(pieces)):
+        corners = shapely.get_coordinates(ring)
+        found.append(np.stack((corners[:-1], corners[1:]), axis=1))
+    legs: NDArray[np.object_] = shapely.linestrings(np.concatenate(found))
+    return legs
 
 
-def union(shapes: list[Polygon]) -> MultiPolygon:
+def union(shapes: Sequence[Polygon]) -> MultiPolygon:
     """Polygons that do not overlap, as one."""
-    return MultiPolygon(shapes)
+    return MultiPolygon(list(shapes))

@@ -27,8 +27,9 @@ def sample_points(target: BaseGeometry, samples: int) -> Array:
     """A hexagonal grid of about that many points in the target, as (east, north)."""
     side_m = math.sqrt(target.area / samples / (math.sqrt(3.0) / 2.0))
     west, south, east, north = target.bounds
-    rows = np.arange(south, north + side_m, side_m * math.sqrt(3.0) / 2.0)
-    columns = np.arange(west, east + side_m, side_m)
+    row_m = side_m * math.sqrt(3.0) / 2.0
+    rows = np.arange(south + 0.5 * row_m, north, row_m)
+    columns = np.arange(west + 0.25 * side_m, east, side_m)
     grid_x = columns[None, :] + np.where(np.arange(len(rows)) % 2, 0.5 * side_m, 0.0)[:, None]
     points = np.column_stack((grid_x.ravel(), np.repeat(rows, len(columns))))
     shapely.prepare(target)

@@ -28,24 +28,20 @@ def best_sequence(
 ) -> list[tuple[int, int]]:
     """(item, mode) in the order of sailing, from node `start` to node `end`.
 
-    lengths_m: between nodes, symmetric. Each item has the same number of modes; each mode has its reverse
-    among them.
+    lengths_m: between nodes, symmetric. Each item has the same even number of modes; the second half are
+    those of the first half, reversed.
     """
     entries, exits, inner_m = (
         np.array([[mode[field] for mode in modes] for modes in items]) for field in range(3)
     )
     entries, exits = entries.astype(np.intp), exits.astype(np.intp)
-    reverse = [[_reverse_of(modes, mode) for mode in modes] for modes in items]
+    half = entries.shape[1] // 2
     order = _nearest_first(entries, exits, lengths_m, start)
     while True:
-        moved = _best_move(order, (entries, exits, inner_m), lengths_m, (start, end), reverse)
+        moved = _best_move(order, (entries, exits, inner_m), lengths_m, (start, end), half)
         if moved is None:
             return order
         order = moved
-
-
-def _reverse_of(modes: Sequence[Mode], mode: Mode) -> int:
-    return next(n for n, other in enumerate(modes) if (other.entry, other.exit) == (mode.exit, mode.entry))
 
 
 def _nearest_first(
@@ -67,7 +63,7 @@ def _best_move(
     modes: tuple[NDArray[np.intp], NDArray[np.intp], Array],
     lengths_m: Array,
     ends: tuple[int, int],
-    reverse: list[list[int]],
+    half: int,
 ) -> list[tuple[int, int]] | None:
     """The order after the move that shortens it most; None where none does."""
     entries, exits, inner_m = modes
@@ -104,5 +100,5 @@ def _best_move(
         gap -= gap > place
         return [*rest[:gap], (order[place][0], mode), *rest[gap:]]
     first, last = (int(value) for value in stretch)
-    back = [(item, reverse[item][mode]) for item, mode in reversed(order[first : last + 1])]
+    back = [(item, (mode + half) % (2 * half)) for item, mode in reversed(order[first : last + 1])]
     return order[:first] + back + order[last + 1 :]

@@ -15,19 +15,17 @@ from shapely.geometry.base import BaseGeometry
 from companion.core.geo import Point
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
-from mission_tools.tasks.room import polygons, simplified, union, water_clear_of_shores, water_reached_from
+from mission_tools.tasks.room import polygons, union, water_clear_of_shores, water_reached_from
 from mission_tools.tasks.survey.coverage import coverage, least_transits_m
 from mission_tools.tasks.survey.settings import SurveySettings
+from mission_tools.tasks.survey.shore_pass import CORNER_INSET, RING_ERROR, passes_along, water_within_pass
 from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across
+from mission_tools.tasks.survey.turns import with_turns
 from mission_tools.tasks.survey.visits import Visit, in_best_order, with_rings
 from mission_tools.tasks.task_route import TaskLeg, TaskRoute, joined
 from mission_tools.tasks.transits import Transits
 
 Array = NDArray[np.float64]
-CORNER_INSET = 1.0 / (
-    2.0 * math.sqrt(2.0)
-)  # of the footprint: that near to the edge, a square corner is covered
-RING_ERROR = 0.01  # of the footprint: how far a shore pass may cut its corners
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +77,12 @@ def survey(
     target = union(wide).buffer(0.5 * swath_m).intersection(chart.navigable)
     if area is not None:
         target = target.intersection(area)
-    rings = _rings(chart, water, settings) if settings.shore_pass else []
+    rings: list[Array] = []
     inside: Sequence[Polygon] = water
-    if rings:
-        inside = polygons(union(water).buffer(-(0.5 - RING_ERROR) * swath_m))
+    if settings.shore_pass:
+        within = water_within_pass(chart, water, target, swath_m)
+        rings = passes_along(chart, within, plan.required_m, swath_m)
+        inside = polygons(union(within).buffer(-(0.5 - RING_ERROR) * swath_m))
     course_rad = settings.angle_rad
     if course_rad is None:
         course_rad = fewest_turns_rad(inside or water)
@@ -92,7 +92,8 @@ def survey(
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
     detail_m = 0.25 * swath_m
-    visits = in_best_order(tracks, reached, origin, end, detail_m, "track")
+    radius_m = settings.turn_radius_m
+    visits = in_best_order(tracks, reached, origin, end, detail_m, "track", radius_m)
     if rings:
         visits = with_rings(visits, rings, reached, origin, 0.5 * swath_m)
     ends = tracks.ends() if tracks.tracks else np.zeros((0, 2))
@@ -104,8 +105,12 @@ def survey(
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
         least_m += sum(track.high_m - track.low_m for track in lines.tracks)
         least_m += least_transits_m(lines.ends(), [], None)
-    legs = _joined_legs(chart, visits, start, union(wide), settings)
-    route = joined(legs)
+    legs, notes = _joined_legs(chart, visits, start, union(wide), settings), []
+    if settings.turn_radius_m > 0.0:
+        legs, tighter = with_turns(legs, union(wide), settings.turn_radius_m)
+        if tighter:
+            notes.append(f"{tighter} turns are tighter than {settings.turn_radius_m:g} m for lack of room")
+    route = joined(legs, notes)
     return Survey(
         route,
         target,
@@ -123,13 +128,6 @@ def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, swath_m: flo
     inset = area.buffer(-CORNER_INSET * swath_m, join_style="mitre")
     inset = area if inset.is_empty else inset
     return [piece for part in water for piece in polygons(part.intersection(inset))]
-
-
-def _rings(chart: Chart, water: Sequence[Polygon], settings: SurveySettings) -> list[Array]:
-    """Closed passes along the outline of every piece, as (east, north)."""
-    outlines = [shapely.get_coordinates(ring) for ring in shapely.get_rings(water)]
-    error_m, clear_m = RING_ERROR * settings.swath_m, settings.plan.required_m
-    return [simplified(outline, chart.shores, clear_m, error_m) for outline in outlines]
 
 
 def _joined_legs(

@@ -41,6 +41,7 @@ class Tracks(NamedTuple):
     course_rad: float
     tracks: tuple[Track, ...]
     cells: tuple[tuple[int, ...], ...]
+    spacing_m: float = 0.0  # as it came out
 
     def ends(self) -> Array:
         """The low end of every track, then the high end of every track, as (east, north)."""
@@ -88,7 +89,7 @@ def lay_tracks(water: Sequence[Polygon], course_rad: float, spacing_m: float, sw
                     onward[other].append(number)
                     back[number].append(other)
         before = here
-    return Tracks(course_rad, tuple(tracks), _cells(onward, back))
+    return Tracks(course_rad, tuple(tracks), _cells(onward, back), width_m)
 
 
 def lines_across(water: Sequence[Polygon], course_rad: float, spacing_m: float) -> Tracks:

@@ -1,6 +1,8 @@
 """What a survey sails, in order: tracks, closed passes along the shore, cross lines."""
 
+import math
 from collections.abc import Sequence
+from itertools import pairwise, zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +13,7 @@ from shapely.geometry import Polygon
 from mission_tools.tasks.survey.metric import way_lengths_m
 from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.survey.tracks import Tracks
+from mission_tools.tasks.survey.turns import turn_length_m
 from mission_tools.tasks.task_route import LegKind
 
 Array = NDArray[np.float64]
@@ -25,17 +28,25 @@ class Visit(NamedTuple):
 
 
 def in_best_order(
-    tracks: Tracks, water: Polygon, start: Array | None, end: Array | None, detail_m: float, kind: LegKind
+    tracks: Tracks,
+    water: Polygon,
+    start: Array | None,
+    end: Array | None,
+    detail_m: float,
+    kind: LegKind,
+    radius_m: float = 0.0,
 ) -> list[Visit]:
     """The tracks, each cell to and fro, the cells in the order with the shortest transits.
 
-    start, end: where the boat comes from and goes to afterwards; None where that is free.
+    start, end: where the boat comes from and goes to afterwards; None where that is free. radius_m: of its
+    turns.
     """
     if not tracks.cells:
         return []
     ends = tracks.ends()
-    count = len(tracks.tracks)
-    paths = [_ways_through(cell, count) for cell in tracks.cells]
+    count, spacing_m = len(tracks.tracks), tracks.spacing_m
+    skip = 1 + math.ceil(2.0 * radius_m / spacing_m) if 0.0 < spacing_m < 2.0 * radius_m else 1
+    paths = [_ways_through(cell, count, skip) for cell in tracks.cells]
     corners = sorted({node for ways in paths for way in ways for node in (way[0], way[-1])})
     number = {node: index for index, node in enumerate(corners)}
     places = np.vstack([ends[corners], *([place[None] for place in (start, end) if place is not None])])
@@ -45,7 +56,10 @@ def in_best_order(
     named += [len(corners)] if start is not None else []
     named += [len(corners) + 1] if end is not None else []
     lengths_m[np.ix_(named, named)] = found_m
-    items = [[Mode(number[way[0]], number[way[-1]], _inner_m(way, ends)) for way in ways] for ways in paths]
+    items = [
+        [Mode(number[way[0]], number[way[-1]], _inner_m(way, tracks, radius_m)) for way in ways]
+        for ways in paths
+    ]
     order = best_sequence(items, lengths_m, len(corners), len(corners) + 1)
     visits = []
     for item, mode in order:
@@ -76,23 +90,47 @@ def with_rings(
     return done
 
 
-def _ways_through(cell: tuple[int, ...], count: int) -> list[tuple[int, ...]]:
-    """The nodes of a cell's tracks in the four ways to sail them: from either side, from either end."""
+def _ways_through(cell: tuple[int, ...], count: int, skip: int) -> list[tuple[int, ...]]:
+    """The nodes of a cell's tracks in the ways to sail them, first all, then all the other way round.
+
+    Track after track, beginning up or down; and, where a turn into the next track but `skip` is easier, by
+    turns a track of this half of a block and one of the other half.
+    """
+    orders = [cell]
+    if skip > 1:
+        orders.append(tuple(track for block in _blocks(cell, 2 * skip) for track in _by_turns(block)))
     ways = []
-    for tracks in (cell, cell[::-1]):
+    for tracks in orders:
         for is_up in (True, False):
             way: list[int] = []
             for step, track in enumerate(tracks):
                 low, high = track, track + count
                 way += (low, high) if is_up == (step % 2 == 0) else (high, low)
             ways.append(tuple(way))
-    return ways
+    return ways + [way[::-1] for way in ways]
 
 
-def _inner_m(way: tuple[int, ...], ends: Array) -> float:
-    """Of the transits between the tracks of a cell."""
-    nodes = np.array(way)
-    return float(np.hypot(*(ends[nodes[2::2]] - ends[nodes[1:-1:2]]).T).sum())
+def _blocks(cell: tuple[int, ...], size: int) -> list[tuple[int, ...]]:
+    """Stretches of at least this many tracks, but for a cell that has fewer."""
+    number = max(1, len(cell) // size)
+    cuts = [round(n * len(cell) / number) for n in range(number + 1)]
+    return [cell[first:last] for first, last in pairwise(cuts)]
+
+
+def _by_turns(block: tuple[int, ...]) -> list[int]:
+    """0, 3, 1, 4, 2, 5 of six."""
+    half = (len(block) + 1) // 2
+    return [track for pair in zip_longest(block[:half], block[half:]) for track in pair if track is not None]
+
+
+def _inner_m(way: tuple[int, ...], tracks: Tracks, radius_m: float) -> float:
+    """Of the turns between the tracks of a cell."""
+    count, nodes = len(tracks.tracks), np.array(way)
+    across, low, high = np.array(tracks.tracks).T
+    along = np.concatenate((low, high))
+    out, into = nodes[1:-1:2], nodes[2::2]
+    sideways_m = np.abs(across[into % count] - across[out % count])
+    return float(turn_length_m(sideways_m, along[into] - along[out], radius_m).sum())
 
 
 def _along(ring: Array, spacing_m: float) -> Array:
