@@ -21,6 +21,7 @@ from benchmarks import (
     memory,
     planner,
     radio,
+    river,
     router,
     startup,
     transfer,
@@ -32,6 +33,7 @@ JSON = Path("out/benchmarks.json")
 BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
     "planner": planner.rows,
+    "river": river.rows,
     "emulator": emulator.rows,
     "campaign": campaign.rows,
     "fleet": fleet.rows,
