@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from shapely.geometry import MultiPolygon, Polygon
+
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.errors import UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
@@ -12,7 +14,7 @@ from mission_tools.mission.check import in_the_way
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.plan_options import PlanOptions, flags
-from mission_tools.mission.planned_task import check_task, shore_of, survey_of
+from mission_tools.mission.planned_task import check_task, shore_of, survey_area, survey_of
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
@@ -90,9 +92,17 @@ class MissionFile:
 
 
 class MapSource:
-    """A map on which a route is planned."""
+    """A map on which a route is planned. area: to survey, instead of a file that the options name."""
 
-    def __init__(self, text: str, source: Source, options: PlanOptions, areas: Areas = NO_AREAS) -> None:
+    def __init__(
+        self,
+        text: str,
+        source: Source,
+        options: PlanOptions,
+        areas: Areas = NO_AREAS,
+        area: Polygon | MultiPolygon | None = None,
+    ) -> None:
+        self._survey_area = area
         self._chart = _within(source.chart, areas)
         self._areas = areas
         self._wishes = options
@@ -136,6 +146,7 @@ class MapSource:
             return PlannedMission(
                 chart.name, mission, chart, None, task, clearance_m, (*chart.notes, *task.notes)
             )
+        assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
         found = plan(chart, start, goal, self._settings, via)
         places = [chart.frame.to_global(point) for point in found.points]
@@ -144,13 +155,20 @@ class MapSource:
             chart.name, mission, chart, found, None, clearance_m, (*chart.notes, *found.notes)
         )
 
-    def _task(self, start: Point) -> TaskRoute | None:
+    @property
+    def _starts_anywhere(self) -> bool:
+        """Whether the task itself finds the best place to begin."""
+        return self._wishes.survey is not None or self._wishes.follow_shore_at is not None
+
+    def _task(self, start: Point | None) -> TaskRoute | None:
         """The route of a task; None where only a way from place to place is asked for."""
         chart, options, settings = self._chart, self._wishes, self._settings
         if options.survey is not None:
-            return survey_of(chart, start, options, settings)
+            area = self._survey_area or survey_area(chart, options.survey)
+            return survey_of(chart, start, options, settings, area)
         if options.follow_shore_at is not None:
             return shore_of(chart, start, options, settings, self._local)
+        assert start is not None  # noqa: S101  _start_of raises before
         if options.is_task:
             order = {"any_order": options.any_order, "is_return": options.is_return}
             return tour(chart, start, self._stops, settings, **order)
@@ -163,7 +181,7 @@ class MapSource:
             UsageError: nowhere.
         """
         options, route = self._wishes, source.route
-        if options.survey is not None or options.follow_shore_at is not None:
+        if self._starts_anywhere:
             return []
         hold_s = options.hold_s or 0.0
         stops = [
@@ -181,14 +199,18 @@ class MapSource:
             raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
         return stops
 
-    def _start_of(self, here: LatLon | None) -> Point:
+    def _start_of(self, here: LatLon | None) -> Point | None:
         """The boat's position, or the scenario's start if that is unknown or within the clearance.
+
+        None where the task finds a start of its own.
 
         Raises:
             UsageError: neither is known.
         """
         usual = self._usual_start
         if here is None:
+            if usual is None and self._starts_anywhere:
+                return None
             if usual is None:
                 raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
             return usual

@@ -74,15 +74,19 @@ def shore_of(
     return follow_shore(chart, start, ShoreSettings(near, options.distance_m, settings, shore_to=side))
 
 
-def survey_of(chart: Chart, start: Point | None, options: PlanOptions, settings: PlanSettings) -> TaskRoute:
-    """The survey of the area that was named.
+def survey_of(
+    chart: Chart,
+    start: Point | None,
+    options: PlanOptions,
+    settings: PlanSettings,
+    area: Polygon | MultiPolygon | None,
+) -> TaskRoute:
+    """The survey of an area, of the whole water where it is None.
 
     Raises:
         NoRouteError: no water in it that is wide enough.
-        MapError, PlanFileError: the area's file.
         UsageError: values that make no sense.
     """
-    assert options.survey is not None  # noqa: S101  the caller's question
     found = survey(
         chart,
         start,
@@ -96,13 +100,17 @@ def survey_of(chart: Chart, start: Point | None, options: PlanOptions, settings:
             cross_spacing_m=options.cross_m,
             is_return=options.is_return,
         ),
-        survey_area(chart, options.survey),
+        area,
     )
     return TaskRoute(found.route.legs, (*found.route.notes, described(found)))
 
 
 def survey_area(chart: Chart, name: str) -> Polygon | MultiPolygon | None:
-    """The area that a file names, in the chart's frame; None for the whole water."""
+    """The area that a file names, in the chart's frame; None for the whole water.
+
+    Raises:
+        MapError, PlanFileError: the file.
+    """
     if name == WHOLE_WATER:
         return None
     area = fence_area(chart, load_fence(Path(name)), name)

@@ -1,0 +1,124 @@
+"""A planned route, as Python programs and notebooks see it."""
+
+import io
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from os import PathLike
+from pathlib import Path
+
+from companion.core.geo import LatLon, bearing_rad, distance_m
+from mission_tools.mission.mission import Mission
+from mission_tools.mission.planned_mission import PlannedMission
+from mission_tools.outputs import PICTURES, check_outputs, draw_planned, save
+from mission_tools.wording import distance
+
+
+@dataclass(frozen=True, slots=True)
+class RouteLeg:
+    """A straight leg. course_deg: clockwise from true north, 0 to 360. clearance_m: to the nearest shore or
+    obstacle, infinite in open water. hold_s: how long the boat holds at its end.
+    """
+
+    start: LatLon
+    end: LatLon
+    length_m: float
+    course_deg: float
+    clearance_m: float
+    hold_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class RoutePlan:
+    """A route on a map; in a notebook it shows itself as a picture.
+
+    planned: the same as the rest of the package has it.
+    """
+
+    planned: PlannedMission
+
+    @property
+    def mission(self) -> Mission:
+        """The mission that a vehicle would be given: items, home, fence and rally points."""
+        return self.planned.mission
+
+    @property
+    def points(self) -> tuple[LatLon, ...]:
+        """The route, start and goal included."""
+        home, places = self.mission.home, self.mission.places
+        return places if home is None else (home, *places)
+
+    @property
+    def length_m(self) -> float:
+        """Of the whole route."""
+        return sum(leg.length_m for leg in self.legs)
+
+    @property
+    def min_clearance_m(self) -> float:
+        """Smallest distance from the route to a shore or obstacle; infinite in open water."""
+        return min((leg.clearance_m for leg in self.legs), default=math.inf)
+
+    @property
+    def hold_s(self) -> float:
+        """Time that the boat holds at its stations, in all."""
+        return sum(leg.hold_s for leg in self.legs)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a person should know about the route."""
+        return self.planned.notes
+
+    @property
+    def legs(self) -> tuple[RouteLeg, ...]:
+        """The legs in the order of sailing."""
+        chart, points = self.planned.chart, self.planned.points
+        holds_s = [item.hold_s for item in self.mission.items if item.place is not None]
+        return tuple(
+            RouteLeg(
+                start,
+                end,
+                distance_m(a, b),
+                math.degrees(bearing_rad(a, b)) % 360.0,
+                chart.leg_clearance_m(a, b),
+                hold_s,
+            )
+            for (start, end), (a, b), hold_s in zip(
+                pairwise(self.points), pairwise(points), holds_s[-len(points) + 1 :], strict=True
+            )
+        )
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write the mission, or a picture of it; the suffix chooses the format. Returns the path.
+
+        Raises:
+            PlanFileError, UsageError: no such format, or it cannot hold the mission.
+            OutputError: the file cannot be written.
+        """
+        file = Path(path)
+        if file.suffix.lower() in PICTURES:
+            check_outputs(None, file, ())
+            draw_planned(self.planned, file)
+        else:
+            check_outputs(file, None, ())
+            save(self.mission, file)
+        return file
+
+    def __str__(self) -> str:
+        near_m = self.min_clearance_m
+        said = f"{self.planned.name}: {distance(self.length_m)} in {len(self.legs)} legs"
+        return said + (f", never nearer than {distance(near_m)} to anything" if near_m < math.inf else "")
+
+    def _repr_png_(self) -> bytes:
+        return picture(self.planned)
+
+
+def picture(planned: PlannedMission) -> bytes:
+    """The picture of a mission on its map, as PNG."""
+    from mission_tools.drawing.draw import draw_picture  # noqa: PLC0415 - matplotlib takes a second to import
+
+    figure = draw_picture(
+        planned.chart, planned.points or None, title=planned.name, clearance_m=planned.clearance_m
+    )
+    written = io.BytesIO()
+    figure.savefig(written, format="png")
+    return written.getvalue()

@@ -1,0 +1,137 @@
+"""The planner from Python: open a map, plan, look at it, save it."""
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import FrozenInstanceError
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import mission_tools as mt
+from companion.core.geo import LocalFrame, Point, distance_m
+from mission_tools.mission.plan_file import load_mission
+
+RING = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
+HOLE = [[-1.1993, 50.0008], [-1.1987, 50.0008], [-1.1987, 50.0012], [-1.1993, 50.0012], [-1.1993, 50.0008]]
+POND: dict[str, Any] = {"type": "Polygon", "coordinates": [RING, HOLE]}
+START, GOAL = (50.0004, -1.199), (50.0016, -1.199)
+
+
+def is_same(one: mt.LatLon, other: mt.LatLon) -> bool:
+    """Whether two places are the same on the wire, which counts in 1e-7 degrees."""
+    return math.dist((one.lat_deg, one.lon_deg), (other.lat_deg, other.lon_deg)) < 1e-7
+
+
+@pytest.fixture
+def water() -> mt.WaterMap:
+    """A pond of 143 × 222 m with an island."""
+    return mt.open_map(POND)
+
+
+def test_a_map_opens_from_a_dict_from_text_from_a_file_and_by_name(tmp_path: Path) -> None:
+    (tmp_path / "pond.geojson").write_text(json.dumps(POND))
+    lengths = {
+        mt.open_map(source).route(START, GOAL).length_m
+        for source in (POND, json.dumps(POND), tmp_path / "pond.geojson", str(tmp_path / "pond.geojson"))
+    }
+    assert len(lengths) == 1
+    assert mt.open_map("lake").name == "Mill Pond"
+
+
+@pytest.mark.parametrize("source", ["{", "nowhere.geojson", {"type": "Feature"}])
+def test_what_is_no_map_is_told_in_a_line(source: Any) -> None:  # noqa: ANN401
+    with pytest.raises(mt.MapError) as told:
+        mt.open_map(source)
+    assert "\n" not in str(told.value)
+
+
+def test_a_route_keeps_its_clearance_and_adds_up(water: mt.WaterMap) -> None:
+    route = water.route(START, GOAL, clearance_m=4)
+    assert route.points[0] == mt.LatLon(*START)
+    assert route.points[-1] == mt.LatLon(*GOAL)
+    assert 133.0 < route.length_m < 165.0
+    assert route.min_clearance_m >= 4.0
+    frame = LocalFrame(mt.LatLon(*START))
+    by_points_m = sum(distance_m(frame.to_local(leg.start), frame.to_local(leg.end)) for leg in route.legs)
+    assert route.length_m == pytest.approx(by_points_m, abs=0.05)
+    assert [leg.end for leg in route.legs] == list(route.points[1:])
+    assert water.route(mt.LatLon(*START), mt.LatLon(*GOAL), clearance_m=4) == route
+
+
+def test_a_leg_has_its_true_course(water: mt.WaterMap) -> None:
+    frame = LocalFrame(mt.LatLon(50.0002, -1.1998))
+    end = frame.to_global(Point(0.0, 60.0))
+    (leg,) = water.route((50.0002, -1.1998), end, clearance_m=2.0).legs
+    assert leg.course_deg == pytest.approx(90.0, abs=0.01)
+    assert leg.length_m == pytest.approx(60.0, abs=0.01)
+
+
+@pytest.mark.parametrize("place", [(50.0,), "50,-1", (math.nan, 0.0), (91.0, 0.0), 5.0, (None, 1.0)])
+def test_what_is_no_place_is_told(water: mt.WaterMap, place: Any) -> None:  # noqa: ANN401
+    with pytest.raises(mt.UsageError, match="expected \\(latitude, longitude\\) in degrees"):
+        water.route(START, place)
+
+
+def test_no_way_is_an_error_that_names_the_place(water: mt.WaterMap) -> None:
+    with pytest.raises(mt.NoRouteError, match="goal"):
+        water.route(START, (50.0010, -1.1990))
+
+
+def test_a_route_is_saved_in_the_format_of_its_suffix(water: mt.WaterMap, tmp_path: Path) -> None:
+    route = water.route(START, GOAL, speed_m_s=1.5)
+    assert load_mission(route.save(tmp_path / "route.plan")).items == route.mission.items
+    assert route.save(str(tmp_path / "route.waypoints")).read_text().startswith("QGC WPL 110")
+    assert route.save(tmp_path / "route.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(mt.MissionToolsError):
+        route.save(tmp_path / "route.doc")
+
+
+def test_a_notebook_shows_a_picture_of_a_route_and_of_a_map(water: mt.WaterMap) -> None:
+    assert water.route(START, GOAL)._repr_png_().startswith(b"\x89PNG")
+    assert water._repr_png_().startswith(b"\x89PNG")
+
+
+def test_a_tour_holds_at_its_stops_and_comes_back(water: mt.WaterMap) -> None:
+    tour = water.tour(START, [GOAL, (50.0010, -1.1982)], hold_s=30.0, any_order=True, is_return=True)
+    assert tour.hold_s == 60.0
+    assert is_same(tour.points[0], tour.points[-1])
+
+
+def test_a_survey_stays_in_its_area_and_needs_no_start(water: mt.WaterMap) -> None:
+    ring = [[-1.2, 50.0], [-1.1994, 50.0], [-1.1994, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
+    west = {"type": "Polygon", "coordinates": [ring]}
+    survey = water.survey(west, spacing_m=6.0, angle_deg=0.0, clearance_m=3.0)
+    assert max(place.lon_deg for place in survey.points) < -1.1994
+    assert survey.length_m > 5 * 200.0
+    assert "on 0°" in survey.notes[-1]
+
+
+def test_a_shore_is_followed(water: mt.WaterMap) -> None:
+    round_island = water.follow_shore((50.0010, -1.1990), 5.0, clearance_m=3.0)
+    assert 4.49 <= round_island.min_clearance_m <= 5.0
+    assert is_same(round_island.points[0], round_island.points[-1])
+
+
+def test_water_is_asked_for_places(water: mt.WaterMap) -> None:
+    assert water.is_water(START)
+    assert not water.is_water((50.0010, -1.1990))
+    assert water.clearance_m(START) == pytest.approx(44.5, abs=0.5)
+
+
+def test_values_do_not_change(water: mt.WaterMap) -> None:
+    route = water.route(START, GOAL)
+    with pytest.raises(FrozenInstanceError):
+        route.planned = None  # type: ignore[misc, assignment]
+
+
+def test_the_package_imports_nothing_before_it_is_used() -> None:
+    code = "import sys, mission_tools; dir(mission_tools); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numpy", "shapely", "companion.core.geo", "asyncio"} & set(done.stdout.split())
+    assert set(mt.__all__) <= set(dir(mt))
+    assert all(getattr(mt, name) is not None for name in mt.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'plan_it'"):
+        _ = mt.plan_it
