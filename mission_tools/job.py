@@ -112,7 +112,7 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
     for line in described(planned):
         say(line)
     if request.save is not None:
-        save(planned.mission, request.save)
+        save(planned.mission, request.save, planned)
         report.saved = request.save
         say(f"saved {request.save}")
 

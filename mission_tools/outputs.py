@@ -4,9 +4,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mission_tools.drawing.names import PICTURE_SUFFIXES, check_picture_name
 from mission_tools.errors import UsageError
+from mission_tools.files.formats import check_route_name, save_route
 from mission_tools.mission.mission import Mission
-from mission_tools.mission.plan_file import check_mission_name, save_mission
 
 if TYPE_CHECKING:
     from mission_tools.mission.planned_mission import PlannedMission
@@ -23,11 +24,12 @@ def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path
         PlanFileError, UsageError: names the file.
     """
     if preview is not None:
-        from mission_tools.drawing.preview import check_picture_name  # noqa: PLC0415 - seldom needed
-
         check_picture_name(preview)
     if save is not None:
-        check_mission_name(save)
+        if save.suffix.lower() in PICTURE_SUFFIXES:
+            check_picture_name(save, "--save")
+        else:
+            check_route_name(save)
     read = [Path(name) for name in inputs if name is not None]
     for option, output in (("--save", save), ("--preview", preview)):
         for given in read:
@@ -37,13 +39,19 @@ def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path
                 )
 
 
-def save(mission: Mission, path: Path) -> None:
-    """Write a mission in the format of the file's suffix.
+def save(mission: Mission, path: Path, planned: "PlannedMission | None" = None) -> None:
+    """Write a mission in the format of the file's suffix: also a picture, where there is a chart to draw.
 
     Raises:
         PlanFileError: the format cannot hold it, or the file cannot be written.
+        UsageError: a picture without a chart.
     """
-    save_mission(mission, path)
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        save_route(mission, path, planned.name if planned is not None else "")
+    elif planned is None:
+        raise UsageError(f"{path}: a picture needs a map to draw: name a .plan file or another format")
+    else:
+        draw_planned(planned, path)
 
 
 def draw_planned(planned: "PlannedMission", path: Path, monitor: "MissionMonitor | None" = None) -> None:

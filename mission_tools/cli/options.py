@@ -73,9 +73,15 @@ def add_outputs(parser: Parser) -> None:
     """Files to write."""
     group = parser.add_argument_group("files")
     group.add_argument(
-        "--save", "--out", type=Path, metavar="FILE", help="write the mission: .plan or .waypoints"
+        "--save",
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write it: .plan .waypoints .geojson .kml .gpx .html …",
     )
-    group.add_argument("--preview", type=Path, metavar="FILE", help="draw map, plan, track: .png, .svg, .pdf")
+    group.add_argument(
+        "--preview", type=Path, metavar="FILE", help="draw plan and track: .png .svg .pdf .html"
+    )
 
 
 def add_link(parser: Parser, default: str | None = DEFAULT_LINK) -> None:

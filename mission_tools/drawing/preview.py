@@ -2,27 +2,10 @@
 
 from pathlib import Path
 
-from mission_tools.errors import UsageError
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.smooth import path_length_m
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
-
-PICTURE_SUFFIXES = frozenset({".png", ".svg", ".pdf"})
-
-
-def check_picture_name(path: Path) -> None:
-    """Refuse early what could not be written after an hour's run.
-
-    Raises:
-        UsageError: no kind of picture, or no such folder.
-    """
-    if path.suffix.lower() not in PICTURE_SUFFIXES:
-        raise UsageError(
-            f"--preview {path}: expected a name that ends in {', '.join(sorted(PICTURE_SUFFIXES))}"
-        )
-    if not path.absolute().parent.is_dir():
-        raise UsageError(f"--preview {path}: there is no folder {path.parent}")
 
 
 def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None) -> None:
@@ -31,6 +14,11 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
     Raises:
         OutputError: the file cannot be written.
     """
+    if path.suffix.lower() == ".html":
+        from mission_tools.drawing.html import save_page  # noqa: PLC0415 - needs no matplotlib
+
+        save_page(path, planned, monitor)
+        return
     from mission_tools.drawing.draw import draw_picture, save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 
     track = monitor.track if monitor is not None else []

@@ -53,6 +53,7 @@ from mission_tools.wording import counted
 NONE = "none"  # instead of a file: what the boat holds is cleared
 FENCE_KINDS = ("inclusion", "exclusion", "return_point")
 KINDS = (*FENCE_KINDS, "rally")
+ROUTE_KINDS = ("route", "waypoint")  # of a mission that was saved as GeoJSON: not a part of its fence
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +200,8 @@ def _parts(entry: object, where: str) -> Iterator[FencePolygon | FenceCircle | R
     where, properties, geometry = labelled(entry, where)
     is_point, has_radius = geometry.get("type") == "Point", "radius_m" in properties
     kind = properties.get("kind", "rally" if is_point and not has_radius else "inclusion")
+    if kind in ROUTE_KINDS:
+        return
     if kind not in KINDS:
         raise MapError(f"{where}: kind {kind!r} is none of {', '.join(KINDS)}")
     is_inclusion = kind == "inclusion"

@@ -48,7 +48,7 @@ def pond(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("name", ["pond.geojson", "pond.toml", "route.kml", "route.gpx", "route"])
+@pytest.mark.parametrize("name", ["pond.geojson", "pond.toml", "route.csv", "route.shp", "route"])
 def test_a_mission_is_saved_in_a_known_format_only_and_never_over_the_map(pond: Path, name: str) -> None:
     before = {path: path.read_bytes() for path in pond.iterdir()}
     arguments = ["pond.geojson", "--start-at", START, "--goal", GOAL, "--dry-run", "--save", name]
@@ -101,9 +101,9 @@ def nobody() -> str:
         ("pond.toml --start 50.001,-1.199 --dry-run", 2, "start .* on Goose Island"),
         ("pond.toml --clearance 60 --dry-run", 2, "clearance of 60 m"),
         (
-            "pond.toml --dry-run --save route.kml",
+            "pond.toml --dry-run --save route.csv",
             2,
-            r"route.kml: missions are written as \.plan .*\.waypoints",
+            r"route.csv: missions are written as \.plan .*\.waypoints",
         ),
         ("pond.toml --dry-run --save pond.toml", 2, r"pond.toml: missions are written as \.plan"),
         ("pond.toml --clearance -1 --dry-run", 2, "clearance"),

@@ -1,0 +1,1 @@
+"""Files that missions are written to besides .plan and QGC WPL 110, each by its suffix."""

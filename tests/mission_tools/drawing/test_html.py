@@ -1,0 +1,121 @@
+"""The HTML page: whole in itself, with the route's figures, and safe with any name."""
+
+import re
+from collections.abc import Iterator
+from html.parser import HTMLParser
+
+import pytest
+import shapely
+
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.drawing.html import compose
+from mission_tools.drawing.itinerary import itinerary
+from mission_tools.maps import Chart, Feature, build_chart
+from mission_tools.mission.mission import Mission, MissionItem
+from mission_tools.mission.planned_mission import PlannedMission
+
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+PATH = [Point(0.0, 0.0), Point(0.0, 100.0), Point(62.0, 180.0)]
+ISLE = shapely.box(40, -30, 60, -8)  # 8 m south of the first leg
+
+
+def chart(name: str = "Lake") -> Chart:
+    features = [
+        Feature("Goose <Island>", "island", ISLE),
+        Feature("Beach", "swimming", shapely.box(-90, 60, -40, 90)),
+    ]
+    return build_chart(name, FRAME, shapely.box(-100, -50, 250, 100), features)
+
+
+def planned(on: Chart, *, speed_m_s: float | None = None, hold_s: float = 0.0) -> PlannedMission:
+    home, *stops = (FRAME.to_global(at) for at in PATH)
+    items = tuple(MissionItem.at(place, params=(hold_s, 0.0, 0.0, 0.0)) for place in stops)
+    mission = Mission(items, home=home)
+    if speed_m_s is not None:
+        mission = mission.at_speed(speed_m_s)
+    return PlannedMission(on.name, mission, on, notes=("one & two",))
+
+
+class Page(HTMLParser):
+    """Elements, attributes, and the text of cells."""
+
+    void = frozenset({"meta", "br", "line", "rect"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+        self.cells: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+        if tag == "td":
+            self.cells.append("")
+        if tag not in self.void:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "td" in self.open:
+            self.cells[-1] += data
+
+    def of(self, tag: str) -> Iterator[dict[str, str | None]]:
+        return (attributes for name, attributes in self.found if name == tag)
+
+
+def test_the_page_needs_nothing_else() -> None:
+    text = compose(planned(chart()))
+    page = Page(text)
+    assert page.open == []
+    assert not any({"src", "href", "srcset", "data"} & attributes.keys() for _, attributes in page.found)
+    assert not {"link", "img", "iframe", "object", "base"} & {tag for tag, _ in page.found}
+    assert "default-src 'none'" in next(a["content"] or "" for a in page.of("meta") if "http-equiv" in a)
+    assert not re.search(r"https?://|url\((?!#)|@import|fetch\(|XMLHttpRequest|WebSocket", text)
+
+
+def test_every_leg_has_its_length_time_and_tightest_place() -> None:
+    page = Page(compose(planned(chart(), speed_m_s=1.0, hold_s=30.0)))
+    first, second = page.cells[:7], page.cells[7:14]
+    assert first[:6] == ["1", "100 m", "090°", "1 min 40 s + 30 s", "8.00 m", "Goose <Island>"]
+    assert second[:4] == ["2", "101 m", "052°", "3 min 51 s + 30 s"]
+    assert second[5] == "the shore"
+    assert second[4] == "38.0 m"
+
+
+def test_the_itinerary_counts_holds_and_names_the_worst_places_once() -> None:
+    way = itinerary(planned(chart(), speed_m_s=2.0, hold_s=10.0))
+    assert way.length_m == pytest.approx(201.21, abs=0.01)
+    assert way.duration_s == pytest.approx(120.61, abs=0.01)
+    assert not way.is_assumed
+    worst = way.worst(3)
+    assert worst[0].clearance_m == pytest.approx(8.0, abs=0.01)
+    assert 39.9 <= worst[0].worst.east_m <= 60.1
+    assert itinerary(planned(chart())).is_assumed
+
+
+def test_the_map_shows_every_waypoint_where_it_is() -> None:
+    page = Page(compose(planned(chart())))
+    pins = [a["data-at"] for a in page.of("g") if (a.get("class") or "").startswith("pin")]
+    assert pins == ["0.00,-0.00", "100.00,-0.00", "180.00,-62.00"]
+    (route,) = {a["points"] for a in page.of("polyline")}
+    assert route == "0.00,-0.00 100.00,-0.00 180.00,-62.00"
+
+
+def test_names_are_text_and_nothing_else() -> None:
+    nasty = '</title><script>alert(1)</script>${title}"'
+    page = Page(compose(planned(chart(nasty))))
+    assert sum(1 for _ in page.of("script")) == 1
+
+
+def test_open_water_has_no_clearance_to_speak_of() -> None:
+    sea = build_chart("Sea", FRAME, None, ())
+    page = Page(compose(planned(sea)))
+    assert page.cells[4] == "open water"
+    assert page.open == []
