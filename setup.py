@@ -10,23 +10,30 @@ from Cython.Build import cythonize
 from setuptools import Extension, setup
 
 PACKAGE = Path("companion/planning")
-SOURCES = {"_polygon": PACKAGE / "polygon.py"} | {path.stem: path for path in sorted(PACKAGE.glob("_*.pyx"))}
+# A module with C types in a .pxd beside it is its own twin; a .pyx has a twin of another name.
+SOURCES = {path.stem: PACKAGE / f"{path.stem[1:]}.py" for path in sorted(PACKAGE.glob("_*.pxd"))}
+SOURCES |= {path.stem: path for path in sorted(PACKAGE.glob("_*.pyx"))}
 # A fused multiply-add rounds once where Python rounds twice
 FLAGS = ["-O2", "-ffp-contract=off"]
 
-setup(
-    ext_modules=cythonize(  # type: ignore[no-untyped-call, unused-ignore]
-        [
-            Extension(f"companion.planning.{name}", [str(path)], extra_compile_args=FLAGS, optional=True)
-            for name, path in SOURCES.items()
-        ],
-        build_dir="build/cython",
-        compiler_directives={
-            "language_level": "3",
-            "boundscheck": False,
-            "wraparound": False,
-            "cdivision": True,
-            "initializedcheck": False,
-        },
-    )
+DIRECTIVES = {
+    "language_level": "3",
+    "annotation_typing": False,  # the C types are in the .pxd
+    "boundscheck": False,
+    "wraparound": False,
+    "cdivision": True,
+    "initializedcheck": False,
+}
+
+kernels = cythonize(  # type: ignore[no-untyped-call, unused-ignore]
+    [
+        Extension(f"companion.planning.{name}", [str(path)], extra_compile_args=FLAGS)
+        for name, path in SOURCES.items()
+    ],
+    build_dir="build/cython",
+    compiler_directives=DIRECTIVES,
 )
+for kernel in kernels:
+    kernel.optional = True  # cythonize drops it
+
+setup(ext_modules=kernels)

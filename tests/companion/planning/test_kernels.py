@@ -9,11 +9,11 @@ import pytest
 from companion.planning import kernels
 
 ROOT = Path(kernels.__file__).parents[2]
-ASK = "from companion.planning.kernels import load; print(load('_polygon', 'polygon').__name__)"
+ASK = "from companion.planning.kernels import load; print(load('_segments', 'segments').__name__)"
 
 
 def is_built() -> bool:
-    return any((ROOT / "companion/planning").glob("_polygon.*.so"))
+    return any((ROOT / "companion/planning").glob("_segments.*.so"))
 
 
 def loaded(**environment: str) -> str:
@@ -26,15 +26,15 @@ def loaded(**environment: str) -> str:
 def test_the_compiled_kernel_is_taken_where_it_was_built() -> None:
     if not is_built():
         pytest.skip("the kernels are not built: python setup.py build_ext --inplace")
-    assert loaded() == "companion.planning._polygon"
+    assert loaded() == "companion.planning._segments"
 
 
 def test_the_twin_is_taken_where_the_environment_asks_for_it() -> None:
-    assert loaded(MAVBOAT_PURE="1") == "companion.planning.polygon"
+    assert loaded(MAVBOAT_PURE="1") == "companion.planning.segments"
 
 
 def test_the_twin_is_taken_where_nothing_was_built() -> None:
-    assert kernels.load("_never_built", "polygon").__name__ == "companion.planning.polygon"
+    assert kernels.load("_never_built", "segments").__name__ == "companion.planning.segments"
 
 
 def test_a_twin_that_is_missing_is_an_error() -> None:

@@ -83,7 +83,7 @@ def test_nothing_is_compiled_whose_structs_need_the_options_of_their_class_line(
 
 
 def test_the_kernels_of_route_planning_are_left_alone(tmp_path: Path) -> None:
-    kernel = house(tmp_path) / "companion/planning/_polygon.so"
+    kernel = house(tmp_path) / "companion/planning/_segments.so"
     kernel.parent.mkdir()
     kernel.touch()
     remove(tmp_path)

@@ -1,0 +1,153 @@
+"""Shortest routes of one clearance among shores, and where to begin when the start has less.
+
+The kernel finds straight legs and arcs round corners of the land. A route replaces each arc by circumscribed
+legs, so few that the route is at most `MAX_EXCESS` longer, and each of them is tested against the shores.
+"""
+
+import math
+from array import array
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from companion.core.geo import Point, distance_m
+from companion.planning import kernels
+from companion.planning.exits import exits
+from companion.planning.tangents import ARC_STEP_RAD, GRAZE_M
+
+if TYPE_CHECKING:
+    from companion.planning.segments import Segments
+    from companion.planning.tangent_search import TangentSearch
+    from companion.planning.tangents import Tangents
+    from companion.planning.water import Water
+
+MAX_EXCESS = 5e-5
+"""Half of the 0.01 % that a route may be longer than with true arcs; where there is no room for large steps
+the arcs are followed in the kernel's, which are 0.01 % longer than the arc alone."""
+MAX_STEP_RAD = math.radians(30.0)
+
+_tangents = kernels.load("_tangents", "tangents")
+_tangent_search = kernels.load("_tangent_search", "tangent_search")
+
+
+class Route(NamedTuple):
+    """A route, start and goal included. expanded: tangents that the search followed."""
+
+    points: tuple[Point, ...]
+    length_m: float
+    expanded: int
+
+
+class NoWay(Exception):  # noqa: N818  (a search's answer)
+    """No route. nearest: for a start or goal without the clearance, the nearest water that has it."""
+
+    def __init__(self, reason: Literal["start", "goal", "unconnected"], nearest: Point | None = None) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.nearest = nearest
+
+
+class Routes:
+    """The tangent graph of one clearance, built as queries need it."""
+
+    def __init__(
+        self,
+        water: "Water",
+        segments: "Segments | None",
+        following: "array[int]",
+        left: "array[int]",
+        limit: "array[float]",
+    ) -> None:
+        self._water = water
+        self._segments = segments
+        self._given = (following, left, limit)
+        self._limit = limit
+        self._limit2 = array("d", [value * value for value in limit])
+        self._reach_m = max(limit, default=0.0)
+        self._graph: Tangents | None = None
+        self._searcher: TangentSearch | None = None
+
+    def is_clear(self, start: Point, end: Point) -> bool:
+        """Whether a straight leg keeps its clearance from every shore."""
+        return self._segments is None or self._segments.is_clear(
+            start.east_m, start.north_m, end.east_m, end.north_m, self._limit2, self._reach_m
+        )
+
+    def is_free(self, at: Point) -> bool:
+        """Whether a point is in the water and has the clearance."""
+        return self._water.is_water(at) and self.is_clear(at, at)
+
+    def route(self, start: Point, goal: Point) -> Route:
+        """The shortest route; the same there and back.
+
+        Raises:
+            NoWay: start or goal is no water or nearer to a shore than the clearance, or no route joins them.
+        """
+        for place, reason in ((start, "start"), (goal, "goal")):
+            if not self.is_free(place):
+                raise NoWay(
+                    "start" if reason == "start" else "goal", next(self.exits(place, is_afloat=False), None)
+                )
+        if self.is_clear(start, goal):
+            return Route((start, goal), distance_m(start, goal), 0)
+        if goal < start:
+            there = self._search(goal, start)
+            return Route(there.points[::-1], there.length_m, there.expanded)
+        return self._search(start, goal)
+
+    def lengths_m(self, start: Point, goals: Sequence[Point]) -> list[float]:
+        """Length of the route to each goal; infinite where there is none."""
+        lengths: list[float] = []
+        for goal in goals:
+            try:
+                lengths.append(self.route(start, goal).length_m)
+            except NoWay:
+                lengths.append(math.inf)
+        return lengths
+
+    def exits(self, at: Point, *, is_afloat: bool = True) -> Iterator[Point]:
+        """Points with the clearance round one that has none, the nearest first.
+
+        is_afloat: only those that a straight leg reaches without touching a shore.
+        """
+        if self._segments is None:
+            return
+        radii_m = [limit_m + GRAZE_M for limit_m in self._limit]
+        for candidate in exits(self._segments, radii_m, at, self.is_free):
+            if not is_afloat or self._water.leg_distance_m(at, candidate) > 0.0:
+                yield candidate
+
+    def _search(self, start: Point, goal: Point) -> Route:
+        if self._graph is None or self._searcher is None:
+            self._graph = _tangents.Tangents(self._segments, *self._given)
+            self._searcher = _tangent_search.TangentSearch(self._graph)
+        graph, searcher = self._graph, self._searcher
+        before = searcher.expanded
+        arcs = searcher.search(start.east_m, start.north_m, goal.east_m, goal.north_m)
+        if math.isinf(searcher.bound):
+            raise NoWay("unconnected")
+        turned_m = sum(graph.radius[node >> 1] * (left_at - at) for node, at, left_at in arcs)
+        step_rad = MAX_STEP_RAD
+        if turned_m > 0.0:  # a circumscribed step is step²/12 longer than its arc
+            step_rad = min(step_rad, math.sqrt(12.0 * MAX_EXCESS * searcher.bound / turned_m))
+        points = [start]
+        for node, at, left_at in arcs:
+            points += _corners(graph, node, at, left_at, step_rad)
+        points.append(goal)
+        length_m = sum(distance_m(a, b) for a, b in pairwise(points))
+        return Route(tuple(points), length_m, searcher.expanded - before)
+
+
+def _corners(graph: "Tangents", node: int, at: float, left_at: float, step_rad: float) -> list[Point]:
+    """An arc as the corners of circumscribed legs, the fewest that are clear."""
+    turn = max(left_at - at, 0.0)
+    proven = int(turn / ARC_STEP_RAD) + 1  # what the search has tested
+    legs = min(math.ceil(turn / step_rad), proven) or 1
+    while legs < proven and not graph.is_walk_clear(node, at, left_at, legs):
+        legs = min(2 * legs, proven)
+    step = turn / legs
+    radius_m = graph.radius[node >> 1] / math.cos(0.5 * step)
+    places = [at + (n + 0.5) * step for n in range(legs)]
+    return [
+        Point(graph.point_y(node, place, radius_m), graph.point_x(node, place, radius_m)) for place in places
+    ]
