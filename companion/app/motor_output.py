@@ -9,8 +9,6 @@ from companion.hal.interfaces import Hardware
 class MotorOutput:
     """command: the latest one written."""
 
-    __slots__ = ("_hardware", "_trips", "command")
-
     def __init__(self, hardware: Hardware) -> None:
         self.command: MotorCommand = STOPPED
         self._hardware = hardware

@@ -9,8 +9,6 @@ from companion.vehicle.vehicle import Vehicle
 class OriginMonitor:
     """Moves the origin of a disarmed boat that was carried beyond the frame; warns while it is armed."""
 
-    __slots__ = ("_estimator", "_external", "_far_m")
-
     def __init__(self, estimator: Estimator, external: ExternalSensors) -> None:
         self._estimator = estimator
         self._external = external

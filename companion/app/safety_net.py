@@ -27,8 +27,6 @@ class Fall(IntEnum):
 class SafetyNet:
     """Counts. `faults` in all, `level` those that have not been made good for."""
 
-    __slots__ = ("faults", "level")
-
     def __init__(self) -> None:
         self.faults = 0
         self.level = 0.0

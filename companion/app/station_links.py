@@ -10,8 +10,6 @@ from companion.services.endpoint import Endpoint
 class StationLinks:
     """Between the channels and the endpoint."""
 
-    __slots__ = ("_channels", "_endpoint", "_logbook")
-
     def __init__(self, channels: Channels, endpoint: Endpoint, logbook: Logbook | None) -> None:
         self._channels = channels
         self._endpoint = endpoint

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 class Fit:
     """value = Σ coefficient × regressor. Keeps only the normal equations. square: sum of squared values."""
 
-    __slots__ = ("_rows", "count", "square")
-
     def __init__(self, unknowns: int) -> None:
         self.count = 0
         self._rows = [[0.0] * (unknowns + 1) for _ in range(unknowns)]

@@ -54,17 +54,6 @@ _SHORTEST: Final = 1.0 / 12.0  # of the oscillation's period: lower bound of τc
 class RelayFeedback:
     """The relay of one leg: `steering` switches about `offset`. periods_s: the periods measured."""
 
-    __slots__ = (
-        "_half_s",
-        "_halves",
-        "_hysteresis_rad",
-        "_throw",
-        "_turned_s",
-        "offset",
-        "periods_s",
-        "steering",
-    )
-
     def __init__(self, throw: float, hysteresis_rad: float, offset: float, now_s: float) -> None:
         self.periods_s: list[float] = []
         self.offset = offset

@@ -35,8 +35,6 @@ _SIDES = {
 class MotorTest:
     """At most one test at a time; a new one replaces it. decided_s: time of the latest `thrust`."""
 
-    __slots__ = ("_began", "_thrust", "_until_s", "decided_s", "is_running")
-
     def __init__(self) -> None:
         self.is_running = False
         self.decided_s = -math.inf

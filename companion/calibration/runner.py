@@ -52,11 +52,6 @@ class CalibrationRunner:
     is_bare: the motors get their commands without trim. radius_m: of the circle that it keeps to.
     """
 
-    __slots__ = (
-        "_began_s", "_began_status", "_fix_s", "_result", "_routine", "_station", "is_bare", "is_running",
-        "kind", "radius_m",
-    )  # fmt: skip
-
     def __init__(self) -> None:
         self.is_running = self.is_bare = False
         self.kind = THRUSTERS

@@ -16,8 +16,6 @@ from companion.core.units import clamp
 class Gate:
     """Remembers only where the slew limiter stands."""
 
-    __slots__ = ("_left", "_right")
-
     def __init__(self) -> None:
         self._left = 0.0
         self._right = 0.0

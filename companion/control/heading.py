@@ -26,8 +26,6 @@ _STEADY_RAD_S: Final = 0.1  # turning no faster than that
 class HeadingControl:
     """Turns the bow toward a heading, by the shorter way round."""
 
-    __slots__ = ("_pid",)
-
     def __init__(self) -> None:
         self._pid = Pid()
 

@@ -18,8 +18,6 @@ class Helm:
     are not closed forget what they have learned, so none starts with an integral from another situation.
     """
 
-    __slots__ = ("_heading", "_single", "_speed", "heading_pid", "speed_pid")
-
     def __init__(self) -> None:
         self._heading = HeadingControl()
         self._speed = SpeedControl()

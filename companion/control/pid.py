@@ -48,8 +48,6 @@ def times_from_gains(gains: Gains) -> tuple[float, float, float]:
 class Pid:
     """The only state is the integral, in units of the output."""
 
-    __slots__ = ("integral",)
-
     def __init__(self) -> None:
         self.integral = 0.0
 

@@ -21,8 +21,6 @@ _IDLE_M_S: Final = 0.05  # through the water: below this, the motor rests
 class SingleThrusterController:
     """Keeps which way the bow is swinging."""
 
-    __slots__ = ("_is_ahead",)
-
     def __init__(self) -> None:
         self._is_ahead = True
 

@@ -22,8 +22,6 @@ def feed_forward(speed_m_s: float, setting: Speed) -> float:
 class SpeedControl:
     """Holds a speed along the bow, over ground: what is not known of the set ends up in the integral."""
 
-    __slots__ = ("_pid",)
-
     def __init__(self) -> None:
         self._pid = Pid()
 

@@ -32,11 +32,6 @@ _MAX_GAIN: Final = 3.0
 class CurrentFilter:
     """current_m_s is c and gain is g of the module's equation; turn_rad is the heading correction."""
 
-    __slots__ = (
-        "_cruise_m_s", "_outliers", "_p00", "_p01", "_p02", "_p03", "_p11", "_p12", "_p13", "_p22", "_p23",
-        "_p33", "_speed_m_s", "current_m_s", "gain", "turn_rad",
-    )  # fmt: skip
-
     def __init__(self, cruise_m_s: float, turn_doubt_rad: float) -> None:
         """turn_doubt_rad: standard deviation of the compass offset."""
         self._cruise_m_s = cruise_m_s

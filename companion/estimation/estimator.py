@@ -50,20 +50,6 @@ class Estimator:
     for FAR_S; 0 otherwise. `reset_origin` then moves the origin.
     """
 
-    __slots__ = (
-        "_far_heard_s",
-        "_far_since_s",
-        "_faults",
-        "_health_due_s",
-        "_setting",
-        "_sigma_m",
-        "far_m",
-        "frame",
-        "gnss",
-        "model",
-        "preset_frame",
-    )
-
     def __init__(self, speed: Speed | None = None, setting: Estimation | None = None) -> None:
         """speed: the boat's speed figures; setting: the estimator's settings."""
         self._setting = setting = setting or Estimation()

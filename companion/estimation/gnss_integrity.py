@@ -22,11 +22,6 @@ _ODD_STEP: Final = 9.0  # of its variance: larger steps are excluded from the sc
 class GnssIntegrityMonitor:
     """Checks each fix before it is used."""
 
-    __slots__ = (
-        "_at", "_displacement_m", "_history", "_long_history", "_repetition", "_sigma_m", "_variance_m2",
-        "_velocity",
-    )  # fmt: skip
-
     def __init__(self) -> None:
         self._repetition = StuckValueDetector()
         self._at = 0j

@@ -39,12 +39,6 @@ _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 class GnssUpdate:
     """accepted_s: time of the latest accepted position; resets: how often the position was restarted."""
 
-    __slots__ = (
-        "_displacement_m", "_drift_m", "_fix_s", "_integrity", "_is_frozen", "_model", "_outlier_since_s",
-        "_passed_s", "_rejected_share", "_reset_counter", "_setting", "_stall_drift_m", "_stalled_s",
-        "_velocity_s", "accepted_s", "latency", "position", "resets",
-    )  # fmt: skip
-
     def __init__(self, model: Model, setting: Estimation) -> None:
         self._model = model
         self._setting = setting

@@ -51,13 +51,6 @@ class HeadingFilter:
     starts: how often the heading was restarted.
     """
 
-    __slots__ = (
-        "_agreed_rad", "_agrees_s", "_block_s", "_blocks", "_compass", "_count", "_gyro",
-        "_is_compass_rejected", "_off_since_s", "_outlier_share", "_rate_rad_s", "_sum_rad", "_turned_rad",
-        "bias_rad_s", "compass_s", "corrected_rad", "gate_rad", "has_gyro", "heading_rad", "is_idle",
-        "is_off", "resets", "sigma_rad", "starts", "time_s", "yaw_rate_rad_s",
-    )  # fmt: skip
-
     def __init__(self, gate_rad: float) -> None:
         """gate_rad: largest accepted difference of compass and gyro."""
         self.gate_rad = gate_rad

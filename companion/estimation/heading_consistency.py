@@ -41,11 +41,6 @@ class HeadingConsistencyMonitor:
     current_m_s and gain: current and thrust gain from before the disagreement.
     """
 
-    __slots__ = (
-        "_age_s", "_compass_off", "_corrected_rad", "_disagreement_s", "_evidence_s", "_gyro_off", "_newer",
-        "_recorded_s", "bias_rad_s", "current_m_s", "gain", "gap_rad", "is_disagreeing",
-    )  # fmt: skip
-
     def __init__(self) -> None:
         self.current_m_s, self.gain = 0j, 1 + 0j
         self._newer = (0j, 1 + 0j)

@@ -27,18 +27,6 @@ _LEAN_S: Final = 4.0  # where it also corrects the yaw bias
 class HeadingPropagation:
     """heading_rad and yaw_rate_rad_s are present values; `filter` holds those of the latest reading."""
 
-    __slots__ = (
-        "_pause_s",
-        "_reading_turned_rad",
-        "_reading_turning",
-        "_stamp_s",
-        "filter",
-        "heading_rad",
-        "latency",
-        "model",
-        "yaw_rate_rad_s",
-    )  # fmt: skip
-
     def __init__(self, gate_rad: float) -> None:
         """gate_rad: largest accepted difference of compass and gyro."""
         self.filter = HeadingFilter(gate_rad)

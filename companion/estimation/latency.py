@@ -28,27 +28,6 @@ _SLACK_S: Final = 1e-3
 class LatencyEstimator:
     """lag_s: subtract from the stamps. until_s: end of the period in which `compare` is needed."""
 
-    __slots__ = (
-        "_alike",
-        "_best",
-        "_compared_s",
-        "_count",
-        "_expected",
-        "_expected_s",
-        "_heard_mean",
-        "_heard_square",
-        "_lag",
-        "_least",
-        "_means",
-        "_mismatch_s",
-        "_next",
-        "_paused_s",
-        "_squares",
-        "_usual_s",
-        "lag_s",
-        "until_s",
-    )  # fmt: skip
-
     def __init__(self, least: float) -> None:
         """least: residuals with a smaller deviation are within the model error."""
         self.lag_s = 0.0

@@ -48,12 +48,6 @@ class Model:
     motors.
     """
 
-    __slots__ = (
-        "_compass_timeout_s", "_consistency", "_cruise_throttle", "_is_lost", "_is_turned_off", "_off_rad",
-        "_starts", "_surge_time_s", "cruise_m_s", "current", "heading", "history", "idle_since_s", "now_s",
-        "propagation", "water",
-    )  # fmt: skip
-
     def __init__(self, speed: Speed, setting: Estimation) -> None:
         self.cruise_m_s, self._cruise_throttle = speed.cruise_m_s, speed.cruise_throttle
         self._surge_time_s = setting.surge_time_s

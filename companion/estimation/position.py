@@ -25,11 +25,6 @@ _LEAST, _FIRST, _MOST = 0.01, 0.05, 0.5  # limits and initial value of the devia
 class PositionFilter:
     """position_m, unmodelled_m_s (e) and wander_m (w) at time_s."""
 
-    __slots__ = (
-        "_ee", "_ew", "_least_q", "_most_q", "_pe", "_pp", "_pw", "_q", "_wander_s", "_wander_share", "_ww",
-        "position_m", "time_s", "unmodelled_m_s", "wander_m",
-    )  # fmt: skip
-
     def __init__(self, cruise_m_s: float, wander_s: float, wander_share: float) -> None:
         """cruise_m_s scales the process noise; wander_s is T_w.
 

@@ -14,11 +14,6 @@ _NONE: Final = 1e9  # no reading has this value
 class SensorTimeoutMonitor:
     """is_good: no fault is detected."""
 
-    __slots__ = (
-        "_is_erratic", "_jump", "_jump_per_s", "_jump_share", "_least_s", "_repetition", "_time_s", "_value",
-        "is_good",
-    )  # fmt: skip
-
     def __init__(self, jump: float, jump_per_s: float, least_s: float) -> None:
         """A change beyond jump + jump_per_s × dt is a jump. least_s: shortest constant run that is a
         fault.

@@ -11,16 +11,6 @@ class StateHistory:
     displacement_m: through the water since boot; velocity_m_s: through the water; both north + i east.
     """
 
-    __slots__ = (
-        "_displacements",
-        "_next",
-        "_times_s",
-        "_velocities",
-        "displacement_m",
-        "time_s",
-        "velocity_m_s",
-    )
-
     def __init__(self) -> None:
         self._times_s = [-1.0] * LENGTH
         self._displacements = [0j] * LENGTH

@@ -14,8 +14,6 @@ _ENOUGH: Final = 20  # changes before the longest run is known
 class StuckValueDetector:
     """run_s: duration of the present run of equal values; is_faulty: the run counts as a fault."""
 
-    __slots__ = ("_changes", "_longest_s", "_since_s", "is_faulty", "run_s")
-
     def __init__(self) -> None:
         self.run_s = 0.0
         self.is_faulty = False

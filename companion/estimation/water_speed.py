@@ -27,8 +27,6 @@ _MAX_STEP_S: Final = 0.1
 class WaterSpeed:
     """Surge (ahead) and sway (to starboard) through the water in m/s, and the surge acceleration."""
 
-    __slots__ = ("surge_m_s", "surge_m_s2", "sway_m_s")
-
     def __init__(self) -> None:
         self.surge_m_s = self.surge_m_s2 = 0.0
         self.sway_m_s = 0.0

@@ -29,11 +29,6 @@ class YawRateModel:
     turning: the rate for K = 1 without r0.
     """
 
-    __slots__ = (
-        "_gain_rad_s", "_left", "_next", "_p00", "_p01", "_p11", "_right", "_times_s", "_trim_rad_s",
-        "_turned", "_turnings", "rate_rad_s", "time_s", "turned_rad", "turning",
-    )  # fmt: skip
-
     def __init__(self) -> None:
         self.time_s = self.rate_rad_s = self.turned_rad = 0.0
         self._gain_rad_s, self._trim_rad_s = _GAIN_RAD_S, 0.0

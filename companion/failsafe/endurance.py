@@ -23,8 +23,6 @@ class Endurance:
     counted. range_fault: why the charge does not take the boat home, "" while it does.
     """
 
-    __slots__ = ("_begun_share", "_due_s", "_sailed_s", "draw_a", "range_fault", "water_speed_m_s")
-
     def __init__(self) -> None:
         self.range_fault = ""
         self._due_s = 0.0

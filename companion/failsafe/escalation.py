@@ -20,11 +20,6 @@ class Change(Enum):
 class Escalation:
     """One row's timing: since when its condition has held, or not. action: what the present step asks for."""
 
-    __slots__ = (
-        "_calm_s", "_ended_s", "_next", "_since_s", "_step_s", "action", "is_active", "is_overruled", "row",
-        "text",
-    )  # fmt: skip
-
     def __init__(self, row: Row) -> None:
         self.row = row
         self._ended_s = -math.inf

@@ -32,11 +32,6 @@ class Alarm(NamedTuple):
 class Failsafes:
     """active: bits of what has fired and is not over. The other attributes feed the inputs."""
 
-    __slots__ = (
-        "_due_s", "_escalations", "_was_armed", "active", "endurance", "fence", "motors", "operator",
-        "planner", "sticks",
-    )  # fmt: skip
-
     def __init__(self, config: BoatConfig, sticks: ManualInput, rows: Sequence[Row] = ROWS) -> None:
         self.active = 0
         self.operator = Operator()

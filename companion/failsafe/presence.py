@@ -6,8 +6,6 @@ import math
 class Operator:
     """The operator's heartbeats. Silence counts only after the first one."""
 
-    __slots__ = ("last_heard_s",)
-
     def __init__(self) -> None:
         self.last_heard_s = math.nan
 
@@ -18,8 +16,6 @@ class Operator:
 
 class Planner:
     """The planner's heartbeats and set-points, and whether it steers the boat."""
-
-    __slots__ = ("is_steering", "last_heard_s")
 
     def __init__(self) -> None:
         self.last_heard_s = math.nan

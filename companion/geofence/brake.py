@@ -30,8 +30,6 @@ class FenceBrake:
     limited.
     """
 
-    __slots__ = ("_station", "_status_texts", "_stopped", "_stopped_s")
-
     def __init__(self, status_texts: list[StatusText]) -> None:
         self._status_texts = status_texts
         self._stopped: Intent | None = None  # the intent when the boat stopped
@@ -98,8 +96,6 @@ def _leads_over(
 
 class _Ahead:
     """The fence ahead at this tick. is_slow: no steerage way is left."""
-
-    __slots__ = ("_config", "_fence", "_nav", "_point", "_reach_m", "is_slow")
 
     def __init__(self, nav: NavState, fence: Fence, reach_m: float, config: BoatConfig) -> None:
         self._nav = nav

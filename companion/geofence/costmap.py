@@ -21,19 +21,6 @@ class Costmap:
     neighbours, diagonal ones included: their midpoint is √½ cells from either.
     """
 
-    __slots__ = (
-        "_column",
-        "_fence",
-        "_row",
-        "cell_m",
-        "clearance_m",
-        "columns",
-        "free",
-        "rows",
-        "south_m",
-        "west_m",
-    )
-
     def __init__(self, fence: Fence, within: Sequence[Point], clearance_m: float) -> None:
         """within: points that the grid must contain if no inclusion area limits it."""
         self._fence = fence

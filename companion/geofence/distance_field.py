@@ -22,8 +22,6 @@ _REACH_CELLS = 12  # search radius for a free cell
 class DistanceField:
     """Distances over a grid, for goals inside the fence. Query it once it `is_complete`."""
 
-    __slots__ = ("_fence", "_front", "_is_begun", "arrival_m", "goals", "grid")
-
     def __init__(self, fence: Fence, goals: Sequence[Point], grid: Costmap) -> None:
         """grid: of the same fence; a complete one can be reused."""
         self._fence = fence

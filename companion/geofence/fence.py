@@ -46,20 +46,6 @@ class Fence:
     version changes with the lines.
     """
 
-    __slots__ = (
-        "_anchor_e",
-        "_anchor_m",
-        "_anchor_n",
-        "_frame",
-        "_home",
-        "_placed",
-        "_setting",
-        "_uploaded",
-        "areas",
-        "is_active",
-        "version",
-    )
-
     def __init__(self) -> None:
         self.areas: tuple[Area, ...] = ()
         self.is_active = False

@@ -12,8 +12,6 @@ class FenceMonitor:
     Without a position the last state is kept.
     """
 
-    __slots__ = ("beyond_m", "breached_s", "breaches", "is_active")
-
     def __init__(self) -> None:
         self.is_active = False
         self.beyond_m = 0.0

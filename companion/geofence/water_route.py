@@ -16,8 +16,6 @@ _CLEAR_SHARE = 0.95  # of the clearance at its ends: required along a straight l
 class WaterRoute:
     """leg: the present one, to the farthest corner in a straight line from its start."""
 
-    __slots__ = ("_at", "_clearance_m", "_corners", "_fence", "leg")
-
     def __init__(
         self,
         fence: Fence,

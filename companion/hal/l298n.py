@@ -44,17 +44,6 @@ class HalfBridgePair:
     dead time both legs are off, and a later `drive` switches the new leg on.
     """
 
-    __slots__ = (
-        "_backward",
-        "_dead_time_s",
-        "_direction",
-        "_enable",
-        "_forward",
-        "_now",
-        "_released_s",
-        "_side",
-    )
-
     def __init__(
         self,
         forward: DigitalOutput,
@@ -112,8 +101,6 @@ class HalfBridgePair:
 
 class L298N:
     """Satisfies `companion.hal.interfaces.Motors` with two half-bridge pairs."""
-
-    __slots__ = ("_is_closed", "_left", "_right")
 
     def __init__(self, left: HalfBridgePair, right: HalfBridgePair) -> None:
         self._left = left

@@ -4,8 +4,6 @@
 class Backoff:
     """Delays that double from first_s to longest_s. Time is an argument."""
 
-    __slots__ = ("_delay_s", "_due_s", "_first_s", "_longest_s")
-
     def __init__(self, first_s: float = 0.5, longest_s: float = 8.0) -> None:
         self._first_s = first_s
         self._longest_s = longest_s

@@ -13,17 +13,6 @@ class MemoryLink:
     A full end drops further chunks, like a UDP socket. Closing one end closes the other once it is drained.
     """
 
-    __slots__ = (
-        "_arrived",
-        "_has_ended",
-        "_is_closed",
-        "_peer",
-        "_queue_frames",
-        "host",
-        "is_datagram",
-        "name",
-    )
-
     def __init__(
         self, name: str, is_datagram: bool = True, queue_frames: int = _QUEUE_FRAMES, host: str = ""
     ) -> None:

@@ -16,17 +16,6 @@ class StreamLink:
     even if the far side closed only its sending half: a silent station is useless.
     """
 
-    __slots__ = (
-        "_descriptor",
-        "_is_broken",
-        "_pending",
-        "_queue_bytes",
-        "_release",
-        "dropped_frames",
-        "host",
-        "name",
-    )
-
     def __init__(
         self,
         name: str,

@@ -10,8 +10,6 @@ _HALF_TURN_E7 = 1_800_000_000
 class LinearFrame:
     """A LocalFrame linearised around a place near the boat, which moves with it."""
 
-    __slots__ = ("_anchor", "_frame", "_lat_e7", "_lat_per_m", "_lon_e7", "_lon_per_m")
-
     def __init__(self, frame: LocalFrame, here: Point) -> None:
         self._frame = frame
         self._set_origin(here)

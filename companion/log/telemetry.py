@@ -18,8 +18,6 @@ _FLUSH_S: Final = 1.0
 class TelemetryLog:
     """The log of one link."""
 
-    __slots__ = ("_block", "_clock_us", "_due_s", "_sink", "dropped")
-
     def __init__(self, sink: Sink, clock_us: Callable[[], int]) -> None:
         """clock_us: microseconds since 1970, or since boot if unknown."""
         self.dropped = 0  # blocks

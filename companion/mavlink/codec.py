@@ -25,8 +25,6 @@ class Received(NamedTuple):
 class Encoder:
     """Encodes a component's messages as MAVLink 2 frames for one link, with its own sequence."""
 
-    __slots__ = ("_sequence", "address", "counters")
-
     def __init__(self, address: Address, counters: Counters | None = None) -> None:
         self.address = address
         self.counters = Counters() if counters is None else counters
@@ -52,8 +50,6 @@ class Decoder:
     datagram: chunks are independent. Otherwise they are parts of a stream, of which at most one incomplete
     frame is kept.
     """
-
-    __slots__ = ("_finder",)
 
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self._finder = FrameFinder(datagram, counters)

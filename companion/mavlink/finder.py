@@ -64,17 +64,6 @@ class FrameFinder:
     frame is kept.
     """
 
-    __slots__ = (
-        "_counted_to",
-        "_last_sequence",
-        "_position",
-        "_rest",
-        "counters",
-        "datagram",
-        "is_behind",
-        "wasted_checks",
-    )
-
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self.datagram = datagram
         self.counters = Counters() if counters is None else counters

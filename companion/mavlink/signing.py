@@ -89,8 +89,6 @@ class Stamps:
     restart. `seen`: the highest proven by others.
     """
 
-    __slots__ = ("_last", "clock", "limit", "seen")
-
     def __init__(self, first: int = 1, seen: int = 0, limit: int = NEVER) -> None:
         self._last = first - 1
         self.clock = 0  # Unix time as timestamp, if known; may jump back
@@ -137,8 +135,6 @@ class SignatureVerdict(Enum):
 
 class Signatory:
     """One key, and the streams signed with it, on all links."""
-
-    __slots__ = ("_floor", "_key", "_streams", "proved", "stamps")
 
     def __init__(self, key: SigningKey | None, stamps: Stamps, floor: int | None = None) -> None:
         """floor: the highest timestamp proven under the key before; default: that of `stamps`."""
@@ -223,8 +219,6 @@ class SigningGuard:
     link_id distinguishes our links for stations that receive several. A radio's own RADIO_STATUS is never
     signed; a radio link accepts it.
     """
-
-    __slots__ = ("_signatory", "counters", "is_radio", "link_id", "policy")
 
     def __init__(
         self, signatory: Signatory, policy: SigningPolicy, link_id: int, *, is_radio: bool = False

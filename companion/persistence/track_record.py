@@ -41,8 +41,6 @@ class _Record(Struct, frozen=True, forbid_unknown_fields=True):
 class TrackRecord:
     """Stores the trail of an armed boat, and restores it once there is a frame."""
 
-    __slots__ = ("_due_s", "_kept", "_places", "_points", "_saving", "_sign", "_storage", "_trail", "loss")
-
     def __init__(self, storage: Storage, trail: SailedTrack, cut_voyage: int | None) -> None:
         """cut_voyage: the voyage interrupted by a power cut, or None."""
         self._storage = storage

@@ -48,8 +48,6 @@ def plan_id(mission: Mission) -> str:
 class VoyageRecord:
     """voyage: the latest record. loss: why the stored one is lost. fault: why the latest was not written."""
 
-    __slots__ = ("_mission", "_plan", "_saved_s", "_saving", "_storage", "fault", "loss", "voyage")
-
     def __init__(self, storage: Storage) -> None:
         self.fault = ""
         self.voyage, self.loss = _load(storage)

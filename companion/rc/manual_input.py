@@ -20,8 +20,6 @@ def top_speed_m_s(setting: Speed) -> float:
 class ManualInput:
     """latest: the station's sticks; rc: the transmitter's."""
 
-    __slots__ = ("_at_s", "_is_held", "latest", "rc")
-
     def __init__(self) -> None:
         self.latest = ManualControl(0.0, 0.0)
         self.rc = RcInput()

@@ -13,8 +13,6 @@ _SELDOM: Final = 0.1
 class RcNoise:
     """leaps: the latest frame alone is implausible."""
 
-    __slots__ = ("_channels_us", "_often", "leaps")
-
     def __init__(self) -> None:
         self.leaps = False
         self._channels_us: tuple[int, ...] = ()

@@ -26,8 +26,6 @@ _NOTHING = RcActions()
 class RcControl:
     """Passes the receiver's frames to the sticks. A station's sticks, while fresh, have priority."""
 
-    __slots__ = ("_is_overridden", "_reading", "_steering", "_switches", "_throttle")
-
     def __init__(self) -> None:
         self._switches = Switches()
         self._reading: RcReading | None = None

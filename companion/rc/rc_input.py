@@ -18,18 +18,6 @@ class RcInput:
     sticks and switches until then, and the boat does not arm.
     """
 
-    __slots__ = (
-        "_fault",
-        "_good_s",
-        "_noise",
-        "calibrated_until_s",
-        "is_fitted",
-        "is_heard",
-        "latest",
-        "steering",
-        "throttle",
-    )
-
     def __init__(self) -> None:
         self.is_fitted = False
         self.is_heard = False

@@ -14,8 +14,6 @@ class Switch:
     is_steady: it has been read there for SETTLE_S since the transmitter was last lost.
     """
 
-    __slots__ = ("_channel", "_seen", "_since_s", "is_steady", "position")
-
     def __init__(self) -> None:
         self.position = _UNKNOWN
         self.is_steady = False
@@ -55,8 +53,6 @@ class Switches:
     transmitter was last lost; it disarms whenever it has gone down. The mode switch is also obeyed at first
     sight while the boat is disarmed. A switch that was moved during a silence counts as moved.
     """
-
-    __slots__ = ("_arm", "_is_down", "_mode")
 
     def __init__(self) -> None:
         self._arm = Switch()

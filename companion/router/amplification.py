@@ -24,8 +24,6 @@ class Question(NamedTuple):
 class AmplificationLimit:
     """The limit of one address."""
 
-    __slots__ = ("_question", "_sent_bytes")
-
     def __init__(self) -> None:
         self._sent_bytes = 0
         self._question: Question | None = None

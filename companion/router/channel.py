@@ -33,34 +33,6 @@ class Channel:
     keys.
     """
 
-    __slots__ = (
-        "_budget",
-        "_chunks",
-        "_dropped",
-        "_filter",
-        "_finder",
-        "_has_announced_itself",
-        "_is_confidential",
-        "_limit",
-        "_own",
-        "_room",
-        "counters",
-        "encoder",
-        "faults",
-        "forwarded",
-        "guard",
-        "heard_s",
-        "is_blocked",
-        "is_noisy",
-        "link",
-        "number",
-        "policy",
-        "refused",
-        "tap",
-        "wasted_before",
-        "withheld",
-    )
-
     def __init__(self, number: int, link: Link, own: Address, policy: Policy = PLAIN) -> None:
         self.number = number
         self.link = link

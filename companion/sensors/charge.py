@@ -23,8 +23,6 @@ _MAX_GAP_S = 2.0  # longer gaps between readings are skipped
 class ChargeCounter:
     """Integrates the battery current by the trapezoidal rule."""
 
-    __slots__ = ("_last", "consumed_mah")
-
     def __init__(self) -> None:
         self.consumed_mah = 0.0
         self._last: BatteryReading | None = None

@@ -19,8 +19,6 @@ _HYSTERESIS = 0.05
 class FuelGauge:
     """`percent`: shown value, −1 before the first reading; `consumed_mah`: counted charge."""
 
-    __slots__ = ("_counter", "_initial_share", "_last_s", "_sag", "_shown_share")
-
     def __init__(self) -> None:
         self._counter = ChargeCounter()
         self._sag = SagFilter()
@@ -73,8 +71,6 @@ class SagFilter:
     """Kalman filter of the open-circuit voltage and of the sag per unit of either load, all random walks. The
     measurement is open_circuit_v − Σ load × sag_v.
     """
-
-    __slots__ = ("_covariance", "_state")
 
     _NOISE_V2 = 0.05**2  # of a reading: ripple of the motors, and a monitor's steps of some 10 mV
     # Open-circuit voltage: a pack that is emptied in 25 minutes loses 3 V, 2 mV a second. Sag: the resistance

@@ -29,17 +29,6 @@ AGREE: Final = 10  # in a row: 2 s at 5 Hz, 10 s at 1 Hz
 class ReceiverClock:
     """latency_s: shortest time from measurement to arrival."""
 
-    __slots__ = (
-        "_before_s",
-        "_last_time_of_day_s",
-        "_latency_s",
-        "_least_s",
-        "_offset_s",
-        "_outlier_s",
-        "_outliers",
-        "_since_s",
-    )
-
     def __init__(self, latency_s: float) -> None:
         self._latency_s = latency_s
         self._last_time_of_day_s = math.nan

@@ -4,8 +4,6 @@
 class Recurrence:
     """is_often: with hysteresis, set above too_often and cleared below seldom."""
 
-    __slots__ = ("_mean", "_seldom", "_share", "_too_often", "is_often")
-
     def __init__(self, share: float, too_often: float, seldom: float) -> None:
         """share: weight of one observation in the running mean."""
         self.is_often = False

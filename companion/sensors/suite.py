@@ -20,23 +20,6 @@ from companion.sensors.readings import (
 class SensorSuite:
     """The present readings. compass: as measured; heading: the one to use."""
 
-    __slots__ = (
-        "_hardware",
-        "_sector",
-        "battery",
-        "compass",
-        "external",
-        "fix",
-        "gauge",
-        "heading",
-        "hull",
-        "is_fix_own",
-        "pings",
-        "rc",
-        "sonar",
-        "sweep",
-    )
-
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
         self.external = external
         self.sweep = SonarScan()

@@ -8,8 +8,6 @@ _FIX_2D = 2  # without a fix the receiver's clock is unreliable
 class WallTime:
     """offset_s: Unix time less the boat's time; 0 if unknown."""
 
-    __slots__ = ("_dated", "_is_by_satellites", "_own_offset_s", "offset_s")
-
     def __init__(self, offset_s: float = 0.0) -> None:
         """offset_s: by the computer's clock, 0 if that is not set."""
         self.offset_s = offset_s

@@ -11,8 +11,6 @@ _ON_CIRCLE_SHARE = 0.5  # of the radius: further off, the boat is still on its w
 class Orbit:
     """A circle being sailed. `turns` counts from where it is reached, and back the wrong way round."""
 
-    __slots__ = ("_bearing_rad", "_clockwise", "_turned_rad", "centre", "radius_m")
-
     def __init__(self, centre: Point, radius_m: float, clockwise: bool) -> None:
         self.centre = centre
         self.radius_m = radius_m

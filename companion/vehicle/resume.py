@@ -27,19 +27,6 @@ _FORGET, _BY_ITSELF = 0, 2  # of FS_RESUME
 class VoyageResume:
     """Keeps the record, and offers to resume. The mission must have been loaded before."""
 
-    __slots__ = (
-        "_check_s",
-        "_countdown_s",
-        "_due_s",
-        "_number",
-        "_offer",
-        "_record",
-        "_returns_inside",
-        "_seen",
-        "_tell_s",
-        "_track",
-    )
-
     def __init__(self, storage: Storage, vehicle: Vehicle) -> None:
         """Restore the mission's progress and home, where that is possible."""
         self._record = VoyageRecord(storage)

@@ -44,8 +44,6 @@ _UNEXPLAINED = 0.8  # of the squares: with larger residuals something else turne
 class MotorCheck:
     """motors: the result so far. is_unclear: the last check gave none."""
 
-    __slots__ = ("_again_s", "_began_s", "_fit", "_last", "_soon_s", "_wait_s", "is_unclear", "motors")
-
     def __init__(self) -> None:
         self.is_unclear = False
         self.motors = HEALTHY_MOTORS

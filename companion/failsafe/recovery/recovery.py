@@ -27,8 +27,6 @@ class RecoveryStep(NamedTuple):
 class RecoveryManeuvers:
     """The state machine of `transition_table`, with what its states need to remember."""
 
-    __slots__ = ("_began_s", "_ungrounding", "motor_check", "state")
-
     def __init__(self) -> None:
         self.state = State.IDLE
         self.motor_check = MotorCheck()

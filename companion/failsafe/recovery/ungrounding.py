@@ -35,8 +35,6 @@ _SEEN_M = 3.0  # beyond the fence's margin: the point that gives the bearing of 
 class Ungrounding:
     """The tries and their timing. rounds: of tries that did not help."""
 
-    __slots__ = ("_began_s", "_looked_at", "_looked_s", "_off_s", "_rest_s", "_try", "rounds")
-
     def __init__(self) -> None:
         self.begin(0.0)
 

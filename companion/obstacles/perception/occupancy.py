@@ -63,8 +63,6 @@ class Beam:
 class Occupancy:
     """The cells with evidence, at most MAX_CELLS; `version` changes with them."""
 
-    __slots__ = ("_cells", "_fade_s", "cell_m", "version")
-
     def __init__(self, cell_m: float, memory_s: float) -> None:
         """memory_s: how long a cell with full evidence stays solid out of sight."""
         self.cell_m = cell_m

@@ -30,11 +30,6 @@ class ObstaclePerception:
     boat's own ranger.
     """
 
-    __slots__ = (
-        "_noise", "_setting", "_silence", "_tidy_s", "dropped", "heard_s", "occupancy", "reach_m", "sector",
-        "tracks",
-    )  # fmt: skip
-
     def __init__(self, setting: AvoidanceSetting) -> None:
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
         self.tracks = ObstacleTracks(setting.margin_m)

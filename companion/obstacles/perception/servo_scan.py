@@ -9,8 +9,6 @@ from collections.abc import Sequence
 class ServoScan:
     """bearing_rad: present bearing, from the bow, clockwise."""
 
-    __slots__ = ("_bearings_rad", "_index", "_sector", "_step", "bearing_rad")
-
     def __init__(self, bearings_rad: Sequence[float]) -> None:
         """Start at the first bearing to port. bearings_rad: at least one; duplicates are ignored."""
         self._bearings_rad = tuple(sorted(set(bearings_rad)))

@@ -17,8 +17,6 @@ _SELDOM: Final = 0.2
 class SonarNoiseMonitor:
     """Compares each ping with the last."""
 
-    __slots__ = ("_last_m", "_leaps")
-
     def __init__(self) -> None:
         self._last_m = 0.0  # 0: no echo
         self._leaps = Recurrence(_SHARE, _TOO_OFTEN, _SELDOM)  # from one echo to another

@@ -38,24 +38,6 @@ _ANY_PACE_M2_S2 = 0.5
 class Track:
     """Position and velocity over ground in the local frame; `number` is unique."""
 
-    __slots__ = (
-        "_beam_e",
-        "_beam_n",
-        "_covariance",
-        "_state",
-        "_time_s",
-        "_trail",
-        "created_s",
-        "is_cut_off",
-        "is_likely_mover",
-        "is_mover",
-        "isolated_count",
-        "number",
-        "observations",
-        "radius_m",
-        "seen_s",
-    )
-
     def __init__(self, number: int, seen_s: float, at: Point, radius_m: float) -> None:
         """Start at rest with full uncertainty; the first observation is added by `correct`."""
         self.number = number

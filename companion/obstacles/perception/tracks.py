@@ -31,8 +31,6 @@ _MAX_GROUP = 32
 class ObstacleTracks:
     """scale_m: the distance to keep, which defines small and slow."""
 
-    __slots__ = ("_before", "_group", "_has_turned_back", "_last", "_next_number", "_scale_m", "all")
-
     def __init__(self, scale_m: float) -> None:
         self.all: list[Track] = []
         self._scale_m = scale_m

@@ -55,23 +55,6 @@ class Stage(IntEnum):
 class Avoidance:
     """stage: present action; safe_speed: the speed limits. Messages are appended to `status_texts`."""
 
-    __slots__ = (
-        "_back_s",
-        "_breadcrumbs",
-        "_detour",
-        "_due_s",
-        "_has_notified",
-        "_history",
-        "_last_intent",
-        "_maneuver",
-        "_override",
-        "_retry_s",
-        "_station",
-        "_status_texts",
-        "safe_speed",
-        "stage",
-    )
-
     def __init__(self, status_texts: list[StatusText]) -> None:
         self.stage = Stage.CLEAR
         self.safe_speed = SafeSpeed()

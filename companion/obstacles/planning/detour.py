@@ -23,8 +23,6 @@ _NEEDS = (1.0, 0.5, 0.25)  # of the sight: required length of an open course, th
 class Detour:
     """Passes the obstacle on `side`. goal: the destination."""
 
-    __slots__ = ("_has_left", "_last", "best_m", "course_rad", "goal", "length_m", "met", "side")
-
     def __init__(self, met: Point, goal: Point, side: int, course_rad: float) -> None:
         self.met = met
         self.goal = goal

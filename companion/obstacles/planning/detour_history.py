@@ -24,8 +24,6 @@ _PROGRESS = 2.0  # margins nearer to the goal than any start: the history is cle
 class DetourHistory:
     """detour_length_m: length of the detours since the last progress; last_side: latest side, 0 none."""
 
-    __slots__ = ("_nearest_m", "_starts", "detour_length_m", "last_side")
-
     def __init__(self) -> None:
         self._starts: list[tuple[Point, int, float]] = []  # place, side, and distance to the goal
         self._nearest_m = math.inf
@@ -83,8 +81,6 @@ class DetourHistory:
 
 class Breadcrumbs:
     """Recent places, half a margin apart."""
-
-    __slots__ = ("_places",)
 
     def __init__(self) -> None:
         self._places: deque[Point] = deque(maxlen=_POINTS)

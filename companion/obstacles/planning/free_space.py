@@ -33,8 +33,6 @@ class Bounds(Protocol):
 class FreeSpace:
     """Directions from one place, SECTORS of them, clockwise from north."""
 
-    __slots__ = ("_at", "_bounds", "_inside_m", "_rooms_m")
-
     def __init__(self, at: Point, obstacles: Sequence[Point], clearance_m: float, reach_m: float) -> None:
         """Obstacles farther than reach_m plus the clearance are ignored."""
         self._at = at

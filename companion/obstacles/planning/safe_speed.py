@@ -32,8 +32,6 @@ def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
 class SafeSpeed:
     """ahead_m_s and astern_m_s: the limits, infinite for none."""
 
-    __slots__ = ("_solid_m_s", "_unmapped_at", "ahead_m_s", "astern_m_s")
-
     def __init__(self) -> None:
         self.ahead_m_s = self.astern_m_s = math.inf
         self._unmapped_at: Point | None = None

@@ -34,23 +34,6 @@ class Scene:
     range of the sonar.
     """
 
-    __slots__ = (
-        "_bounds",
-        "_water",
-        "config",
-        "has_unclassified",
-        "here",
-        "intent",
-        "margin_m",
-        "movers",
-        "nav",
-        "now_s",
-        "obstacles",
-        "sight_m",
-        "solid",
-        "speed_m_s",
-    )
-
     def __init__(
         self,
         intent: Intent,

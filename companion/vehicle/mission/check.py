@@ -15,8 +15,6 @@ class MissionCheck:
     `approach.py` checks.
     """
 
-    __slots__ = ("_before", "_frame", "_mission", "_seq", "_status_texts", "_version", "fault")
-
     def __init__(self, status_texts: list[StatusText]) -> None:
         self.fault = ""
         self._status_texts = status_texts

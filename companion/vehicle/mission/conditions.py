@@ -9,8 +9,6 @@ from companion.vehicle.mission.steps import AfterDelay, Condition, Done, WithinD
 class ConditionalCommand:
     """The waiting steps in order, a condition first. since_s: when the first one became active."""
 
-    __slots__ = ("_since_s", "_steps")
-
     def __init__(self) -> None:
         self._steps: deque[Condition | Done] = deque()
         self._since_s = 0.0

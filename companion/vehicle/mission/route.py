@@ -30,8 +30,6 @@ _MOST_CORNERS = 16  # passed to guidance
 class MissionRoute:
     """leg: the one to the waypoint of now, None until it is laid."""
 
-    __slots__ = ("_corners", "_intent", "_is_known", "_is_open", "_passed", "_places", "_radii_m", "leg")
-
     def __init__(self) -> None:
         self.leg: Leg | None = None
         self._places: list[Point] = []  # where the route begins, then the waypoints in turn

@@ -25,8 +25,6 @@ _CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it 
 class RouteToMission:
     """Replaces the first leg where it is not clear, and tells the operator."""
 
-    __slots__ = ("_checked", "_fence", "_field", "_route", "_station", "_status_texts", "_way")
-
     def __init__(self, fence: Fence, route: ReturnRoute, status_texts: list[StatusText]) -> None:
         """route: its grid is used for this field, too."""
         self._fence = fence

@@ -17,8 +17,6 @@ _TURN_LIMIT_S = 30.0  # then the mission continues, turned or not
 class StationaryItem:
     """The current one. limit: how long and how far another program may steer."""
 
-    __slots__ = ("_since_s", "_station", "_turn_to_rad", "limit")
-
     def __init__(self) -> None:
         self.limit = LimitHandOver(0.0, 0.0)
         self._since_s = 0.0

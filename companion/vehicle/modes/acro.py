@@ -8,8 +8,6 @@ from companion.vehicle.modes.controller import ModeInputs, StickMode
 class AcroMode(StickMode):
     """Full steering is ACRO_TURN_RATE at every speed."""
 
-    __slots__ = ()
-
     def steer(self, throttle: float, steering: float, inputs: ModeInputs) -> Intent:
         """The sticks' speed and turn rate."""
         config = inputs.config

@@ -16,8 +16,6 @@ from companion.vehicle.return_route import ReturnRoute
 class AutoMode(ModeController):
     """Sails the mission on from its current item."""
 
-    __slots__ = ("_check", "_fence", "_guided", "_guided_seq", "_progress", "_route_to_mission")
-
     def __init__(
         self,
         progress: MissionProgress,

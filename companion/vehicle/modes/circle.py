@@ -14,8 +14,6 @@ _CLOCKWISE = 0  # of CIRC_DIR
 class CircleMode(ModeController):
     """Sails round the point CIRC_RADIUS ahead of the bow, without end."""
 
-    __slots__ = ("_orbit",)
-
     def __init__(self) -> None:
         self._orbit: Orbit | None = None
 

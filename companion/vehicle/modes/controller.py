@@ -31,8 +31,6 @@ class ModeInputs(NamedTuple):
 class ModeController(ABC):
     """One mode. The vehicle calls `enter` when the mode begins or the boat is armed in it."""
 
-    __slots__ = ()
-
     def fault(self, inputs: ModeInputs) -> str:  # noqa: ARG002
         """Why the mode cannot be entered now, for the operator; empty when it can."""
         return ""
@@ -55,8 +53,6 @@ class ModeController(ABC):
 
 class StickMode(ModeController):
     """A mode that the operator steers by hand, with an estimate. No thrust while the sticks are stale."""
-
-    __slots__ = ("_sticks",)
 
     def __init__(self, sticks: ManualInput) -> None:
         self._sticks = sticks

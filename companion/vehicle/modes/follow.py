@@ -16,8 +16,6 @@ _EXTRAPOLATION_S = 1.0  # a position is extrapolated no longer than this
 class FollowMode(ModeController):
     """Keeps station while there is no vehicle to follow. lead: the latest report of the one followed."""
 
-    __slots__ = ("_has_lost_lead", "_lead_s", "_station", "_status_texts", "lead")
-
     def __init__(self, status_texts: list[StatusText]) -> None:
         self.lead: OtherVehicle | None = None
         self._lead_s = -math.inf

@@ -18,8 +18,6 @@ class GuidedMode(ModeController):
     target: the position to sail to, None once it is reached. set_point: the one held, None without one.
     """
 
-    __slots__ = ("_fence", "_leg", "_set_point_s", "_station", "_status_texts", "set_point", "target")
-
     def __init__(self, fence: Fence, status_texts: list[StatusText]) -> None:
         self.target: LatLon | None = None
         self.set_point: SetPoint | None = None

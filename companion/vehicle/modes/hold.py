@@ -9,8 +9,6 @@ _STOP = Stop()
 class HoldMode(ModeController):
     """Motors off."""
 
-    __slots__ = ()
-
     def intent(self, inputs: ModeInputs) -> Intent:  # noqa: ARG002
         """No thrust."""
         return _STOP

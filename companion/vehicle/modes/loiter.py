@@ -24,8 +24,6 @@ _STILL_M_S: Final = 0.05  # a slower current has no direction
 class LoiterMode(ModeController):
     """Keeps station at the place of entry, or at the nearest water inside the fence."""
 
-    __slots__ = ("_fence", "_into_current", "_search_s", "_station")
-
     def __init__(self, fence: Fence) -> None:
         self._fence = fence
         self._station = Station()

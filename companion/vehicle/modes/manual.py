@@ -11,8 +11,6 @@ _STOP = Stop()
 class ManualMode(ModeController):
     """No control loop is closed."""
 
-    __slots__ = ("_sticks",)
-
     def __init__(self, sticks: ManualInput) -> None:
         self._sticks = sticks
 

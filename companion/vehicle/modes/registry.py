@@ -25,8 +25,6 @@ from companion.vehicle.track import SailedTrack
 class ModeRegistry:
     """controllers: by mode. By name: those that the vehicle also asks or tells something of its own."""
 
-    __slots__ = ("auto", "controllers", "follow", "guided", "loiter", "manual", "rtl")
-
     def __init__(
         self,
         fence: Fence,

@@ -13,8 +13,6 @@ from companion.vehicle.return_route import ReturnRoute
 class RtlMode(ModeController):
     """Follows the return route, then keeps station at its end."""
 
-    __slots__ = ("_route", "_status_texts")
-
     def __init__(self, route: ReturnRoute, status_texts: list[StatusText]) -> None:
         self._route = route
         self._status_texts = status_texts

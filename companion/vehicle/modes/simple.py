@@ -15,8 +15,6 @@ _INITIAL_HEADING: Final = 0  # of SIMPLE_TYPE; 1 is north
 class SimpleMode(StickMode):
     """The stick's "ahead" is the heading at entry or north, by SIMPLE_TYPE."""
 
-    __slots__ = ("_ahead_rad", "_heading_rad")
-
     def __init__(self, sticks: ManualInput) -> None:
         super().__init__(sticks)
         self._ahead_rad = 0.0

@@ -13,8 +13,6 @@ from companion.vehicle.track import SailedTrack
 class SmartRtlMode(ModeController):
     """Removes the track's points as they are passed, so that the rest stays the way home."""
 
-    __slots__ = ("_fence", "_has_arrived", "_leg", "_status_texts", "_track")
-
     def __init__(self, track: SailedTrack, fence: Fence, status_texts: list[StatusText]) -> None:
         self._track = track
         self._fence = fence

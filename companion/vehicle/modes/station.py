@@ -9,8 +9,6 @@ from companion.vehicle.modes.controller import ModeInputs
 class Station:
     """position: None until the first `intent` after `set(None)`, which takes the boat's own."""
 
-    __slots__ = ("_intent", "position")
-
     def __init__(self) -> None:
         self.position: LatLon | None = None
         self._intent: KeepStation | None = None

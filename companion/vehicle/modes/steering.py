@@ -9,8 +9,6 @@ from companion.vehicle.modes.controller import ModeInputs, StickMode
 class SteeringMode(StickMode):
     """Full steering is the corner acceleration, up to ACRO_TURN_RATE."""
 
-    __slots__ = ()
-
     def steer(self, throttle: float, steering: float, inputs: ModeInputs) -> Intent:
         """The sticks' speed and turn."""
         config = inputs.config
