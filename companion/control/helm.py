@@ -42,13 +42,12 @@ class Helm:
         """Thrust per side for this tick. A Demand without a NavState gives none. Drive runs a failed motor
         too: the operator and the motor check try it.
         """
-        if isinstance(demand, Demand) and nav is not None:
-            if motors.has_failed:
-                effort = self._single.update(demand, nav, motors, config.speed.max_throttle)
-                return allocate(*effort, motors)
+        if isinstance(demand, Demand) and nav is not None and not motors.has_failed:
             return self._close_loops(demand, nav, config, dt_s)
         if self.heading_pid is not None:
             self.reset()
+        if isinstance(demand, Demand) and nav is not None:
+            return allocate(*self._single.update(demand, nav, motors, config.speed.max_throttle), motors)
         return allocate(demand.throttle, demand.steering) if isinstance(demand, Drive) else _NO_THRUST
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:

@@ -52,13 +52,12 @@ class FenceBrake:
         dt_s: float,
     ) -> Demand | Drive | Stop:
         """Apply the limit. intent: as given to `hold`."""
-        if not fence.is_active or nav is None or isinstance(steered, Stop):
-            return steered
-        if not config.avoidance.enable & _AVOID_FENCE:
-            return steered
+        is_on = fence.is_active and bool(config.avoidance.enable & _AVOID_FENCE)
+        if not is_on or nav is None or isinstance(steered, Stop):
+            return self._let_pass(steered)
         reach_m = _reach_m(math.hypot(nav.north_m_s, nav.east_m_s) + _GAIN_M_S, config)
         if not fence.is_near(nav.point, reach_m) or nav.position_age_s > config.motors.estimate_timeout_s:
-            return steered
+            return self._let_pass(steered)
         ahead = _Ahead(nav, fence, reach_m, config)
         if isinstance(steered, Drive):
             return ahead.drive(steered)
@@ -67,6 +66,12 @@ class FenceBrake:
             is_barred = ahead.is_slow and _leads_over(intent, nav, fence, reach_m)
             self._watch(is_barred, intent, nav, fence, config, dt_s)
         return braked
+
+    def _let_pass(self, steered: Demand | Drive | Stop) -> Demand | Drive | Stop:
+        """Nothing is limited: a wait for the station has ended."""
+        if self._station is None:
+            self._stopped, self._stopped_s = None, 0.0
+        return steered
 
     def _watch(
         self, is_barred: bool, intent: Intent, nav: NavState, fence: Fence, config: BoatConfig, dt_s: float

@@ -6,7 +6,7 @@ from msgspec.structs import replace
 from companion.config.boat_config import BoatConfig, with_value
 from companion.control.helm import Helm
 from companion.core.intent import Drive, Stop
-from companion.core.state import Demand, NavState, Thrust
+from companion.core.state import Demand, MotorState, MotorStates, NavState, Thrust
 
 CONFIG = BoatConfig()
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -56,6 +56,17 @@ def test_open_loops_forget_what_they_learned(pause: Stop | Drive) -> None:
     assert learned != fresh
     helm.update(pause, STILL, CONFIG, 0.02)
     assert helm.heading_pid is None
+    assert helm.speed_pid is None
+    assert helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02) == fresh
+
+
+def test_the_loops_are_open_while_one_motor_steers() -> None:
+    helm, failed = Helm(), MotorStates(left=MotorState.FAILED)
+    fresh = helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02)
+    for _ in range(200):
+        helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02)
+    helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02, failed)
+    assert helm.heading_pid is None, "telemetry must not repeat the last evaluation"
     assert helm.speed_pid is None
     assert helm.update(Demand(0.05, 0.5), STILL, CONFIG, 0.02) == fresh
 

@@ -241,6 +241,21 @@ def test_a_wait_that_is_interrupted_begins_anew() -> None:
     assert isinstance(boat.look(2), KeepStation)
 
 
+@pytest.mark.parametrize("nav", [nav_at(0.0), replace(nav_at(47.0), position_age_s=10.0)])
+def test_a_wait_ends_out_of_reach_and_without_a_position(nav: NavState) -> None:
+    boat = Stopped()
+    boat.look(4)
+    boat.look(1, nav=nav)
+    assert boat.look(4) is NORTH
+    assert isinstance(boat.look(2), KeepStation)
+
+
+def test_a_station_is_kept_out_of_reach_too() -> None:
+    boat = Stopped()
+    station = boat.look(6)
+    assert boat.look(3, nav=nav_at(0.0)) is station
+
+
 def test_a_boat_beyond_the_line_does_not_keep_station_there() -> None:
     boat = Stopped()
     assert boat.look(20, nav=nav_at(50.5)) is NORTH
