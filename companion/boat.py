@@ -155,8 +155,7 @@ class Boat:
         except Exception as error:
             self._catch(error)
         else:
-            if self.net.level:
-                self.net.passed()
+            self.net.passed()
 
     def _step(self, now_s: float) -> None:
         if text := self.motors.trip_text(self.parameters.config.motors.command_timeout_s):
@@ -223,7 +222,8 @@ class Boat:
         sensors.read(self.parameters.config, now_s, self.command)
         self._origin.share_frame()
         self.nav = estimator.update(sensors.fix, sensors.heading, now_s, self.command)
-        if self._origin.check(self.vehicle):
+        if far_m := self._origin.check(self.vehicle.armed, self.vehicle.notify):
+            self.vehicle.reset_position(far_m)
             self.guidance.reset()
         if sensors.pings:
             perception = self.guidance.perception

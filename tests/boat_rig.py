@@ -256,7 +256,7 @@ class Rig:
         """All that a hostile frame must not change."""
         vehicle = self.boat.vehicle
         lists = tuple(self.items(kind) for kind in MissionType)
-        mode = (vehicle.mode, vehicle.armed, vehicle.home, vehicle.target, vehicle.speed_m_s)
+        mode = (vehicle.mode, vehicle.armed, vehicle.home, vehicle.modes.guided.target, vehicle.speed_m_s)
         parameters = self.boat.parameters
         values = tuple(parameters.value(row) for row in parameters.rows)
         return lists, mode, vehicle.progress.mission, vehicle.progress.current_seq, values, parameters.config

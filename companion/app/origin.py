@@ -1,9 +1,10 @@
 """The origin of the local frame, which estimator and external sensors share."""
 
+from collections.abc import Callable
+
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
 from companion.sensors.external import ExternalSensors
-from companion.vehicle.vehicle import Vehicle
 
 
 class OriginMonitor:
@@ -21,20 +22,16 @@ class OriginMonitor:
         elif self._external.frame is None:
             self._external.frame = self._estimator.frame
 
-    def check(self, vehicle: Vehicle) -> bool:
-        """Whether the origin has been moved. After the estimator's update."""
+    def check(self, armed: bool, notify: Callable[[int, str], None]) -> float:
+        """How far the origin has been moved, 0 if it has not. After the estimator's update."""
         far_m, was_far = self._estimator.far_m, self._far_m > 0.0
-        self._far_m = far_m
-        if far_m == 0.0:
-            return False
-        if vehicle.armed:
-            if not was_far:
+        self._far_m = far_m if armed else 0.0
+        if far_m == 0.0 or armed:
+            if far_m > 0.0 and not was_far:
                 text = f"GPS: {far_m / 1e3:.0f} km from where the boat was, not used until disarmed"
-                vehicle.notify(Severity.WARNING, text)
-            return False
+                notify(Severity.WARNING, text)
+            return 0.0
         if self._external.frame is self._estimator.frame:
             self._external.frame = None
         self._estimator.reset_origin()
-        vehicle.reset_position(far_m)
-        self._far_m = 0.0
-        return True
+        return far_m

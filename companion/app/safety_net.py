@@ -32,7 +32,7 @@ class SafetyNet:
         self.level = 0.0
 
     def passed(self) -> None:
-        """A tick went well. Only to be called while `level` is not 0."""
+        """A tick went well."""
         self.level = max(self.level - _FORGOTTEN_A_TICK, 0.0)
 
     def caught(self, error: Exception) -> Fall:

@@ -39,8 +39,7 @@ class LinkConfig(Section, frozen=True):
     signing: Literal["off", "accept", "required"] = "off"
     key_file: str = ""  # with mode 0600; if empty, the key set by SETUP_SIGNING
     trusted: bool | None = None  # whether SETUP_SIGNING is accepted; default: on loopback only
-    # for udpin: networks without forged addresses, such as 192.168.1.0/24
-    local_networks: tuple[str, ...] = ()
+    local_networks: tuple[str, ...] = ()  # for udpin: without forged addresses, such as 192.168.1.0/24
     radio: bool | None = None  # a slow line that reports its status; default: serial lines
     max_bytes_s: NonNegative = 0.0  # 0: derived from a radio's baud rate, otherwise unlimited
     max_hz: dict[str, Positive] = msgspec.field(default_factory=dict)
@@ -103,9 +102,7 @@ class Guidance(Section, frozen=True):
     accel_m_s2: Positive = 0.4  # deceleration for corners and stops
     corner_accel_m_s2: Positive = 0.8  # centripetal acceleration in corners
     min_speed_m_s: Positive = 0.4  # slowest speed with steerage way
-    pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = (
-        1.05  # heading error beyond which it turns on the spot
-    )
+    pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = 1.05  # beyond it, it turns on the spot
     station_radius_m: Positive = 1.5
 
 
@@ -137,8 +134,7 @@ class Follow(Section, frozen=True):
 
     system_id: Annotated[int, Meta(ge=0, le=255)] = 0  # 0: the first vehicle heard
     max_distance_m: NonNegative = 100.0  # 0: no limit
-    # 0 north and east, 1 ahead and to starboard of the target
-    offset_type: Annotated[int, Meta(ge=0, le=1)] = 1
+    offset_type: Annotated[int, Meta(ge=0, le=1)] = 1  # 0 north and east, 1 ahead and to starboard of it
     offset_x_m: float = -10.0
     offset_y_m: float = 0.0
     gain_per_s: Positive = 0.3  # speed per metre of distance behind
@@ -160,8 +156,6 @@ class BatteryPack(Section, frozen=True):
 
     capacity_mah: Positive = 2200.0
     cells: Annotated[int, Meta(ge=1, le=10)] = 3
-    full_v: Positive = 12.6
-    empty_v: Positive = 9.9
 
 
 class Trim(Section, frozen=True):
@@ -207,8 +201,7 @@ class StorageSetting(Section, frozen=True):
 
     folder: str = ""
     status_file: str = ""
-    # quota of stations in `files`, in at most 1000 files and folders; 0: read only
-    files_mb: NonNegative = 64.0
+    files_mb: NonNegative = 64.0  # for stations, in at most 1000 files and folders; 0: read only
 
 
 class Log(Section, frozen=True):
@@ -271,11 +264,7 @@ def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
 
 
 def load_config(path: Path) -> BoatConfig:
-    """Read a TOML file.
-
-    Raises:
-        ConfigError: no such file, not TOML (names the line), or an invalid key.
-    """
+    """Read a TOML file. Raises ConfigError, as `load_toml` and `decode_config`."""
     return decode_config(load_toml(path), str(path))
 
 

@@ -1,5 +1,6 @@
 """All failsafes: ten times a second, which have fired, escalated or ended."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ from companion.failsafe.endurance import Endurance
 from companion.failsafe.escalation import Change, Escalation
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.watch import MotorWatch
-from companion.failsafe.presence import Operator, Planner
+from companion.failsafe.presence import Planner
 from companion.failsafe.recovery.transition_table import State
 from companion.failsafe.table import ROWS, Condition, Row
 from companion.geofence.monitor import FenceMonitor
@@ -34,7 +35,7 @@ class Failsafes:
 
     def __init__(self, config: BoatConfig, sticks: ManualInput, rows: Sequence[Row] = ROWS) -> None:
         self.active = 0
-        self.operator = Operator()
+        self.operator_heard_s = math.nan  # silence counts only after the first heartbeat
         self.planner = Planner()
         self.sticks = sticks
         self.endurance = Endurance()

@@ -1,17 +1,6 @@
-"""When the operator and the planner were last heard."""
+"""When the planner was last heard, and whether it steers."""
 
 import math
-
-
-class Operator:
-    """The operator's heartbeats. Silence counts only after the first one."""
-
-    def __init__(self) -> None:
-        self.last_heard_s = math.nan
-
-    def heard(self, now_s: float) -> None:
-        """A heartbeat of the operator has come."""
-        self.last_heard_s = now_s
 
 
 class Planner:

@@ -283,7 +283,7 @@ class Endpoint:
         chosen = self._parameters.config.identity.operator_system_id
         role = self.roles.update(message, origin.address, chosen)
         if role is Role.OPERATOR:
-            self._vehicle.failsafes.operator.heard(now_s)
+            self._vehicle.failsafes.operator_heard_s = now_s
         elif role is Role.PLANNER:
             self._vehicle.failsafes.planner.heard(now_s)
         self._addresses.on_heartbeat(origin, self._heartbeat, now_s)

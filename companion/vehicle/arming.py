@@ -1,33 +1,24 @@
 """The arming checks: everything that must be in order before the motors may turn."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from companion.config.boat_config import Arming, BoatConfig, MotorLimits
 from companion.core.modes import Mode
 from companion.core.state import NavState
-from companion.persistence.data_losses import FENCE
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
-
-if TYPE_CHECKING:
-    from companion.vehicle.vehicle import Vehicle
 
 RESTARTING: Final = "Program: restarting"
 
 
-def arming_faults(vehicle: "Vehicle", now_s: float) -> list[str]:
-    """Reasons not to arm, worst first, for the operator; empty when all is well."""
-    config, mode = vehicle.config, vehicle.mode
-    faults = sensor_faults(config.arming, config.motors, mode, vehicle.nav, vehicle.fix, vehicle.battery)
-    if config.arming.check and vehicle.is_outside and not mode.rules.comes_inside:
+def fence_faults(mode: Mode, *, is_outside: bool, is_lost: bool) -> list[str]:
+    """What the fence has against arming. is_lost: the stored fence could not be read."""
+    faults: list[str] = []
+    if is_outside and not mode.rules.comes_inside:
         faults.append("Fence: the boat is outside; armed in LOITER or RTL it comes back")
-    if config.arming.check and vehicle.data_losses.text(FENCE):
+    if is_lost:
         faults.append("Fence: the stored fence is lost: upload or clear it")
-    if fault := rc_fault(vehicle.manual_input, config, now_s):
-        faults.append(fault)
-    if vehicle.is_restarting:
-        faults.append(RESTARTING)
     return faults
 
 

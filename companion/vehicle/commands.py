@@ -85,7 +85,7 @@ def _set_current(vehicle: "Vehicle", request: SetCurrentItem) -> Outcome:
     if is_named_or_over and not progress.set_current(seq):
         return vehicle.refuse(f"Mission has no item {seq} (last is {progress.last_seq})")
     if request.reset:
-        progress.forget_jumps()
+        progress.jumps.clear()
     return ACCEPTED
 
 

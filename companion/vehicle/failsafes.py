@@ -80,7 +80,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         fence=vehicle.fence,
         beyond_fence_m=failsafes.fence.beyond_m,
         station=None if station is None or frame is None else frame.to_local(station),
-        operator_silent_s=now_s - failsafes.operator.last_heard_s,
+        operator_silent_s=now_s - failsafes.operator_heard_s,
         planner_silent_s=planner.silent_s(now_s),
         sticks_dropped=sticks.is_lost(config, now_s),
         has_station_sticks=sticks.has_station(config, now_s),

@@ -16,10 +16,10 @@ from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FenceArea
-from companion.persistence.data_losses import DataLosses
+from companion.persistence.data_losses import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.vehicle.arming import RESTARTING, PreArmReport, arming_faults
+from companion.vehicle.arming import RESTARTING, PreArmReport, fence_faults, rc_fault, sensor_faults
 from companion.vehicle.commands import execute
 from companion.vehicle.failsafes import NO_HEADING, recheck_motors, run_failsafes, run_recovery
 from companion.vehicle.mission.progress import MissionProgress
@@ -65,11 +65,6 @@ class Vehicle:
         self.is_home_set = False  # by a request: arming does not move it
         self._pre_arm = PreArmReport()
         self._now_s = 0.0
-
-    @property
-    def target(self) -> LatLon | None:
-        """Where GUIDED is sailing to; None once there."""
-        return self.modes.guided.target
 
     @property
     def status(self) -> VehicleStatus:
@@ -137,8 +132,6 @@ class Vehicle:
 
     def take_status_texts(self) -> list[StatusText]:
         """Messages to the operator since the last call."""
-        if not self.status_texts:
-            return []
         status_texts = self.status_texts.copy()
         self.status_texts.clear()
         return status_texts
@@ -218,8 +211,15 @@ class Vehicle:
         return ACCEPTED
 
     def arming_faults(self) -> list[str]:
-        """Why the boat cannot arm now; empty when it can."""
-        return arming_faults(self, self._now_s)
+        """Why the boat cannot arm now, worst first; empty when it can."""
+        config, mode = self.config, self.mode
+        faults = sensor_faults(config.arming, config.motors, mode, self.nav, self.fix, self.battery)
+        if config.arming.check:
+            is_lost = bool(self.data_losses.text(FENCE))
+            faults += fence_faults(mode, is_outside=self.is_outside, is_lost=is_lost)
+        if fault := rc_fault(self.manual_input, config, self._now_s):
+            faults.append(fault)
+        return [*faults, RESTARTING] if self.is_restarting else faults
 
     @property
     def is_outside(self) -> bool:

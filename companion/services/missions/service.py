@@ -5,7 +5,6 @@ or part of one, is stored, then used, then acknowledged.
 """
 
 import logging
-from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.requests import SetCurrentItem
@@ -53,13 +52,6 @@ _ITEM_BYTES = 50  # on the line
 _NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
 
 
-class _Clearing(NamedTuple):
-    """All lists are being cleared for a station."""
-
-    origin: Origin
-    savings: list[Saving]
-
-
 class MissionService:
     """Owns the three lists and updates the vehicle."""
 
@@ -76,7 +68,7 @@ class MissionService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._texts = texts
-        self._clearing: _Clearing | None = None
+        self._clearing: tuple[Origin, list[Saving]] | None = None  # of all lists, for a station
         self._reported_seq = 0
         self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
         for one in self._lists.values():
@@ -127,7 +119,7 @@ class MissionService:
     def tick(self, now_s: float) -> None:
         """Retries, time-outs and finished saves."""
         if self._clearing is not None:
-            self._finish_clearing(self._clearing)
+            self._finish_clearing(*self._clearing)
         for one in self._lists.values():
             if not one.is_idle:
                 self._tick_list(one, now_s)
@@ -238,21 +230,21 @@ class MissionService:
         if self._clearing is not None or any(one.receiver.partner for one in self._lists.values()):
             self._acknowledge(origin, MissionResult.DENIED, _ALL_TYPES)
             return
-        self._clearing = _Clearing(origin, [one.clear() for one in self._lists.values()])
-        self._finish_clearing(self._clearing)
+        self._clearing = origin, [one.clear() for one in self._lists.values()]
+        self._finish_clearing(*self._clearing)
 
-    def _finish_clearing(self, clearing: _Clearing) -> None:
-        if not all(saving.is_done() for saving in clearing.savings):
+    def _finish_clearing(self, origin: Origin, savings: list[Saving]) -> None:
+        if not all(saving.is_done() for saving in savings):
             return
         self._clearing = None
         result = MissionResult.ACCEPTED
-        for one, saving in zip(self._lists.values(), clearing.savings, strict=True):
+        for one, saving in zip(self._lists.values(), savings, strict=True):
             if error := saving.error():
                 result = MissionResult.ERROR
                 self._report_not_stored(one, error)
             else:
                 self._swap_in(one)
-        self._acknowledge(clearing.origin, result, _ALL_TYPES)
+        self._acknowledge(origin, result, _ALL_TYPES)
 
     def _request_part(self, one: MissionList, message: Message, origin: Origin) -> None:
         """Send the items, a few per tick, without acknowledgement: a station requests lost ones again. An end

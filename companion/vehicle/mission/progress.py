@@ -92,15 +92,11 @@ class MissionProgress:
 
     def restart(self) -> None:
         """Return to the first item, and reset all jumps."""
-        self.forget_jumps()
+        self.jumps.clear()
         self.has_started = False
         self.speed_m_s = None
         self._stationary.limit = LimitHandOver(0.0, 0.0)
         self.set_current(1 if not self.is_empty else 0)
-
-    def forget_jumps(self) -> None:
-        """Reset the count of all jumps."""
-        self.jumps.clear()
 
     def set_current(self, seq: int) -> bool:
         """Make an item current. False without effect if there is no such item."""

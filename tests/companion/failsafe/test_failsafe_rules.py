@@ -144,7 +144,7 @@ class Failsafes(RuleBasedStateMachine):
         nav = nav_at(time_s=self.now_s, age_s=100.0 if self.is_stale else 0.1)
         self.nav = replace(nav, faults=self.faults, current_east_m_s=0.4)
         if self.operator_is_there:
-            vehicle.failsafes.operator.heard(self.now_s)
+            vehicle.failsafes.operator_heard_s = self.now_s
         if self.planner_is_there:
             vehicle.failsafes.planner.heard(self.now_s)
         battery = BatteryReading(self.now_s, self.volt, 2.0)

@@ -45,7 +45,7 @@ def live(
 
 
 def lose_operator(vehicle: Vehicle, seconds: float = 10.0) -> list[str]:
-    vehicle.failsafes.operator.heard(vehicle._now_s)
+    vehicle.failsafes.operator_heard_s = vehicle._now_s
     return live(vehicle, seconds)
 
 
@@ -56,7 +56,7 @@ def test_an_operator_who_was_never_heard_is_never_missed() -> None:
 def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> None:
     vehicle = armed_vehicle(long_timeout_s=0.0)
     assert lose_operator(vehicle, 600.0) == ["Failsafe: Operator lost for 5 s", "Mode LOITER: failsafe"]
-    vehicle.failsafes.operator.heard(vehicle._now_s)
+    vehicle.failsafes.operator_heard_s = vehicle._now_s
     assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"]
     assert "Failsafe: Operator lost for 5 s" in live(vehicle, 5.0)
 
@@ -130,7 +130,7 @@ def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Act
 def test_a_boat_that_cannot_go_home_stays_where_it_is_and_does_not_drift() -> None:
     vehicle = armed_vehicle(action=int(Action.RTL))
     vehicle.home = None
-    vehicle.failsafes.operator.heard(0.0)
+    vehicle.failsafes.operator_heard_s = 0.0
     for now_s in range(1, 10):
         vehicle.home = None
         vehicle.nav, vehicle._now_s = nav_at(time_s=now_s), float(now_s)
@@ -301,7 +301,7 @@ def test_a_relapse_that_is_only_told_stays_told() -> None:
 def test_a_new_pack_ends_the_failsafes_of_the_pack_and_no_other() -> None:
     vehicle = armed_vehicle(long_timeout_s=0.0)
     failsafes = vehicle.failsafes
-    failsafes.operator.heard(0.0)
+    failsafes.operator_heard_s = 0.0
     live(vehicle, 12.0, volt=9.0)
     assert (failsafes.pack_is_low, failsafes.is_active(Condition.OPERATOR_LOST)) == (True, True)
     failsafes.renew_pack(1.0)

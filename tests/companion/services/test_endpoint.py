@@ -84,10 +84,10 @@ def test_a_planners_heartbeat_is_not_the_operators() -> None:
     planner.heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER)
     rig.peer.heartbeat(dialect.MAV_TYPE_QUADROTOR)
     rig.step()
-    assert math.isnan(rig.boat.vehicle.failsafes.operator.last_heard_s)
+    assert math.isnan(rig.boat.vehicle.failsafes.operator_heard_s)
     rig.peer.heartbeat()
     rig.step()
-    assert rig.boat.vehicle.failsafes.operator.last_heard_s == pytest.approx(rig.now_s, abs=0.03)
+    assert rig.boat.vehicle.failsafes.operator_heard_s == pytest.approx(rig.now_s, abs=0.03)
 
 
 def test_only_the_chosen_operator_counts_where_one_was_chosen() -> None:
@@ -95,7 +95,7 @@ def test_only_the_chosen_operator_counts_where_one_was_chosen() -> None:
     rig.step()
     rig.peer.heartbeat()
     rig.step()
-    assert math.isnan(rig.boat.vehicle.failsafes.operator.last_heard_s)
+    assert math.isnan(rig.boat.vehicle.failsafes.operator_heard_s)
 
 
 def test_a_fault_of_ours_is_counted_logged_once_and_stops_nothing(

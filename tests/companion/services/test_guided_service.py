@@ -100,7 +100,7 @@ def test_a_set_point_is_held(rig: Rig, message: Message, expected: object) -> No
 def test_what_cannot_be_held_is_refused_in_words(rig: Rig, message: Message, words: str) -> None:
     rig.peer.forget()
     assert held(rig, message) is None
-    assert rig.boat.vehicle.target is None
+    assert rig.boat.vehicle.modes.guided.target is None
     (text,) = [text for text in rig.peer.texts if "ignored" in text]
     assert text.startswith("Set-point of 255/190 ignored: ")
     assert words in text
@@ -116,9 +116,9 @@ def test_the_usual_masks_are_obeyed_although_they_name_a_force_that_is_ignored(r
     assert isinstance(hold, HoldCourse)
     assert hold.speed_m_s == 2.0
     held(rig, local(ONLY_POSITION, x=5.0))
-    assert rig.boat.vehicle.target is not None
+    assert rig.boat.vehicle.modes.guided.target is not None
     held(rig, globe(ONLY_POSITION, 500_010_000, -12_000_000))
-    assert rig.boat.vehicle.target.lat_deg == pytest.approx(50.001)
+    assert rig.boat.vehicle.modes.guided.target.lat_deg == pytest.approx(50.001)
     assert [text for text in rig.peer.texts if "ignored" in text] == []
 
 
@@ -155,7 +155,7 @@ def test_a_stream_of_positions_beyond_the_fence_is_told_once(rig: Rig) -> None:
     for _ in range(20):
         held(rig, globe(POSITION, 500_100_000, -12_000_000))
         rig.step(5)
-    assert rig.boat.vehicle.target is None
+    assert rig.boat.vehicle.modes.guided.target is None
     assert [text for text in rig.peer.texts if "fence" in text] == [
         "Set-point of 255/190 ignored: outside the fence"
     ]
@@ -163,7 +163,7 @@ def test_a_stream_of_positions_beyond_the_fence_is_told_once(rig: Rig) -> None:
 
 def test_a_position_is_a_target_and_its_velocity_the_speed(rig: Rig) -> None:
     held(rig, globe(POSITION & VELOCITY, 500_010_000, -12_000_000, vx=1.25))
-    target = rig.boat.vehicle.target
+    target = rig.boat.vehicle.modes.guided.target
     assert target is not None
     assert target.lat_deg == pytest.approx(50.001)
     assert rig.boat.vehicle.speed_m_s == 1.25
@@ -180,7 +180,7 @@ def test_outside_guided_nothing_is_taken_and_it_is_said_once(mode: int) -> None:
     assert [text for text in rig.peer.texts if "ignored" in text] == [
         "Set-point of 255/190 ignored: not in GUIDED"
     ]
-    assert rig.boat.vehicle.target is None or mode == 11
+    assert rig.boat.vehicle.modes.guided.target is None or mode == 11
 
 
 def test_a_set_point_for_another_boat_is_left_to_it(rig: Rig) -> None:
@@ -193,7 +193,7 @@ def test_a_set_point_for_another_boat_is_left_to_it(rig: Rig) -> None:
 def test_a_go_to_ends_the_set_point_before_it(rig: Rig) -> None:
     held(rig, local(VELOCITY, vx=1.0))
     assert held(rig, local(POSITION, x=5.0)) is None
-    assert rig.boat.vehicle.target is not None
+    assert rig.boat.vehicle.modes.guided.target is not None
 
 
 floats = st.floats(width=32)

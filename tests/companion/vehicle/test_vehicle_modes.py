@@ -154,7 +154,7 @@ def test_a_mode_asked_for_again_keeps_the_target() -> None:
     assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
     assert vehicle.mode is Mode.GUIDED
     vehicle.request(ChangeMode(Mode.GUIDED))
-    assert vehicle.target == place(20.0, 0.0)
+    assert vehicle.modes.guided.target == place(20.0, 0.0)
 
 
 def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:

@@ -216,8 +216,8 @@ def test_command_int_carries_its_place_in_integers(rig: Rig) -> None:
     rig.receive()
     assert [ack.result for ack in rig.peer.said("COMMAND_ACK")] == [OK]
     vehicle = rig.boat.vehicle
-    assert vehicle.target is not None
-    assert vehicle.target.lat_deg == 50.0009
+    assert vehicle.modes.guided.target is not None
+    assert vehicle.modes.guided.target.lat_deg == 50.0009
     assert (vehicle.mode.name, vehicle.speed_m_s) == ("GUIDED", 1.5)
 
 
@@ -321,11 +321,11 @@ def test_the_first_go_to_of_qgroundcontrol_is_three_messages_and_keeps_its_targe
     rig.peer.command_int(192, -1, 1, 0, NAN, x=500_002_000, y=-12_000_000)
     rig.peer.command(CMD.MAV_CMD_DO_SET_MODE, 1, 15)
     rig.receive()
-    target = rig.boat.vehicle.target
+    target = rig.boat.vehicle.modes.guided.target
     assert target is not None
     item = dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, 0, 0, 0, NAN, 50.0002, -1.2, 0.0, 0)
     rig.peer.send(item)
     rig.receive()
     assert [ack.result for ack in rig.peer.said("COMMAND_ACK")] == [OK, OK]
     assert [ack.type for ack in rig.peer.said("MISSION_ACK")] == [0]
-    assert rig.boat.vehicle.target is not None
+    assert rig.boat.vehicle.modes.guided.target is not None

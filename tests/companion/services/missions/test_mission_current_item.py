@@ -21,7 +21,7 @@ def test_the_old_go_to_sails_there_and_touches_no_list(form: str) -> None:
     else:
         message = dialect.MAVLink_mission_item_int_message(*args, there.x, there.y, 50.0, 0)
     assert result_of(rig, message) is MissionResult.ACCEPTED
-    target = rig.boat.vehicle.target
+    target = rig.boat.vehicle.modes.guided.target
     assert target is not None
     assert target.lat_deg == pytest.approx(
         there.x / 1e7, abs=4e-6
@@ -38,7 +38,7 @@ def test_an_old_go_to_that_cannot_be_sailed_is_refused(lat: float, mode: int, re
     rig.set_mode(mode)
     item = dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, 0, 0, 0, 0, lat, -1.2, 0.0, 0)
     assert result_of(rig, item) is result
-    assert rig.boat.vehicle.target is None
+    assert rig.boat.vehicle.modes.guided.target is None
 
 
 def test_the_current_item_is_set_and_told_at_once() -> None:

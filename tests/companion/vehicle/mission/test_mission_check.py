@@ -52,4 +52,4 @@ def test_a_go_to_outside_the_fence_is_refused() -> None:
     (ack,) = rig.peer.said("COMMAND_ACK")
     assert ack.result != OK
     assert "Go to: outside the fence" in rig.peer.texts
-    assert rig.boat.vehicle.target is None
+    assert rig.boat.vehicle.modes.guided.target is None
