@@ -60,7 +60,7 @@ PATTERNS: Final = (
     "sitl/world/environment/*.py",
     "sitl/world/pack.py",
     "sitl/world/sensors/*.py",
-    "sitl/world/vessel.py",
+    "sitl/world/hull.py",
     "sitl/world/windage.py",
     "sitl/world/world.py",
 )

@@ -28,12 +28,12 @@ from mission_tools.maps.source import RouteDefaults
 from sitl.radio.link import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.scenarios.random_world import RandomWater, random_world
-from sitl.world.battery import BatteryParameters
-from sitl.world.drive.settings import ThrusterParameters
+from sitl.world.drive.settings import ThrusterSettings
 from sitl.world.environment.settings import Environment
 from sitl.world.faults.catalogue import FaultSetting
-from sitl.world.hull import VesselParameters
+from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import MoverSettings
+from sitl.world.pack import BatterySettings
 from sitl.world.sensors.sampling import Seed
 from sitl.world.sensors.settings import Sensors
 
@@ -62,8 +62,8 @@ class BoatTable(Section, frozen=True):
 class Tree(Section, frozen=True):
     """A whole scenario, the boat's file included. What the planner reads too is left to its own decoder."""
 
-    hull: VesselParameters
-    thrusters: ThrusterParameters
+    hull: HullSettings
+    thrusters: ThrusterSettings
     title: str = ""
     seed: Seed = 1
     origin: Table = field(default_factory=dict)
@@ -72,7 +72,7 @@ class Tree(Section, frozen=True):
     cases: tuple[Table, ...] = ()
     boat: BoatTable = BoatTable()
     environment: Environment = Environment()
-    battery: BatteryParameters = BatteryParameters()
+    battery: BatterySettings = BatterySettings()
     sensors: Sensors = Sensors()
     link: LinkSettings = LinkSettings()
     movers: tuple[MoverSettings, ...] = ()
@@ -102,9 +102,9 @@ class Scenario:
     route: RouteDefaults
     start: Point
     heading_rad: float
-    hull: VesselParameters
-    thrusters: ThrusterParameters
-    battery: BatteryParameters
+    hull: HullSettings
+    thrusters: ThrusterSettings
+    battery: BatterySettings
     sensors: Sensors
     environment: Environment
     vehicle: BoatConfig

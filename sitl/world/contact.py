@@ -12,10 +12,10 @@ A soft shore holds a grounded hull until thrust, wind and current together excee
 import math
 from typing import NamedTuple
 
-from sitl.world.hull import VesselParameters
+from sitl.world.hull import Hull
+from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import Movers
 from sitl.world.shore import Shore
-from sitl.world.vessel import Vessel
 
 FRICTION = 0.3  # plastic on wet stone or wood
 _ATTEMPTS = 3  # to find a pose beside the shore: in a corner one impact leads to the next
@@ -54,7 +54,7 @@ class Contact:
     holds the hull.
     """
 
-    def __init__(self, hull: VesselParameters, shore: Shore, movers: Movers, hold_n: float) -> None:
+    def __init__(self, hull: HullSettings, shore: Shore, movers: Movers, hold_n: float) -> None:
         """The shore must be able to answer for the hull's length."""
         half, side = 0.5 * hull.length_m, 0.5 * hull.beam_m
         transom = hull.transom_share * side
@@ -71,26 +71,26 @@ class Contact:
 
     def meets(
         self,
-        vessel: Vessel,
+        hull: Hull,
         before: Pose,
         current: Velocity,
         dt_s: float,
         time_s: float,
     ) -> bool:
-        """Whether the step that brought the vessel here from the pose before made it touch.
+        """Whether the step that brought the hull here from the pose before made it touch.
 
         If so, pose and velocity are put right. A boat that starts alongside rubs as it casts off: that is no
         touch yet, until it first has had room to turn on the spot.
         """
-        if self.is_stuck and self._holds(vessel, before, current, dt_s):
+        if self.is_stuck and self._holds(hull, before, current, dt_s):
             return self._has_cast_off
         if self.room_m > 0.0 and (
-            not self._movers or self._movers.gap_m(vessel.east_m, vessel.north_m, time_s) > self._radius_m
+            not self._movers or self._movers.gap_m(hull.east_m, hull.north_m, time_s) > self._radius_m
         ):
             return False
-        touches = self._touches(vessel, time_s)
+        touches = self._touches(hull, time_s)
         if not touches:
-            self.room_m = self._shore.room_m(vessel.east_m, vessel.north_m) - self._radius_m
+            self.room_m = self._shore.room_m(hull.east_m, hull.north_m) - self._radius_m
             self._has_cast_off = self._has_cast_off or self.room_m > 0.0
             return False
         self.room_m = 0.0
@@ -100,50 +100,48 @@ class Contact:
             for attempt in range(1, _ATTEMPTS + 1):
                 push_north = push_east = 0.0
                 for touch in touches:
-                    apply_contact(vessel, touch, current)
-                    push_north += touch.normal_ahead * vessel.cos - touch.normal_starboard * vessel.sin
-                    push_east += touch.normal_ahead * vessel.sin + touch.normal_starboard * vessel.cos
+                    apply_contact(hull, touch, current)
+                    push_north += touch.normal_ahead * hull.cos - touch.normal_starboard * hull.sin
+                    push_east += touch.normal_ahead * hull.sin + touch.normal_starboard * hull.cos
                 push_m = attempt * _PUSH * self._lever_m
-                vessel.place(
-                    before.north_m
-                    + dt_s * (vessel.water_north_m_s + current.north_m_s)
-                    + push_m * push_north,
-                    before.east_m + dt_s * (vessel.water_east_m_s + current.east_m_s) + push_m * push_east,
-                    before.heading_rad + dt_s * vessel.yaw_rate_rad_s,
+                hull.place(
+                    before.north_m + dt_s * (hull.water_north_m_s + current.north_m_s) + push_m * push_north,
+                    before.east_m + dt_s * (hull.water_east_m_s + current.east_m_s) + push_m * push_east,
+                    before.heading_rad + dt_s * hull.yaw_rate_rad_s,
                 )
-                touches = self._touches(vessel, time_s)
+                touches = self._touches(hull, time_s)
                 if not touches:
                     return self._has_cast_off
-            if self._gets_free(vessel, before, time_s):
+            if self._gets_free(hull, before, time_s):
                 return self._has_cast_off
-        vessel.place(*before)
-        vessel.hold(*current)
+        hull.place(*before)
+        hull.hold(*current)
         return self._has_cast_off
 
-    def _gets_free(self, vessel: Vessel, before: Pose, time_s: float) -> bool:
+    def _gets_free(self, hull: Hull, before: Pose, time_s: float) -> bool:
         """Whether a hull that was in contact before, as a mover may leave it, now is less so."""
-        now = Pose(vessel.north_m, vessel.east_m, vessel.heading_rad)
-        vessel.place(*before)
-        was_in_contact = bool(self._touches(vessel, time_s))
-        vessel.place(*now)
+        now = Pose(hull.north_m, hull.east_m, hull.heading_rad)
+        hull.place(*before)
+        was_in_contact = bool(self._touches(hull, time_s))
+        hull.place(*now)
         return was_in_contact and self._gap_m(now, time_s) > self._gap_m(before, time_s)
 
-    def _holds(self, vessel: Vessel, before: Pose, current: Velocity, dt_s: float) -> bool:
+    def _holds(self, hull: Hull, before: Pose, current: Velocity, dt_s: float) -> bool:
         """Whether the shore can take the momentum that this step has given to the stopped hull."""
-        along, across = _in_body_axes(vessel, current)
-        m11, m22, m33 = vessel.inertia
+        along, across = _in_body_axes(hull, current)
+        m11, m22, m33 = hull.inertia
         pull_n = (
             math.hypot(
-                m11 * (vessel.surge_m_s + along),
-                m22 * (vessel.sway_m_s + across),
-                m33 * vessel.yaw_rate_rad_s / self._lever_m,
+                m11 * (hull.surge_m_s + along),
+                m22 * (hull.sway_m_s + across),
+                m33 * hull.yaw_rate_rad_s / self._lever_m,
             )
             / dt_s
         )
         self.is_stuck = pull_n <= self._hold_n
         if self.is_stuck:
-            vessel.place(*before)
-            vessel.hold(*current)
+            hull.place(*before)
+            hull.hold(*current)
         return self.is_stuck
 
     def _gap_m(self, at: Pose, time_s: float) -> float:
@@ -151,10 +149,10 @@ class Contact:
             self._shore.room_m(at.east_m, at.north_m), self._movers.gap_m(at.east_m, at.north_m, time_s)
         )
 
-    def _touches(self, vessel: Vessel, time_s: float) -> list[Touch]:
+    def _touches(self, hull: Hull, time_s: float) -> list[Touch]:
         """Every stretch of shore and every mover that the hull's outline meets."""
         out: list[Touch] = []
-        north_m, east_m, cos, sin = vessel.north_m, vessel.east_m, vessel.cos, vessel.sin
+        north_m, east_m, cos, sin = hull.north_m, hull.east_m, hull.cos, hull.sin
         reach = self._radius_m * self._radius_m
         for at_east, at_north, d_east, d_north in self._shore.near(east_m, north_m):
             to_east, to_north = at_east - east_m, at_north - north_m
@@ -243,16 +241,16 @@ def _touch(ahead_m: float, starboard_m: float, normal_ahead: float, normal_starb
     return Touch(ahead_m, starboard_m, normal_ahead / size, normal_starboard / size)
 
 
-def _in_body_axes(vessel: Vessel, current: Velocity) -> tuple[float, float]:
-    along = current.north_m_s * vessel.cos + current.east_m_s * vessel.sin
-    return along, current.east_m_s * vessel.cos - current.north_m_s * vessel.sin
+def _in_body_axes(hull: Hull, current: Velocity) -> tuple[float, float]:
+    along = current.north_m_s * hull.cos + current.east_m_s * hull.sin
+    return along, current.east_m_s * hull.cos - current.north_m_s * hull.sin
 
 
-def apply_contact(vessel: Vessel, touch: Touch, current: Velocity) -> None:
+def apply_contact(hull: Hull, touch: Touch, current: Velocity) -> None:
     """Reduce the speed over ground along the shore by friction, and remove the speed into it."""
-    m11, m22, m33 = vessel.inertia
-    along, across = _in_body_axes(vessel, current)
-    u, v, r = vessel.surge_m_s + along, vessel.sway_m_s + across, vessel.yaw_rate_rad_s
+    m11, m22, m33 = hull.inertia
+    along, across = _in_body_axes(hull, current)
+    u, v, r = hull.surge_m_s + along, hull.sway_m_s + across, hull.yaw_rate_rad_s
     x, y, normal_x, normal_y = touch
     arm = x * normal_y - y * normal_x
     into = normal_x * (u - r * y) + normal_y * (v + r * x)
@@ -269,4 +267,4 @@ def apply_contact(vessel: Vessel, touch: Touch, current: Velocity) -> None:
     if into < 0.0:
         impulse = -into / normal_ease
         u, v, r = u + impulse * normal_x / m11, v + impulse * normal_y / m22, r + impulse * arm / m33
-    vessel.move(u - along, v - across, r)
+    hull.move(u - along, v - across, r)

@@ -24,7 +24,7 @@ from sitl.world.parameters import fault_hooks, hull_hooks
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss
-from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
@@ -57,7 +57,7 @@ class Electronics:
         start = scenario.start
         self.rc = SimRc(sensors.rc, seed, *start) if sensors.rc.fitted else None
         self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
-        self._hull = SimHull(sensors.hull) if sensors.hull.fitted else None
+        self._hull = SimHullSensor(sensors.hull) if sensors.hull.fitted else None
         drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
         if self._hull is not None:
             drivers.append(self._hull)

@@ -4,7 +4,11 @@ The resistance rises as the last fifth is drawn, and below empty the voltage fal
 does whose cells are drained too deep: so a boat that sails on loses first its speed, then its computer.
 """
 
-from sitl.world.battery import BatteryParameters
+from typing import Annotated
+
+from msgspec import Meta
+
+from companion.config.section import NonNegative, Positive, Section, Share
 
 # Open-circuit voltage of one cell at 0, 10 … 100 % charge: the shape common to LiPo cells at rest, flat in
 # the middle and steep at the empty end.
@@ -14,10 +18,26 @@ _LAST = 0.2  # share of the charge over which the resistance rises
 _RISE = 2.0  # how much more of it there is when empty, of what there is when full
 
 
+class BatterySettings(Section, frozen=True):
+    """One pack. charge is the share left at the start; idle_a is what computer and sensors draw.
+
+    brownout_v is the voltage at the terminals below which the computer's regulator gives up: five volts,
+    the two that a plain one drops, and some for the leads.
+    """
+
+    capacity_mah: Positive = 2200.0
+    cells: Annotated[int, Meta(ge=1, le=10)] = 3
+    resistance_ohm: NonNegative = 0.05
+    charge: Share = 1.0
+    idle_a: NonNegative = 0.6
+    brownout_v: NonNegative = 7.0
+    rate_hz: Positive = 10.0
+
+
 class Pack:
     """The pack's state: the charge taken out, and voltage and current at its terminals."""
 
-    def __init__(self, parameters: BatteryParameters) -> None:
+    def __init__(self, parameters: BatterySettings) -> None:
         """Start with the given charge, loaded by the electronics."""
         self._parameters = parameters
         self._capacity_c = parameters.capacity_mah * 3.6

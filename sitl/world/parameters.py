@@ -13,7 +13,7 @@ from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import LeakPart
 from sitl.world.faults.schedule import Faults
-from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.settings import HullSensorSettings
 
 _MAG_KINDS = {1: "off", 2: "stuck"}
@@ -88,7 +88,7 @@ def fault_hooks(faults: Faults, injection: Injection, frame: LocalFrame) -> list
     return hooks
 
 
-def hull_hooks(hull: SimHull, leak: LeakPart, settings: HullSensorSettings) -> list[ParameterHook]:
+def hull_hooks(hull: SimHullSensor, leak: LeakPart, settings: HullSensorSettings) -> list[ParameterHook]:
     """Water and temperature in the hull. ArduPilot has no names for these."""
     return [
         _hook("SIM_LEAK", "1: water at the probe in the hull", leak.set_wet),

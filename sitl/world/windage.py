@@ -1,7 +1,7 @@
 """The wind's force on what stands above the water, after T. I. Fossen, *Handbook of Marine Craft
 Hydrodynamics and Motion Control*, 2nd edition, Wiley 2021, chapter 10.1.
 
-With V the speed of the air past the hull and γ the angle at which it meets the bow, the forces on a vessel
+With V the speed of the air past the hull and γ the angle at which it meets the bow, the forces on a hull
 that is symmetrical fore and aft are
 
     X = −½ ρ V² c_x cos γ A_F        Y = ½ ρ V² c_y sin γ A_L        N = ½ ρ V² c_n sin 2γ A_L L
@@ -21,7 +21,7 @@ light of.
 
 import math
 
-from sitl.world.hull import WindageParameters
+from sitl.world.hull_settings import WindageSettings
 
 AIR_KG_M3 = 1.225
 
@@ -29,7 +29,7 @@ AIR_KG_M3 = 1.225
 class Windage:
     """The force of air on one hull."""
 
-    def __init__(self, parameters: WindageParameters, length_m: float) -> None:
+    def __init__(self, parameters: WindageSettings, length_m: float) -> None:
         half = 0.5 * AIR_KG_M3
         self._x = half * parameters.frontal_drag * parameters.frontal_area_m2
         self._y = half * parameters.lateral_drag * parameters.lateral_area_m2

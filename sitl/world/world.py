@@ -20,12 +20,12 @@ from sitl.world.electronics import Electronics
 from sitl.world.environment.current import Current
 from sitl.world.environment.waves import Waves
 from sitl.world.environment.wind import Wind
-from sitl.world.hull import LONGEST_STEP_S
+from sitl.world.hull import Hull
+from sitl.world.hull_settings import LONGEST_STEP_S
 from sitl.world.movers import Movers
 from sitl.world.pack import Pack
 from sitl.world.parameters import tide_hooks, wind_hooks
 from sitl.world.shore import Shore
-from sitl.world.vessel import Vessel
 from sitl.world.windage import Windage
 
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
@@ -88,7 +88,7 @@ class World:
             self._current_n + self.waves.north_m_s,
             self._current_e + self.waves.east_m_s,
         )
-        self._vessel = Vessel(hull, start.north_m, start.east_m, scenario.heading_rad)
+        self._hull = Hull(hull, start.north_m, start.east_m, scenario.heading_rad)
         self._windage = Windage(hull.windage, hull.length_m)
         self._thrusters = Thrusters(scenario.thrusters)
         self._pack = Pack(scenario.battery)
@@ -130,7 +130,7 @@ class World:
     def hold_position(self) -> None:
         """Hold the boat at rest over ground; time, water, wind and sensors continue."""
         self._is_moored = True
-        self._vessel.hold(self._flow_n, self._flow_e)
+        self._hull.hold(self._flow_n, self._flow_e)
         self.truth = self._observe(self.time_s)
 
     def release(self) -> None:
@@ -150,10 +150,10 @@ class World:
             # Time is counted, not summed: it is tick × dt exactly for as long as dt stays the same.
             self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
         self.tick += 1
-        motors, vessel, pack = self._motors, self._vessel, self._pack
-        before = Pose(vessel.north_m, vessel.east_m, vessel.heading_rad)
+        motors, hull, pack = self._motors, self._hull, self._pack
+        before = Pose(hull.north_m, hull.east_m, hull.heading_rad)
         surge_n, yaw_nm = self._thrusters.step(
-            motors.left, motors.right, pack.supply_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, dt_s
+            motors.left, motors.right, pack.supply_v, hull.surge_m_s, hull.yaw_rate_rad_s, dt_s
         )
         pack.step(self._thrusters.current_a, dt_s)
         sway_n = 0.0
@@ -164,19 +164,19 @@ class World:
             ahead_n, sway_n, turning_nm = self._wind_force()
             surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
         if self._is_moored:
-            vessel.hold(self._flow_n, self._flow_e)
+            hull.hold(self._flow_n, self._flow_e)
         else:
-            vessel.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
-        if not abs(vessel.north_m) + abs(vessel.east_m) < _FURTHEST_M:  # NaN is no place either
+            hull.step(surge_n, sway_n, yaw_nm, self._flow_n, self._flow_e, dt_s)
+        if not abs(hull.north_m) + abs(hull.east_m) < _FURTHEST_M:  # NaN is no place either
             raise ConfigError(
                 f"the simulated boat has left the map after {self.time_s:.1f} s: "
                 "a setting of hull, thrusters or environment is out of all proportion"
             )
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
         contact = self._contact
-        contact.room_m -= abs(vessel.north_m - before.north_m) + abs(vessel.east_m - before.east_m)
+        contact.room_m -= abs(hull.north_m - before.north_m) + abs(hull.east_m - before.east_m)
         if (contact.room_m <= 0.0 or contact.is_watchful) and contact.meets(
-            vessel, before, Velocity(self._flow_n, self._flow_e), dt_s, time_s
+            hull, before, Velocity(self._flow_n, self._flow_e), dt_s, time_s
         ):
             self.groundings += not self.truth.grounded
             self._touched_s = time_s
@@ -200,52 +200,52 @@ class World:
 
     def _turn_tide(self) -> None:
         """Apply a change of the tidal stream."""
-        vessel = self._vessel
-        self._current_n, self._current_e = self._current.at(vessel.north_m, vessel.east_m, self.time_s)
+        hull = self._hull
+        self._current_n, self._current_e = self._current.at(hull.north_m, hull.east_m, self.time_s)
         if not self._is_open:
             self._flow_n, self._flow_e = self._current_n, self._current_e
 
     def _flow(self, dt_s: float) -> float:
         """Apply current and waves at the boat; returns their yaw moment."""
-        vessel, waves, time_s = self._vessel, self.waves, self.time_s
+        hull, waves, time_s = self._hull, self.waves, self.time_s
         if not self._current.is_uniform:
-            north_m, east_m = vessel.north_m, vessel.east_m
+            north_m, east_m = hull.north_m, hull.east_m
             north_m_s, east_m_s = self._current.at(north_m, east_m, time_s)
             # What it would be here, had the hull not made way through the water in the last step.
             was_north_m_s, was_east_m_s = self._current.at(
-                north_m - dt_s * vessel.water_north_m_s, east_m - dt_s * vessel.water_east_m_s, time_s
+                north_m - dt_s * hull.water_north_m_s, east_m - dt_s * hull.water_east_m_s, time_s
             )
-            vessel.enter_current(north_m_s - was_north_m_s, east_m_s - was_east_m_s)
+            hull.enter_current(north_m_s - was_north_m_s, east_m_s - was_east_m_s)
             self._current_n, self._current_e = north_m_s, east_m_s
         if waves.is_calm:
             self._flow_n, self._flow_e = self._current_n, self._current_e
             return 0.0
         turning = waves.yaw_rate_rad_s
-        waves.step(time_s, vessel.north_m, vessel.east_m, vessel.cos, vessel.sin)
+        waves.step(time_s, hull.north_m, hull.east_m, hull.cos, hull.sin)
         self._flow_n, self._flow_e = self._current_n + waves.north_m_s, self._current_e + waves.east_m_s
         self._thrusters.set_immersion(waves.stern_m)
-        return vessel.inertia[2] * (waves.yaw_rate_rad_s - turning) / dt_s
+        return hull.inertia[2] * (waves.yaw_rate_rad_s - turning) / dt_s
 
     def _wind_force(self) -> tuple[float, float, float]:
         """Surge force, sway force and yaw moment of the air that moves past the hull."""
-        truth, wind, cos, sin = self.truth, self.wind, self._vessel.cos, self._vessel.sin
+        truth, wind, cos, sin = self.truth, self.wind, self._hull.cos, self._hull.sin
         north_m_s, east_m_s = wind.north_m_s - truth.north_m_s, wind.east_m_s - truth.east_m_s
         return self._windage.force(north_m_s * cos + east_m_s * sin, east_m_s * cos - north_m_s * sin)
 
     def _observe(self, time_s: float) -> Truth:
-        vessel = self._vessel
+        hull = self._hull
         return _new(
             Truth,
             (
                 time_s,
-                vessel.north_m,
-                vessel.east_m,
-                wrap_pi(vessel.heading_rad),
-                vessel.surge_m_s,
-                vessel.sway_m_s,
-                vessel.yaw_rate_rad_s,
-                vessel.water_north_m_s + self._flow_n,
-                vessel.water_east_m_s + self._flow_e,
+                hull.north_m,
+                hull.east_m,
+                wrap_pi(hull.heading_rad),
+                hull.surge_m_s,
+                hull.sway_m_s,
+                hull.yaw_rate_rad_s,
+                hull.water_north_m_s + self._flow_n,
+                hull.water_east_m_s + self._flow_e,
                 self._thrusters.left.thrust_n,
                 self._thrusters.right.thrust_n,
                 time_s - self._touched_s < GROUNDED_S,

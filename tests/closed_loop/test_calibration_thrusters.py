@@ -145,7 +145,7 @@ def test_by_hand_the_boat_goes_straight_once_it_is_calibrated(calibrated: Rig) -
         for _ in range(20):
             rig.boat.vehicle.request(ManualControl(0.6, 0.0))
             rig.run(0.5)
-        return abs(rig.world._vessel.heading_rad)
+        return abs(rig.world._hull.heading_rad)
 
     assert isinstance(calibrated.storage, MemoryStorage)
     assert turned_rad(None) > 1.0

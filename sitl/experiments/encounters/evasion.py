@@ -15,8 +15,8 @@ from companion.core.units import wrap_pi
 from sitl.run.recorder import Rows
 from sitl.scenarios.scenario import Scenario
 from sitl.world.drive.thruster import Thrusters
+from sitl.world.hull import Hull
 from sitl.world.movers import Movers
-from sitl.world.vessel import Vessel
 from sitl.world.world import Truth
 
 Pair = tuple[float, float]
@@ -64,11 +64,11 @@ def _detects(scenario: Scenario, movers: Movers, truth: Truth) -> bool:
 def _keeps_clear(
     scenario: Scenario, movers: Movers, at: Truth, first: Pair, switch_s: float, then: Pair
 ) -> bool:
-    vessel, thrusters = (
-        Vessel(scenario.hull, at.north_m, at.east_m, at.heading_rad),
+    hull, thrusters = (
+        Hull(scenario.hull, at.north_m, at.east_m, at.heading_rad),
         Thrusters(scenario.thrusters),
     )
-    vessel.move(at.surge_m_s, at.sway_m_s, at.yaw_rate_rad_s)
+    hull.move(at.surge_m_s, at.sway_m_s, at.yaw_rate_rad_s)
     for _ in range(round(_WARM_S / TICK_S)):
         thrusters.step(
             at.left_command, at.right_command, at.voltage_v, at.surge_m_s, at.yaw_rate_rad_s, TICK_S
@@ -77,15 +77,15 @@ def _keeps_clear(
     for tick in range(1, round(_WATCHED_S / TICK_S) + 1):
         left, right = first if tick * TICK_S <= switch_s else then
         surge_n, yaw_nm = thrusters.step(
-            left, right, at.voltage_v, vessel.surge_m_s, vessel.yaw_rate_rad_s, TICK_S
+            left, right, at.voltage_v, hull.surge_m_s, hull.yaw_rate_rad_s, TICK_S
         )
-        vessel.step(surge_n, 0.0, yaw_nm, at.current_north_m_s, at.current_east_m_s, TICK_S)
+        hull.step(surge_n, 0.0, yaw_nm, at.current_north_m_s, at.current_east_m_s, TICK_S)
         time_s = at.time_s + tick * TICK_S
-        if movers.gap_m(vessel.east_m, vessel.north_m, time_s) > scenario.hull.length_m:
+        if movers.gap_m(hull.east_m, hull.north_m, time_s) > scenario.hull.length_m:
             continue
         for ahead_m, aside_m in outline:
-            east_m = vessel.east_m + ahead_m * vessel.sin + aside_m * vessel.cos
-            north_m = vessel.north_m + ahead_m * vessel.cos - aside_m * vessel.sin
+            east_m = hull.east_m + ahead_m * hull.sin + aside_m * hull.cos
+            north_m = hull.north_m + ahead_m * hull.cos - aside_m * hull.sin
             if movers.gap_m(east_m, north_m, time_s) <= 0.0:
                 return False
     return True

@@ -19,7 +19,7 @@ WATER_KG_M3 = 1000.0
 _PER_RADIAN = 1.0 / (2.0 * math.pi)
 
 
-class PropellerParameters(Section, frozen=True):
+class PropellerSettings(Section, frozen=True):
     """K_T0, K_Q0, J_T and J_Q above, and the share of thrust that is left astern.
 
     depth_m is how deep the shaft lies below the still surface: where waves or trim bring it nearer than the
@@ -55,7 +55,7 @@ class Propeller:
     astern, astern_nn takes the place of thrust_nn.
     """
 
-    def __init__(self, parameters: PropellerParameters) -> None:
+    def __init__(self, parameters: PropellerSettings) -> None:
         area = WATER_KG_M3 * parameters.diameter_m**3
         turned = _PER_RADIAN * _PER_RADIAN * parameters.diameter_m
         thrust, torque = (

@@ -1,10 +1,10 @@
 """The drive's settings: a table of a boat's file."""
 
 from companion.config.section import NonNegative, Positive, Section
-from sitl.world.drive.propeller import PropellerParameters
+from sitl.world.drive.propeller import PropellerSettings
 
 
-class BridgeParameters(Section, frozen=True):
+class BridgeSettings(Section, frozen=True):
     """One half of a dual PWM bridge, seen from its motor as a source with a drop that grows with the current.
 
     drop_v: what its switches lose as soon as current flows; resistance_ohm: what they lose more per ampere.
@@ -23,7 +23,7 @@ class BridgeParameters(Section, frozen=True):
     brake: bool = True
 
 
-class MotorParameters(Section, frozen=True):
+class MotorSettings(Section, frozen=True):
     """A permanent-magnet motor: E = k ω, torque k I, both with the same k in V s/rad = N m/A.
 
     no_load_a is the current that its brushes, bearings and seal cost at any speed: below that it does not
@@ -39,10 +39,10 @@ class MotorParameters(Section, frozen=True):
     churning: NonNegative = 0.0
 
 
-class ThrusterParameters(Section, frozen=True):
+class ThrusterSettings(Section, frozen=True):
     """A pair of equal thrusters; apart_m is the distance between the two shafts."""
 
     apart_m: Positive
-    motor: MotorParameters
-    propeller: PropellerParameters
-    bridge: BridgeParameters = BridgeParameters()
+    motor: MotorSettings
+    propeller: PropellerSettings
+    bridge: BridgeSettings = BridgeSettings()

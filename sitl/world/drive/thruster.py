@@ -19,7 +19,7 @@ Commands are shares of full drive, −1..1, positive ahead.
 """
 
 from sitl.world.drive.propeller import Propeller
-from sitl.world.drive.settings import ThrusterParameters
+from sitl.world.drive.settings import ThrusterSettings
 
 _WEED_TORQUE = 1.1  # of the stall torque, for a propeller that is wholly overgrown
 
@@ -33,7 +33,7 @@ class Thruster:
     is in the water.
     """
 
-    def __init__(self, parameters: ThrusterParameters) -> None:
+    def __init__(self, parameters: ThrusterSettings) -> None:
         motor, bridge = parameters.motor, parameters.bridge
         conductance = 1.0 / (motor.resistance_ohm + bridge.resistance_ohm)
         self._brake, self._propeller = bridge.brake, Propeller(parameters.propeller)
@@ -114,7 +114,7 @@ class Thruster:
 class Thrusters:
     """The pair."""
 
-    def __init__(self, parameters: ThrusterParameters) -> None:
+    def __init__(self, parameters: ThrusterSettings) -> None:
         self._arm_m = 0.5 * parameters.apart_m
         self._depth_m, self._tip_m = parameters.propeller.depth_m, 0.5 * parameters.propeller.diameter_m
         self.left = Thruster(parameters)

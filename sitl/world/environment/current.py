@@ -2,7 +2,7 @@
 
 All that a scenario names is summed. The hull takes each step's current as uniform over its length and over
 the step: that holds while the current changes little along a boat's length (a river of 20 m width and 1 m/s
-does, by 0.2 m/s at its edge). It makes the model in relative velocity valid (see `sitl.world.vessel`).
+does, by 0.2 m/s at its edge). It makes the model in relative velocity valid (see `sitl.world.hull`).
 """
 
 import math

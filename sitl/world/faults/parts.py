@@ -15,7 +15,7 @@ from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.gnss import SimGnss
-from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
 from sitl.world.sensors.sampling import generator
 from sitl.world.sensors.sonar import SimSonar
@@ -48,7 +48,7 @@ def sensor_part(
 class LeakPart:
     """The water probe in the hull. It is wet by a fault or by a parameter."""
 
-    def __init__(self, hull: SimHull) -> None:
+    def __init__(self, hull: SimHullSensor) -> None:
         self._hull = hull
         self._kind = ""
         self._is_wet = False
@@ -67,7 +67,7 @@ class LeakPart:
         self._hull.is_wet = None if self._kind == "off" else bool(self._kind) or self._is_wet
 
 
-def thermometer_part(hull: SimHull) -> Part:
+def thermometer_part(hull: SimHullSensor) -> Part:
     """The hull's thermometer, and the heat in the hull."""
 
     def apply(fault: FaultSetting | None, now_s: float) -> None:

@@ -11,8 +11,7 @@ from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import BatteryReading
-from sitl.world.battery import BatteryParameters
-from sitl.world.pack import Pack
+from sitl.world.pack import BatterySettings, Pack
 
 RESET = dialect.MAV_CMD_BATTERY_RESET
 REJECTED_FOR_NOW = 1
@@ -31,7 +30,7 @@ class Voyage:
 
     def __init__(self, *, ohm: float, exponent: float, has_current: bool, seed: int = 20261122) -> None:
         print(f"seed {seed}")  # noqa: T201
-        noise, pack = random.Random(seed), Pack(BatteryParameters(resistance_ohm=ohm))
+        noise, pack = random.Random(seed), Pack(BatterySettings(resistance_ohm=ohm))
         gauge, battery = FuelGauge(), BatteryPack()
         self.shown: list[int] = []
         self.true: list[float] = []

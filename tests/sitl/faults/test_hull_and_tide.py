@@ -9,7 +9,7 @@ from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HullReading
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.parts import LeakPart, thermometer_part
-from sitl.world.sensors.hull import SimHull
+from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.settings import HullSensorSettings
 
 
@@ -23,7 +23,7 @@ def set_parameter(rig: Rig, name: str, value: float) -> None:
     rig.run(0.1)
 
 
-def reading(hull: SimHull, now_s: float) -> HullReading:
+def reading(hull: SimHullSensor, now_s: float) -> HullReading:
     hull.sample(now_s)
     latest = hull.read()
     assert latest is not None
@@ -91,7 +91,7 @@ def test_a_boat_without_a_hull_sensor_has_neither_its_faults_nor_its_parameters(
 
 
 def test_the_thermometer_warms_to_its_limit_and_is_cool_again_at_once() -> None:
-    hull = SimHull(HullSensorSettings(temperature_c=30.0))
+    hull = SimHullSensor(HullSensorSettings(temperature_c=30.0))
     part = thermometer_part(hull)
     part(FaultSetting("thermometer", "hot", size=60.0), 10.0)
     assert reading(hull, 40.0) == HullReading(40.0, False, 60.0)
@@ -103,7 +103,7 @@ def test_the_thermometer_warms_to_its_limit_and_is_cool_again_at_once() -> None:
 
 
 def test_a_fault_that_ends_leaves_the_water_that_a_parameter_has_let_in() -> None:
-    hull = SimHull(HullSensorSettings())
+    hull = SimHullSensor(HullSensorSettings())
     part = LeakPart(hull)
     part.set_wet(1.0)
     part(FaultSetting("leak", "off"), 0.0)
@@ -113,7 +113,7 @@ def test_a_fault_that_ends_leaves_the_water_that_a_parameter_has_let_in() -> Non
 
 
 def test_the_hull_is_looked_at_once_a_second_by_the_boat_s_clock() -> None:
-    hull = SimHull(HullSensorSettings())
+    hull = SimHullSensor(HullSensorSettings())
     hull.clock_offset_s = -3.0
     first = reading(hull, 5.0)
     assert first.time_s == 2.0

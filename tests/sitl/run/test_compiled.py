@@ -102,8 +102,8 @@ def test_a_source_that_has_changed_or_gone_or_come_is_named(tmp_path: Path) -> N
     remember(root)
     (root / "companion/core/geo.py").write_text("HERE = 2\n")
     (root / "sitl/world/world.py").unlink()
-    (root / "sitl/world/vessel.py").write_text("HERE = 3\n")
-    assert stale(root) == ["companion/core/geo.py", "sitl/world/vessel.py", "sitl/world/world.py"]
+    (root / "sitl/world/hull.py").write_text("HERE = 3\n")
+    assert stale(root) == ["companion/core/geo.py", "sitl/world/hull.py", "sitl/world/world.py"]
 
 
 def test_modules_of_which_nobody_knows_when_they_were_compiled_are_stale(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.contact import Touch, Velocity, apply_contact
-from sitl.world.vessel import Vessel
+from sitl.world.hull import Hull
 from sitl.world.world import Truth, World
 
 DT_S = 0.02
@@ -105,32 +105,32 @@ PULL = st.floats(-3.0, 3.0)
 def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
     u: float, v: float, r: float, ahead_m: float, starboard_m: float, angle: float
 ) -> None:
-    vessel = Vessel(LAKE)
-    vessel.move(u, v, r)
-    before_j = vessel.energy_j
+    body = Hull(LAKE)
+    body.move(u, v, r)
+    before_j = body.energy_j
     normal = math.cos(angle), math.sin(angle)
     into = normal[0] * (u - r * starboard_m) + normal[1] * (v + r * ahead_m)
-    apply_contact(vessel, Touch(ahead_m, starboard_m, *normal), Velocity(0.0, 0.0))
-    assert vessel.energy_j <= before_j * (1.0 + 1e-12) + 1e-12
+    apply_contact(body, Touch(ahead_m, starboard_m, *normal), Velocity(0.0, 0.0))
+    assert body.energy_j <= before_j * (1.0 + 1e-12) + 1e-12
     if into >= 0.0:
-        assert vessel.energy_j == before_j
+        assert body.energy_j == before_j
     else:
-        assert vessel.energy_j < before_j or into > -1e-6
+        assert body.energy_j < before_j or into > -1e-6
 
 
 def test_a_frictionless_central_blow_only_stops_what_goes_into_the_wall() -> None:
-    vessel = Vessel(LAKE)
-    vessel.move(2.0, 0.0, 0.0)
-    apply_contact(vessel, Touch(0.5, 0.0, -1.0, 0.0), Velocity(0.0, 0.0))
-    assert (vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s) == (0.0, 0.0, 0.0)
+    body = Hull(LAKE)
+    body.move(2.0, 0.0, 0.0)
+    apply_contact(body, Touch(0.5, 0.0, -1.0, 0.0), Velocity(0.0, 0.0))
+    assert (body.surge_m_s, body.sway_m_s, body.yaw_rate_rad_s) == (0.0, 0.0, 0.0)
 
 
 def test_a_blow_at_the_bow_turns_the_boat_away() -> None:
-    vessel = Vessel(LAKE)
-    vessel.move(2.0, 0.0, 0.0)
+    body = Hull(LAKE)
+    body.move(2.0, 0.0, 0.0)
     normal = -math.sin(0.5), -math.cos(0.5)  # a wall to starboard ahead
-    apply_contact(vessel, Touch(0.5, 0.0, *normal), Velocity(0.0, 0.0))
-    assert vessel.yaw_rate_rad_s < -0.1
+    apply_contact(body, Touch(0.5, 0.0, *normal), Velocity(0.0, 0.0))
+    assert body.yaw_rate_rad_s < -0.1
 
 
 def test_a_soft_shore_holds_the_boat_until_the_pull_is_strong_enough() -> None:

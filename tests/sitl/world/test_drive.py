@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.drive.propeller import PropellerParameters
-from sitl.world.drive.settings import ThrusterParameters
+from sitl.world.drive.propeller import PropellerSettings
+from sitl.world.drive.settings import ThrusterSettings
 from sitl.world.drive.thruster import Thruster, Thrusters
 
 LAKE = load_scenario("open").thrusters
@@ -22,7 +22,7 @@ DT_S = 0.02
 
 
 def settled(
-    drive: ThrusterParameters, command: float, supply_v: float = PACK_V, advance_m_s: float = 0.0
+    drive: ThrusterSettings, command: float, supply_v: float = PACK_V, advance_m_s: float = 0.0
 ) -> Thruster:
     thruster = Thruster(drive)
     for _ in range(300):
@@ -33,7 +33,7 @@ def settled(
 @DRIVES
 @pytest.mark.parametrize("command", [1.0, 0.6, -0.8])
 def test_a_settled_shaft_balances_motor_against_propeller_and_friction(
-    drive: ThrusterParameters, command: float
+    drive: ThrusterSettings, command: float
 ) -> None:
     shaft = settled(drive, command)
     motor, speed = drive.motor, abs(shaft.speed_rad_s)
@@ -62,7 +62,7 @@ def test_the_lake_boats_thrusters_pull_four_newtons_at_the_bollard_and_less_aste
 
 
 @pytest.mark.parametrize(("drive", "dead"), [(LAKE, 0.045), (POOL, 0.12)])
-def test_a_command_inside_the_deadband_moves_nothing(drive: ThrusterParameters, dead: float) -> None:
+def test_a_command_inside_the_deadband_moves_nothing(drive: ThrusterSettings, dead: float) -> None:
     for command in (0.0, 0.9 * dead, -0.9 * dead):
         assert settled(drive, command, 12.6).thrust_n == 0.0
     assert settled(drive, 1.1 * dead, 12.6).thrust_n > 0.0
@@ -71,13 +71,13 @@ def test_a_command_inside_the_deadband_moves_nothing(drive: ThrusterParameters, 
 
 @DRIVES
 @given(one=SHARE, other=SHARE)
-def test_more_command_never_gives_less_thrust(drive: ThrusterParameters, one: float, other: float) -> None:
+def test_more_command_never_gives_less_thrust(drive: ThrusterSettings, one: float, other: float) -> None:
     low, high = sorted((one, other))
     assert settled(drive, low).thrust_n <= settled(drive, high).thrust_n + 1e-12
 
 
 @DRIVES
-def test_a_pack_that_droops_takes_speed_and_thrust_along(drive: ThrusterParameters) -> None:
+def test_a_pack_that_droops_takes_speed_and_thrust_along(drive: ThrusterSettings) -> None:
     thrusts = [settled(drive, 0.8, supply_v).thrust_n for supply_v in (9.0, 10.5, 12.0, 12.6)]
     assert thrusts == sorted(thrusts)
     assert thrusts[0] < 0.7 * thrusts[-1]
@@ -113,7 +113,7 @@ def test_the_step_hardly_matters() -> None:
 
 
 @DRIVES
-def test_a_stopped_motor_runs_down_to_exactly_nothing(drive: ThrusterParameters) -> None:
+def test_a_stopped_motor_runs_down_to_exactly_nothing(drive: ThrusterSettings) -> None:
     shaft = settled(drive, 1.0)
     for _ in range(600):
         shaft.step(0.0, PACK_V, 0.0, DT_S)
@@ -144,7 +144,7 @@ def test_a_motor_that_coasts_between_pulses_runs_faster_on_the_same_command() ->
     supply_v=st.floats(6.0, 12.6),
 )
 def test_the_pack_always_gives_more_than_the_shaft_takes(
-    drive: ThrusterParameters, commands: list[float], advance_m_s: float, supply_v: float
+    drive: ThrusterSettings, commands: list[float], advance_m_s: float, supply_v: float
 ) -> None:
     """Over any while: work from the pack ≥ work on the water + what the shaft has stored."""
     shaft = Thruster(drive)
@@ -163,7 +163,7 @@ def test_the_pack_always_gives_more_than_the_shaft_takes(
 @DRIVES
 @given(command=SHARE, advance_m_s=st.floats(-3.0, 6.0))
 def test_the_water_never_gets_more_power_than_the_shaft_gives(
-    drive: ThrusterParameters, command: float, advance_m_s: float
+    drive: ThrusterSettings, command: float, advance_m_s: float
 ) -> None:
     shaft = Thruster(drive)
     for _ in range(100):
@@ -174,7 +174,7 @@ def test_the_water_never_gets_more_power_than_the_shaft_gives(
 
 def test_a_propeller_that_gives_more_than_it_takes_is_refused() -> None:
     with pytest.raises(ValueError, match="gives more power than it takes"):
-        PropellerParameters(
+        PropellerSettings(
             diameter_m=0.03,
             thrust_coefficient=0.4,
             torque_coefficient=0.02,

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from sitl.world.hull import VesselParameters
-from sitl.world.vessel import Vessel
+from sitl.world.hull import Hull
+from sitl.world.hull_settings import HullSettings
 
 MASS_KG, LENGTH_M, BEAM_M, GRAVITY = 55.0, 2.0, 1.08, 9.81
 TOP_M_S = 6.0 * 0.5144
@@ -26,7 +26,7 @@ PER_SHAFT = 0.02216 / 2.0  # N per (rad/s)²
 INERTIA = MASS_KG * (0.25 * LENGTH_M) ** 2
 M11, M22, M33 = 1.1 * MASS_KG, 2.5 * MASS_KG, 2.7 * INERTIA
 DRAUGHT_M, SECTION_DRAG = 0.134, 0.8  # of either hull; the drag of a section twice as wide as deep (Hoerner)
-OTTER = VesselParameters(
+OTTER = HullSettings(
     mass_kg=MASS_KG,
     length_m=LENGTH_M,
     beam_m=BEAM_M,
@@ -51,11 +51,11 @@ def forces(left_rad_s: float, right_rad_s: float) -> tuple[float, float]:
     return left_n + right_n, ARM_M * (left_n - right_n)
 
 
-def run(surge_n: float, yaw_nm: float, for_s: float, vessel: Vessel | None = None) -> Vessel:
-    vessel = vessel or Vessel(OTTER)
+def run(surge_n: float, yaw_nm: float, for_s: float, body: Hull | None = None) -> Hull:
+    body = body or Hull(OTTER)
     for _ in range(round(for_s / DT_S)):
-        vessel.step(surge_n, 0.0, yaw_nm, 0.0, 0.0, DT_S)
-    return vessel
+        body.step(surge_n, 0.0, yaw_nm, 0.0, 0.0, DT_S)
+    return body
 
 
 def reference(surge_n: float, yaw_nm: float, for_s: float, start: tuple[float, float, float]) -> list[float]:
@@ -80,10 +80,10 @@ def reference(surge_n: float, yaw_nm: float, for_s: float, start: tuple[float, f
     return [float(row[-1]) for row in solution.y]
 
 
-def state(vessel: Vessel) -> list[float]:
+def state(body: Hull) -> list[float]:
     return [
-        vessel.north_m, vessel.east_m, vessel.heading_rad,
-        vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s,
+        body.north_m, body.east_m, body.heading_rad,
+        body.surge_m_s, body.sway_m_s, body.yaw_rate_rad_s,
     ]  # fmt: skip
 
 
@@ -96,11 +96,11 @@ def test_full_ahead_gives_the_published_six_knots() -> None:
 
 def test_it_stops_from_full_speed_within_the_way_of_the_closed_form() -> None:
     # m11 u' = −X u, so the way until rest is m11 U / X = 2.4 m, and the time constant m11 / X = 0.78 s.
-    vessel = Vessel(OTTER)
-    vessel.move(TOP_M_S, 0.0, 0.0)
-    run(0.0, 0.0, 20.0, vessel)
-    assert vessel.north_m == pytest.approx(M11 * TOP_M_S**2 / PULL_N, rel=1e-3)
-    assert vessel.north_m == pytest.approx(2.41, abs=0.01)
+    body = Hull(OTTER)
+    body.move(TOP_M_S, 0.0, 0.0)
+    run(0.0, 0.0, 20.0, body)
+    assert body.north_m == pytest.approx(M11 * TOP_M_S**2 / PULL_N, rel=1e-3)
+    assert body.north_m == pytest.approx(2.41, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -112,35 +112,35 @@ def test_the_closed_form_sails_as_textbook_matrices_and_quadrature_do(
     left: float, right: float, start: tuple[float, float, float]
 ) -> None:
     force_n, moment_nm = forces(left, right)
-    vessel = Vessel(OTTER)
-    vessel.move(*start)
-    run(force_n, moment_nm, 10.0, vessel)
-    assert state(vessel) == pytest.approx(reference(force_n, moment_nm, 10.0, start), abs=3e-3, rel=1e-3)
+    body = Hull(OTTER)
+    body.move(*start)
+    run(force_n, moment_nm, 10.0, body)
+    assert state(body) == pytest.approx(reference(force_n, moment_nm, 10.0, start), abs=3e-3, rel=1e-3)
 
 
 def test_the_turning_circle_is_that_of_its_steady_balance() -> None:
     """100 against 80 rad/s: after 40 s all accelerations are gone, and the circle closes on itself."""
     force_n, moment_nm = forces(100.0, 80.0)
-    vessel = run(force_n, moment_nm, 40.0)
-    u, v, r = vessel.surge_m_s, vessel.sway_m_s, vessel.yaw_rate_rad_s
+    body = run(force_n, moment_nm, 40.0)
+    u, v, r = body.surge_m_s, body.sway_m_s, body.yaw_rate_rad_s
     assert OTTER.surge_linear * u == pytest.approx(force_n + M22 * v * r, rel=1e-6)
     radius_m = math.hypot(u, v) / r
-    before = vessel.north_m, vessel.east_m
+    before = body.north_m, body.east_m
     around_s = 2.0 * math.pi / r
-    run(force_n, moment_nm, around_s, vessel)
-    assert math.dist(before, (vessel.north_m, vessel.east_m)) < 0.05 * radius_m
+    run(force_n, moment_nm, around_s, body)
+    assert math.dist(before, (body.north_m, body.east_m)) < 0.05 * radius_m
     assert v < 0.0  # it slides outward
     assert 5.0 * LENGTH_M < 2.0 * radius_m < 30.0 * LENGTH_M
 
 
 def zigzag(limit_rad: float, steer_nm: float, force_n: float) -> list[float]:
     """Kempf's manoeuvre: the moment is reversed whenever the heading passes the limit. Overshoots in rad."""
-    vessel = run(force_n, 0.0, 20.0)
+    body = run(force_n, 0.0, 20.0)
     side, overshoots, peak = 1.0, [], 0.0
     for _ in range(round(120.0 / DT_S)):
-        vessel.step(force_n, 0.0, side * steer_nm, 0.0, 0.0, DT_S)
-        peak = max(peak, -side * vessel.heading_rad)
-        if side * vessel.heading_rad >= limit_rad:
+        body.step(force_n, 0.0, side * steer_nm, 0.0, 0.0, DT_S)
+        peak = max(peak, -side * body.heading_rad)
+        if side * body.heading_rad >= limit_rad:
             overshoots.append(peak - limit_rad)
             side, peak = -side, 0.0
     return overshoots[3:]  # the first ones still lose speed

@@ -4,21 +4,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.world.battery import BatteryParameters
-from sitl.world.drive.propeller import PropellerParameters
-from sitl.world.drive.settings import MotorParameters, ThrusterParameters
+from sitl.world.drive.propeller import PropellerSettings
+from sitl.world.drive.settings import MotorSettings, ThrusterSettings
 from sitl.world.drive.thruster import Thruster
-from sitl.world.pack import CELL_V, CLIFF, Pack
+from sitl.world.pack import CELL_V, CLIFF, BatterySettings, Pack
 
 
 def test_a_full_pack_at_rest_shows_its_cells_less_the_idle_drop() -> None:
-    pack = Pack(BatteryParameters(cells=3, resistance_ohm=0.1, idle_a=0.5))
+    pack = Pack(BatterySettings(cells=3, resistance_ohm=0.1, idle_a=0.5))
     assert pack.voltage_v == pytest.approx(3 * 4.20 - 0.05)
     assert pack.current_a == 0.5
 
 
 def test_an_hour_at_one_ampere_takes_a_thousand_milliampere_hours() -> None:
-    pack = Pack(BatteryParameters(capacity_mah=2000.0, idle_a=0.25, resistance_ohm=0.0))
+    pack = Pack(BatterySettings(capacity_mah=2000.0, idle_a=0.25, resistance_ohm=0.0))
     for _ in range(3600):
         pack.step(0.75, 1.0)
     assert pack.used_mah == pytest.approx(1000.0)
@@ -27,7 +26,7 @@ def test_an_hour_at_one_ampere_takes_a_thousand_milliampere_hours() -> None:
 
 
 def test_load_sags_the_voltage_by_current_times_resistance() -> None:
-    pack = Pack(BatteryParameters(charge=0.5, resistance_ohm=0.08, idle_a=0.0))
+    pack = Pack(BatterySettings(charge=0.5, resistance_ohm=0.08, idle_a=0.0))
     pack.step(0.0, 0.0)
     at_rest = pack.voltage_v
     pack.step(10.0, 0.0)
@@ -36,7 +35,7 @@ def test_load_sags_the_voltage_by_current_times_resistance() -> None:
 
 def test_an_almost_empty_pack_sags_three_times_as_much() -> None:
     def sag_v(charge: float) -> float:
-        pack = Pack(BatteryParameters(charge=charge, resistance_ohm=0.08, idle_a=0.0))
+        pack = Pack(BatterySettings(charge=charge, resistance_ohm=0.08, idle_a=0.0))
         at_rest = pack.voltage_v
         pack.step(5.0, 0.0)
         return at_rest - pack.voltage_v
@@ -46,7 +45,7 @@ def test_an_almost_empty_pack_sags_three_times_as_much() -> None:
 
 
 def test_a_pack_that_is_drawn_below_empty_falls_off_a_cliff_and_takes_the_computer_along() -> None:
-    pack = Pack(BatteryParameters(capacity_mah=1000.0, charge=0.0, idle_a=1.0, resistance_ohm=0.0))
+    pack = Pack(BatterySettings(capacity_mah=1000.0, charge=0.0, idle_a=1.0, resistance_ohm=0.0))
     assert pack.voltage_v == pytest.approx(3 * CELL_V[0])
     enough = not pack.is_browned_out
     for _ in range(round(0.5 * CLIFF * 3600.0)):
@@ -62,22 +61,22 @@ def test_a_pack_that_is_drawn_below_empty_falls_off_a_cliff_and_takes_the_comput
 
 @given(charges=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)))
 def test_less_charge_never_shows_more_voltage(charges: tuple[float, float]) -> None:
-    low, high = (Pack(BatteryParameters(charge=charge)).voltage_v for charge in sorted(charges))
+    low, high = (Pack(BatterySettings(charge=charge)).voltage_v for charge in sorted(charges))
     assert low <= high
 
 
 def test_a_worn_out_pack_under_two_stalled_motors_settles() -> None:
     """0.5 Ω against 0.6 Ω: a voltage taken from the last step alone would swing between none and all."""
-    motor = MotorParameters(back_emf_v_s=0.008, resistance_ohm=1.2, inertia_kg_m2=1e-5, no_load_a=1e3)
-    propeller = PropellerParameters(
+    motor = MotorSettings(back_emf_v_s=0.008, resistance_ohm=1.2, inertia_kg_m2=1e-5, no_load_a=1e3)
+    propeller = PropellerSettings(
         diameter_m=0.03,
         thrust_coefficient=0.31,
         torque_coefficient=0.06,
         zero_thrust_advance=2.3,
         zero_torque_advance=2.9,
     )
-    shaft = Thruster(ThrusterParameters(apart_m=0.3, motor=motor, propeller=propeller))
-    pack = Pack(BatteryParameters(resistance_ohm=0.5, idle_a=0.0))
+    shaft = Thruster(ThrusterSettings(apart_m=0.3, motor=motor, propeller=propeller))
+    pack = Pack(BatterySettings(resistance_ohm=0.5, idle_a=0.0))
     shown = []
     for _ in range(100):
         shaft.step(1.0, pack.supply_v, 0.0, 0.02)

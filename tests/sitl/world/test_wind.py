@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.settings import Environment
 from sitl.world.environment.wind import PEAK_FACTOR, Wind
-from sitl.world.hull import WindageParameters
+from sitl.world.hull_settings import WindageSettings
 from sitl.world.windage import AIR_KG_M3, Windage
 from sitl.world.world import Truth, World
 
 DT_S = 0.02
 SPEED = st.floats(-15.0, 15.0)
-BOAT = WindageParameters()
+BOAT = WindageSettings()
 
 
 def speeds(wind: Wind, for_s: float) -> list[tuple[float, float]]:
@@ -82,7 +82,7 @@ def test_a_wind_over_the_bow_or_the_quarter_turns_the_hull_beam_on() -> None:
 
 
 def test_a_lateral_area_forward_of_amidships_makes_the_bow_fall_off() -> None:
-    ahead = Windage(WindageParameters(lever_m=0.1), 1.0)
+    ahead = Windage(WindageSettings(lever_m=0.1), 1.0)
     _, sway_n, yaw_nm = ahead.force(0.0, 6.0)
     assert yaw_nm == pytest.approx(0.1 * sway_n)
 

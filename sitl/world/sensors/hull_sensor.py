@@ -11,7 +11,7 @@ PERIOD_S: Final = 1.0
 HOTTEST_C: Final = 110.0
 
 
-class SimHull(Sensor[HullReading]):
+class SimHullSensor(Sensor[HullReading]):
     """Dry and at the temperature of the settings, unless changed by faults or parameters.
 
     is_wet: water at the probe; None: the probe says nothing. offset_c: what the thermometer is off by;

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.hull import VesselParameters
-from sitl.world.vessel import Vessel
+from sitl.world.hull import Hull
+from sitl.world.hull_settings import HullSettings
 
 DT_S = 0.02
 LAKE = load_scenario("open").hull
@@ -17,28 +17,28 @@ POOL = load_scenario("pool").hull
 
 
 def sail(
-    parameters: VesselParameters,
+    parameters: HullSettings,
     force_n: float,
     moment_nm: float,
     for_s: float,
     dt_s: float = DT_S,
     start: tuple[float, float, float] = (0.0, 0.0, 0.0),
     current: tuple[float, float] = (0.0, 0.0),
-) -> Vessel:
-    vessel = Vessel(parameters)
-    vessel.move(*start)
+) -> Hull:
+    body = Hull(parameters)
+    body.move(*start)
     for _ in range(round(for_s / dt_s)):
-        vessel.step(force_n, 0.0, moment_nm, *current, dt_s)
-    return vessel
+        body.step(force_n, 0.0, moment_nm, *current, dt_s)
+    return body
 
 
 @pytest.mark.parametrize("hull", [LAKE, POOL])
 @pytest.mark.parametrize("speed_m_s", [0.02, 0.05])
-def test_steady_speed_balances_thrust_against_damping(hull: VesselParameters, speed_m_s: float) -> None:
+def test_steady_speed_balances_thrust_against_damping(hull: HullSettings, speed_m_s: float) -> None:
     thrust_n = hull.surge_linear * speed_m_s + hull.surge_quadratic * speed_m_s**2
-    vessel = sail(hull, thrust_n, 0.0, for_s=300.0)
-    assert vessel.surge_m_s == pytest.approx(speed_m_s, rel=1e-4)
-    assert (vessel.sway_m_s, vessel.yaw_rate_rad_s, vessel.east_m) == (0.0, 0.0, 0.0)
+    body = sail(hull, thrust_n, 0.0, for_s=300.0)
+    assert body.surge_m_s == pytest.approx(speed_m_s, rel=1e-4)
+    assert (body.sway_m_s, body.yaw_rate_rad_s, body.east_m) == (0.0, 0.0, 0.0)
 
 
 def test_a_coasting_hull_slows_down_as_the_closed_form_says() -> None:
@@ -54,16 +54,16 @@ def test_a_coasting_hull_slows_down_as_the_closed_form_says() -> None:
 
 def test_a_pure_turn_settles_where_moment_and_yaw_damping_balance() -> None:
     strips = 0.25 * LAKE.sway_quadratic * (0.5 * LAKE.crossflow_length_m) ** 3
-    vessel = sail(LAKE, 0.0, LAKE.yaw_linear * 0.7 + strips * 0.49, for_s=60.0)
-    assert vessel.yaw_rate_rad_s == pytest.approx(0.7, rel=1e-6)
-    assert (vessel.north_m, vessel.east_m) == (0.0, 0.0)
+    body = sail(LAKE, 0.0, LAKE.yaw_linear * 0.7 + strips * 0.49, for_s=60.0)
+    assert body.yaw_rate_rad_s == pytest.approx(0.7, rel=1e-6)
+    assert (body.north_m, body.east_m) == (0.0, 0.0)
 
 
 def test_a_clockwise_moment_turns_to_starboard_and_the_hull_slides_outward() -> None:
-    vessel = sail(LAKE, 4.0, 0.3, for_s=3.0, start=(2.0, 0.0, 0.0))
-    assert vessel.heading_rad > 0.3
-    assert vessel.east_m > 0.0
-    assert vessel.sway_m_s < -0.03  # to port, away from the turn's centre
+    body = sail(LAKE, 4.0, 0.3, for_s=3.0, start=(2.0, 0.0, 0.0))
+    assert body.heading_rad > 0.3
+    assert body.east_m > 0.0
+    assert body.sway_m_s < -0.03  # to port, away from the turn's centre
 
 
 @given(force_n=st.floats(-6.0, 6.0), moment_nm=st.floats(0.01, 0.8), speed_m_s=st.floats(-1.0, 3.0))
@@ -79,22 +79,22 @@ def test_port_and_starboard_turns_are_exact_mirror_images(
 
 @pytest.mark.parametrize("hull", [LAKE, POOL])
 @given(u=st.floats(-1.0, 1.0), v=st.floats(-1.0, 1.0), r=st.floats(-1.0, 1.0))
-def test_an_unpowered_hull_never_gains_energy(hull: VesselParameters, u: float, v: float, r: float) -> None:
+def test_an_unpowered_hull_never_gains_energy(hull: HullSettings, u: float, v: float, r: float) -> None:
     top = 3.0 if hull is LAKE else 0.07
-    vessel = Vessel(hull)
-    vessel.move(u * top, v * top, r * 2.0)
-    energy_j = vessel.energy_j
+    body = Hull(hull)
+    body.move(u * top, v * top, r * 2.0)
+    energy_j = body.energy_j
     for _ in range(500):
-        vessel.step(0.0, 0.0, 0.0, 0.3, -0.2, DT_S)
-        assert vessel.energy_j <= energy_j
-        energy_j = vessel.energy_j
+        body.step(0.0, 0.0, 0.0, 0.3, -0.2, DT_S)
+        assert body.energy_j <= energy_j
+        energy_j = body.energy_j
 
 
 def test_an_unpowered_hull_at_rest_drifts_with_the_current() -> None:
-    vessel = sail(LAKE, 0.0, 0.0, for_s=100.0, current=(0.3, -0.4))
-    assert [vessel.north_m, vessel.east_m] == pytest.approx([30.0, -40.0])
-    assert (vessel.water_north_m_s, vessel.water_east_m_s) == (0.0, 0.0)
-    assert vessel.heading_rad == 0.0
+    body = sail(LAKE, 0.0, 0.0, for_s=100.0, current=(0.3, -0.4))
+    assert [body.north_m, body.east_m] == pytest.approx([30.0, -40.0])
+    assert (body.water_north_m_s, body.water_east_m_s) == (0.0, 0.0)
+    assert body.heading_rad == 0.0
 
 
 @given(
@@ -116,8 +116,8 @@ def test_a_current_only_carries_the_whole_motion_along(
 
 def test_halving_the_step_quarters_the_error() -> None:
     def end(dt_s: float) -> tuple[float, float, float]:
-        vessel = sail(LAKE, 5.0, 0.4, 4.0, dt_s=dt_s)
-        return vessel.north_m, vessel.east_m, vessel.heading_rad
+        body = sail(LAKE, 5.0, 0.4, 4.0, dt_s=dt_s)
+        return body.north_m, body.east_m, body.heading_rad
 
     exact = end(0.0005)
     errors = [math.dist(end(dt_s), exact) for dt_s in (0.04, 0.02, 0.01)]
