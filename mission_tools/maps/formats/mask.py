@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
@@ -108,10 +109,8 @@ def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name:
     if water.is_empty:
         raise MapError(f"{source}: no water in it: no bright pixel (water is white, land is black)")
     degrees = georeference.in_degrees(water, source)
-    pixel_m = _pixel_m(georeference, water, source)
-    note = (
-        f"{source}: outline drawn {SHRINK_PIXELS:.2f} pixels ({SHRINK_PIXELS * pixel_m:.2f} m) into the water"
-    )
+    drawn_m = SHRINK_PIXELS * pixel_m(georeference, water, source)
+    note = f"{source}: outline drawn {SHRINK_PIXELS:.2f} pixels ({drawn_m:.2f} m) into the water"
     return RawMap(source, fallback_name, (RawFeature(source, {"kind": "water"}, degrees),), notes=(note,))
 
 
@@ -143,11 +142,11 @@ def _without_specks(area: Area) -> Area:
     return MultiPolygon(parts)
 
 
-def _pixel_m(georeference: Georeference, water: Area, source: str) -> float:
-    """The longer side of a pixel, in the middle of the water."""
+def pixel_m(georeference: Georeference, near: BaseGeometry, source: str) -> float:
+    """The longer side of a pixel, in the middle of a shape of pixel corners."""
     from mission_tools.maps.projection import local_coordinates  # noqa: PLC0415
 
-    at = water.centroid
+    at = near.centroid
     cross = shapely.MultiPoint([(at.x, at.y), (at.x + 1.0, at.y), (at.x, at.y + 1.0)])
     lon_lat = shapely.get_coordinates(georeference.in_degrees(cross, source))
     local = local_coordinates(lon_lat, LatLon(float(lon_lat[0, 1]), float(lon_lat[0, 0])))

@@ -1,0 +1,21 @@
+"""`mission-trace`: turn an aerial photograph into a map of its water."""
+
+import sys
+
+from companion.core.interrupts import Run, run_interruptibly
+
+
+def load() -> Run:
+    """Do the imports; returns the program."""
+    from mission_tools.cli.trace_command import run_program as run  # noqa: PLC0415 (may be interrupted)
+
+    return run
+
+
+def main() -> None:
+    """Entry point."""
+    sys.exit(run_interruptibly("mission-trace", load))
+
+
+if __name__ == "__main__":
+    main()

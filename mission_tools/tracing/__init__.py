@@ -1,0 +1,1 @@
+"""Aerial photographs turned into maps of the water."""
