@@ -14,7 +14,7 @@ def _tuning() -> list[ParameterRow]:
     """Parameters of the boat's behaviour."""
     return [
         ParameterRow("SYSID_THISMAV", _I16, "MAVLink system id of the boat", "identity.system_id", low=1, high=255, needs_restart=True),
-        ParameterRow("SYSID_MYGCS", _I16, "System id of the operator, 0 any ground station; selects whose silence counts and who may steer manually", "identity.operator_system_id", low=0, high=255),
+        ParameterRow("SYSID_MYGCS", _I16, "Operator's system id, 0 any station: whose silence counts, and who may steer manually", "identity.operator_system_id", low=0, high=255),
         ParameterRow("SYSID_ENFORCE", _I8, "Only SYSID_MYGCS may arm, command, upload and set parameters", "identity.only_operator", low=0, high=1, values=names.DISABLED_ENABLED),
         ParameterRow("LOG_BACKEND_TYPE", _I8, "Onboard log", "log.onboard", low=0, high=1, values=names.LOG_BACKENDS),
         ParameterRow("LOG_DISARMED", _I8, "When the onboard log records", "log.disarmed", low=0, high=1, values=names.LOG_TIMES),
@@ -32,7 +32,7 @@ def _tuning() -> list[ParameterRow]:
         ParameterRow("ATC_SPEED_I", _REAL, "Speed loop: integral gain", "speed.ki", low=0, high=50),
         ParameterRow("MOT_THR_MAX", _I16, "Largest throttle", "speed.max_throttle", scale=100.0, unit="%", low=0, high=100),
         ParameterRow("MOT_THR_MIN", _I16, "Smaller commands are not sent", "motors.deadband", scale=100.0, unit="%", low=0, high=20),
-        ParameterRow("MOT_L_MIN_FWD", _REAL, "Dead band of the left motor ahead; set by the thruster calibration, as all MOT_L_ and MOT_R_", "thrusters.left_ahead", scale=100.0, unit="%", low=0, high=60),
+        ParameterRow("MOT_L_MIN_FWD", _REAL, "Dead band of the left motor ahead; the thruster calibration sets it", "thrusters.left_ahead", scale=100.0, unit="%", low=0, high=60),
         ParameterRow("MOT_L_MIN_REV", _REAL, "Dead band of the left motor astern", "thrusters.left_astern", scale=100.0, unit="%", low=0, high=60),
         ParameterRow("MOT_R_MIN_FWD", _REAL, "Dead band of the right motor ahead", "thrusters.right_ahead", scale=100.0, unit="%", low=0, high=60),
         ParameterRow("MOT_R_MIN_REV", _REAL, "Dead band of the right motor astern", "thrusters.right_astern", scale=100.0, unit="%", low=0, high=60),
