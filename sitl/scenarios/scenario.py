@@ -28,12 +28,12 @@ from mission_tools.maps.source import RouteDefaults
 from sitl.radio.link import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.scenarios.random_world import RandomWater, random_world
+from sitl.world.battery_settings import BatterySettings
 from sitl.world.drive.settings import ThrusterSettings
 from sitl.world.environment.settings import Environment
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import MoverSettings
-from sitl.world.pack import BatterySettings
 from sitl.world.sensors.sampling import Seed
 from sitl.world.sensors.settings import Sensors
 

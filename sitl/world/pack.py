@@ -4,11 +4,7 @@ The resistance rises as the last fifth is drawn, and below empty the voltage fal
 does whose cells are drained too deep: so a boat that sails on loses first its speed, then its computer.
 """
 
-from typing import Annotated
-
-from msgspec import Meta
-
-from companion.config.section import NonNegative, Positive, Section, Share
+from sitl.world.battery_settings import BatterySettings
 
 # Open-circuit voltage of one cell at 0, 10 … 100 % charge: the shape common to LiPo cells at rest, flat in
 # the middle and steep at the empty end.
@@ -16,22 +12,6 @@ CELL_V = (3.27, 3.61, 3.69, 3.73, 3.77, 3.80, 3.84, 3.90, 3.98, 4.08, 4.20)
 CLIFF = 0.03  # share of the capacity that can be drawn below empty, until nothing is left
 _LAST = 0.2  # share of the charge over which the resistance rises
 _RISE = 2.0  # how much more of it there is when empty, of what there is when full
-
-
-class BatterySettings(Section, frozen=True):
-    """One pack. charge is the share left at the start; idle_a is what computer and sensors draw.
-
-    brownout_v is the voltage at the terminals below which the computer's regulator gives up: five volts,
-    the two that a plain one drops, and some for the leads.
-    """
-
-    capacity_mah: Positive = 2200.0
-    cells: Annotated[int, Meta(ge=1, le=10)] = 3
-    resistance_ohm: NonNegative = 0.05
-    charge: Share = 1.0
-    idle_a: NonNegative = 0.6
-    brownout_v: NonNegative = 7.0
-    rate_hz: Positive = 10.0
 
 
 class Pack:

@@ -11,7 +11,8 @@ from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import BatteryReading
-from sitl.world.pack import BatterySettings, Pack
+from sitl.world.battery_settings import BatterySettings
+from sitl.world.pack import Pack
 
 RESET = dialect.MAV_CMD_BATTERY_RESET
 REJECTED_FOR_NOW = 1

@@ -4,10 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sitl.world.battery_settings import BatterySettings
 from sitl.world.drive.propeller import PropellerSettings
 from sitl.world.drive.settings import MotorSettings, ThrusterSettings
 from sitl.world.drive.thruster import Thruster
-from sitl.world.pack import CELL_V, CLIFF, BatterySettings, Pack
+from sitl.world.pack import CELL_V, CLIFF, Pack
 
 
 def test_a_full_pack_at_rest_shows_its_cells_less_the_idle_drop() -> None:
