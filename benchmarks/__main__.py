@@ -24,10 +24,10 @@ from benchmarks import (
     river,
     router,
     startup,
-    survey,
     transfer,
 )
 from benchmarks.measure import Row
+from benchmarks.planning import grids
 
 PAGE = Path("docs/benchmarks.md")
 JSON = Path("out/benchmarks.json")
@@ -35,6 +35,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
     "planner": planner.rows,
     "river": river.rows,
+    "grids": grids.rows,
     "emulator": emulator.rows,
     "campaign": campaign.rows,
     "fleet": fleet.rows,
@@ -43,14 +44,15 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "router": router.rows,
     "memory": memory.rows,
     "startup": startup.rows,
-    "survey": survey.rows,
     "loop": loop.rows,
     "garbage": garbage.rows,
 }
 
+_PICTURES = {"grids": "pictures/grid_scale.png"}
+
 _INTRODUCTION = """# Benchmarks
 
-Compare this project with pymavlink, networkx and MAVProxy on your machine:
+Compare this project with pymavlink, networkx, pyastar2d and MAVProxy on your machine:
 
     make bench
 
@@ -64,7 +66,7 @@ Machine: {machine}. Measured on {day}.
 
 
 def main(names: list[str]) -> int:
-    """Run the named benchmarks, all without a name. Only a full run rewrites the page."""
+    """Run the named benchmarks, all without a name. A full run rewrites the page, another its sections."""
     unknown = [name for name in names if name not in BENCHMARKS]
     if unknown:
         sys.stderr.write(f"benchmarks: no {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}\n")
@@ -77,14 +79,13 @@ def main(names: list[str]) -> int:
     JSON.write_text(
         json.dumps({name: [row.as_dict() for row in rows] for name, rows in found.items()}, indent=2)
     )
-    if not names:
-        PAGE.write_text(_page(found), encoding="utf-8")
+    PAGE.write_text(_page(found) if not names else _with_sections(found), encoding="utf-8")
     return 0
 
 
 def _cells(row: Row) -> tuple[str, str, str, str]:
     peer = row.note or "–" if row.peer is None else f"{row.peer_name}: {row.peer:.3g} {row.unit}"
-    ratio = "–" if row.ratio is None else f"{row.ratio:.2f}"
+    ratio = "–" if row.ratio is None else f"{row.ratio:.2f}" if row.ratio > 0.1 else f"{row.ratio:.2g}"
     return row.question, f"{row.ours:.3g} ± {row.spread:.2g} {row.unit}", peer, ratio
 
 
@@ -98,12 +99,29 @@ def _print(name: str, rows: list[Row]) -> None:
 def _page(found: dict[str, list[Row]]) -> str:
     cores = len(os.sched_getaffinity(0))
     machine = f"{platform.machine()}, {cores} cores, {platform.system()}, Python {platform.python_version()}"
-    lines = [_INTRODUCTION.format(machine=machine, day=time.strftime("%d %B %Y"))]
+    introduction = _INTRODUCTION.format(machine=machine, day=time.strftime("%d %B %Y"))
+    return "\n".join([introduction, *(_section(name, rows) for name, rows in found.items())])
+
+
+def _section(name: str, rows: list[Row], note: str = "") -> str:
+    lines = [f"## {name}", "", *((note, "") if note else ())]
+    if name in _PICTURES:
+        lines += [f"![{name}]({_PICTURES[name]})", ""]
+    lines += ["| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
+    lines += [f"| {' | '.join(_cells(row))} |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _with_sections(found: dict[str, list[Row]]) -> str:
+    """The page as it is, with these sections in place of theirs, in the order of the benchmarks."""
+    introduction, *sections = PAGE.read_text(encoding="utf-8").split("\n## ")
+    by_name = {section.split("\n", 1)[0]: f"## {section.rstrip()}\n" for section in sections}
+    day = time.strftime("%d %B %Y")
     for name, rows in found.items():
-        lines += [f"## {name}", "", "| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
-        lines += [f"| {' | '.join(_cells(row))} |" for row in rows]
-        lines.append("")
-    return "\n".join(lines)
+        note = f"Measured on {day}, with `python -m benchmarks {name}`."
+        by_name[name] = _section(name, rows, note)
+    order = [*BENCHMARKS, *(name for name in by_name if name not in BENCHMARKS)]
+    return "\n".join([introduction.rstrip() + "\n", *(by_name[name] for name in order if name in by_name)])
 
 
 if __name__ == "__main__":

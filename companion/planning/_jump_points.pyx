@@ -4,16 +4,18 @@ import threading
 
 from cpython.mem cimport PyMem_Calloc, PyMem_Free, PyMem_Malloc
 from libc.stdint cimport int32_t, uint8_t, uint32_t, uint64_t
-from libc.stdlib cimport free, realloc
+from libc.stdlib cimport abs, free, realloc
 from libc.string cimport memcpy, memset
 
 cdef extern from *:
     """
     #define first_bit(word) __builtin_ctzll(word)
     #define last_bit(word) (63 - __builtin_clzll(word))
+    #define prefetch(place) __builtin_prefetch(place)
     """
     int first_bit(uint64_t word) nogil
     int last_bit(uint64_t word) nogil
+    void prefetch(const void *place) nogil
 
 cdef enum:
     EAST
@@ -26,17 +28,24 @@ cdef enum:
     EPOCHS = 1023
     BUCKET_SHIFT = 28
     KEPT_ENTRIES = 1 << 16
+    MOST_KNOWN = 1 << 15  # with more corners, successors are found again quicker than read from memory
+    KEPT_POOL = 1 << 23
 
 cdef uint64_t ALL = ~<uint64_t>0
 cdef uint64_t COST_MASK = ALL >> 10
-cdef uint32_t CELL_MASK = ((<uint32_t>1) << 30) - 1
+cdef uint32_t MASK = ((<uint32_t>1) << 30) - 1
 cdef uint32_t NONE = ~<uint32_t>0
-cdef int32_t NOTHING = -1
+cdef size_t NOWHERE = ~<size_t>0
+
+
+cdef struct Reached:  # a jump point as the end of a jump
+    uint32_t cell
+    uint32_t corner  # and direction of arrival
 
 
 cdef struct Open:  # an entry of the open list
     uint64_t total  # F
-    uint32_t cell
+    Reached reached
     uint32_t later  # the entry below it in the same bucket
 
 
@@ -50,7 +59,7 @@ cdef struct Buckets:  # a ring of stacks of open entries, by F
     uint64_t at, highest  # bucket that is taken from, and the highest pushed to; not wrapped
 
 
-cdef int push(Buckets *open_list, uint64_t total, uint32_t cell) except -1 nogil:
+cdef int push(Buckets *open_list, uint64_t total, Reached reached) except -1 nogil:
     cdef uint64_t bucket = total >> BUCKET_SHIFT
     cdef uint32_t slot = bucket & open_list.ring, entry = open_list.spare
     cdef Open *entries
@@ -66,7 +75,7 @@ cdef int push(Buckets *open_list, uint64_t total, uint32_t cell) except -1 nogil
         entry = open_list.size
         open_list.size += 1
     open_list.entries[entry].total = total
-    open_list.entries[entry].cell = cell
+    open_list.entries[entry].reached = reached
     if open_list.used[slot >> 6] >> (slot & 63) & 1:
         open_list.entries[entry].later = open_list.tops[slot]
     else:
@@ -78,7 +87,7 @@ cdef int push(Buckets *open_list, uint64_t total, uint32_t cell) except -1 nogil
     return 0
 
 
-cdef inline bint pop(Buckets *open_list, uint64_t *total, uint32_t *cell) noexcept nogil:
+cdef inline bint pop(Buckets *open_list, uint64_t *total, Reached *reached) noexcept nogil:
     """The newest entry of the lowest bucket; false where there is none."""
     cdef uint32_t slot = open_list.at & open_list.ring, entry
     cdef uint64_t bits = open_list.used[slot >> 6] >> (slot & 63)
@@ -92,7 +101,7 @@ cdef inline bint pop(Buckets *open_list, uint64_t *total, uint32_t *cell) noexce
     slot = open_list.at & open_list.ring
     entry = open_list.tops[slot]
     total[0] = open_list.entries[entry].total
-    cell[0] = open_list.entries[entry].cell
+    reached[0] = open_list.entries[entry].reached
     open_list.tops[slot] = open_list.entries[entry].later
     if open_list.tops[slot] == NONE:
         open_list.used[slot >> 6] &= ~(<uint64_t>1 << (slot & 63))
@@ -112,34 +121,24 @@ cdef inline bint bit(const uint64_t *line, int32_t at) noexcept nogil:
     return line[at >> 6] >> (at & 63) & 1
 
 
-cdef inline int32_t scan_up(
-    const uint64_t *stops, const uint64_t *cells, int32_t at, int32_t goal
-) noexcept nogil:
-    """The next jump point or the goal in rising order; NOTHING where a blocked cell comes first."""
-    cdef int32_t stop = at + 1, word = stop >> 6
-    cdef uint64_t bits = stops[word] & (ALL << (stop & 63))
+cdef inline int32_t scan_up(const uint64_t *stops, int32_t at) noexcept nogil:
+    """The next stop in rising order."""
+    cdef int32_t next_bit = at + 1, word = next_bit >> 6
+    cdef uint64_t bits = stops[word] & (ALL << (next_bit & 63))
     while bits == 0:
         word += 1
         bits = stops[word]
-    stop = (word << 6) + first_bit(bits)
-    if at < goal <= stop:
-        return goal
-    return stop if bit(cells, stop) else NOTHING
+    return (word << 6) + first_bit(bits)
 
 
-cdef inline int32_t scan_down(
-    const uint64_t *stops, const uint64_t *cells, int32_t at, int32_t goal
-) noexcept nogil:
-    """The same in falling order."""
-    cdef int32_t stop = at - 1, word = stop >> 6
-    cdef uint64_t bits = stops[word] & (ALL >> (63 - (stop & 63)))
+cdef inline int32_t scan_down(const uint64_t *stops, int32_t at) noexcept nogil:
+    """The next stop in falling order."""
+    cdef int32_t next_bit = at - 1, word = next_bit >> 6
+    cdef uint64_t bits = stops[word] & (ALL >> (63 - (next_bit & 63)))
     while bits == 0:
         word -= 1
         bits = stops[word]
-    stop = (word << 6) + last_bit(bits)
-    if stop <= goal < at:
-        return goal
-    return stop if bit(cells, stop) else NOTHING
+    return (word << 6) + last_bit(bits)
 
 
 cdef void pack(const uint8_t *cells, int width, int height, uint64_t *rows, int words) noexcept nogil:
@@ -241,17 +240,21 @@ cdef class Searcher:
     cdef uint64_t *stops[4]  # by direction
     cdef uint64_t *corners  # cells that may be jump points, as rows
     cdef uint32_t *ranks  # corners before each word
-    cdef uint64_t *costs  # by corner: epoch and G; one more for the goal
-    cdef uint32_t *parents  # by corner: direction of arrival and cell
+    cdef uint64_t *costs  # by corner: epoch and G
+    cdef uint32_t *parents  # by corner: direction of arrival and cell of the parent
     cdef uint32_t corner_count
     cdef uint64_t epoch
     cdef object lock
+    # Successors, found once
+    cdef uint32_t *known  # by corner and direction: where its successors begin in the pool; 0: not found yet
+    cdef Reached *pool  # lists, each after an entry with its length as cell
+    cdef size_t pool_size, pool_room
+    cdef uint32_t listed
     # Of the search that runs:
     cdef Buckets open_list
-    cdef int32_t goal_x, goal_y, goal
+    cdef int32_t goal_x, goal_y
     cdef uint64_t goal_cost
-    cdef uint32_t goal_parent
-    cdef uint32_t expanded, pushed
+    cdef uint32_t goal_parent, expanded
 
     def __cinit__(self, const uint8_t[::1] cells not None, int width, int height):
         self.width, self.height = width, height
@@ -286,6 +289,9 @@ cdef class Searcher:
         self.open_list.used = <uint64_t *>claim((self.open_list.ring + 1) >> 6, 8)
         self.costs = <uint64_t *>claim(self.corner_count + 1, 8)
         self.parents = <uint32_t *>claim(self.corner_count + 1, 4)
+        if self.corner_count <= MOST_KNOWN:
+            self.known = <uint32_t *>claim(4 * <size_t>self.corner_count + 1, 4)
+        self.pool_size = 1
 
     def __dealloc__(self):
         cdef int direction
@@ -297,6 +303,8 @@ cdef class Searcher:
         PyMem_Free(self.ranks)
         PyMem_Free(self.costs)
         PyMem_Free(self.parents)
+        PyMem_Free(self.known)
+        free(self.pool)
         PyMem_Free(self.open_list.tops)
         PyMem_Free(self.open_list.used)
         free(self.open_list.entries)
@@ -334,153 +342,215 @@ cdef class Searcher:
             return NONE
         return self.ranks[at] + count_bits(self.corners[at] & (mask - 1))
 
-    cdef inline uint64_t estimate(self, int32_t x, int32_t y) noexcept nogil:
-        cdef uint64_t across = x - self.goal_x if x > self.goal_x else self.goal_x - x
-        cdef uint64_t along = y - self.goal_y if y > self.goal_y else self.goal_y - y
+    cdef inline uint64_t distance(self, int32_t from_x, int32_t from_y, int32_t to_x, int32_t to_y) noexcept nogil:
+        cdef uint64_t across = abs(to_x - from_x), along = abs(to_y - from_y)
         if across < along:
             return (along - across) * STRAIGHT + across * DIAGONAL
         return (across - along) * STRAIGHT + along * DIAGONAL
 
-    cdef int reach(
-        self, int32_t x, int32_t y, int direction, uint64_t cost, uint32_t parent
-    ) except -1 nogil:
-        """Lower G of a jump point or of the goal, and put it on the open list."""
-        cdef uint32_t cell = <uint32_t>(y << self.y_shift | x), corner
-        cdef uint64_t ahead
-        if <int32_t>cell == self.goal:
-            if cost >= self.goal_cost:
-                return 0
-            self.goal_cost, self.goal_parent = cost, parent
-            ahead = 0
-        else:
-            corner = self.corner_at(x, y)
-            if (self.epoch << EPOCH_SHIFT | cost) >= self.costs[corner]:
-                return 0
-            ahead = self.estimate(x, y)
-            if cost + ahead >= self.goal_cost:
-                return 0
-            self.costs[corner] = self.epoch << EPOCH_SHIFT | cost
-            self.parents[corner] = <uint32_t>direction << 30 | parent
-        self.pushed += 1
-        return push(&self.open_list, cost + ahead, cell)
+    cdef inline bint is_open(self, int32_t x, int32_t y, int32_t step_x, int32_t step_y) noexcept nogil:
+        """Whether a diagonal step from a cell is allowed."""
+        cdef const uint64_t *row = self.rows + <size_t>y * self.row_words
+        cdef const uint64_t *next_row = row + <ptrdiff_t>step_y * self.row_words
+        return bit(row, x + step_x) and bit(next_row, x) and bit(next_row, x + step_x)
 
     cdef inline int32_t jump(self, int direction, int32_t x, int32_t y) noexcept nogil:
-        """The coordinate at which a straight scan from a cell finds a jump point, or NOTHING."""
-        cdef size_t at
-        if direction <= WEST:
-            at = <size_t>y * self.row_words
-            if direction == EAST:
-                return scan_up(
-                    self.stops[EAST] + at, self.rows + at, x, self.goal_x if y == self.goal_y else NOTHING
-                )
-            return scan_down(
-                self.stops[WEST] + at, self.rows + at, x, self.goal_x if y == self.goal_y else NOTHING
-            )
-        at = <size_t>x * self.column_words
+        """The coordinate of the first stop of a straight scan from a cell."""
+        if direction == EAST:
+            return scan_up(self.stops[EAST] + <size_t>y * self.row_words, x)
+        if direction == WEST:
+            return scan_down(self.stops[WEST] + <size_t>y * self.row_words, x)
         if direction == SOUTH:
-            return scan_up(
-                self.stops[SOUTH] + at, self.columns + at, y, self.goal_y if x == self.goal_x else NOTHING
-            )
-        return scan_down(
-            self.stops[NORTH] + at, self.columns + at, y, self.goal_y if x == self.goal_x else NOTHING
-        )
+            return scan_up(self.stops[SOUTH] + <size_t>x * self.column_words, y)
+        return scan_down(self.stops[NORTH] + <size_t>x * self.column_words, y)
 
-    cdef int go_straight(
-        self, int direction, int32_t x, int32_t y, uint64_t cost, uint32_t parent
-    ) except -1 nogil:
-        """One scan from a cell, which need not be a jump point itself."""
-        cdef int32_t stop = self.jump(direction, x, y)
-        if stop == NOTHING:
-            return 0
+    cdef int list_straight(self, int direction, int32_t x, int32_t y) except -1 nogil:
+        """Add the jump point at the end of a scan, if it does not end at a blocked cell."""
+        cdef uint32_t corner
+        cdef Reached *pool
         if direction <= WEST:
-            cost += <uint64_t>(stop - x if stop > x else x - stop) * STRAIGHT
-            return self.reach(stop, y, direction, cost, parent)
-        cost += <uint64_t>(stop - y if stop > y else y - stop) * STRAIGHT
-        return self.reach(x, stop, direction, cost, parent)
-
-    cdef int go_diagonally(
-        self, int across, int along, int32_t x, int32_t y, uint64_t cost, uint32_t parent
-    ) except -1 nogil:
-        """Step by step as far as no corner is cut, with both straight scans at each step."""
-        cdef int32_t step_x = 1 if across == EAST else -1
-        cdef int32_t step_y = 1 if along == SOUTH else -1
-        cdef const uint64_t *row = self.rows + <size_t>y * self.row_words
-        cdef const uint64_t *next_row
-        cdef ptrdiff_t stride = step_y * self.row_words
-        while True:
-            next_row = row + stride
-            if not (bit(row, x + step_x) and bit(next_row, x) and bit(next_row, x + step_x)):
-                return 0
-            row = next_row
-            x += step_x
-            y += step_y
-            cost += DIAGONAL
-            if x == self.goal_x and y == self.goal_y:
-                return self.reach(x, y, across, cost, parent)
-            self.go_straight(across, x, y, cost, parent)
-            self.go_straight(along, x, y, cost, parent)
-
-    cdef int expand(self, int direction, int32_t x, int32_t y, uint64_t cost, uint32_t cell) except -1 nogil:
-        """From a jump point go on straight, and to the sides on which a wall ends."""
-        cdef const uint64_t *row = self.rows + <size_t>y * self.row_words
-        cdef int32_t words = self.row_words
-        cdef int32_t behind
-        cdef int side
-        self.go_straight(direction, x, y, cost, cell)
-        if direction <= WEST:
-            behind = x - 1 if direction == EAST else x + 1
-            for side in range(SOUTH, NORTH + 1):
-                if bit(row + (words if side == SOUTH else -words), x) and not bit(
-                    row + (words if side == SOUTH else -words), behind
-                ):
-                    self.go_straight(side, x, y, cost, cell)
-                    self.go_diagonally(direction, side, x, y, cost, cell)
+            x = self.jump(direction, x, y)
         else:
-            behind = -words if direction == SOUTH else words
-            for side in range(EAST, WEST + 1):
-                if bit(row, x + 1 if side == EAST else x - 1) and not bit(
-                    row + behind, x + 1 if side == EAST else x - 1
-                ):
-                    self.go_straight(side, x, y, cost, cell)
-                    self.go_diagonally(side, direction, x, y, cost, cell)
+            y = self.jump(direction, x, y)
+        corner = self.corner_at(x, y)
+        if corner == NONE:
+            return 0
+        self.listed += 1
+        self.make_room()
+        self.pool[self.pool_size + self.listed].cell = y << self.y_shift | x
+        self.pool[self.pool_size + self.listed].corner = <uint32_t>direction << 30 | corner
         return 0
 
-    cdef int search(self, int32_t start) except -1 nogil:
-        cdef int32_t x = start & self.x_mask, y = start >> self.y_shift
-        cdef uint32_t corner, cell
+    cdef inline int make_room(self) except -1 nogil:
+        cdef Reached *pool
+        if self.pool_size + self.listed >= self.pool_room:
+            pool = <Reached *>realloc(self.pool, (2 * self.pool_room + 1024) * sizeof(Reached))
+            if pool == NULL:
+                with gil:
+                    raise MemoryError
+            self.pool, self.pool_room = pool, 2 * self.pool_room + 1024
+        return 0
+
+    cdef int list_diagonal(self, int across, int along, int32_t x, int32_t y) except -1 nogil:
+        """Step by step as far as no corner is cut, with both straight scans at each step."""
+        cdef int32_t step_x = 1 if across == EAST else -1, step_y = 1 if along == SOUTH else -1
+        while self.is_open(x, y, step_x, step_y):
+            x += step_x
+            y += step_y
+            self.list_straight(across, x, y)
+            self.list_straight(along, x, y)
+        return 0
+
+    cdef inline bint turns(self, int direction, int side, int32_t x, int32_t y) noexcept nogil:
+        """Whether a wall beside a jump point that was reached in a direction ends on this side."""
+        cdef int32_t beside_x = x, beside_y = y
+        if side == EAST:
+            beside_x += 1
+        elif side == WEST:
+            beside_x -= 1
+        elif side == SOUTH:
+            beside_y += 1
+        else:
+            beside_y -= 1
+        if not bit(self.rows + <size_t>beside_y * self.row_words, beside_x):
+            return False
+        if direction == EAST:
+            beside_x -= 1
+        elif direction == WEST:
+            beside_x += 1
+        elif direction == SOUTH:
+            beside_y -= 1
+        else:
+            beside_y += 1
+        return not bit(self.rows + <size_t>beside_y * self.row_words, beside_x)
+
+    cdef inline size_t successors(self, uint32_t corner, int direction, int32_t x, int32_t y) except 0 nogil:
+        """Where the successors of a jump point stand in the pool."""
+        cdef size_t place = 4 * <size_t>corner + direction, at
+        cdef int side, first = SOUTH if direction <= WEST else EAST
+        if self.known != NULL and self.known[place]:
+            return self.known[place]
+        self.listed = 0
+        self.list_straight(direction, x, y)
+        for side in range(first, first + 2):
+            if self.turns(direction, side, x, y):
+                self.list_straight(side, x, y)
+                if direction <= WEST:
+                    self.list_diagonal(direction, side, x, y)
+                else:
+                    self.list_diagonal(side, direction, x, y)
+        return self.listed_at(place if self.known != NULL else NOWHERE)
+
+    cdef size_t listed_at(self, size_t place) except 0 nogil:
+        """Close a list of successors, and keep it while there is room."""
+        cdef size_t at = self.pool_size
+        self.make_room()
+        self.pool[at].cell = self.listed
+        if place != NOWHERE and at + self.listed < KEPT_POOL:
+            self.known[place] = at
+            self.pool_size += self.listed + 1
+        return at
+
+    cdef bint sees_goal(self, int32_t x, int32_t y, int direction) noexcept nogil:
+        """Whether the goal lies on the way to a successor: diagonally and then straight on, or a part of it.
+
+        direction: of arrival, or -1 at the start.
+        """
+        cdef int32_t across = self.goal_x - x, along = self.goal_y - y, step_x = sign(across), step_y = sign(along)
+        cdef int32_t diagonal = min(abs(across), abs(along)), k, stop
+        cdef int ahead_x = EAST if across > 0 else WEST, ahead_y = SOUTH if along > 0 else NORTH
+        if direction >= 0:
+            if direction <= WEST:
+                if across and ahead_x != direction:
+                    return False
+                if along and not self.turns(direction, ahead_y, x, y):
+                    return False
+            else:
+                if along and ahead_y != direction:
+                    return False
+                if across and not self.turns(direction, ahead_x, x, y):
+                    return False
+        for k in range(diagonal):
+            if not self.is_open(x, y, step_x, step_y):
+                return False
+            x += step_x
+            y += step_y
+        if x != self.goal_x:
+            stop = self.jump(ahead_x, x, y)
+            return stop >= self.goal_x if across > 0 else stop <= self.goal_x
+        if y != self.goal_y:
+            stop = self.jump(ahead_y, x, y)
+            return stop >= self.goal_y if along > 0 else stop <= self.goal_y
+        return True
+
+    cdef int expand(self, uint32_t cell, uint64_t cost, size_t at) except -1 nogil:
+        """Lower G of the successors that are reached more cheaply, and put them on the open list."""
+        cdef const Reached *reached
+        cdef uint32_t corner
+        cdef int32_t x = cell & self.x_mask, y = cell >> self.y_shift, to_x, to_y
+        cdef uint64_t tentative, total
+        cdef size_t k
+        for k in range(at + 1, at + 1 + self.pool[at].cell):
+            prefetch(&self.costs[self.pool[k].corner & MASK])
+        for k in range(at + 1, at + 1 + self.pool[at].cell):
+            reached = &self.pool[k]
+            corner = reached.corner & MASK
+            to_x, to_y = reached.cell & self.x_mask, reached.cell >> self.y_shift
+            tentative = cost + self.distance(x, y, to_x, to_y)
+            if (self.epoch << EPOCH_SHIFT | tentative) >= self.costs[corner]:
+                continue
+            total = tentative + self.distance(to_x, to_y, self.goal_x, self.goal_y)
+            if total >= self.goal_cost:
+                continue
+            self.costs[corner] = self.epoch << EPOCH_SHIFT | tentative
+            self.parents[corner] = (reached.corner & ~MASK) | cell
+            push(&self.open_list, total, reached[0])
+        return 0
+
+    cdef inline void reach_goal(self, uint32_t cell, int direction, uint64_t cost) noexcept nogil:
+        cdef int32_t x = cell & self.x_mask, y = cell >> self.y_shift
+        cdef uint64_t tentative = cost + self.distance(x, y, self.goal_x, self.goal_y)
+        if tentative < self.goal_cost and self.sees_goal(x, y, direction):
+            self.goal_cost = tentative
+            self.goal_parent = cell
+
+    cdef int search(self, int32_t x, int32_t y) except -1 nogil:
+        cdef uint32_t corner = self.corner_at(x, y), start = y << self.y_shift | x
         cdef int direction
         cdef uint64_t total, cost
+        cdef Reached reached
         cdef Buckets *open_list = &self.open_list
-        self.expanded = 1
-        self.pushed = 0
-        open_list.size, open_list.spare = 0, NONE
-        open_list.at = open_list.highest = self.estimate(x, y) >> BUCKET_SHIFT
-        self.goal_cost = COST_MASK
         if self.epoch == 0:  # a later epoch is lower, so that any cost of an earlier one is higher
-            memset(self.costs, 0xFF, (<size_t>self.corner_count + 1) * 8)
+            memset(self.costs, 0xFF, <size_t>self.corner_count * 8)
             self.epoch = EPOCHS
         self.epoch -= 1
-        corner = self.corner_at(x, y)
+        self.goal_cost = COST_MASK
+        self.expanded = 1
+        open_list.size, open_list.spare = 0, NONE
+        open_list.at = open_list.highest = self.distance(x, y, self.goal_x, self.goal_y) >> BUCKET_SHIFT
         if corner != NONE:
             self.costs[corner] = self.epoch << EPOCH_SHIFT
+        self.reach_goal(start, -1, 0)
+        self.listed = 0
         for direction in range(4):
-            self.go_straight(direction, x, y, 0, start)
+            self.list_straight(direction, x, y)
         for direction in range(4):
-            self.go_diagonally(
-                WEST if direction & 1 else EAST, NORTH if direction & 2 else SOUTH, x, y, 0, start
-            )
-        while pop(open_list, &total, &cell):
+            self.list_diagonal(WEST if direction & 1 else EAST, NORTH if direction & 2 else SOUTH, x, y)
+        self.expand(start, 0, self.listed_at(NOWHERE))
+        while pop(open_list, &total, &reached):
             if total >= self.goal_cost:
                 if total >> BUCKET_SHIFT > self.goal_cost >> BUCKET_SHIFT:
                     break
                 continue
-            x, y = cell & self.x_mask, cell >> self.y_shift
-            corner = self.corner_at(x, y)
-            cost = total - self.estimate(x, y)
+            x, y = reached.cell & self.x_mask, reached.cell >> self.y_shift
+            corner = reached.corner & MASK
+            cost = total - self.distance(x, y, self.goal_x, self.goal_y)
             if self.costs[corner] != (self.epoch << EPOCH_SHIFT | cost):
                 continue  # stale
             self.expanded += 1
-            self.expand(self.parents[corner] >> 30, x, y, cost, cell)
+            direction = reached.corner >> 30
+            self.reach_goal(reached.cell, direction, cost)
+            self.expand(reached.cell, cost, self.successors(corner, direction, x, y))
         while open_list.at <= open_list.highest:
             open_list.used[(open_list.at & open_list.ring) >> 6] = 0
             open_list.at += 64
@@ -493,9 +563,8 @@ cdef class Searcher:
         cdef int found
         with self.lock:
             self.goal_x, self.goal_y = goal % self.width + 1, goal // self.width + 1
-            self.goal = self.goal_y << self.y_shift | self.goal_x
             with nogil:
-                found = self.search(from_y << self.y_shift | from_x)
+                found = self.search(from_x, from_y)
             if self.open_list.room > KEPT_ENTRIES:
                 free(self.open_list.entries)
                 self.open_list.entries, self.open_list.room = NULL, 0
@@ -529,7 +598,7 @@ cdef class Searcher:
                 y += sign(along) * diagonal
             if x == from_x and y == from_y:
                 break
-            before = self.parents[self.corner_at(x, y)] & CELL_MASK
+            before = self.parents[self.corner_at(x, y)] & MASK
         turns.append(self.outer(x, y))
         turns.reverse()
         return turns
