@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
-PICTURES = frozenset({".png", ".svg", ".pdf"})
-
-
 def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path | str | None]) -> None:
     """See whether what is asked for can be written: in a known format, and over nothing that is read.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from companion.core.geo import LatLon, bearing_rad, distance_m
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.planned_mission import PlannedMission
-from mission_tools.outputs import PICTURES, check_outputs, draw_planned, save
+from mission_tools.outputs import check_outputs, save
 from mission_tools.wording import distance
 
 
@@ -95,12 +95,8 @@ class RoutePlan:
             OutputError: the file cannot be written.
         """
         file = Path(path)
-        if file.suffix.lower() in PICTURES:
-            check_outputs(None, file, ())
-            draw_planned(self.planned, file)
-        else:
-            check_outputs(file, None, ())
-            save(self.mission, file)
+        check_outputs(file, None, ())
+        save(self.mission, file, self.planned)
         return file
 
     def __str__(self) -> str:

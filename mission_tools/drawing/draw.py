@@ -21,11 +21,9 @@ from companion.core.output_file import output_file
 from mission_tools.drawing.features import LAND_EDGE, arrange_names, draw_feature, fill
 from mission_tools.drawing.legend import (
     BAND,
-    HALO,
     INK,
     PAPER,
     PLAN_STYLE,
-    PLANNED,
     SAILED,
     View,
     draw_frame,
@@ -34,6 +32,7 @@ from mission_tools.drawing.legend import (
     draw_scale_bar,
 )
 from mission_tools.drawing.view import view_of
+from mission_tools.drawing.waypoints import MANY, draw_lengths, draw_tightest, draw_waypoints
 from mission_tools.maps.chart import Chart
 
 LAND, WATER = "#efe6cf", "#b7daeb"
@@ -64,9 +63,10 @@ def draw_chart(axes: Axes, chart: Chart, clearance_m: float = 0.0, route: Sequen
 
 
 def draw_route(axes: Axes, route: Sequence[Point]) -> None:
-    """The planned line, dashed."""
+    """The planned line, dashed; thinner where it has many legs."""
     east, north = _columns(route)
-    axes.plot(east, north, zorder=8, **PLAN_STYLE)
+    style = PLAN_STYLE if len(route) <= MANY else PLAN_STYLE | {"linewidth": 2.0, "alpha": 0.8}
+    axes.plot(east, north, zorder=8, **style)
 
 
 def draw_track(
@@ -86,23 +86,6 @@ def draw_track(
     line.set_array(np.asarray(speeds_m_s[: len(segments)], dtype=np.float64))
     axes.add_collection(line, autolim=False)
     return line
-
-
-def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
-    """Start, goal, and the waypoints between them numbered from 1; the last number is the goal's."""
-    for number, point in enumerate(points[1:-1], 1):
-        axes.plot(point.east_m, point.north_m, "o", ms=11, mfc="white", mec=PLANNED, mew=1.5, zorder=11)
-        axes.annotate(
-            str(number), (point.east_m, point.north_m), ha="center", va="center_baseline", fontsize=7.5,
-            color=PLANNED, fontweight="bold", zorder=12,
-        )  # fmt: skip
-    for point, marker, label in ((points[0], "o", "Start"), (points[-1], "*", "Goal")):
-        size = 11 if marker == "o" else 19
-        axes.plot(point.east_m, point.north_m, marker, ms=size, mfc=PLANNED, mec="white", mew=1.4, zorder=13)
-        axes.annotate(
-            label, (point.east_m, point.north_m), xytext=(10, -13), textcoords="offset points", fontsize=10,
-            fontweight="bold", color=INK, path_effects=HALO, zorder=14,
-        )  # fmt: skip
 
 
 def save_figure(path: Path, figure: Figure) -> None:
@@ -143,8 +126,10 @@ def draw_picture(
     if route is not None:
         draw_route(axes, route)
     line = draw_track(axes, track, speeds_m_s) if track else None
-    if route is not None:
+    if route:
         draw_waypoints(axes, route)
+        draw_lengths(axes, route)
+        draw_tightest(axes, chart, route)
     elif track:
         draw_waypoints(axes, (track[0], track[-1]))
     arrange_names(axes)

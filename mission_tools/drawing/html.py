@@ -43,7 +43,7 @@ def save_page(path: Path, planned: PlannedMission, monitor: MissionMonitor | Non
 def compose(planned: PlannedMission, monitor: MissionMonitor | None = None) -> str:
     """The page of a planned mission, and of the track if it was followed."""
     chart, way = planned.chart, itinerary(planned)
-    clearance_m = planned.plan.settings.clearance_m if planned.plan is not None else 0.0
+    clearance_m = planned.clearance_m
     track = [chart.frame.to_local(point.place) for point in monitor.track] if monitor is not None else []
     view = view_of(chart, planned.points, track)
     page = Template(_text("page.html"))
@@ -119,7 +119,7 @@ def _map(chart: Chart, points: Sequence[Point], track: Sequence[Point], clearanc
         look, text = ("start", "S") if n == 0 else ("goal", "G") if n == last else ("", str(n))
         parts.append(
             f'<g class="pin {look}" data-at="{at.east_m:.2f},{-at.north_m:.2f}" data-n="{n}"><circle r="10"/>'
-            f"<text>{text}</text></g>"
+            f"<text{' class=long' if len(text) > 2 else ''}>{text}</text></g>"
         )
     return "\n".join(parts)
 

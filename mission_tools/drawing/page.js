@@ -9,6 +9,8 @@
   const rank = p => p.kind === "pin" ? (p.g.classList.contains("start") || p.g.classList.contains("goal") ? 0 : 1)
     : p.kind === "name" ? 3 : 2;
   placed.sort((a, b) => rank(a) - rank(b));
+  const isCrowded = placed.filter(p => p.kind === "pin").length > 60;
+  map.classList.toggle("crowded", isCrowded);
   let view = whole.slice();
 
   function draw() {
@@ -18,7 +20,8 @@
     const taken = [];
     for (const p of placed) {
       const isPin = p.kind === "pin";
-      const half = isPin ? [10, 10] : [p.text.length * 3.4 + 2, 8];
+      const apart = isPin && isCrowded && rank(p) > 0 ? 26 : 10; // a survey's numbers stand far apart
+      const half = isPin ? [apart, apart] : [p.text.length * 3.4 + 2, 8];
       const away = half[0] * Math.abs(p.off[0]) + 11;
       const x = p.at[0] / scale + away * p.off[0], y = p.at[1] / scale + away * p.off[1];
       const own = [x - half[0], y - half[1], x + half[0], y + half[1]];
@@ -27,7 +30,7 @@
       p.g.setAttribute("transform", `translate(${x * scale} ${y * scale}) scale(${scale})`);
       p.g.classList.toggle("covered", !isPin && (hits || isShort));
       p.g.classList.toggle("small", isPin && hits && rank(p) > 0);
-      if (!hits && !isShort) taken.push(own);
+      if (!hits && !isShort) taken.push(isPin ? [x - 10, y - 10, x + 10, y + 10] : own);
     }
     for (const p of placed.slice().reverse()) if (p.kind === "pin") map.append(p.g);
     map.append(mark);

@@ -22,8 +22,8 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
     from mission_tools.drawing.draw import draw_picture, save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 
     track = monitor.track if monitor is not None else []
-    points, plan = planned.points, planned.plan
-    clearance_m = plan.settings.clearance_m if plan is not None else 0.0
+    points = planned.points
+    clearance_m = planned.clearance_m
     subtitle = f"{distance(path_length_m(points))} planned"
     if clearance_m > 0.0:
         subtitle += f", clearance {clearance_m:g} m"

@@ -30,6 +30,7 @@ READERS: dict[str, tuple[str, str]] = {
     ".osm": _VECTOR,
     ".pbf": _VECTOR,
     ".000": _VECTOR,
+    ".map": (_FORMATS + "grid_map", "load_grid_map"),
     ".png": _MASK,
     ".tif": _MASK,
     ".tiff": _MASK,

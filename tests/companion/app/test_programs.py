@@ -18,6 +18,7 @@ PROGRAMS = {
     "mission-upload": "mission_tools.cli.upload",
     "mission-download": "mission_tools.cli.download",
     "mission-check": "mission_tools.cli.check",
+    "mission-trace": "mission_tools.cli.trace",
 }
 programs = pytest.mark.parametrize("name", PROGRAMS)
 

@@ -1,6 +1,8 @@
 """Pictures: that they are drawn, at the promised size, and show what they are told to."""
 
+import math
 from pathlib import Path
+from typing import Any
 
 import matplotlib.image
 import numpy as np
@@ -117,3 +119,25 @@ def test_drawing_touches_only_the_axes_handed_in(pond: Chart) -> None:
     coloured = draw_track(right, TRACK, [1.0, 2.0, 3.0, 4.0])
     assert coloured is not None
     assert len(coloured.get_segments()) == 3
+
+
+def shown(route: list[Point]) -> list[Any]:
+    axes = draw_picture(
+        build_chart("Lake", LocalFrame(ORIGIN), shapely.box(-9, -9, 400, 300), ()), route
+    ).axes[0]
+    return [text for text in axes.texts if text.get_visible()]
+
+
+def test_the_numbers_of_waypoints_never_overlap() -> None:
+    route = [Point(100.0 + 3.0 * math.sin(n), 10.0 + 1.5 * n) for n in range(200)]
+    numbers = [text for text in shown(route) if text.get_text().isdigit()]
+    boxes = [text.get_window_extent() for text in numbers]
+    assert 3 < len(boxes) < 40
+    assert all(a.count_overlaps([b for b in boxes if b is not a]) == 0 for a in boxes)
+
+
+def test_legs_with_room_have_their_length_and_the_tightest_place_its_distance() -> None:
+    texts = [text.get_text() for text in shown([Point(20.0, 0.0), Point(20.0, 200.0), Point(26.0, 208.0)])]
+    assert "200 m" in texts
+    assert "10.0 m" not in texts
+    assert "nearest: 9.00 m" in texts

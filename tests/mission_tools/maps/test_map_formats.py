@@ -422,6 +422,20 @@ def test_transparent_pixels_are_land(tmp_path: Path) -> None:
     assert is_afloat(chart, 50.0 - 10e-5, 10.0 + 5e-5)
 
 
+# Grids
+
+
+def test_a_grid_map_is_a_chart_of_metres_from_its_lower_left_corner(tmp_path: Path) -> None:
+    path = tmp_path / "grid.map"
+    rows = ["." * 20] * 8 + ["." * 8 + "@" * 4 + "." * 8] * 4 + ["." * 20] * 8
+    path.write_text("\n".join(["type octile", "height 20", "width 20", "map", *rows]) + "\n")
+    chart = load_map(path, LatLon(50.0, 10.0))
+    assert chart.frame.origin == LatLon(50.0, 10.0)
+    assert chart.obstruction(Point(2.0, 3.0)) is None
+    assert chart.obstruction(Point(10.0, 10.0)) == "on land"
+    assert 250.0 < chart.water.area < 400.0 - 16.0
+
+
 # All formats
 
 
