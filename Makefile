@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo pictures test check lint types contracts mutate bench fuzz fast slow clean
+.PHONY: help setup demo survey pictures test check lint types contracts mutate bench fuzz fast slow clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -22,9 +22,13 @@ $(STAMP): pyproject.toml setup.py constraints.txt requirements-peers.txt
 demo: setup  ## plan, upload, sail, report; also MAP=… START=LAT,LON GOAL=LAT,LON
 	$(BIN)/python examples/demo.py --map '$(or $(MAP),lake)' $(if $(START),--start='$(START)') $(if $(GOAL),--goal='$(GOAL)') $(if $(CLEARANCE),--clearance='$(CLEARANCE)')
 
-pictures: demo  ## make the pictures of the documents anew
+survey: setup  ## plan a survey, sail it, measure what it covered; also FOOTPRINT=M OVERLAP=SHARE SEED=N
+	$(BIN)/python examples/survey.py $(if $(FOOTPRINT),--footprint $(FOOTPRINT)) $(if $(OVERLAP),--overlap $(OVERLAP)) $(if $(SEED),--seed $(SEED))
+
+pictures: demo survey  ## make the pictures of the documents anew
 	mkdir -p docs/pictures
 	cp out/demo.png docs/pictures/demo.png
+	cp out/survey.png docs/pictures/survey.png
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 

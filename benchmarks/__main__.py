@@ -24,6 +24,7 @@ from benchmarks import (
     river,
     router,
     startup,
+    survey,
     transfer,
 )
 from benchmarks.measure import Row
@@ -44,6 +45,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "router": router.rows,
     "memory": memory.rows,
     "startup": startup.rows,
+    "survey": survey.rows,
     "loop": loop.rows,
     "garbage": garbage.rows,
 }

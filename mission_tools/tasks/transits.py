@@ -4,11 +4,17 @@ import contextlib
 import math
 from collections.abc import Sequence
 
-from companion.core.geo import Point, distance_m
+import shapely
+
+from companion.core.geo import Point
+from companion.planning.visibility import NoWay
+from companion.planning.water import Shore, Water
 from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import PlanSettings, plan
 from mission_tools.planning.smooth import path_length_m
+
+_ROUNDING = 1e-9  # of the clearance: the ends of tracks lie at the clearance itself
 
 
 class Transits:
@@ -17,6 +23,7 @@ class Transits:
     def __init__(self, chart: Chart, settings: PlanSettings) -> None:
         self._chart = chart
         self._settings = settings
+        self._routes = water_of(chart).routes(settings.required_m * (1.0 - _ROUNDING))
         self._found: dict[tuple[Point, Point], tuple[Point, ...] | NoRouteError] = {}
 
     def route(self, start: Point, goal: Point) -> tuple[Point, ...]:
@@ -47,17 +54,20 @@ class Transits:
     def _plan(self, start: Point, goal: Point) -> tuple[Point, ...] | NoRouteError:
         if start == goal:
             return (start,)
-        chart, required_m = self._chart, self._settings.required_m
-        # is_clear leaves it to its caller that both ends lie in the water
-        ends_m = min(chart.clearance_m(start), chart.clearance_m(goal))
-        if ends_m >= required_m and chart.is_clear(start, goal, required_m):
-            return start, goal
-        try:
-            return plan(chart, start, goal, self._settings).points
+        with contextlib.suppress(NoWay):
+            return self._routes.route(start, goal).points
+        try:  # with less of a margin, or from a jetty; else it says why not
+            return plan(self._chart, start, goal, self._settings).points
         except NoRouteError as error:
             return error
 
 
-def straight_lengths_m(start: Point, goals: Sequence[Point]) -> list[float]:
-    """As the crow flies, a lower bound of the way."""
-    return [distance_m(start, goal) for goal in goals]
+def water_of(chart: Chart) -> Water:
+    """The navigable water of a chart, with every ring of its shores."""
+    rings = shapely.get_rings(shapely.get_parts(chart.navigable))
+    if chart.is_open:  # the square that stands for the sea is no shore
+        rings = [ring for part in shapely.get_parts(chart.navigable) for ring in part.interiors]
+    return Water(
+        [Shore([Point(y, x) for x, y in shapely.get_coordinates(ring)[:-1].tolist()]) for ring in rings],
+        is_open=chart.is_open,
+    )

@@ -78,7 +78,7 @@ def survey(
     if area is not None:
         target = target.intersection(area)
     rings: list[Array] = []
-    inside: Sequence[Polygon] = water
+    inside: Sequence[Polygon] = polygons(target)
     if settings.shore_pass:
         within = water_within_pass(chart, water, target, swath_m)
         rings = passes_along(chart, within, plan.required_m, swath_m)
@@ -88,7 +88,8 @@ def survey(
         course_rad = fewest_turns_rad(inside or water)
     tracks = Tracks(course_rad, (), ())
     if inside:
-        tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m)
+        room = None if rings else union(water)
+        tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m, room)
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
     detail_m = 0.25 * swath_m

@@ -63,9 +63,20 @@ def fewest_turns_rad(water: Sequence[Polygon]) -> float:
     return float(courses[int(np.argmin(np.abs(across_m).sum(axis=0)))])
 
 
-def lay_tracks(water: Sequence[Polygon], course_rad: float, spacing_m: float, swath_m: float) -> Tracks:
-    """The shortest tracks along a course that cover the water, at most spacing_m apart, evenly spread."""
+def lay_tracks(
+    water: Sequence[Polygon],
+    course_rad: float,
+    spacing_m: float,
+    swath_m: float,
+    within: BaseGeometry | None = None,
+) -> Tracks:
+    """The shortest tracks along a course that cover the water, at most spacing_m apart, evenly spread.
+
+    within: where tracks may lie, None: they will lie in the water. A track that leaves it is cut into what is
+    left.
+    """
     turned = shapely.transform(shapely.MultiPolygon(list(water)), lambda xy: _turned(xy, course_rad))
+    room = None if within is None else shapely.transform(within, lambda xy: _turned(xy, course_rad))
     west, south, east, north = turned.bounds
     strips = max(1, math.ceil((east - west) / spacing_m - 1e-9))
     width_m = (east - west) / strips
@@ -78,16 +89,17 @@ def lay_tracks(water: Sequence[Polygon], course_rad: float, spacing_m: float, sw
         here: list[tuple[int, Array]] = []
         for piece in polygons(shapely.clip_by_rect(turned, left_m, south - 1.0, right_m, north + 1.0)):
             corners = shapely.get_coordinates(piece)
-            number = len(tracks)
-            tracks.append(_track(corners, 0.5 * (left_m + right_m), swath_m))
-            onward.append([])
-            back.append([])
-            here.append((number, _sides(corners, right_m)))
-            left_sides = _sides(corners, left_m)
-            for other, right_sides in before:
-                if _overlap(left_sides, right_sides):
-                    onward[other].append(number)
-                    back[number].append(other)
+            left_sides, right_sides = _sides(corners, left_m), _sides(corners, right_m)
+            for track in _parts_of(_track(corners, 0.5 * (left_m + right_m), swath_m), room):
+                number = len(tracks)
+                tracks.append(track)
+                onward.append([])
+                back.append([])
+                here.append((number, right_sides))
+                for other, sides in before:
+                    if _overlap(left_sides, sides):
+                        onward[other].append(number)
+                        back[number].append(other)
         before = here
     return Tracks(course_rad, tuple(tracks), _cells(onward, back), width_m)
 
@@ -116,6 +128,18 @@ def _track(corners: Array, across_m: float, swath_m: float) -> Track:
     if low > high:  # one point covers it all
         low = high = 0.5 * (low + high)
     return Track(across_m, low, high)
+
+
+def _parts_of(track: Track, room: BaseGeometry | None) -> list[Track]:
+    """What of a track lies in the room."""
+    if room is None:
+        return [track]
+    line = shapely.LineString([(track.across_m, track.low_m), (track.across_m, track.high_m)])
+    return [
+        Track(track.across_m, part.bounds[1], part.bounds[3])
+        for part in shapely.get_parts(line.intersection(room))
+        if part.length > 0.0
+    ]
 
 
 def _sides(corners: Array, across_m: float) -> Array:

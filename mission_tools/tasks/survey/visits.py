@@ -78,13 +78,12 @@ def with_rings(
         stations = _along(ring, spacing_m)
         before = [start, *(visit.points[-1] for visit in done)]
         after = [*(visit.points[0] for visit in done), None]
-        detours = []
-        for origin, goal in zip(before, after, strict=True):
-            to_m = 0.0 if origin is None else np.hypot(*(stations - origin).T)
-            from_m = 0.0 if goal is None else np.hypot(*(stations - goal).T)
-            direct_m = 0.0 if origin is None or goal is None else float(np.hypot(*(goal - origin)))
-            detours.append(np.broadcast_to(to_m + from_m - direct_m, len(stations)))
-        cost_m = np.array(detours)
+        cost_m = _gaps_m(before, stations) + _gaps_m(after, stations)
+        cost_m -= [
+            0.0 if origin is None or goal is None else float(np.hypot(*(goal - origin)))
+            for origin, goal in zip(before, after, strict=True)
+        ]
+        cost_m = cost_m.T
         gap, station = _first_clear(cost_m, before, after, stations, water)
         done.insert(gap, Visit("shore", _from_station(ring, stations[station])))
     return done
@@ -155,13 +154,23 @@ def _from_station(ring: Array, station: Array) -> Array:
     return np.vstack((station, ahead, behind, station))
 
 
+def _gaps_m(places: list[Array | None], stations: Array) -> Array:
+    """[station, place]: straight distances; 0 for a free place."""
+    points = np.array([stations[0] if place is None else place for place in places])
+    found: Array = np.hypot(*(stations[:, None] - points[None]).transpose(2, 0, 1))
+    found[:, [place is None for place in places]] = 0.0
+    return found
+
+
 def _first_clear(
     cost_m: Array, before: list[Array | None], after: list[Array | None], stations: Array, water: Polygon
 ) -> tuple[int, int]:
     """The cheapest (gap, station) whose straight lines lie in the water; the cheapest of all if none tried
     does.
     """
-    flat = np.argsort(cost_m, axis=None, kind="stable")[:_TRIES]
+    tries = min(_TRIES, cost_m.size) - 1
+    flat = np.argpartition(cost_m, tries, axis=None)[: tries + 1]
+    flat = flat[np.lexsort((flat, cost_m.ravel()[flat]))]
     for gap, station in zip(*np.unravel_index(flat, cost_m.shape), strict=True):
         ends = [place for place in (before[gap], after[gap]) if place is not None]
         if all(water.covers(shapely.LineString([place, stations[station]])) for place in ends):

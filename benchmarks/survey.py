@@ -1,0 +1,69 @@
+"""How much does a survey cover, how long is it, and how long does it take to plan, on real lakes with
+islands?
+
+Coverage is measured apart from the planner, by areas of polygons with finer arcs. The length is compared with
+the tracks, the passes along the shore and a lower bound of the transits between them (`least_transits_m`).
+"""
+
+from functools import partial
+from pathlib import Path
+
+import shapely
+
+from benchmarks.measure import Row, alone, cpu_seconds
+from mission_tools.drawing.survey import swath_of
+from mission_tools.maps import Chart, load_source
+from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.survey.settings import SurveySettings
+from mission_tools.tasks.survey.survey import Survey, survey
+
+SHORE = Path(__file__).parents[2] / "shared" / "maps" / "shore"
+LAKES = (
+    ("pond_two_islands_nh", "pond, 33 ha, 2 islands", 10.0),
+    ("lake_vassiviere_fr", "Vassivière, 9.3 km², 8 islands", 50.0),
+    ("lake_squam_nh", "Squam, 27 km², 14 islands", 100.0),
+    ("lake_millinocket_me", "Millinocket, 35 km², 74 islands", 100.0),
+)
+OVERLAP = 0.1
+ROUNDS = 5
+_ARC = 16  # segments of a quarter circle
+
+
+def rows() -> list[Row]:
+    """Three figures a lake; one row that says so where the maps are missing."""
+    found: list[Row] = []
+    for name, title, footprint_m in LAKES:
+        path = SHORE / f"{name}.geojson"
+        if not path.exists():
+            found.append(alone(f"survey of {title}", "s", "less", [float("nan")], f"{path.name} is missing"))
+            continue
+        chart = load_source(str(path)).chart
+        settings = SurveySettings(
+            footprint_m=footprint_m, overlap=OVERLAP, plan=PlanSettings(clearance_m=4.0)
+        )
+        planned = survey(chart, None, settings)
+        plan_it = partial(survey, chart, None, settings)
+        seconds = [cpu_seconds(plan_it) for _ in range(ROUNDS)]
+        route = planned.route
+        lengths = (
+            f"{route.length_m / 1e3:.1f} km; tracks {route.length_of_m('track') / 1e3:.1f} km, "
+            f"shore {route.length_of_m('shore') / 1e3:.1f} km, "
+            f"area / spacing {planned.target.area / planned.spacing_m / 1e3:.1f} km"
+        )
+        found += [
+            alone(f"survey of {title}, footprint {footprint_m:g} m: planning", "s", "less", seconds),
+            alone(
+                "its coverage of what the footprint can reach", "%", "more", [100.0 * covered(chart, planned)]
+            ),
+            alone("its length over the lower bound", "×", "less", [planned.length_ratio], lengths),
+        ]
+    return found
+
+
+def covered(chart: Chart, planned: Survey) -> float:
+    """The share of the reachable water, widened by half a footprint, that lies within half a footprint."""
+    room = chart.navigable.buffer(-4.0, quad_segs=_ARC)
+    largest = max(shapely.get_parts(room), key=lambda part: part.area)
+    target = largest.buffer(0.5 * planned.swath_m, quad_segs=_ARC).intersection(chart.navigable)
+    swath = swath_of(planned.route.points, planned.swath_m)
+    return float(swath.intersection(target).area / target.area)

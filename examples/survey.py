@@ -1,0 +1,147 @@
+"""A survey from plan to picture: `make survey`.
+
+Plans parallel tracks over the water of a scenario, lets the emulated boat sail them in lockstep, and measures
+what its true track really covered: a table, out/survey.png and out/survey.json. The same seed gives the same
+result.
+
+    make survey
+    make survey FOOTPRINT=20 SEED=7
+"""
+
+import argparse
+import json
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from companion.core.errors import BoatError
+from companion.core.output_file import write_text
+from mission_tools.drawing.draw import save_figure
+from mission_tools.drawing.survey import draw_survey
+from mission_tools.errors import MissionToolsError
+from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
+from sitl.experiments.survey_trial import SailedSurvey, sail_survey
+from sitl.scenarios.layers import Layer
+from sitl.scenarios.scenario import Scenario, load_scenario
+
+LEAST_COVERAGE = 0.99  # of the target, in truth
+
+
+def main() -> int:
+    """Plan, sail, report; 0 if the boat covered what it should and touched nothing."""
+    arguments = _arguments()
+    console = Console(highlight=False)
+    try:
+        scenario = _scenario(arguments)
+        settings = _settings(scenario, arguments.footprint, arguments.overlap)
+        console.print(f"sailing a survey of {scenario.title}, seed {scenario.seed} …")
+        began_s = time.perf_counter()
+        sailed = sail_survey(scenario, settings)
+    except (MissionToolsError, BoatError) as error:
+        sys.stderr.write(f"survey: {error}\n")
+        return 2
+    figures = _figures(sailed, settings) | {"wall_s": time.perf_counter() - began_s}
+    _print_table(figures, console)
+    out: Path = arguments.out
+    out.mkdir(parents=True, exist_ok=True)
+    write_text(out / "survey.json", json.dumps(figures | {"run": asdict(sailed.result)}, indent=2) + "\n")
+    subtitle = (
+        f"{figures['tracks']} tracks {figures['spacing_m']:.3g} m apart, footprint {settings.swath_m:g} m, "
+        f"seed {scenario.seed}: {sailed.coverage:.2%} covered in {figures['time_s'] / 3600.0:.1f} h, "
+        f"{figures['sailed_m'] / 1000.0:.1f} km sailed"
+    )
+    figure = draw_survey(
+        scenario.chart,
+        sailed.planned,
+        sailed.track,
+        title=f"{scenario.chart.name.split(' (')[0]}: survey",
+        subtitle=subtitle,
+    )
+    save_figure(out / "survey.png", figure)
+    console.print(f"picture: {out / 'survey.png'}   figures: {out / 'survey.json'}")
+    return 0 if sailed.coverage >= LEAST_COVERAGE and not sailed.result.groundings else 1
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="survey", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--scenario", default="lake", help="lake, pool, or a .toml file")
+    parser.add_argument("--footprint", type=float, default=12.0, metavar="M")
+    parser.add_argument("--overlap", type=float, default=0.15, metavar="SHARE")
+    parser.add_argument("--current", type=float, default=0.0, metavar="M/S")
+    parser.add_argument("--battery", type=float, default=20.0, metavar="AH", help="capacity [20]")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("out"))
+    return parser.parse_args()
+
+
+def _scenario(arguments: argparse.Namespace) -> Scenario:
+    """The scenario with a battery that lasts: the lake boat's own returns from half of the mill pond."""
+    battery = {"capacity_mah": 1000.0 * arguments.battery}
+    settings = {
+        "seed": arguments.seed,
+        "environment": {"current_m_s": arguments.current},
+        "battery": battery,
+        "vehicle": {"battery": battery},
+    }
+    return load_scenario(arguments.scenario, over=(Layer("command line", settings),))
+
+
+def _settings(scenario: Scenario, footprint_m: float, overlap: float) -> SurveySettings:
+    """Tracks for the scenario's own boat."""
+    boat = scenario.vehicle
+    radius_m = turn_radius_m(
+        boat.speed.cruise_m_s, boat.handling.turn_rate_rad_s, boat.guidance.corner_accel_m_s2
+    )
+    return SurveySettings(
+        footprint_m=footprint_m,
+        overlap=overlap,
+        plan=PlanSettings.from_route(scenario.route),
+        turn_radius_m=radius_m,
+    )
+
+
+def _figures(sailed: SailedSurvey, settings: SurveySettings) -> dict[str, float]:
+    """Lengths in metres, times in seconds of the boat's clock."""
+    planned, result = sailed.planned, sailed.result
+    return {
+        "tracks": planned.tracks,
+        "spacing_m": planned.spacing_m,
+        "turn_radius_m": settings.turn_radius_m,
+        "waypoints": result.waypoints,
+        "reached": result.waypoints_reached,
+        "planned_m": planned.route.length_m,
+        "least_m": planned.least_m,
+        "sailed_m": result.path_length_m,
+        "time_s": result.time_s,
+        "planned_coverage": planned.coverage,
+        "sailed_coverage": sailed.coverage,
+        "off_rms_m": result.cross_track_rms_m or 0.0,
+        "nearest_m": result.min_clearance_m or float("inf"),
+        "groundings": result.groundings,
+    }
+
+
+def _print_table(figures: dict[str, float], console: Console) -> None:
+    table = Table(title="What was planned, and what the boat really covered", box=None, show_header=False)
+    rows = (
+        ("covered: planned, sailed", "{planned_coverage:.2%}, {sailed_coverage:.2%}"),
+        ("tracks, waypoints reached", "{tracks}, {reached} of {waypoints}"),
+        ("planned, lower bound, sailed", "{planned_m:.0f} m, {least_m:.0f} m, {sailed_m:.0f} m"),
+        ("time under way", "{time_s:.0f} s of the boat's clock"),
+        ("off the planned line", "{off_rms_m:.2f} m RMS"),
+        ("nearest to a shore", "{nearest_m:.2f} m, {groundings} groundings"),
+    )
+    for name, form in rows:
+        table.add_row(name, form.format(**figures))
+    console.print(table)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
