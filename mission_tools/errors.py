@@ -9,6 +9,7 @@
     │   ├── GoalBlocked     2  the goal is no place for a boat; names what is in the way
     │   ├── NoRoute         1  start and goal are free, but no water joins them
     │   └── SearchBudgetExceeded  1  the search was stopped before it could tell
+    ├── BeyondRange         1  the charge does not take the boat there and home
     ├── VehicleError        1  the vehicle answered, but not as it should
     │   ├── UploadRejected  1  it refused the mission; says the reason and the item
     │   ├── ReadBackMismatch  1  what it holds is not what was sent; names the item
@@ -69,6 +70,10 @@ class NoRoute(NoRouteError):
 
 class SearchBudgetExceeded(NoRouteError):
     """The search was stopped before it could tell."""
+
+
+class BeyondRange(MissionToolsError):
+    """The charge does not take the boat there and home."""
 
 
 class VehicleError(MissionToolsError):

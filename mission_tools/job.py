@@ -16,6 +16,7 @@ from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, pars
 from mission_tools.wording import Printer, counted, distance, duration
 
 if TYPE_CHECKING:
+    from mission_tools.contract.budget import Budget
     from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
@@ -37,6 +38,10 @@ class Request:
     sign_key: Path | None = None
     fence: str | None = None  # a file, or "none" to clear
     rally: str | None = None
+    boat: str | None = None  # its TOML, or an emulated boat's name: what the route costs it
+    one_way: bool = False  # it need not come home
+    fence_from_map: bool = False
+    rally_from_map: bool = False
     diff: bool = False  # say what an upload changes aboard
     if_changed: bool = False  # and send only the lists that it changes
 
@@ -46,6 +51,7 @@ class Report:
     """The results so far, also of a job that fails."""
 
     planned: PlannedMission | None = None
+    budget: "Budget | None" = None
     link: str = ""
     vehicle_id: int | None = None
     mode: str = ""
@@ -70,6 +76,9 @@ def run(request: Request, report: Report, say: Printer) -> None:
     link = parse_link(request.link)
     inputs = (request.source, request.fence, request.rally, request.sign_key)
     check_outputs(request.save, request.preview, inputs)
+    for option in ("fence", "rally"):
+        if getattr(request, option) is not None and getattr(request, f"{option}_from_map"):
+            raise UsageError(f"--{option} and --{option}-from-map exclude each other")
     areas = open_areas(request.fence, request.rally)
     source = None
     if request.source is None:
@@ -84,8 +93,11 @@ def run(request: Request, report: Report, say: Printer) -> None:
         say(str(areas))
     else:
         planned = source.prepare()
-        take_planned(planned, request, report, say)
+        planned = take_planned(planned, request, report, say)
         draw(planned, request, report, say)
+
+
+_OF_SOURCES = ("start", "follow", "save", "preview", "fence_from_map", "rally_from_map", "boat")
 
 
 def _check_areas_alone(request: Request, areas: Areas) -> None:
@@ -94,27 +106,53 @@ def _check_areas_alone(request: Request, areas: Areas) -> None:
     Raises:
         UsageError: names the options.
     """
-    unfit = [name for name in ("start", "follow", "save", "preview") if getattr(request, name)]
+    unfit = [name for name in _OF_SOURCES if getattr(request, name)]
     if unfit or request.options != PlanOptions():
-        options = ", ".join("--" + name for name in unfit) or "options about the route"
+        options = ", ".join("--" + name.replace("_", "-") for name in unfit) or "options about the route"
         raise UsageError(f"no SOURCE: {options} would need a scenario, a map or a mission file")
     if areas == NO_AREAS:
         raise UsageError("nothing to upload: expected a SOURCE, --fence FILE or --rally FILE")
 
 
-def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> None:
-    """Describe what was planned, and save it.
+def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
+    """Describe what was planned and what it costs the boat, and save it; with the fence that was asked for.
 
     Raises:
+        NoRoute: no fence holds the route.
+        BeyondRange: the boat does not come home.
         PlanFileError: it cannot be written.
     """
+    if request.fence_from_map or request.rally_from_map:
+        planned = _with_contract(planned, request)
     report.planned = planned
     for line in described(planned):
         say(line)
+    if request.boat is not None:
+        from mission_tools.contract.planned_budget import planned_budget  # noqa: PLC0415 - seldom needed
+
+        report.budget = planned_budget(planned, request.boat)
+        for line in report.budget.lines():
+            say(line)
+        report.budget.check(one_way=request.one_way)
     if request.save is not None:
         save(planned.mission, request.save, planned)
         report.saved = request.save
         say(f"saved {request.save}")
+    return planned
+
+
+def _with_contract(planned: PlannedMission, request: Request) -> PlannedMission:
+    from mission_tools.contract.water_contract import Capacity, with_contract  # noqa: PLC0415 - seldom needed
+
+    capacity = Capacity()
+    if request.boat is not None:
+        from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - as above
+
+        boat = load_boat(request.boat)
+        capacity = Capacity(boat.fence_margin_m, boat.most_fence_items, boat.most_rally_items)
+    return with_contract(
+        planned, capacity, with_fence=request.fence_from_map, with_rally=request.rally_from_map
+    )
 
 
 def draw(planned: PlannedMission, request: Request, report: Report, say: Printer) -> None:

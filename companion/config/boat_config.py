@@ -156,6 +156,9 @@ class BatteryPack(Section, frozen=True):
 
     capacity_mah: Positive = 2200.0
     cells: Annotated[int, Meta(ge=1, le=10)] = 3
+    # For the planner's budget; the boat itself measures what it draws.
+    cruise_a: NonNegative = 0.0  # at cruise speed in still water, electronics included; 0: not known
+    idle_a: NonNegative = 0.0  # with the motors stopped
 
 
 class Trim(Section, frozen=True):

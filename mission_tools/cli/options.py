@@ -67,6 +67,22 @@ def add_areas(parser: Parser) -> None:
     group = parser.add_argument_group("fence and rally points")
     group.add_argument("--fence", metavar="FILE", help="plan inside this fence and upload it (none: clear)")
     group.add_argument("--rally", metavar="FILE", help="upload these rally points (none: clear)")
+    group.add_argument(
+        "--fence-from-map",
+        action="store_true",
+        help="a fence of the map's water for this route",
+    )
+    group.add_argument("--rally-from-map", action="store_true", help="rally points near the route")
+    group.add_argument("--contract", action="store_true", help="both: fence and rally points from the map")
+
+
+def add_boat(parser: Parser) -> None:
+    """What the route costs the boat."""
+    group = parser.add_argument_group("budget")
+    group.add_argument(
+        "--boat", metavar="BOAT.toml", help="time and charge out and home for this boat (also: lake, kit)"
+    )
+    group.add_argument("--one-way", action="store_true", help="the boat need not come home")
 
 
 def add_outputs(parser: Parser) -> None:

@@ -1,12 +1,15 @@
 """A finished upload as plain values for JSON. Lengths in metres, times in seconds, null where not known."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mission_tools.job import Report
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.planner import Plan
 from mission_tools.vehicle.mission_monitor import MissionMonitor
+
+if TYPE_CHECKING:
+    from mission_tools.contract.budget import Budget
 
 
 def as_json(report: Report) -> dict[str, Any]:
@@ -21,6 +24,7 @@ def as_json(report: Report) -> dict[str, Any]:
         "home": [mission.home.lat_deg, mission.home.lon_deg] if mission and mission.home else None,
         "plan": _plan(planned.plan) if planned and planned.plan else None,
         "task": _task(planned) if planned and planned.task else None,
+        "budget": _budget(report.budget) if report.budget else None,
         "upload": None if report.vehicle_id is None else _upload(report),
         "started": report.started,
         "voyage": _voyage(report.monitor) if report.monitor else None,
@@ -54,6 +58,11 @@ def _task(planned: PlannedMission) -> dict[str, Any]:
         "legs": [{"kind": leg.kind, "length_m": leg.length_m, "hold_s": leg.hold_s} for leg in task.legs],
         "notes": list(task.notes),
     }
+
+
+def _budget(budget: "Budget") -> dict[str, Any]:
+    tree = {name: getattr(budget, name) for name in budget.__slots__}
+    return {name: _finite(value) if isinstance(value, float) else value for name, value in tree.items()}
 
 
 def _upload(report: Report) -> dict[str, Any]:

@@ -9,7 +9,15 @@ from argparse import Namespace
 from companion.core.interrupts import importing
 from mission_tools.cli.arguments import with_start_position_option
 from mission_tools.cli.exit import run_parsed
-from mission_tools.cli.options import add_areas, add_link, add_outputs, add_route, add_tasks, plan_options
+from mission_tools.cli.options import (
+    add_areas,
+    add_boat,
+    add_link,
+    add_outputs,
+    add_route,
+    add_tasks,
+    plan_options,
+)
 from mission_tools.cli.parser import Parser, number
 from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
 
@@ -19,6 +27,7 @@ def _parser() -> Parser:
     add_route(parser)
     add_tasks(parser)
     add_areas(parser)
+    add_boat(parser)
     add_outputs(parser)
     sail = parser.add_argument_group("upload")
     sail.add_argument("--start", action="store_true", help="arm and start the mission")
@@ -59,6 +68,10 @@ def _upload(given: Namespace) -> None:
         sign_key=given.sign_key,
         fence=given.fence,
         rally=given.rally,
+        boat=given.boat,
+        one_way=given.one_way,
+        fence_from_map=given.fence_from_map or given.contract,
+        rally_from_map=given.rally_from_map or given.contract,
         diff=given.diff,
         if_changed=given.if_changed,
     )

@@ -62,7 +62,7 @@ class _Session:
         async with AsyncExitStack() as stack:
             vehicle = await self._connected(stack) if source.wants_position else None
             planned = await self._propose(source, vehicle)
-            take_planned(planned, self._request, self._report, self._say)
+            planned = take_planned(planned, self._request, self._report, self._say)
             try:
                 vehicle = vehicle or await self._connected(stack)
                 mission_lists = planned.mission.wire_lists(home_first=vehicle.state.is_ardupilot)

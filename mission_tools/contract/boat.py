@@ -1,0 +1,132 @@
+"""A boat as the planner needs it, from its TOML: speeds, charge, and how much of a fence it holds."""
+
+import importlib.util
+from dataclasses import dataclass
+from pathlib import Path
+
+from companion.config.boat_config import BoatConfig, decode_config, load_toml
+from mission_tools.costs.travel import BoatSpeed, Floats
+from mission_tools.errors import UsageError
+
+SLOW_EXPONENT, FAST_EXPONENT = 1.7, 2.5
+"""Of the speed through the water, below and above cruise, for what the motors draw.
+
+Fitted to two emulated hulls with brushed motors behind a chopper, at 0.5, 0.75 and 1.25 times cruise speed.
+(A propeller's power grows with the cube, but at low thrust losses that do not depend on it outweigh.)
+"""
+STEERING = 1.08
+"""What the motors draw on a route over what they draw on a straight line (the same two hulls)."""
+HOLD_SHARE = 0.06
+"""Of the motors' draw at cruise: what station keeping in still water takes (emulator, 80 s at a waypoint)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Boat:
+    """A boat by its configuration.
+
+    cruise_a: drawn at cruise speed in still water, all electronics included; idle_a: with the motors stopped;
+    both 0 where the file does not say. reserve: share of the capacity that is never used. margin: times the
+    charge for the way home that must be left, or the boat turns back by itself. fence_margin_m: how far
+    inside the fence the boat stops. accel_m_s2: to a lower speed; to a higher one it is half as much again.
+    """
+
+    name: str = "the boat"
+    cruise_m_s: float = 2.0
+    top_m_s: float = 3.0
+    slowest_m_s: float = 0.4
+    accel_m_s2: float = 0.4
+    corner_accel_m_s2: float = 0.8
+    turn_rate_rad_s: float = 0.65
+    waypoint_radius_m: float = 2.0
+    capacity_mah: float = 2200.0
+    cruise_a: float = 0.0
+    idle_a: float = 0.0
+    reserve: float = 0.1
+    margin: float = 1.5
+    fence_margin_m: float = 2.0
+    most_fence_items: int = 1000
+    most_rally_items: int = 250
+
+    @classmethod
+    def of(cls, config: BoatConfig, name: str = "the boat") -> "Boat":
+        """A boat of this configuration."""
+        guidance, battery = config.guidance, config.battery
+        return cls(
+            name,
+            cruise_m_s=config.speed.cruise_m_s,
+            top_m_s=max(config.handling.top_speed_m_s, config.speed.cruise_m_s),
+            slowest_m_s=guidance.min_speed_m_s,
+            accel_m_s2=guidance.accel_m_s2,
+            corner_accel_m_s2=guidance.corner_accel_m_s2,
+            turn_rate_rad_s=config.handling.turn_rate_rad_s,
+            waypoint_radius_m=guidance.waypoint_radius_m,
+            capacity_mah=battery.capacity_mah,
+            cruise_a=battery.cruise_a,
+            idle_a=battery.idle_a,
+            reserve=config.failsafe.range_reserve,
+            margin=config.failsafe.range_margin,
+            fence_margin_m=config.fence.margin_m,
+            most_fence_items=config.mission.max_fence_items,
+            most_rally_items=config.mission.max_rally_items,
+        )
+
+    @property
+    def knows_its_draw(self) -> bool:
+        """Whether a charge can be said at all."""
+        return self.cruise_a > 0.0
+
+    @property
+    def usable_mah(self) -> float:
+        """Of a full pack, without the reserve."""
+        return (1.0 - self.reserve) * self.capacity_mah
+
+    def speed(self, over_ground_m_s: float | None = None) -> BoatSpeed:
+        """Its speeds; over_ground_m_s: instead of the cruise speed.
+
+        Raises:
+            UsageError: faster than the boat.
+        """
+        return BoatSpeed(over_ground_m_s or self.cruise_m_s, self.top_m_s, self.slowest_m_s)
+
+    def drawn_a(self, through_m_s: Floats) -> Floats:
+        """What the whole boat draws at a speed through the water, in A."""
+        share = through_m_s / self.cruise_m_s
+        motors: Floats = share**SLOW_EXPONENT
+        above = share > 1.0
+        motors[above] = share[above] ** FAST_EXPONENT
+        return self.idle_a + STEERING * (self.cruise_a - self.idle_a) * motors
+
+    def held_a(self, current_m_s: float = 0.0) -> float:
+        """What it draws while it keeps station in a current, in A."""
+        import numpy as np  # noqa: PLC0415 - loaded already where there is a draw to compute
+
+        against = float(self.drawn_a(np.array([current_m_s]))[0])
+        return against + HOLD_SHARE * (self.cruise_a - self.idle_a)
+
+
+def load_boat(name: str) -> Boat:
+    """A boat's TOML, that of `boat-companion` or that of an emulated boat (also by name, such as `lake`).
+
+    Raises:
+        ConfigError: names file and key.
+        UsageError: no such boat.
+    """
+    path = Path(name)
+    folder = boat_folder()
+    if path.suffix.lower() != ".toml":
+        if folder is None or not (folder / f"{name}.toml").is_file():
+            known = ", ".join(sorted(file.stem for file in folder.glob("*.toml"))) if folder else "none"
+            raise UsageError(f"--boat {name}: no such boat (there are: {known}), and no .toml file")
+        path = folder / f"{name}.toml"
+    tree = load_toml(path)
+    if "hull" in tree:  # an emulated boat has the companion's configuration in a table
+        vehicle = tree.get("vehicle")
+        tree = vehicle if isinstance(vehicle, dict) else {}
+    return Boat.of(decode_config(tree, str(path)), path.stem)
+
+
+def boat_folder() -> Path | None:
+    """Where the emulated boats are installed; None without the emulator. Does not import it."""
+    spec = importlib.util.find_spec("sitl")
+    places = spec.submodule_search_locations if spec is not None else None
+    return next((Path(place) / "boats" for place in places or ()), None)

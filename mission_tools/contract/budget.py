@@ -1,0 +1,244 @@
+"""Time and charge of a route, out and home, and the point of no return.
+
+The way home is counted as the boat counts it under way (`companion/failsafe/endurance.py`): the charge for
+the straight way in the current, times the length of the way by water over that of the straight way. The boat
+turns back by itself once less than margin times this is left, so a plan is good only if more is left
+everywhere on it.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from companion.core.geo import Point, bearing_rad, distance_m
+from companion.core.units import wrap_pi
+from mission_tools.contract.boat import Boat
+from mission_tools.costs.current import STILL_WATER, Current
+from mission_tools.costs.travel import Floats
+from mission_tools.errors import BeyondRange, NoRoute
+from mission_tools.maps.chart import Chart
+from mission_tools.wording import distance, duration
+
+STEPS = 200
+"""The route is looked at in at most this many places more than it has points."""
+GAINING_SHARE = 1.5  # as the boat's speed profile: it gains speed half as fast again as it loses it
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """Times in s, charges in mAh; charges are NaN where the boat's file does not say what it draws.
+
+    home_s, home_mah: from the end of the route straight home by water; 0 where it ends at home. left_mah: at
+    the end, the reserve left out. no_return_m: how far along the route the boat may still turn back, None:
+    from everywhere. reached_m: how far it comes at all, None: to the end.
+    """
+
+    length_m: float
+    time_s: float
+    charge_mah: float
+    home_m: float
+    home_s: float
+    home_mah: float
+    usable_mah: float
+    margin: float
+    no_return_m: float | None = None
+    reached_m: float | None = None
+
+    @property
+    def left_mah(self) -> float:
+        """At the end of the route."""
+        return self.usable_mah - self.charge_mah
+
+    def lines(self) -> list[str]:
+        """For a person."""
+        said = f"budget: {duration(self.time_s)}"
+        home = f"home from there {distance(self.home_m)}, {duration(self.home_s)}"
+        if math.isnan(self.charge_mah):
+            return [
+                f"{said}; {home}; no charge: set battery.cruise_a, what the boat draws at cruise speed, "
+                "in its file"
+            ]
+        out = f"{said}, {self.charge_mah:.0f} of {self.usable_mah:.0f} mAh"
+        if self.home_m > 0.0:
+            out += f"; {home}, {self.home_mah:.0f} mAh"
+        if self.reached_m is not None:
+            return [out, f"the charge lasts for {distance(self.reached_m)} of {distance(self.length_m)}"]
+        if self.no_return_m is not None:
+            return [out, f"point of no return: after {distance(self.no_return_m)}"]
+        return [out, f"comes home from everywhere on it with {self.margin:g} times the charge for the way"]
+
+    def check(self, *, one_way: bool = False) -> None:
+        """See that the boat comes home; one_way: that it comes to the end.
+
+        Raises:
+            BeyondRange: it does not; says how far it comes.
+        """
+        if self.reached_m is not None:
+            raise BeyondRange(
+                f"the charge lasts for {distance(self.reached_m)} of {distance(self.length_m)}: "
+                f"{self.charge_mah:.0f} mAh are needed, {self.usable_mah:.0f} can be used"
+            )
+        if self.no_return_m is not None and not one_way:
+            raise BeyondRange(
+                f"the boat does not come home: its point of no return is {distance(self.no_return_m)} along "
+                f"a route of {distance(self.length_m)} (way home times {self.margin:g}); plan a shorter "
+                "route, or add --one-way"
+            )
+
+
+def budget_of(
+    points: Sequence[Point],
+    holds_s: Sequence[float],
+    ways_home_m: Sequence[float],
+    boat: Boat,
+    speed_m_s: float | None = None,
+    current: Current = STILL_WATER,
+) -> Budget:
+    """The budget of a route from a full pack.
+
+    points: start, which is home, and the waypoints. holds_s: at each waypoint, so one less. ways_home_m: from
+    each point by water. speed_m_s: over ground, None: the boat's cruise speed.
+
+    Raises:
+        NoRoute: a leg that the boat cannot sail against the current.
+        UsageError: a speed beyond the boat's.
+    """
+    at, legs = _stations(points)
+    speed = boat.speed(speed_m_s)
+    starts, ends = at[:-1], at[1:]
+    lengths_m = np.hypot(*(ends - starts).T)
+    time_s, mah = _sailed(starts, ends, boat, speed_m_s, current)
+    if not np.isfinite(time_s).all():
+        leg = int(legs[np.flatnonzero(~np.isfinite(time_s))[0]]) + 1
+        raise NoRoute(f"leg {leg} cannot be sailed against the current at {speed.top_m_s:g} m/s")
+    extra_s = _manoeuvres_s(points, holds_s, boat, speed.over_ground_m_s)
+    north, east = current.at(ends[:, 0], ends[:, 1])
+    last = np.append(np.flatnonzero(np.diff(legs)), len(legs) - 1)  # the last piece of each leg
+    time_s[last] += np.array(extra_s) + np.array(holds_s)
+    cruising_a = boat.drawn_a(np.array([speed.over_ground_m_s]))[0]
+    held_a = [boat.held_a(float(math.hypot(n, e))) for n, e in zip(north[last], east[last], strict=True)]
+    mah[last] += (np.array(extra_s) * cruising_a + np.array(holds_s) * np.array(held_a)) / 3.6
+    along_m = np.concatenate(([0.0], np.cumsum(lengths_m)))
+    left_mah = boat.usable_mah - np.concatenate(([0.0], np.cumsum(mah)))
+    home_m = _between(points, ways_home_m, at, legs)
+    home_s, home_mah = _homeward(at, home_m, points[0], boat, speed_m_s, current)
+    is_known = boat.knows_its_draw
+    short = np.flatnonzero(left_mah < boat.margin * home_mah - 1e-9) if is_known else np.zeros(0, dtype=int)
+    empty = np.flatnonzero(left_mah < 0.0) if is_known else np.zeros(0, dtype=int)
+    return Budget(
+        length_m=float(along_m[-1]),
+        time_s=float(time_s.sum()),
+        charge_mah=float(mah.sum()) if is_known else math.nan,
+        home_m=float(home_m[-1]),
+        home_s=float(home_s[-1]),
+        home_mah=float(home_mah[-1]) if is_known else math.nan,
+        usable_mah=boat.usable_mah,
+        margin=boat.margin,
+        no_return_m=float(along_m[max(short[0] - 1, 0)]) if len(short) else None,
+        reached_m=float(along_m[max(empty[0] - 1, 0)]) if len(empty) else None,
+    )
+
+
+def ways_home_m(
+    chart: Chart, points: Sequence[Point], clearance_m: float, from_end_m: float | None = None
+) -> list[float]:
+    """How far it is home from each point of a route by water; the first is home.
+
+    Never less than the shortest way: straight where that is clear, else along the route to a point from where
+    it is, or the way that was planned from the end (from_end_m).
+    """
+    home = points[0]
+    found = [
+        distance_m(point, home) if point == home or chart.is_clear(point, home, clearance_m) else math.inf
+        for point in points
+    ]
+    found[0] = 0.0
+    if from_end_m is not None:
+        found[-1] = min(found[-1], from_end_m)
+    legs_m = [distance_m(a, b) for a, b in pairwise(points)]
+    for n, leg_m in enumerate(legs_m):
+        found[n + 1] = min(found[n + 1], found[n] + leg_m)
+    for n in range(len(legs_m) - 1, -1, -1):
+        found[n] = min(found[n], found[n + 1] + legs_m[n])
+    return found
+
+
+def _stations(points: Sequence[Point]) -> tuple[Floats, Floats]:
+    """The route's points and places between them, and the number of the leg of each piece."""
+    total_m = sum(distance_m(a, b) for a, b in pairwise(points))
+    step_m = max(total_m / STEPS, 1e-6)
+    at: list[tuple[float, float]] = [(points[0].north_m, points[0].east_m)]
+    legs: list[int] = []
+    for number, (a, b) in enumerate(pairwise(points)):
+        pieces = max(1, math.ceil(distance_m(a, b) / step_m))
+        for n in range(1, pieces + 1):
+            share = n / pieces
+            at.append((a.north_m + share * (b.north_m - a.north_m), a.east_m + share * (b.east_m - a.east_m)))
+            legs.append(number)
+    return np.array(at), np.array(legs)
+
+
+def _sailed(
+    starts: Floats, ends: Floats, boat: Boat, speed_m_s: float | None, current: Current
+) -> tuple[Floats, Floats]:
+    """Seconds and mAh of straight pieces; infinite where the current is too strong."""
+    way = ends - starts
+    length_m = np.hypot(way[:, 0], way[:, 1])
+    middle = 0.5 * (starts + ends)
+    north, east = current.at(middle[:, 0], middle[:, 1])
+    safe_m = np.where(length_m > 0.0, length_m, 1.0)
+    along = (north * way[:, 0] + east * way[:, 1]) / safe_m
+    across = (east * way[:, 0] - north * way[:, 1]) / safe_m
+    good = boat.speed(speed_m_s).made_good_m_s(along, across)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time_s = np.where(length_m > 0.0, length_m / good, 0.0)
+    return time_s, boat.drawn_a(np.hypot(good - along, across)) * time_s / 3.6
+
+
+def _homeward(
+    at: Floats, home_m: Floats, home: Point, boat: Boat, speed_m_s: float | None, current: Current
+) -> tuple[Floats, Floats]:
+    """Time and charge of the way home from each place: of the straight way, lengthened as the water is."""
+    ends = np.broadcast_to(np.array([home.north_m, home.east_m]), at.shape)
+    straight_m = np.hypot(*(ends - at).T)
+    time_s, mah = _sailed(at, ends, boat, speed_m_s, current)
+    stretch = np.where(straight_m > 0.0, home_m / np.maximum(straight_m, 1e-9), 1.0)
+    return time_s * stretch, mah * stretch
+
+
+def _between(points: Sequence[Point], ways_m: Sequence[float], at: Floats, legs: Floats) -> Floats:
+    """The way home from every place: by the nearer of the leg's two ends, and 0 at home."""
+    found = [ways_m[0]]
+    for (north_m, east_m), leg in zip(at[1:], legs, strict=True):
+        n = int(leg)
+        here = Point(float(north_m), float(east_m))
+        found.append(min(distance_m(here, points[i]) + ways_m[i] for i in (n, n + 1)))
+    return np.array(found)
+
+
+def _manoeuvres_s(
+    points: Sequence[Point], holds_s: Sequence[float], boat: Boat, speed_m_s: float
+) -> list[float]:
+    """Time lost at the end of each leg: in its corner, and by a stop; the start is in the first."""
+    per_m_s2 = (1.0 + 1.0 / GAINING_SHARE) / boat.accel_m_s2
+    lost = []
+    for n in range(1, len(points)):
+        is_last = n == len(points) - 1
+        turn = 0.0
+        if not is_last and points[n] not in (points[n - 1], points[n + 1]):
+            before, after = bearing_rad(points[n - 1], points[n]), bearing_rad(points[n], points[n + 1])
+            turn = abs(wrap_pi(after - before))
+        if is_last or holds_s[n - 1] > 0.0:
+            slowest = 0.0
+        else:
+            slack = 1.0 / max(math.cos(0.5 * turn), 1e-3) - 1.0  # of a fillet, per metre of its radius
+            radius_m = boat.waypoint_radius_m / max(slack, 1e-9)
+            slowest = min(speed_m_s, math.sqrt(boat.corner_accel_m_s2 * radius_m))
+        slowing_s = (speed_m_s - slowest) ** 2 / (2.0 * speed_m_s) * per_m_s2
+        turning_s = turn / boat.turn_rate_rad_s if slowest < boat.slowest_m_s else 0.0
+        lost.append((0.5 if is_last else 1.0) * slowing_s + turning_s)
+    lost[0] += 0.5 * speed_m_s / (GAINING_SHARE * boat.accel_m_s2)
+    return lost

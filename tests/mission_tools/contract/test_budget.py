@@ -1,0 +1,169 @@
+"""Time and charge of a route, by hand and in figures of the emulator."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from companion.config.boat_config import BoatConfig
+from companion.core.errors import ConfigError
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.contract.boat import Boat, load_boat
+from mission_tools.contract.budget import Budget, budget_of, ways_home_m
+from mission_tools.contract.planned_budget import planned_budget
+from mission_tools.costs.current import UniformCurrent
+from mission_tools.errors import BeyondRange, NoRoute, UsageError
+from mission_tools.maps import Source, build_chart
+from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.mission.planned_mission import MapSource
+from sitl.run.mission_run import MissionRun
+from sitl.scenarios.missions import wire_items
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.world import Truth
+
+OPEN = build_chart("sea", LocalFrame(LatLon(50.0, -1.2)), None, ())
+BOAT = Boat(cruise_m_s=2.0, top_m_s=3.0, capacity_mah=1000.0, cruise_a=3.6, idle_a=0.6)
+OUT = [Point(0.0, 0.0), Point(1000.0, 0.0)]
+
+
+def budget(
+    points: list[Point] = OUT,
+    boat: Boat = BOAT,
+    holds_s: list[float] | None = None,
+    speed_m_s: float | None = None,
+    current: UniformCurrent | None = None,
+) -> Budget:
+    holds_s = holds_s or [0.0] * (len(points) - 1)
+    ways_m = ways_home_m(OPEN, points, 4.0)
+    return budget_of(points, holds_s, ways_m, boat, speed_m_s, current or UniformCurrent())
+
+
+def test_a_straight_way_takes_its_length_at_cruise_speed_and_a_start_and_a_stop() -> None:
+    found = budget()
+    # speeding up at 0.6 m/s² and stopping at 0.4 m/s² cost half the time each: 1.67 and 2.5 s
+    assert found.time_s == pytest.approx(500.0 + 0.5 * 2.0 / 0.6 + 0.5 * 2.0 / 0.4, abs=1.7)
+    sailing_a = 0.6 + 1.08 * 3.0
+    assert found.charge_mah == pytest.approx(sailing_a * found.time_s / 3.6, rel=1e-6)
+    assert (found.home_m, found.home_s) == (1000.0, 500.0)
+    assert found.home_mah == pytest.approx(sailing_a * 500.0 / 3.6)
+
+
+def test_a_hold_draws_what_station_keeping_does() -> None:
+    longer = budget(holds_s=[100.0])
+    assert longer.time_s - budget().time_s == pytest.approx(100.0)
+    assert longer.charge_mah - budget().charge_mah == pytest.approx((0.6 + 0.06 * 3.0) * 100.0 / 3.6)
+
+
+def test_a_current_from_ahead_costs_charge_and_no_time_while_the_boat_can_stem_it() -> None:
+    against = budget(current=UniformCurrent(-0.5, 0.0))
+    assert against.time_s == pytest.approx(budget().time_s)
+    assert against.charge_mah > 1.3 * budget().charge_mah
+    assert against.home_mah < budget().home_mah
+    slowed = budget(current=UniformCurrent(-2.0, 0.0))
+    assert slowed.time_s == pytest.approx(1000.0, rel=0.01)  # 3 m/s less 2
+    with pytest.raises(NoRoute, match="leg 1 cannot be sailed against the current at 3 m/s"):
+        budget(current=UniformCurrent(-2.95, 0.0))
+
+
+def test_a_current_from_abeam_takes_its_part_of_the_speed_through_the_water() -> None:
+    abeam = budget(current=UniformCurrent(0.0, 1.5))
+    through_m_s = math.hypot(2.0, 1.5)
+    drawn_a = 0.6 + 1.08 * 3.0 * (through_m_s / 2.0) ** 2.5
+    assert abeam.charge_mah == pytest.approx(drawn_a * 500.0 / 3.6, rel=0.01)
+
+
+def test_the_point_of_no_return_leaves_the_margin_for_the_way_home() -> None:
+    boat = replace(BOAT, capacity_mah=1000.0, reserve=0.1, margin=1.5)
+    per_m = (0.6 + 1.08 * 3.0) / 3.6 / 2.0  # mAh
+    far = [Point(0.0, 0.0), Point(1600.0, 0.0)]
+    found = budget(far, boat)
+    expected_m = 900.0 / (per_m * 2.5)  # what is left after s is 900 − s p, and 1.5 s p is wanted
+    assert found.no_return_m is not None
+    assert expected_m - 10.0 <= found.no_return_m <= expected_m
+    with pytest.raises(BeyondRange, match="does not come home"):
+        found.check()
+    found.check(one_way=True)
+    assert any("point of no return" in line for line in found.lines())
+    assert budget(far, replace(boat, margin=1.0)).no_return_m > found.no_return_m + 100.0  # type: ignore[operator]
+    assert budget(far, replace(boat, reserve=0.3)).no_return_m < found.no_return_m - 100.0  # type: ignore[operator]
+
+
+def test_a_route_that_leads_home_is_good_as_long_as_it_always_could_turn_back() -> None:
+    there_and_back = [Point(0.0, 0.0), Point(600.0, 0.0), Point(0.0, 0.0)]
+    found = budget(there_and_back)
+    assert (found.home_m, found.no_return_m) == (0.0, None)
+    found.check()
+    assert "comes home from everywhere" in found.lines()[-1]
+
+
+def test_a_charge_that_does_not_last_is_refused_one_way_too() -> None:
+    found = budget([Point(0.0, 0.0), Point(3000.0, 0.0)])
+    assert found.reached_m == pytest.approx(900.0 / ((0.6 + 1.08 * 3.0) / 7.2), abs=20.0)
+    with pytest.raises(BeyondRange, match=r"the charge lasts for 1[67]\d\d m of 3000 m"):
+        found.check(one_way=True)
+
+
+def test_without_a_draw_there_is_a_time_and_no_charge() -> None:
+    found = budget(boat=replace(BOAT, cruise_a=0.0, idle_a=0.0))
+    assert found.time_s > 500.0
+    assert math.isnan(found.charge_mah)
+    found.check()
+    assert "set battery.cruise_a" in found.lines()[0]
+
+
+def test_the_way_home_is_never_longer_than_back_along_the_route() -> None:
+    box = build_chart("sea", OPEN.frame, None, ())
+    points = [Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)]
+    assert ways_home_m(box, points, 4.0) == [0.0, 100.0, pytest.approx(math.hypot(100.0, 100.0))]
+
+
+def test_a_speed_beyond_the_boat_is_refused() -> None:
+    with pytest.raises(UsageError, match="top speed of 3 m/s"):
+        budget(speed_m_s=4.0)
+
+
+def test_a_boat_is_read_from_its_own_file_and_from_an_emulated_ones(tmp_path: Path) -> None:
+    (tmp_path / "b.toml").write_text(
+        "[battery]\ncapacity_mah = 7000.0\ncruise_a = 4.0\n[speed]\ncruise_m_s = 1.5\n"
+    )
+    boat = load_boat(str(tmp_path / "b.toml"))
+    assert (boat.name, boat.capacity_mah, boat.cruise_a, boat.cruise_m_s) == ("b", 7000.0, 4.0, 1.5)
+    default = BoatConfig()
+    assert boat.most_fence_items == default.mission.max_fence_items
+    assert boat.margin == default.failsafe.range_margin
+    assert load_boat("lake").capacity_mah == 5000.0
+    assert load_boat("kit").cruise_m_s == 1.2
+    with pytest.raises(UsageError, match="no such boat \\(there are: kit, lake, pool\\)"):
+        load_boat("canoe")
+    (tmp_path / "c.toml").write_text("[battery]\ncruise = 4.0\n")
+    with pytest.raises(ConfigError, match="cruise"):
+        load_boat(str(tmp_path / "c.toml"))
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "options", "current"),
+    [
+        ("lake", [], PlanOptions(), UniformCurrent()),
+        ("kit", ['boat.model="kit"'], PlanOptions(hold_s=60.0), UniformCurrent()),
+        ("lake", [], PlanOptions(speed_m_s=1.2), UniformCurrent()),
+        (
+            "lake",
+            ["environment.current_m_s=0.5", "environment.current_to_deg=90"],
+            PlanOptions(),
+            UniformCurrent(0.0, 0.5),
+        ),
+    ],
+)
+def test_the_emulator_sails_the_budget_within_ten_percent(
+    name: str, settings: list[str], options: PlanOptions, current: UniformCurrent
+) -> None:
+    scenario = load_scenario("lake", settings)
+    planned = MapSource("lake", Source(scenario.chart, scenario.route), options).prepare()
+    found = planned_budget(planned, name, current)
+    run = MissionRun(scenario, wire_items(planned.mission))
+    result = run.run()
+    assert result.completed
+    sailed_mah = float(run.recorder.rows[:, Truth._fields.index("current_a")].sum()) * 0.02 / 3.6
+    assert found.time_s == pytest.approx(result.time_s, rel=0.1)
+    assert found.charge_mah == pytest.approx(sailed_mah, rel=0.1)

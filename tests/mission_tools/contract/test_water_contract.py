@@ -1,0 +1,146 @@
+"""Fence and rally points from the map of a route: never over land, with room, within the boat's capacity.
+
+The fence is read as the boat reads it (`companion.geofence.fence`), and laid on the map with shapely.
+"""
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import shapely
+from shapely.geometry import LineString, Polygon
+
+import mission_tools as mt
+from companion.config.fence import FenceSetting
+from companion.core.geo import LocalFrame, Point, distance_m
+from companion.geofence import fence as aboard
+from mission_tools.contract.fence_of_water import fence_of_water
+from mission_tools.contract.water_contract import Capacity, fence_lines, with_contract
+from mission_tools.errors import NoRoute, UsageError
+from mission_tools.maps.chart import Chart
+from mission_tools.mission.mission import Fence
+from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.mission.planned_mission import MissionFile, PlannedMission
+
+SHORES = Path(__file__).parents[3] / ".." / "shared" / "maps" / "shore"
+
+
+def boats_fence(fence: Fence, frame: LocalFrame) -> aboard.Fence:
+    """The fence as the boat has it after an upload."""
+    found = aboard.Fence()
+    found.set_areas([aboard.FencePolygon(polygon.corners, polygon.inclusion) for polygon in fence.polygons])
+    found.update(frame, None, FenceSetting())
+    return found
+
+
+def fence_area(chart: Chart, fence: Fence) -> Polygon:
+    rings = [
+        [(at.east_m, at.north_m) for at in map(chart.frame.to_local, polygon.corners)]
+        for polygon in fence.polygons
+    ]
+    return Polygon(rings[0], rings[1:])
+
+
+def assert_holds(planned: PlannedMission, capacity: Capacity, at_least_m: float) -> None:
+    """The fence's rules, each by somebody else's arithmetic."""
+    chart, fence = planned.chart, planned.mission.fence
+    assert [polygon.inclusion for polygon in fence.polygons] == [True] + [False] * (len(fence.polygons) - 1)
+    assert len(fence.items()) <= capacity.fence_items
+    area = fence_area(chart, fence)
+    assert area.is_valid
+    assert area.difference(chart.navigable).area == 0.0  # admits no land
+    on_board = boats_fence(fence, chart.frame)
+    points = planned.points
+    assert all(on_board.allows(point) for point in points)
+    assert not any(on_board.crosses(a, b) for a, b in pairwise(points))
+    assert all(on_board.is_clear(a, b, at_least_m) for a, b in pairwise(points))
+
+
+@pytest.mark.parametrize("corners", [1000, 200, 60])
+def test_the_fence_of_a_lake_holds_the_route_and_no_land_in_as_few_corners_as_are_asked_for(
+    corners: int,
+) -> None:
+    capacity = Capacity(fence_items=corners)
+    planned = with_contract(mt.open_map("lake").route().planned, capacity)
+    assert_holds(planned, capacity, 2.0)
+    assert "fence: " in planned.notes[-2]
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "goal"),
+    [
+        ("lake_squam_nh.geojson", (43.7340, -71.5450), (43.7640, -71.5250)),
+        ("pond_two_islands_nh.geojson", None, None),
+        ("harbour_boston_ma.geojson", None, None),
+    ],
+)
+@pytest.mark.parametrize("corners", [1000, 120])
+def test_the_fences_of_real_waters_hold_their_routes(
+    name: str, start: mt.LatLon | None, goal: mt.LatLon | None, corners: int
+) -> None:
+    if not (SHORES / name).exists():
+        pytest.skip(f"no {name} beside the project")
+    water = mt.open_map(SHORES / name)
+    if start is None:
+        chart = water.source.chart
+        pieces = chart.navigable.buffer(-12.0)
+        piece = max(shapely.get_parts(pieces), key=lambda part: part.area)
+        west, south, east, north = piece.bounds
+        ends = [
+            shapely.shortest_line(piece, shapely.Point(*corner)).coords[0]
+            for corner in ((west, south), (0.5 * (west + east), 0.5 * (south + north)))
+        ]
+        start, goal = (chart.frame.to_global(Point(north_m, east_m)) for east_m, north_m in ends)
+    capacity = Capacity(fence_items=corners)
+    planned = with_contract(water.route(start, goal, clearance_m=6.0).planned, capacity)
+    assert_holds(planned, capacity, 2.0)
+
+
+def test_rally_points_are_afloat_inside_the_fence_reachable_and_apart() -> None:
+    water = mt.open_map("lake")
+    planned = with_contract(water.route().planned, Capacity())
+    chart, rally = planned.chart, planned.mission.rally
+    assert len(rally) == 2
+    lines = fence_lines(chart, planned.mission.fence)
+    line = LineString([(point.east_m, point.north_m) for point in planned.points])
+    on_board = boats_fence(planned.mission.fence, chart.frame)
+    places = [chart.frame.to_local(point.place) for point in rally]
+    for place, point in zip(places, rally, strict=True):
+        assert chart.clearance_m(place) >= planned.clearance_m
+        assert on_board.allows(place)
+        at = shapely.Point(place.east_m, place.north_m)
+        assert lines.distance(at) >= 0.99 * planned.clearance_m
+        assert line.distance(at) <= 10.0 * planned.clearance_m + 0.1
+        assert water.route(chart.frame.to_global(planned.points[0]), point.place).length_m > 0.0
+    assert distance_m(*places) > 100.0
+
+
+def test_as_many_rally_points_as_the_boat_holds() -> None:
+    planned = mt.open_map("lake").route().planned
+    assert len(with_contract(planned, Capacity(rally_items=1)).mission.rally) == 1
+    without = with_contract(planned, Capacity(), with_rally=False)
+    assert (without.mission.rally, len(without.mission.fence.polygons) > 0) == ((), True)
+
+
+def test_open_water_has_a_fence_round_the_route() -> None:
+    planned = mt.open_map("open").route((50.0, -1.2), (50.002, -1.2)).planned
+    fence, near_m = fence_of_water(planned.chart, planned.points, 4.0, 2.0, 100)
+    assert len(fence.polygons) == 1
+    assert 150.0 < near_m <= 200.0
+
+
+def test_a_fence_that_cannot_be_had_is_an_error_and_so_is_a_mission_without_a_map() -> None:
+    planned = mt.open_map("lake").route().planned
+    with pytest.raises(NoRoute, match="no fence of at most 5 corners"):
+        with_contract(planned, Capacity(fence_items=5))
+    ready = MissionFile(Path("m.plan"), planned.mission, PlanOptions()).prepare()
+    with pytest.raises(UsageError, match=r"m\.plan is a mission without a map"):
+        with_contract(ready, Capacity())
+
+
+def test_too_little_room_for_the_boats_margin_is_noted() -> None:
+    planned = mt.open_map("lake").route(clearance_m=1.5).planned
+    capacity = Capacity(fence_margin_m=3.0)
+    contracted = with_contract(planned, capacity)
+    assert any("plan with more --clearance" in note for note in contracted.notes)
+    assert_holds(contracted, capacity, 0.5)
