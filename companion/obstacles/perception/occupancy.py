@@ -59,6 +59,19 @@ class Beam:
         self.range_m = range_m
         self.reach_m = reach_m
 
+    @property
+    def is_echo(self) -> bool:
+        """Whether there is an echo within reach."""
+        return self.range_m <= self.reach_m
+
+    @property
+    def echo(self) -> Point:
+        """Where the echo comes from, if there is one."""
+        return Point(
+            self.north_m + self.range_m * math.cos(self.bearing_rad),
+            self.east_m + self.range_m * math.sin(self.bearing_rad),
+        )
+
 
 class Occupancy:
     """The cells with evidence, at most MAX_CELLS; `version` changes with them."""
@@ -104,6 +117,12 @@ class Occupancy:
             if cell.evidence - (now_s - cell.seen_s) / fade_s >= least
         ]
 
+    def has_suspect_of(self, beam: Beam) -> bool:
+        """Whether a cell is known from this ping alone and not observed since."""
+        return any(
+            cell.seen_s == beam.time_s and SUSPECT <= cell.evidence < SOLID for cell in self._cells.values()
+        )
+
     def is_near(self, at: Point, reach_m: float) -> bool:
         """Whether any cell is within reach_m, north-south and east-west, of a place."""
         north_m, east_m = at
@@ -131,7 +150,11 @@ class Occupancy:
         return max(cell.evidence - leaked, 0.0) if cell.evidence > 0.0 else min(cell.evidence + leaked, 0.0)
 
     def _clear_beam(self, beam: Beam) -> None:
-        """Reduce the evidence of the cells in the core of the beam, well before the echo."""
+        """Reduce the evidence of the cells in the core of the beam, well before the echo.
+
+        A suspect cell counts as in the core if a corner is: a single echo marks every cell that its arc
+        touches, and a second look at the same place must clear them all.
+        """
         is_echo = beam.range_m <= beam.reach_m
         clear_m = (beam.range_m if is_echo else beam.reach_m) - self.cell_m
         if clear_m <= 0.0:
@@ -139,12 +162,17 @@ class Occupancy:
         taken = _THROUGH if is_echo else _SILENCE
         ahead_n, ahead_e = math.cos(beam.bearing_rad), math.sin(beam.bearing_rad)
         edge = math.cos(0.5 * _CORE * beam.width_rad)
+        sine = math.sin(0.5 * _CORE * beam.width_rad)
+        beside_m = math.sqrt(0.5) * self.cell_m
         for cell in self._cells.values():
             north, east = cell.north_m - beam.north_m, cell.east_m - beam.east_m
             along = north * ahead_n + east * ahead_e
             if 0.0 < along < clear_m:
                 distance = math.sqrt(north * north + east * east)
-                if distance < clear_m and along > edge * distance:
+                across = abs(north * ahead_e - east * ahead_n)
+                is_suspect = cell.evidence < SOLID and across < sine * distance + beside_m
+                is_through = is_suspect or along > edge * distance
+                if distance < clear_m and is_through:
                     cell.evidence = max(self._decayed(cell, beam.time_s) - taken, _DOUBTS)
                     cell.seen_s = beam.time_s
                     self.version += 1

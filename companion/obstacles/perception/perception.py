@@ -22,6 +22,7 @@ MAX_AGE_S = 1.0  # older pings are dropped
 STALE_POSE_S = 2.0  # with an older pose an echo cannot be located
 _TIDY_S = 1.0
 _REMEMBERED_REACHES = 3.0
+LOOK_AGAIN_S = 0.3  # to turn a servo back to an echo: five pings of 0.06 s
 _MAX_TURNS_RAD = 20.0
 
 
@@ -39,6 +40,7 @@ class ObstaclePerception:
         self.heard_s = -math.inf
         self.sector: Sector = ALL_ROUND
         self._silence: SonarReading | None = None  # the last ping, if its processing was deferred
+        self._single: Beam | None = None  # the latest echo of the boat's own ranger
         self._setting = setting
         self._tidy_s = 0.0
 
@@ -90,9 +92,12 @@ class ObstaclePerception:
                 continue
             self.reach_m, self.heard_s = beam.reach_m, beam.time_s
             self._add(beam)
+            if width_rad is None and beam.is_echo:
+                self._single = beam
         if nav is not None and setting.avoids_obstacles:
             is_open = self.is_empty or not self.occupancy.obstacles(now_s)
-            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, is_open=is_open)
+            unconfirmed = self._unconfirmed(now_s) if is_open else None
+            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, unconfirmed, is_open=is_open)
         if nav is not None and now_s >= self._tidy_s and not self.is_empty:
             self._tidy_s = now_s + _TIDY_S
             self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
@@ -112,6 +117,15 @@ class ObstaclePerception:
     def has_unclassified(self, now_s: float) -> bool:
         """Whether some track may turn out to move."""
         return any(is_unclassified(track, now_s) for track in self.tracks.all)
+
+    def _unconfirmed(self, now_s: float) -> Beam | None:
+        """The latest echo, until a second look confirms or refutes it."""
+        beam = self._single
+        if beam is None:
+            return None
+        if now_s - beam.time_s > LOOK_AGAIN_S or not self.occupancy.has_suspect_of(beam):
+            self._single = None
+        return self._single
 
     def _add(self, beam: Beam | None) -> None:
         if beam is not None:

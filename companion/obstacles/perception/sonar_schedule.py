@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 
 from companion.core.state import NavState
 from companion.core.units import wrap_pi
+from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 
@@ -35,9 +36,21 @@ _AHEAD: Final = Sector(-_AHEAD_RAD, _AHEAD_RAD)
 
 
 def choose_sector(
-    nav: NavState, tracks: ObstacleTracks, reach_m: float, now_s: float, *, is_open: bool
+    nav: NavState,
+    tracks: ObstacleTracks,
+    reach_m: float,
+    now_s: float,
+    unconfirmed: Beam | None = None,
+    *,
+    is_open: bool,
 ) -> Sector:
-    """The next sector. is_open: there is no solid cell; otherwise the whole sweep is kept."""
+    """The next sector. unconfirmed: an echo to be observed again at once. is_open: there is no solid cell;
+    otherwise the whole sweep is kept.
+    """
+    if unconfirmed is not None:
+        echo = unconfirmed.echo
+        off = wrap_pi(math.atan2(echo.east_m - nav.east_m, echo.north_m - nav.north_m) - nav.heading_rad)
+        return Sector(off, off)
     watched: Track | None = None
     nearest_m, bearing = math.inf, 0.0
     for track in tracks.all:

@@ -55,6 +55,15 @@ def test_evidence_grows_by_one_an_echo_up_to_four_and_decays_in_ten_seconds_a_pi
     assert seen.evidence_at(Point(3.1, 3.1), 0.0) is None
 
 
+def test_a_ping_has_a_suspect_until_its_cells_are_observed_again() -> None:
+    single = look(3.1, 1.0)
+    assert grid(single).has_suspect_of(single)
+    assert not grid(single).has_suspect_of(look(3.1, 0.9))
+    assert not grid(single, look(3.1, 1.1)).has_suspect_of(single)
+    assert not grid(single, look(FREE, 1.1)).has_suspect_of(single)
+    assert not grid(look(3.1, 0.9), single).has_suspect_of(single), "it has confirmed another"
+
+
 def test_what_was_seen_through_is_doubted_down_to_minus_one_which_decays_too() -> None:
     seen = grid(look(3.1))
     seen.add(look(3.9, 1.0))
@@ -83,12 +92,38 @@ def test_a_beam_clears_up_to_a_cell_before_its_echo(range_m: float, is_seen_thro
     [(0.0, True), (0.08, True), (-0.08, True), (0.1, False), (-0.1, False), (3.1, False)],
 )
 @pytest.mark.parametrize("range_m", [0.5, 3.1])
-def test_a_beam_clears_its_core_alone(off_rad: float, is_cleared: bool, range_m: float) -> None:
-    seen = grid(look(range_m, width_rad=0.01))
-    for at in seen.obstacles(0.0, SUSPECT):
-        other = grid(look(range_m, width_rad=0.01))
-        other.add(look(FREE, 0.0, math.atan2(at.east_m, at.north_m) + off_rad))  # half of the core: 0.092 rad
-        assert (other.evidence_at(at, 0.0) == 0.5) is is_cleared
+def test_a_beam_clears_of_solid_cells_its_core_alone(
+    off_rad: float, is_cleared: bool, range_m: float
+) -> None:
+    for at in grid(look(range_m, width_rad=0.01)).obstacles(0.0, SUSPECT):
+        other = grid(look(range_m, width_rad=0.01), look(range_m, 0.1, width_rad=0.01))
+        other.add(look(FREE, 0.1, math.atan2(at.east_m, at.north_m) + off_rad))  # half of the core: 0.092 rad
+        assert (other.evidence_at(at, 0.1) == pytest.approx(1.49)) is is_cleared
+
+
+@pytest.mark.parametrize(
+    ("off_m", "is_cleared"),
+    [(0.0, True), (0.40, True), (-0.40, True), (0.45, False), (-0.45, False)],
+)
+def test_a_beam_clears_suspect_cells_of_which_a_corner_is_in_its_core(off_m: float, is_cleared: bool) -> None:
+    seen = grid(
+        look(3.1, width_rad=0.01)
+    )  # half of the core: 0.28 m there; half of a cell's diagonal: 0.14 m
+    at = math.atan2(ROCK.east_m, ROCK.north_m) + math.asin(off_m / 3.1)
+    seen.add(look(FREE, 0.0, at))
+    assert (seen.evidence_at(ROCK, 0.0) == 0.5) is is_cleared
+
+
+@pytest.mark.parametrize("range_m", [0.7, 1.5, 2.3, 3.1])
+@pytest.mark.parametrize("turned_rad", [0.0, 0.02, -0.02])
+def test_a_second_look_at_the_place_of_a_single_echo_leaves_no_suspect(
+    range_m: float, turned_rad: float
+) -> None:
+    for number in range(24):
+        bearing = number * math.pi / 12.0 + 0.03
+        seen = grid(look(range_m, 0.0, bearing))
+        seen.add(look(FREE, 0.12, bearing + turned_rad))  # the boat has turned by a degree
+        assert seen.obstacles(0.12, SUSPECT) == []
 
 
 @pytest.mark.parametrize(("range_m", "evidence"), [(3.3, 1.99), (2.9, 1.99), (3.5, 1.0)])

@@ -107,3 +107,44 @@ def test_whatever_a_ranger_says_the_map_stays_sane(
     perception.ingest([(one, width_rad) for one in pings], nav_at(), SETTING, 0.0)
     for thing in perception.occupancy.obstacles(0.0, SUSPECT):
         assert distance_m(Point(0.0, 0.0), thing) <= SETTING.lookahead_m + 1.0
+
+
+def at_speed() -> NavState:
+    return msgspec.structs.replace(nav_at(), north_m_s=2.0, surge_m_s=2.0)
+
+
+def sector_after(*pings: SonarReading, now_s: float) -> tuple[float, float]:
+    perception = ObstaclePerception(SETTING)
+    for one in pings:
+        perception.ingest([(one, None)], nav_at(), SETTING, one.time_s)
+    perception.ingest([], at_speed(), SETTING, now_s)
+    return perception.sector
+
+
+def test_the_ranger_turns_back_to_a_single_echo() -> None:
+    assert sector_after(ping(0.0, 0.5), now_s=0.06) == pytest.approx((0.5, 0.5))
+    assert sector_after(ping(0.0, 0.5), ping(0.06, 0.8, None), now_s=0.08) == pytest.approx((0.5, 0.5))
+
+
+@pytest.mark.parametrize("second", [ping(0.12, 0.5), ping(0.12, 0.5, None)])
+def test_a_second_look_confirms_or_refutes_an_echo(second: SonarReading) -> None:
+    port_rad, starboard_rad = sector_after(ping(0.0, 0.5), second, now_s=0.14)
+    assert starboard_rad - port_rad > 0.5
+
+
+def test_an_echo_that_cannot_be_looked_at_again_is_given_up() -> None:
+    assert sector_after(ping(0.0, 0.5), now_s=0.29) == pytest.approx((0.5, 0.5))
+    port_rad, starboard_rad = sector_after(ping(0.0, 0.5), now_s=0.31)
+    assert starboard_rad - port_rad > 0.5
+
+
+def test_obstacles_of_others_do_not_turn_the_ranger() -> None:
+    perception = ObstaclePerception(SETTING)
+    perception.ingest([(ping(0.0, 0.5), 0.3)], at_speed(), SETTING, 0.02)
+    assert perception.sector[1] - perception.sector[0] > 0.5
+
+
+def test_among_things_that_lie_still_the_whole_sweep_is_kept_after_an_echo() -> None:
+    rock = [ping(0.0, -1.2, 2.0), ping(0.06, -1.2, 2.0)]
+    port_rad, starboard_rad = sector_after(*rock, ping(0.12, 0.5), now_s=0.14)
+    assert starboard_rad - port_rad > 0.5

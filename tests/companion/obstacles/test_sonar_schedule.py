@@ -3,10 +3,12 @@
 import math
 
 import msgspec
+import pytest
 from boat_rig import nav_at
 
 from companion.core.geo import Point
 from companion.core.state import NavState
+from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
@@ -49,6 +51,14 @@ def test_what_is_new_and_alone_is_looked_at_until_it_is_known() -> None:
     assert sector.starboard_rad - sector.port_rad < math.radians(90.0)
     new.observations = 9
     assert not is_unclassified(new, 0.1)
+
+
+def test_a_single_echo_is_looked_at_again_in_open_water() -> None:
+    beam = Beam(0.0, Point(0.0, 0.0), math.radians(30.0), math.radians(15.0), 3.0, REACH_M)
+    nav = msgspec.structs.replace(under_way(2.0), north_m=0.2, heading_rad=0.1)
+    bearing = math.atan2(3.0 * 0.5, 3.0 * math.cos(math.radians(30.0)) - 0.2) - 0.1
+    sector = choose_sector(nav, tracks_of(track(3.0, 1.5)), REACH_M, 0.1, beam, is_open=True)
+    assert sector == pytest.approx((bearing, bearing))
 
 
 def test_a_ghost_is_not_stared_at() -> None:
