@@ -16,6 +16,7 @@ from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 from companion.guidance.smoothing import Corner, SmoothPath, smooth
 
 GLIMPSE_S = 0.1  # preview time of course and speed
+MOTOR_S = 0.15  # lag from command to thrust, as in estimation/yaw_model.py
 NEW_CURRENT_SHARE = 0.25  # of min_speed_m_s: change of the current that triggers a new path
 LOST_RADII = 1.5  # of a waypoint: farther off, the fillet onto a leg is abandoned
 REACH_BRAKINGS = 4.0  # length of the path beyond the leg, in braking distances
@@ -23,7 +24,8 @@ _SAME_M = 1e-3
 
 
 class Guide(NamedTuple):
-    """Direction of the path, course and speed over ground, and those GLIMPSE_S later.
+    """Direction of the path, course and speed over ground, and those GLIMPSE_S later; the course's change is
+    that of MOTOR_S later.
 
     stops: the path stops where the leg ends, to end there or to turn on the spot.
     """
@@ -90,7 +92,8 @@ def _guide(
 ) -> Guide:
     """Line of sight about the course where the boat will be after the response time of hull and heading loop.
 
-    The speed is the path's limit at the place reached after the response time of the speed.
+    The yaw rate is fed forward, and by MOTOR_S earlier, because the motors lag; the course leads by as much
+    less. The speed is the path's limit at the place reached after the response time of the speed.
     """
     path, handling, setting = smoothed.path, config.handling, config.guidance
     ground = math.hypot(nav.north_m_s, nav.east_m_s)
@@ -98,15 +101,17 @@ def _guide(
     cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
     ahead = lookahead_m(ground, config.speed.cruise_m_s, setting)
     correction = desired_course_rad(0.0, cross_m, cross_m_s, ahead, handling.yaw_time_s)
-    turned = along_m + handling.slip_m + handling.yaw_time_s * ground
+    turned = along_m + handling.slip_m + max(handling.yaw_time_s - MOTOR_S, 0.0) * ground
+    fed = turned + MOTOR_S * ground
     slowed = along_m + handling.surge_time_s * ground
     step = GLIMPSE_S * ground
     least = min(leg.speed_m_s, setting.min_speed_m_s)
     now, later = (
         max(min(path.speed_m_s(along_m + off), path.speed_m_s(slowed + off)), least) for off in (0.0, step)
     )
-    course, later_course = path.course_rad(turned), path.course_rad(turned + step)
-    return Guide(tangent, course + correction, now, later_course + correction, later, stops)
+    course = path.course_rad(turned) + correction
+    later_course = course + path.course_rad(fed + step) - path.course_rad(fed)
+    return Guide(tangent, course, now, later_course, later, stops)
 
 
 def _located(plan: _Plan, here: Point) -> tuple[float, float]:

@@ -161,8 +161,13 @@ def test_a_right_angle_in_still_water_is_taken_with_way_on_and_symmetrically() -
     assert fillet.entry_m == pytest.approx(fillet.exit_m)
     assert fillet.time_s == pytest.approx(0.5 * math.pi / 0.598 + 0.6, abs=0.02)
     assert fillet.cut_m == pytest.approx(0.93, abs=0.02)
-    lost = fillet.time_s - 2.0 * fillet.entry_m / 2.0 + 2.0 * (2.0 - 1.32) ** 2 / (2.0 * 0.4 * 2.0)
-    assert cost_s(fillet, at, CONFIG) == pytest.approx(lost + 7.0 * (fillet.cut_m / 2.0) ** 2)
+    gaining = 0.4 * (1.0 - (1.66 / 3.0) ** 2) / 0.75  # halfway from 1.32 to 2 m/s
+    lost = fillet.time_s - 2.0 * fillet.entry_m / 2.0
+    lost += (2.0 - 1.32) ** 2 / (2.0 * 0.4 * 2.0) + (2.0 - 1.32) ** 2 / (2.0 * gaining * 2.0)
+    assert cost_s(fillet, at, CONFIG) == pytest.approx(lost + 17.0 * fillet.error_m2_s / 4.0)
+    off_m = [min(node.east_m, -node.north_m) for node in fillet.nodes]  # inside of both legs
+    assert fillet.error_m2_s == pytest.approx(sum(off**2 for off in off_m) * fillet.time_s / STEPS, abs=1e-3)
+    assert 0.2 < fillet.error_m2_s < 0.4
 
 
 def test_a_gentle_turn_costs_no_speed() -> None:
@@ -214,14 +219,26 @@ def test_a_hull_that_turns_slowly_takes_the_corner_slower() -> None:
     assert lazy.time_s > 1.3 * able.time_s
 
 
-@pytest.mark.parametrize(("full_m_s", "radius_m", "expected"), [(2.0, 2.0, 38.03125), (2.0, 6.0, 4.03125)])
-def test_the_cost_is_the_time_lost_and_the_price_of_the_cut(
-    full_m_s: float, radius_m: float, expected: float
-) -> None:
-    # 5 s for 7 m; from 1.5 and 1 m/s to 2 m/s at 0.4 m/s²; 3 m from the waypoint
+@pytest.mark.parametrize(("radius_m", "expected"), [(2.0, 17.0 * 0.5 + 20.0), (4.0, 17.0 * 0.125)])
+def test_the_cost_is_the_time_lost_and_the_price_of_the_error(radius_m: float, expected: float) -> None:
+    # 5 s for 7 m; from 1.5 and 1 m/s to 2 m/s at 0.4 m/s²; 2 m² s off the legs; 3 m from the waypoint
     nodes = (FilletNode(-3.0, 0.0, 0.0, 1.5), FilletNode(0.0, 0.0, 0.5, 9.0), FilletNode(0.0, 4.0, 1.0, 1.0))
-    at = bend(1.0)._replace(speed_m_s=full_m_s, radius_m=radius_m)
-    assert cost_s(Fillet(3.0, 4.0, 5.0, 3.0, nodes), at, CONFIG) == pytest.approx(expected)
+    at = bend(1.0)._replace(radius_m=radius_m)
+    lost = 5.0 - 3.5 + 0.25 / 1.6 + 1.0 / 1.6  # halfway to the full speed, at half the top speed, 0.4 m/s²
+    found = cost_s(Fillet(3.0, 4.0, 5.0, 3.0, 2.0, nodes), at, CONFIG)
+    assert found == pytest.approx(lost + expected)
+
+
+@pytest.mark.parametrize(
+    ("current_m_s", "gaining"), [(-0.5, 0.4 * 5.0 / 9.0 / 0.75), (0.5, 0.4 * 8.0 / 9.0 / 0.75)]
+)
+def test_speed_is_regained_slowly_against_the_current_of_the_second_leg(
+    current_m_s: float, gaining: float
+) -> None:
+    nodes = (FilletNode(-3.0, 0.0, 0.0, 2.0), FilletNode(0.0, 4.0, 1.0, 1.0))
+    at = bend(0.5 * math.pi, current_m_s, 0.5 * math.pi)  # along the second leg, at 1.5 m/s over ground
+    found = cost_s(Fillet(3.0, 4.0, 3.5, 0.0, 0.0, nodes), at, CONFIG)
+    assert found == pytest.approx(1.0 / (2.0 * gaining * 2.0))
 
 
 @pytest.mark.parametrize(("turn", "current"), [

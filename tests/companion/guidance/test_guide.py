@@ -8,7 +8,7 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import Point
 from companion.core.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, HoldTurn, Intent
 from companion.core.state import Demand, NavState
@@ -106,6 +106,33 @@ def test_down_a_current_the_boat_turns_where_the_turn_carries_it_onto_the_end(
     nav = replace(NORTHBOUND, north_m=100.0 - to_go_m, current_north_m_s=current_m_s)
     heading = demanded(LEG, nav).heading_rad
     assert abs(heading) == pytest.approx(math.pi if turns else 0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("before_m", [3.5, 3.2, 2.9])
+def test_in_a_fillet_the_course_leads_by_hull_and_loop_and_its_rate_by_the_motors_more(
+    before_m: float,
+) -> None:
+    leg = FollowLeg(LEG.start, LEG.end, 2.0, Point(100.0, 50.0))
+    nav = replace(NORTHBOUND, north_m=100.0 - before_m, north_m_s=1.3, surge_m_s=1.3)
+    following = PathFollowing()
+    guide = following.update(leg, nav, CONFIG)
+    assert following._plan is not None
+    path = following._plan.smooth.path
+    turned_m = 100.0 - before_m + 0.4 + 0.45 * 1.3  # slip; 0.6 s of hull and loop less 0.15 s of the motors
+    assert guide.course_rad == pytest.approx(path.course_rad(turned_m))
+    change = path.course_rad(turned_m + 0.25 * 1.3) - path.course_rad(turned_m + 0.15 * 1.3)
+    assert guide.later_course_rad - guide.course_rad == pytest.approx(change)
+    assert change > 0.0
+
+
+def test_the_course_of_a_hull_that_answers_faster_than_its_motors_does_not_lag() -> None:
+    quick = with_value(CONFIG, "handling.yaw_time_s", 0.1)
+    leg = FollowLeg(LEG.start, LEG.end, 2.0, Point(100.0, 50.0))
+    nav = replace(NORTHBOUND, north_m=97.5, north_m_s=1.3, surge_m_s=1.3)
+    following = PathFollowing()
+    guide = following.update(leg, nav, quick)
+    assert following._plan is not None
+    assert guide.course_rad == pytest.approx(following._plan.smooth.path.course_rad(97.5 + 0.4))
 
 
 # Round a circle

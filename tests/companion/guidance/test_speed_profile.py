@@ -12,6 +12,7 @@ from companion.guidance.speed_profile import (
     GAINING_SHARE,
     REACTION_S,
     braking_speed_m_s,
+    gaining_m_s2,
     leg_speed_m_s,
     steered_speed_m_s,
     with_speeds,
@@ -19,6 +20,14 @@ from companion.guidance.speed_profile import (
 
 CONFIG = BoatConfig()
 SETTING = CONFIG.guidance  # accel 0.4 m/s², slowest 0.4 m/s, pivot 1.05 rad
+
+
+@pytest.mark.parametrize(
+    ("water_m_s", "expected"),
+    [(0.0, 0.4 / 0.75), (1.5, 0.4), (2.0, 0.4 * 20.0 / 27.0), (2.9, 0.08), (3.5, 0.08)],
+)
+def test_speed_is_gained_slowly_near_the_top_speed(water_m_s: float, expected: float) -> None:
+    assert gaining_m_s2(water_m_s, CONFIG) == pytest.approx(expected)
 
 
 @given(st.floats(0.0, 200.0), st.floats(0.0, 2.0))
