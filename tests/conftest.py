@@ -14,10 +14,13 @@ settings.register_profile(
     "default",
     deadline=None,
     derandomize=True,
+    max_examples=60,  # the same ones in every run; MAVBOAT_SEARCH tries others, and more
     print_blob=True,
     suppress_health_check=[HealthCheck.too_slow],
 )
-settings.register_profile("search", parent=settings.get_profile("default"), derandomize=False)
+settings.register_profile(
+    "search", parent=settings.get_profile("default"), derandomize=False, max_examples=200
+)
 settings.load_profile("search" if os.environ.get("MAVBOAT_SEARCH") else "default")
 
 # A shell's background job ignores SIGINT, and so would the programs that the tests start and interrupt

@@ -91,7 +91,6 @@ def test_no_two_kinds_share_a_number_or_a_name() -> None:
     assert len({kind.name for kind in KINDS}) == len(KINDS)
 
 
-@settings(max_examples=60)
 @given(cut=st.integers(0, 10 * MSG.size_bytes - 1))
 def test_what_stands_before_a_torn_end_can_be_read(
     tmp_path_factory: pytest.TempPathFactory, cut: int

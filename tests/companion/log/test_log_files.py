@@ -5,7 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from late_worker import LateWorker
 from patience import MOMENT_S
@@ -177,7 +177,6 @@ def test_a_log_of_which_nothing_could_be_written_is_not_left_lying_about(
     assert store.files == ()
 
 
-@settings(max_examples=60)
 @given(
     size=st.one_of(st.integers(0, 300), st.integers(2 * BLOCK_BYTES - 99, 2 * BLOCK_BYTES + 99)),
     wanted=st.lists(st.tuples(st.integers(0, 3 * BLOCK_BYTES), st.integers(0, 200)), max_size=20),

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import BOAT, OK, Peer, Rig, Silent, waypoint
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -178,7 +178,6 @@ def test_what_is_no_pose_is_dropped_and_counted(pose: Message) -> None:
     st.lists(st.floats(width=32), min_size=4, max_size=4),
     st.integers(0, 30),
 )
-@settings(max_examples=60)
 def test_no_odometry_makes_the_estimate_something_other_than_numbers(
     values: list[float], q: list[float], frame: int
 ) -> None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import BOAT, OK, ORIGIN, Rig
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.intent import HoldCourse, HoldHeading, HoldTurn
@@ -200,7 +200,6 @@ floats = st.floats(width=32)
 
 
 @given(st.integers(0, 0xFFFF), st.integers(0, 255), floats, floats, floats, floats, floats, floats)
-@settings(max_examples=60)
 def test_whatever_a_set_point_carries_the_boat_lives(
     mask: int, frame: int, x: float, y: float, vx: float, vy: float, yaw: float, rate: float
 ) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from boat_rig import BOAT, OK, PLANNER, Peer, Rig
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from late_worker import LateWorker
 from log_rig import LogRig, OpenRig
@@ -348,7 +348,6 @@ asks = st.tuples(
 )
 
 
-@settings(max_examples=100)
 @given(asks=st.lists(asks, max_size=40), seed=st.integers(0, 99))
 def test_whatever_is_asked_for_every_chunk_is_true_and_it_ends(
     tmp_path_factory: pytest.TempPathFactory, asks: list[tuple[int, int, int, int]], seed: int

@@ -177,13 +177,12 @@ def test_a_boat_that_meets_the_shore_stops_there_and_can_back_off() -> None:
     assert truth.north_m < 2.4
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_no_drunken_helmsman_ever_gets_out_of_the_pool(seed: int) -> None:
-    helm = random.Random(seed)
+def test_random_commands_never_drive_the_boat_out_of_the_pool() -> None:
+    helm = random.Random(0)
     current = ("environment.current_m_s=0.03", "environment.current_to_deg=60")
     water = world("pool", "sensors.sonar.fitted=false", *current)
     inside = water.scenario.chart.water
-    for _ in range(60):
+    for _ in range(90):
         truth = drive(water, helm.uniform(-1.0, 1.0), helm.uniform(-0.2, 1.0), 2.0)
         assert shapely.contains_xy(inside, truth.east_m, truth.north_m)
     assert water.groundings > 0

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, UNSUPPORTED, Rig, waypoint
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.dialect import dialect
@@ -173,7 +173,6 @@ def test_every_command_of_the_table_has_a_row_here_that_is_accepted(rig: Rig) ->
 
 
 @given(st.integers(0, 65535), st.lists(st.floats(width=32), min_size=7, max_size=7))
-@settings(max_examples=150)
 def test_any_command_with_any_parameters_is_answered_once(number: int, params: list[float]) -> None:
     rig = Rig()
     rig.step()
@@ -186,7 +185,6 @@ KNOWN = sorted({number for number, _, _ in ROWS[:-4]})
 
 
 @given(st.sampled_from(KNOWN), st.lists(st.floats(width=32), min_size=4, max_size=4), st.data())
-@settings(max_examples=150)
 def test_any_parameters_of_a_known_command_do_no_harm(
     number: int, params: list[float], data: st.DataObject
 ) -> None:

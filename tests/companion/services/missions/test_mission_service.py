@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import BOAT, HOME_ITEM, PLANNER, QGC, Rig, waypoint
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, download, loaded, result_of
 
@@ -213,7 +213,6 @@ ANY_ITEM = st.builds(
 
 
 @given(st.lists(ANY_ITEM, min_size=1, max_size=4))
-@settings(max_examples=60)
 def test_any_upload_ends_with_the_new_list_or_the_old_one_whole(items: list[MissionItem]) -> None:
     rig = loaded()
     outcome = rig.upload(items)
