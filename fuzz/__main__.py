@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> int:
     chosen = parser.parse_args(arguments)
     if chosen.inside:
         _fuzz(chosen.targets[0], chosen.seconds)
-    with atheris.instrument_imports(include=["companion"]):
+    with atheris.instrument_imports(include=["companion", "mission_tools"]):
         from fuzz.targets import TARGETS  # noqa: PLC0415
     names = chosen.targets or list(TARGETS)
     if unknown := [name for name in names if name not in TARGETS]:
@@ -46,7 +46,7 @@ def main(arguments: list[str]) -> int:
 
 def _fuzz(name: str, seconds: int) -> None:
     """Fuzz one target in this process. Does not return."""
-    with atheris.instrument_imports(include=["companion"]):
+    with atheris.instrument_imports(include=["companion", "mission_tools"]):
         from fuzz.targets import TARGETS  # noqa: PLC0415
     folder = OUT / name
     folder.mkdir(parents=True, exist_ok=True)

@@ -22,6 +22,7 @@ from companion.sensors.nmea_heading import HeadingAssembler
 from companion.vehicle.vehicle import Vehicle
 from fuzz.frames import frame
 from fuzz.fuzzed_boat import hear
+from fuzz.map_targets import map_geojson, map_gpx, map_kml, map_mask
 
 _MESSAGES = sorted(dialect.mavlink_map)
 _MOST_FRAMES = 48
@@ -201,5 +202,9 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
         radio,
         config,
         parameter_file,
+        map_geojson,
+        map_kml,
+        map_gpx,
+        map_mask,
     )
 }

@@ -5,6 +5,7 @@ Shapes are made continuous across the antimeridian (`longitudes.py`) and valid (
 also as a point or a line; whatever else is no polygon is skipped with a note.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, cast
@@ -24,6 +25,8 @@ from mission_tools.maps.repair import repaired, thickened
 
 MAX_DISTANCE_FROM_ORIGIN_M = 100_000.0
 MAX_LAT_DEG = 85.0  # as far as the local frame is accurate
+MAX_EXTENT_DEG = 9.0  # of the water, of a great circle: 1000 km
+AROUND_DEG = 0.2  # of the water: what lies farther off is not on the chart
 MOST_NOTES = 12  # lines for a person; more are counted
 MOST_FEATURES = 200_000
 
@@ -64,6 +67,12 @@ def chart_of(raw: RawMap, origin: LatLon | None = None) -> Chart:
         raise MapError(
             f"{raw.source}: reaches beyond {MAX_LAT_DEG:g}° of latitude: too near a pole to plan on"
         )
+    widest = 1.0 if south < 0.0 < north else math.cos(math.radians(min(abs(south), abs(north))))
+    if max(north - south, (east - west) * widest) > MAX_EXTENT_DEG:
+        raise MapError(
+            f"{raw.source}: its water spans {west:g} to {east:g} east and {south:g} to {north:g} north: "
+            f"more than {MAX_EXTENT_DEG:g}°; cut out what matters"
+        )
     frame = LocalFrame(origin or LatLon(0.5 * (south + north), wrapped_lon_deg(0.5 * (west + east))))
     local = _projected(water, raw, frame)
     if local.distance(shapely.Point(0.0, 0.0)) > MAX_DISTANCE_FROM_ORIGIN_M:
@@ -71,11 +80,16 @@ def chart_of(raw: RawMap, origin: LatLon | None = None) -> Chart:
             f"{raw.source}: lies more than {MAX_DISTANCE_FROM_ORIGIN_M / 1000:.0f} km from the origin "
             f"{frame.origin.lat_deg:.4f}, {frame.origin.lon_deg:.4f}: GeoJSON wants [longitude, latitude]"
         )
-    named = [replace(f, shape=_projected(f.shape, raw, frame)) for f in features if f.name]
+    near = shapely.box(west - AROUND_DEG, south - AROUND_DEG, east + AROUND_DEG, north + AROUND_DEG)
+    named = [
+        replace(f, shape=_projected(_clipped(f.shape, near), raw, frame))
+        for f in features
+        if f.name and f.shape.intersects(near)
+    ]
     first = next((f.name for f in features if f.kind == "water" and f.name), raw.fallback_name)
     try:
         return build_chart(raw.title or first, frame, cast(Area, local), named, notes)
-    except MapError as error:
+    except (MapError, shapely.GEOSException) as error:
         raise MapError(f"{raw.source}: {error}") from None
 
 
@@ -179,5 +193,15 @@ def _union(shapes: Sequence[BaseGeometry]) -> Area | None:
     return area_of(shapes[0] if len(shapes) == 1 else shapely.union_all(shapes))
 
 
+def _clipped(shape: BaseGeometry, near: BaseGeometry) -> BaseGeometry:
+    """What of a shape lies near the water; a mainland may reach far beyond the frame."""
+    if near.covers(shape):
+        return shape
+    clipped = shapely.intersection(shape, near)
+    return area_of(clipped) if isinstance(shape, Polygon | MultiPolygon) else clipped
+
+
 def _projected(shape: BaseGeometry, raw: RawMap, frame: LocalFrame) -> BaseGeometry:
-    return to_local(densified(shape, raw.edges), frame.origin)
+    """A valid shape in the frame; corners a nanometre apart may change sides when they are projected."""
+    local = to_local(densified(shape, raw.edges), frame.origin)
+    return local if local.is_valid else area_of(shapely.make_valid(local))

@@ -269,3 +269,18 @@ def test_a_long_edge_is_straight_in_longitude_and_latitude(
     on_edge = LatLon(south + share * (north - south), west + share * (east - west))
     at = chart.frame.to_local(on_edge)
     assert chart.shores.distance(shapely.Point(at.east_m, at.north_m)) < tolerance_m
+
+
+def test_a_map_of_half_the_world_is_refused_with_its_extent() -> None:
+    with pytest.raises(
+        MapError, match=r"f: its water spans 0 to 20 east and 50 to 50\.1 north: more than 9°"
+    ):
+        parse_geojson(feature([[[0, 50], [20, 50], [20, 50.1], [0, 50.1], [0, 50]]]), "f", "f")
+
+
+def test_a_mainland_that_reaches_far_beyond_the_water_is_cut_to_what_lies_near() -> None:
+    mainland = feature([[[-60, -40], [-1.2, -40], [-1.2, 70], [-60, 70], [-60, -40]]], natural="land")
+    far = feature([[[5, 5], [6, 5], [6, 6], [5, 5]]], natural="land", name="Far")
+    chart = chart_of(feature([ring(LAKE)], kind="water"), mainland, far)
+    assert chart.water.area == pytest.approx(40_000, rel=1e-3)
+    assert [named.name for named in chart.features] == ["island"]

@@ -14,6 +14,7 @@ import pytest
 from companion.core.geo import LatLon
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import plan as plan_cli
+from mission_tools.cli import trace_command
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
@@ -31,6 +32,7 @@ PROGRAMS: dict[str, Callable[[list[str]], int]] = {
     "mission-plan": plan_cli.run_program,
     "mission-upload": upload_cli.run_program,
     "mission-check": check_cli.run_program,
+    "mission-trace": trace_command.run_program,
 }
 COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-\w+|make demo)\b.*)$")
 # Where each command of the emulator goes to work: everything before that is done here
