@@ -5,7 +5,7 @@ what its true track really covered: a table, out/survey.png and out/survey.json.
 result.
 
     make survey
-    make survey FOOTPRINT=20 SEED=7
+    make survey FOOTPRINT=40 SEED=7
 """
 
 import argparse
@@ -72,7 +72,7 @@ def _arguments() -> argparse.Namespace:
         prog="survey", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--scenario", default="lake", help="lake, pool, or a .toml file")
-    parser.add_argument("--footprint", type=float, default=12.0, metavar="M")
+    parser.add_argument("--footprint", type=float, default=24.0, metavar="M")
     parser.add_argument("--overlap", type=float, default=0.15, metavar="SHARE")
     parser.add_argument("--current", type=float, default=0.0, metavar="M/S")
     parser.add_argument("--battery", type=float, default=20.0, metavar="AH", help="capacity [20]")

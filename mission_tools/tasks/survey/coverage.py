@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import Point
@@ -44,37 +43,43 @@ def is_covered(points: Array, path: BaseGeometry, swath_m: float) -> NDArray[np.
     return found
 
 
-def least_transits_m(ends: Array, rings: Sequence[Polygon | BaseGeometry], start: Array | None) -> float:
+def least_transits_m(ends: Array, rings: Sequence[BaseGeometry], start: Array | None, near_m: float) -> float:
     """A lower bound of all transits, whatever the order, as the crow flies.
 
     ends: the low end of every track, then the high end of every track. Each end is joined to the end of
     another track, to a ring (which is entered once and left once) or to the start, except the last, which is
     the end of the survey. The cheapest such joining is at least half of an assignment of every end to
-    another, which leaves out that the joined tracks must be one route.
+    another, which leaves out that the joined tracks must be one route. near_m: rings whose boxes are farther
+    apart count as far as their boxes.
     """
     from scipy.optimize import linear_sum_assignment  # noqa: PLC0415  a survey alone needs it
 
-    tracks = len(ends) // 2
-    points = shapely.points(ends)
-    loops = np.array(rings, dtype=object)
-    count = len(ends) + 2 * len(rings) + 2
+    tracks, loops = len(ends) // 2, list(rings)
+    places = [*shapely.points(ends), *loops, *loops]
+    places += [] if start is None else [shapely.Point(start)]
+    count = len(ends) + 2 * len(loops) + 2
     cost = np.zeros((count, count))
-    cost[: len(ends), : len(ends)] = np.hypot(*(ends[:, None] - ends[None]).transpose(2, 0, 1))
-    for number in range(len(rings)):
-        for copy in (len(ends) + number, len(ends) + len(rings) + number):
-            cost[copy, : len(ends)] = cost[: len(ends), copy] = shapely.distance(loops[number], points)
-            both = np.tile(shapely.distance(loops[number], loops), 2)
-            cost[copy, len(ends) : -2] = cost[len(ends) : -2, copy] = both
-    if start is not None:
-        cost[-2, : len(ends)] = cost[: len(ends), -2] = np.hypot(*(ends - start).T)
-        to_rings = np.tile(shapely.distance(loops, shapely.Point(start)), 2)
-        cost[-2, len(ends) : -2] = cost[len(ends) : -2, -2] = to_rings
+    cost[: len(places), : len(places)] = _distances_m(places, len(ends), near_m)
     # Nothing is joined to itself, nor a track's end to its other end, nor the start to the free end.
     own = np.arange(tracks)
     cost[own, own + tracks] = cost[own + tracks, own] = FAR_M
-    ring = len(ends) + np.arange(len(rings))
-    cost[ring, ring + len(rings)] = cost[ring + len(rings), ring] = FAR_M
+    ring = len(ends) + np.arange(len(loops))
+    cost[ring, ring + len(loops)] = cost[ring + len(loops), ring] = FAR_M
     cost[-1, -2] = cost[-2, -1] = FAR_M
     np.fill_diagonal(cost, FAR_M)
     rows, columns = linear_sum_assignment(cost)
     return float(0.5 * cost[rows, columns].sum())
+
+
+def _distances_m(places: Sequence[BaseGeometry], points: int, near_m: float) -> Array:
+    """Between points, which come first, and lines: exact, but of lines far off from box to box."""
+    west, south, east, north = shapely.bounds(np.array(places, dtype=object)).T
+    across = np.maximum(west[:, None] - east[None], west[None] - east[:, None])
+    along = np.maximum(south[:, None] - north[None], south[None] - north[:, None])
+    found: Array = np.hypot(np.maximum(across, 0.0), np.maximum(along, 0.0))
+    one, other = np.nonzero(np.triu(found < near_m))
+    is_line = other >= points
+    one, other = one[is_line], other[is_line]
+    shapes = np.array(places, dtype=object)
+    found[one, other] = found[other, one] = shapely.distance(shapes[one], shapes[other])
+    return found

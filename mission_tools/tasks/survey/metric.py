@@ -38,7 +38,7 @@ def way_lengths_m(water: Polygon, places: Array, sources: NDArray[np.intp], deta
         pass
     edges = np.unique(np.sort(np.vstack(pairs), axis=1), axis=0)
     edges = edges[edges[:, 0] != edges[:, 1]]
-    around = water.buffer(detail_m)
+    around = water.simplify(0.25 * detail_m).buffer(detail_m, quad_segs=1, join_style="bevel")
     shapely.prepare(around)
     edges = edges[shapely.covers(around, shapely.linestrings(nodes[edges]))]
     length_m = np.hypot(*(nodes[edges[:, 0]] - nodes[edges[:, 1]]).T)

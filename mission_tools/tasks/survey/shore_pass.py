@@ -15,13 +15,13 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from mission_tools.maps.chart import Chart
-from mission_tools.tasks.room import polygons, simplified, union, water_clear_of_shores
+from mission_tools.tasks.room import polygons, simplified, union
 
 Array = NDArray[np.float64]
 CORNER_INSET = 1.0 / (
     2.0 * math.sqrt(2.0)
 )  # of the footprint: from an edge, whose square corners are covered
-RING_ERROR = 0.01  # of the footprint: how far a pass may cut its corners,
+RING_ERROR = 0.02  # of the footprint: how far a pass may cut its corners,
 FINE_RING_ERROR = 0.003  # and where the footprint does not reach the shore anyway
 MOST_LEFT_OUT = 0.002  # of the target
 _QUADRANT_SEGMENTS = 4
@@ -36,7 +36,8 @@ def water_within_pass(
     water: what the boat may use. target: what is to be covered.
     """
     whole = union(water)
-    offshore = union(water_clear_of_shores(chart, CORNER_INSET * swath_m)).intersection(whole)
+    inset = chart.navigable.buffer(-CORNER_INSET * swath_m, quad_segs=_QUADRANT_SEGMENTS)
+    offshore = inset.intersection(whole)
     left_out = target.difference(offshore.buffer(0.5 * swath_m, quad_segs=_QUADRANT_SEGMENTS))
     gaps = sorted(polygons(left_out), key=lambda gap: gap.area)
     areas_m2 = np.cumsum([gap.area for gap in gaps])

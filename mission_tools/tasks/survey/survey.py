@@ -15,7 +15,13 @@ from shapely.geometry.base import BaseGeometry
 from companion.core.geo import Point
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
-from mission_tools.tasks.room import polygons, union, water_clear_of_shores, water_reached_from
+from mission_tools.tasks.room import (
+    QUADRANT_SEGMENTS,
+    polygons,
+    union,
+    water_clear_of_shores,
+    water_reached_from,
+)
 from mission_tools.tasks.survey.coverage import coverage, least_transits_m
 from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.shore_pass import CORNER_INSET, RING_ERROR, passes_along, water_within_pass
@@ -74,7 +80,7 @@ def survey(
     water = wide if area is None else _inside(wide, area, swath_m)
     if not water:
         raise NoRoute(f"no water in the area keeps {plan.required_m:g} m from every shore")
-    target = union(wide).buffer(0.5 * swath_m).intersection(chart.navigable)
+    target = union(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
     if area is not None:
         target = target.intersection(area)
     rings: list[Array] = []
@@ -99,13 +105,13 @@ def survey(
         visits = with_rings(visits, rings, reached, origin, 0.5 * swath_m)
     ends = tracks.ends() if tracks.tracks else np.zeros((0, 2))
     least_m = sum(_length_m(visit.points) for visit in visits)
-    least_m += least_transits_m(ends, [shapely.LineString(ring) for ring in rings], origin)
+    least_m += least_transits_m(ends, [shapely.LineString(ring) for ring in rings], origin, 4.0 * swath_m)
     if settings.cross_spacing_m is not None:
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
         last = visits[-1].points[-1] if visits else origin
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
         least_m += sum(track.high_m - track.low_m for track in lines.tracks)
-        least_m += least_transits_m(lines.ends(), [], None)
+        least_m += least_transits_m(lines.ends(), [], None, swath_m)
     legs, notes = _joined_legs(chart, visits, start, union(wide), settings), []
     if settings.turn_radius_m > 0.0:
         legs, tighter = with_turns(legs, union(wide), settings.turn_radius_m)
