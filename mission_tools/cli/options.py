@@ -54,12 +54,17 @@ def add_tasks(parser: Parser) -> None:
         "--shore-pass", action=BooleanOptionalAction, help="of a survey: also along the shores [yes]"
     )
     group.add_argument(
+        "--turn-radius", type=number, metavar="M", help="of a survey: the boat's turns [turns on the spot]"
+    )
+    group.add_argument(
         "--follow-shore", metavar="LAT,LON", help="along the shore nearest to this place, all round"
     )
     group.add_argument("--distance", type=number, metavar="M", help="of --follow-shore: from the shore")
     group.add_argument(
         "--shore-to", choices=("port", "starboard"), help="of --follow-shore: its side [starboard]"
     )
+    group.add_argument("--first", metavar="LAT,LON", help="of --follow-shore: only from here …")
+    group.add_argument("--last", metavar="LAT,LON", help="… to here")
 
 
 def add_areas(parser: Parser) -> None:
@@ -151,9 +156,12 @@ def plan_options(given: Namespace) -> PlanOptions:
         angle_deg=given.angle,
         cross_m=given.cross,
         shore_pass=given.shore_pass,
+        turn_radius_m=given.turn_radius,
         follow_shore_at=position("--follow-shore", given.follow_shore),
         distance_m=given.distance,
         shore_to=given.shore_to,
+        first=position("--first", given.first),
+        last=position("--last", given.last),
     )
 
 

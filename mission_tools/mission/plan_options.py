@@ -23,7 +23,7 @@ class PlanOptions:
 
     via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
-    follow_shore_at: near the shore to follow.
+    follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it.
     """
 
     start_at: LatLon | None = None
@@ -45,9 +45,12 @@ class PlanOptions:
     angle_deg: float | None = None
     cross_m: float | None = None
     shore_pass: bool | None = None
+    turn_radius_m: float | None = None
     follow_shore_at: LatLon | None = None
     distance_m: float | None = None
     shore_to: str | None = None
+    first: LatLon | None = None
+    last: LatLon | None = None
 
     def given(self) -> list[str]:
         """The fields that were given."""

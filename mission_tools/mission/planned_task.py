@@ -22,8 +22,8 @@ from mission_tools.tasks.task_route import TaskRoute
 from mission_tools.wording import distance
 
 WHOLE_WATER = "all"
-_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass")
-_OF_SHORES = ("distance_m", "shore_to")
+_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass", "turn_radius_m")
+_OF_SHORES = ("distance_m", "shore_to", "first", "last")
 _OF_TOURS = ("goal", "via", "any_order", "hold_s")
 
 
@@ -71,7 +71,12 @@ def shore_of(
     assert options.distance_m is not None  # noqa: S101  checked by check_task
     side = cast(Literal["port", "starboard"], options.shore_to or "starboard")
     near = local("--follow-shore", options.follow_shore_at)
-    return follow_shore(chart, start, ShoreSettings(near, options.distance_m, settings, shore_to=side))
+    ends = [
+        None if place is None else local(name, place)
+        for name, place in (("--first", options.first), ("--last", options.last))
+    ]
+    wanted = ShoreSettings(near, options.distance_m, settings, shore_to=side, first=ends[0], last=ends[1])
+    return follow_shore(chart, start, wanted)
 
 
 def survey_of(
@@ -98,6 +103,7 @@ def survey_of(
             plan=settings,
             shore_pass=options.shore_pass is not False,
             cross_spacing_m=options.cross_m,
+            turn_radius_m=options.turn_radius_m or 0.0,
             is_return=options.is_return,
         ),
         area,

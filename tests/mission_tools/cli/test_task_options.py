@@ -154,3 +154,24 @@ def test_a_mission_that_is_ready_takes_no_task(plan: Any, capsys: pytest.Capture
     plan("--goal", NORTH_EAST)
     assert run_plan(["out.plan", "--return", "--via", NORTH_WEST, "--follow-shore", NORTH_WEST]) == 2
     assert "--via, --return, --follow-shore would plan one" in capsys.readouterr().err
+
+
+def test_a_stretch_of_a_shore_is_followed_from_the_first_place_to_the_last(plan: Any) -> None:  # noqa: ANN401
+    north, south = "50.0012,-1.1990", "50.0008,-1.1990"
+    shore = ("--follow-shore", "50.0010,-1.1990", "--distance", "6", "--first", south)
+    there, back = (plan(*shore, "--last", north, "--shore-to", side) for side in ("port", "starboard"))
+    lengths_m = [length_of_m(report, "shore") for report in (there, back)]
+    assert sum(lengths_m) == pytest.approx(2.0 * (44.5 + 43.0) + 12.0 * 3.14, rel=0.05)
+    assert lengths_m[0] == pytest.approx(lengths_m[1], rel=0.05)
+
+
+def test_a_turn_radius_gives_a_survey_turns(plan: Any) -> None:  # noqa: ANN401
+    straight = plan("--survey", "all", "--footprint", "6")
+    rounded = plan("--survey", "all", "--footprint", "6", "--turn-radius", "5")
+    assert length_of_m(rounded, "track") == pytest.approx(length_of_m(straight, "track"))
+    assert length_of_m(rounded, "transit") > 1.5 * length_of_m(straight, "transit")
+
+
+def length_of_m(report: dict[str, Any], kind: str) -> float:
+    """Of the legs of one kind."""
+    return float(sum(leg["length_m"] for leg in report["task"]["legs"] if leg["kind"] == kind))
