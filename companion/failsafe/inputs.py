@@ -44,7 +44,8 @@ class FailsafeInputs(Struct, frozen=True, kw_only=True):
     sticks_dropped: a station's sticks steered, and are stale. radio_fault: what is wrong with a transmitter
     that has been heard. beyond_fence_m: 0 inside. station: where LOITER stays. range_fault: why the
     charge does not take the boat home. verdict: the motor fault inferred under way. needs_motor_check: only
-    a check can tell. failed_motor: the one that a motor check has found, in words.
+    a check can tell. needs_motor_comparison: a propeller seems fouled. failed_motor: the one that a motor
+    check has found, in words.
     """
 
     now_s: float
@@ -66,6 +67,7 @@ class FailsafeInputs(Struct, frozen=True, kw_only=True):
     range_fault: str = ""
     verdict: Hypothesis | None = None
     needs_motor_check: bool = False
+    needs_motor_comparison: bool = False
     failed_motor: str = ""
     reversed_motor: bool = False
     recovery: State = State.IDLE

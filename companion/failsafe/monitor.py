@@ -18,6 +18,7 @@ from companion.rc.manual_input import ManualInput
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
+_JUDGED = (State.IDLE, State.COMPARING)  # where the motion says something about the motors
 _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_OF_RANGE)
 
 
@@ -95,7 +96,7 @@ class Failsafes:
                 if escalation.text:
                     escalation.reset()
                 continue
-            if inputs.recovery is not State.IDLE and escalation.action in RECOVERIES:
+            if inputs.recovery not in _JUDGED and escalation.action in RECOVERIES:
                 text = escalation.text  # its own recovery may be under way, whose motion says nothing
             change = escalation.update(text, setting, now_s)
             if change is Change.ENDS:

@@ -75,11 +75,16 @@ def _recover(action: Action, inputs: FailsafeInputs) -> list[Decision]:
 
 
 def routine_check(inputs: FailsafeInputs) -> list[Decision]:
-    """Check motors that only a check can judge, where it may take the place of the mode for some seconds."""
+    """Check or compare motors that cannot be judged otherwise, where that may take the place of the mode for
+    some seconds.
+    """
     is_driven = inputs.armed and inputs.mode is not Mode.HOLD and not inputs.mode.is_by_hand
     is_wanted = inputs.config.failsafe.motor_action == Action.CHECK_MOTORS
     is_free = is_driven and is_wanted and inputs.recovery is State.IDLE
-    if not inputs.needs_motor_check or not is_free or not may_drift(inputs.nav, inputs.fence, _CHECK_DRIFT_S):
+    if not is_free or not may_drift(inputs.nav, inputs.fence, _CHECK_DRIFT_S):
         return []
-    text = "Steering has no effect: checking the motors"
-    return [Recover(Trigger.CHECK, Severity.NOTICE, text)]
+    if inputs.needs_motor_check:
+        return [Recover(Trigger.CHECK, Severity.NOTICE, "Steering has no effect: checking the motors")]
+    if inputs.needs_motor_comparison:
+        return [Recover(Trigger.COMPARE, Severity.NOTICE, "Motors draw more current: comparing them")]
+    return []

@@ -39,7 +39,7 @@ def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
         seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
         for decision in respond(alarm, seen):
             _carry_out(decision, vehicle, now_s)
-    if inputs.needs_motor_check:
+    if inputs.needs_motor_check or inputs.needs_motor_comparison:
         seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
         for decision in routine_check(seen):
             _carry_out(decision, vehicle, now_s)
@@ -64,7 +64,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
     if not vehicle.armed:
         motors.rearm()
     # One motor alone moves the hull as no model says
-    if vehicle.recovery.is_active or not board.judges_motors or check.motors.has_failed:
+    if vehicle.recovery.hides_motors or not board.judges_motors or check.motors.has_failed:
         motors.pause()
     else:
         motors.update(board.left, board.right, nav, vehicle.fix, battery, config, now_s, PERIOD_S)
@@ -89,6 +89,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         range_fault=endurance.range_fault,
         verdict=motors.verdict,
         needs_motor_check=motors.needs_check,
+        needs_motor_comparison=motors.needs_comparison,
         failed_motor=check.fault(),
         reversed_motor=check.motors.has_reversed,
         recovery=vehicle.recovery.state,
@@ -107,8 +108,11 @@ def _carry_out(decision: Decision, vehicle: "Vehicle", now_s: float) -> None:
         case LimitSpeed(share):
             vehicle.speed_m_s = share * vehicle.config.speed.cruise_m_s
         case Recover(trigger, severity, text):
-            if vehicle.recovery.handle(trigger, now_s) and text:
-                vehicle.notify(severity, text)
+            if vehicle.recovery.handle(trigger, now_s):
+                if text:
+                    vehicle.notify(severity, text)
+                if trigger is Trigger.COMPARE:
+                    vehicle.recovery.is_left_first = vehicle.failsafes.motors.compare(now_s)
         case AssumeFailed(is_left):
             vehicle.recovery.handle(Trigger.ABORT, now_s)
             vehicle.recovery.motor_check.assume_failed(is_left, now_s)

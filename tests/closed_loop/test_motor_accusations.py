@@ -44,6 +44,23 @@ def test_a_healthy_boat_in_wind_and_current_is_told_nothing_of_its_motors(
     assert result.completed
 
 
+def test_each_motor_alone_tells_which_propeller_is_fouled() -> None:
+    """Both motors at a similar command, against gusts and current: 15.6 s without a comparison."""
+    mission_run, _ = sail(
+        "straight", "environment.current_m_s=0.85", "environment.current_to_deg=225",
+        "environment.wind_m_s=3.74", "environment.gust_m_s=10.98", "environment.wind_from_deg=279.9",
+        "hull.mass_kg=7.97", "hull.inertia_kg_m2=0.8", "hull.surge_linear=0.331",
+        "hull.surge_quadratic=0.578", "hull.sway_linear=3.82", "hull.sway_quadratic=25.9",
+        "hull.yaw_linear=0.204",
+        "hull.skeg_lift_kg_m=6.9", "thrusters.propeller.diameter_m=0.0302", "thrusters.motor.no_load_a=0.248",
+        "sensors.gnss.rate_hz=1", 'faults=[{what="motor_right", kind="weed", at_s=37.0}]', "seed=3",
+        timeout_s=46.0,
+    )  # fmt: skip
+    figures = motor_figures(mission_run)
+    assert "Motors draw more current: comparing them" in said(mission_run)
+    assert (figures["motor_alarms"], figures["motor_named"]) == (0, 1), said(mission_run)
+
+
 @pytest.mark.parametrize(
     ("what", "kind", "text"),
     [

@@ -13,9 +13,13 @@ _FIRST_SIGMA: Final = (5.0, 3.0, 1.0, 2.0)  # of A, B, C and I0, in amperes, bef
 _WALK_S: Final = (1e-4, 1e-4, 1e-5, 1e-5)  # A²/s: a pack that empties, a hull that fouls
 # One standard deviation of what the equation gets wrong: what happens between two commands a tenth of a
 # second apart, and a share of the current, where propellers work in each other's water or the hull's.
-_SIGMA_A: Final = 0.22
-_SIGMA_SHARE: Final = 0.04
+_SIGMA_A: Final = 0.16
+_SIGMA_SHARE: Final = 0.05
 _SIGMA_SLIP_A: Final = 0.6  # for shafts that lag behind the command by all of it, where the lag is guessed
+_SIGMA_ASTERN_A: Final = 0.4  # for propellers at full command against the water: not as ahead
+_NOISE_S: Final = 30.0  # over which the noise is learned, where it is larger than this
+_LEAST_SHARE: Final = 0.5  # of the expected noise: from here it is learned within a minute that there is more
+_MOST_SQUARE: Final = 9.0  # a residual beyond three deviations does not widen the noise further
 _ALIKE: Final = 4.0  # neighbouring samples, whose errors are alike, that count for one at first,
 _SETTLED: Final = 15.0  # and later on, so that a fault of some seconds is not learned as usual
 _LEARNED_S: Final = 12.0  # of driving: start, acceleration and a first turn tell A, B and C apart
@@ -29,8 +33,8 @@ class MotorCurrent:
     """
 
     __slots__ = (
-        "_covariance", "_learned_s", "_noise", "_regressors", "_theta", "drawn", "residual_a", "stall_a",
-        "variance", "water_a",
+        "_covariance", "_learned_s", "_noise", "_noise_share", "_regressors", "_theta", "drawn", "residual_a",
+        "stall_a", "variance", "water_a",
     )  # fmt: skip
 
     def __init__(self) -> None:
@@ -42,6 +46,7 @@ class MotorCurrent:
         self._regressors = [0.0] * _SIZE
         self._learned_s = 0.0
         self._noise = _SIGMA_A * _SIGMA_A
+        self._noise_share = 1.0  # of the expected variance that residuals have
         self.drawn = [0.0, 0.0]
         self.stall_a = self.water_a = 0.0  # never negative
         self.residual_a, self.variance = 0.0, 1.0
@@ -52,11 +57,13 @@ class MotorCurrent:
         """Hold a measured current against the model."""
         a, b, c, idle = self._theta
         self.stall_a, self.water_a = max(a, 0.0), max(c, 0.0)
-        squares = flows = speeds = slip = 0.0
+        squares = flows = speeds = slip = astern = 0.0
         for side, (duty, shaft) in enumerate(zip(duties, shafts, strict=True)):
             squares += duty * duty
             speeds += duty * shaft
             slip += abs(duty - shaft)
+            if duty * water_m_s < 0.0:
+                astern += abs(duty)
             flows += duty * water_m_s
             self.drawn[side] = max(a * duty * duty - b * duty * shaft - c * duty * water_m_s, 0.0)
         self._regressors = x = [squares, -speeds, -flows, 1.0]
@@ -68,6 +75,8 @@ class MotorCurrent:
             for column, other in enumerate(x)
         )
         self._noise = _SIGMA_A * _SIGMA_A + (_SIGMA_SHARE * total) ** 2 + (_SIGMA_SLIP_A * slip) ** 2
+        self._noise += (_SIGMA_ASTERN_A * astern) ** 2
+        self._noise *= max(self._noise_share, 1.0)
         self.variance = self._noise + max(unknown, 0.0)
 
     @property
@@ -79,6 +88,10 @@ class MotorCurrent:
         """Take the last comparison for that of healthy motors."""
         if is_driven:
             self._learned_s += dt_s
+        square = min(self.residual_a * self.residual_a / self.variance, _MOST_SQUARE)
+        if self.is_learned:
+            share = self._noise_share * (1.0 + min(dt_s / _NOISE_S, 1.0) * (square - 1.0))
+            self._noise_share = max(share, _LEAST_SHARE)
         alike = _SETTLED if self.is_learned else _ALIKE
         x, covariance = self._regressors, self._covariance
         for at in range(_SIZE):

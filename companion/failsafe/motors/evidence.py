@@ -5,25 +5,27 @@ So have healthy motors in an unknown wind, which may push and turn the hull with
 sum of the log likelihood ratios of a hypothesis against healthy motors, never below zero, is E. S. Page's
 CUSUM (*Continuous inspection schemes*, Biometrika 41, 1954; M. Basseville, I. V. Nikiforov, *Detection of
 Abrupt Changes*, 1993, chapter 2): it stays near zero while motors are healthy and climbs from the moment of
-the fault. Three rules allow for wrong models: no single measurement counts for more than
-MOST_SQUARE, neighbouring samples, whose errors are alike, count for WEIGHT of independent ones, and evidence
-fades by DRIFT_S.
+the fault. How large a fault is, is learned meanwhile (`effect_size`). Three rules allow for wrong models: no
+single measurement counts for more than MOST_SQUARE, neighbouring samples, whose errors are alike, count for
+WEIGHT of independent ones, and evidence fades by DRIFT_S.
+
+A fix tells the speed of some time ago: the speed is predicted up to the time of the fix, and no further.
 """
 
 import math
-from typing import Final
+from collections import deque
+from typing import Final, NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.current import MotorCurrent
+from companion.failsafe.motors.effect_size import MOST_SQUARE, WEIGHT, EffectSize
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
 from companion.sensors.readings import BatteryReading, GnssFix
 
-# Tuned on sample seeds 101 and 102 of examples/campaigns/motors_*.toml
-WEIGHT: Final = 0.5  # of a sample, whose error is like that of its neighbour
-VAGUE: Final = 0.5  # of a sample of the motion, for weed: how much thrust it leaves varies
-MOST_SQUARE: Final = 25.0  # five standard deviations: no hypothesis explains a larger residual
+# Tuned on sample seeds 21, 101 to 103, 301 and 302 of examples/campaigns/motors_*.toml
+VAGUE: Final = 0.5  # of a sample of the motion, for weed: in gusts a weak motor and a wind look alike
 DRIFT_S: Final = 0.5  # nats/s by which evidence fades, so that a short disturbance proves nothing
 _LEARNING: Final = 5.0  # with more evidence than this against the motors, no gain is learned
 
@@ -49,6 +51,8 @@ _SPEED_SIGMA: Final = 0.06  # m/s: of the receiver
 # than with a random walk; the shorter, the sooner a motor that turns the hull the wrong way is named.
 _TURN_CORRELATION_S: Final = 6.0
 _SPEED_CORRELATION_S: Final = math.inf  # an error of the estimated current stays for minutes
+_MOST_PENDING: Final = 50  # cycles, 5 s: the receiver is taken for lost earlier
+_SLACK_S: Final = 1e-6
 _TURN_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering,
 _SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong current make look slower
 
@@ -68,13 +72,25 @@ _NO_GNSS: Final = int(
 )
 
 
+class _Push(NamedTuple):
+    """What moves the hull ahead for one cycle, until a fix tells the speed at that time."""
+
+    time_s: float
+    heading_rad: float
+    decay_s: float
+    push: float
+    changes: tuple[float, ...]
+    dt_s: float
+
+
 class MotorEvidence:
     """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
 
     __slots__ = (
         "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_cruise_m_s", "_current",
-        "_current_a", "_duties", "_fix_s", "_shafts", "_since_battery_s", "_since_fix_s", "_speed", "_spins",
-        "_turn", "_water_east_m_s", "_water_north_m_s", "against", "has_current",
+        "_current_a", "_duties", "_fix_s", "_pending", "_shafts", "_since_battery_s",
+        "_since_fix_s", "_sizes", "_speed", "_spins", "_turn", "_water_east_m_s",
+        "_water_north_m_s", "against", "has_current",
     )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:
@@ -93,6 +109,8 @@ class MotorEvidence:
             count, ahead, _SPEED_PRIOR, _SPEED_WANDER * cruise_m_s, _SPEED_SIGMA, _SPEED_CORRELATION_S
         )
         self._current = MotorCurrent()
+        self._sizes = EffectSize(count), EffectSize(count), EffectSize(count)  # of turn, speed and current
+        self._pending: deque[_Push] = deque(maxlen=_MOST_PENDING)
         self._changes_turn, self._changes_ahead = [0.0] * count, [0.0] * count
         self._duties = (0.0, 0.0)
         self._shafts, self._spins = [0.0, 0.0], [0.0, 0.0]
@@ -100,6 +118,11 @@ class MotorEvidence:
         self._current_a = math.nan
         self._water_north_m_s = self._water_east_m_s = 0.0
         self._since_battery_s = self._since_fix_s = 0.0
+
+    @property
+    def knows_current(self) -> bool:
+        """Whether a current tells, and what is usual has been learned."""
+        return self.has_current and self._current.is_learned
 
     def restart(self) -> None:
         """Judge anew, as after something that is not modelled; what was learned of the boat stays."""
@@ -110,9 +133,15 @@ class MotorEvidence:
     def acquit(self) -> None:
         """Drop all evidence: whatever has happened so far, no motor had failed."""
         for at in range(len(HYPOTHESES)):
-            self.against[at] = 0.0
-            self._turn.forget(at)
-            self._speed.forget(at)
+            self._forget(at)
+
+    def _forget(self, at: int) -> None:
+        """The fault begins now at the earliest."""
+        self.against[at] = 0.0
+        self._turn.forget(at)
+        self._speed.forget(at)
+        for size in self._sizes:
+            size.forget(at)
 
     def update(
         self,
@@ -134,22 +163,20 @@ class MotorEvidence:
         self._water_north_m_s += share * (nav.current_north_m_s - self._water_north_m_s)
         self._water_east_m_s += share * (nav.current_east_m_s - self._water_east_m_s)
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
-        self._predict(water_m_s, astern, dt_s)
+        self._predict(water_m_s, astern, nav.heading_rad, nav.time_s, dt_s)
         is_learning = max(self.against) < _LEARNING
         gained = [0.0] * len(HYPOTHESES)
         if nav.faults & _NO_COMPASS:
             self._turn.restart()
         elif self._turn.correct(nav.yaw_rate_rad_s, dt_s, is_learning=is_learning):
-            _weigh(self._turn, gained)
+            _weigh(self._turn, self._sizes[0], gained)
         self._take_fix(fix, nav, gained, is_learning, dt_s)
         self._take_current(battery, water_m_s, gained, is_learning, dt_s)
         against = self.against
         for at, gain in enumerate(gained):
             against[at] += WEIGHT * gain - DRIFT_S * dt_s
             if not against[at] > 0.0:
-                against[at] = 0.0
-                self._turn.forget(at)
-                self._speed.forget(at)
+                self._forget(at)
 
     def _spin(self, left: float, right: float, dt_s: float) -> None:
         """The shafts follow the commands of the last time."""
@@ -165,7 +192,9 @@ class MotorEvidence:
         push = abs(shaft) * (shaft - self._advance_s_m * water_m_s)
         return push if push > 0.0 else astern * push
 
-    def _predict(self, water_m_s: float, astern: float, dt_s: float) -> None:
+    def _predict(
+        self, water_m_s: float, astern: float, heading_rad: float, now_s: float, dt_s: float
+    ) -> None:
         pushes = [self._push(shaft, water_m_s, astern) for shaft in self._shafts]
         for at, hypothesis in enumerate(HYPOTHESES):
             side = 0 if hypothesis.is_left else 1
@@ -179,7 +208,9 @@ class MotorEvidence:
         turn_s = _RESTING_RATE_S + _CRUISING_RATE_S * cruising
         speed_s = _RESTING_SPEED_S + _CRUISING_SPEED_S * cruising
         self._turn.predict(turn_s, pushes[0] - pushes[1], self._changes_turn, dt_s)
-        self._speed.predict(speed_s, pushes[0] + pushes[1], self._changes_ahead, dt_s)
+        self._pending.append(
+            _Push(now_s, heading_rad, speed_s, pushes[0] + pushes[1], tuple(self._changes_ahead), dt_s)
+        )
 
     def _take_fix(
         self, fix: GnssFix | None, nav: NavState, gained: list[float], is_learning: bool, dt_s: float
@@ -188,14 +219,19 @@ class MotorEvidence:
         self._since_fix_s += dt_s
         if fix is None or nav.faults & (_NO_GNSS | _NO_COMPASS):
             self._speed.restart()
+            self._pending.clear()
             return
         if fix.time_s == self._fix_s or fix.north_m_s is None or fix.east_m_s is None:
             return
         self._fix_s = fix.time_s
+        heading_rad = nav.heading_rad
+        while self._pending and self._pending[0].time_s <= fix.time_s + _SLACK_S:
+            heading_rad = (push := self._pending.popleft()).heading_rad
+            self._speed.predict(push.decay_s, push.push, push.changes, push.dt_s)
         north_m_s, east_m_s = fix.north_m_s - self._water_north_m_s, fix.east_m_s - self._water_east_m_s
-        ahead_m_s = north_m_s * math.cos(nav.heading_rad) + east_m_s * math.sin(nav.heading_rad)
+        ahead_m_s = north_m_s * math.cos(heading_rad) + east_m_s * math.sin(heading_rad)
         if self._speed.correct(ahead_m_s, self._since_fix_s, is_learning=is_learning):
-            _weigh(self._speed, gained)
+            _weigh(self._speed, self._sizes[1], gained)
         self._since_fix_s = 0.0
 
     def _take_current(
@@ -236,17 +272,14 @@ class MotorEvidence:
             elif hypothesis.fault is Fault.FOULED:
                 change = WEED * current.stall_a * abs(duty)
                 spread = hypothesis.spread * change
-            wider = variance + spread * spread
-            other = residual - change
-            cost = 0.5 * (other * other / wider + math.log(wider / variance))
-            gained[at] += healthy - min(cost, 0.5 * MOST_SQUARE)
+            gained[at] += healthy - self._sizes[2].cost(at, residual, change, spread, variance)
 
 
-def _weigh(motion: MotionFilter, gained: list[float]) -> None:
+def _weigh(motion: MotionFilter, sizes: EffectSize, gained: list[float]) -> None:
     """Add each hypothesis's log likelihood ratio against healthy motors."""
-    variance = motion.variance
-    healthy = min(motion.residual * motion.residual / variance, MOST_SQUARE)
-    for at, residual in enumerate(motion.residuals):
-        gain = 0.5 * (healthy - min(residual * residual / variance, MOST_SQUARE))
-        # How much thrust weed leaves is known to half of what it takes
-        gained[at] += VAGUE * gain if HYPOTHESES[at].fault is Fault.FOULED else gain
+    variance, residual = motion.variance, motion.residual
+    healthy = 0.5 * min(residual * residual / variance, MOST_SQUARE)
+    for at, other in enumerate(motion.residuals):
+        effect, hypothesis = residual - other, HYPOTHESES[at]
+        gain = healthy - sizes.cost(at, residual, effect, hypothesis.thrust_spread * effect, variance)
+        gained[at] += VAGUE * gain if hypothesis.fault is Fault.FOULED else gain

@@ -25,13 +25,15 @@ class Fault(IntEnum):
 class Hypothesis(NamedTuple):
     """One motor has one fault; the other is healthy.
 
-    thrust: share of its thrust that is left. load: its current, in shares of the usual one; spread: one
-    standard deviation of that share. threshold: evidence, in nats, that proves it.
+    thrust: share of its thrust that is left; thrust_spread: one standard deviation of the change, in shares
+    of it. load: its current, in shares of the usual one; spread: one standard deviation of that share.
+    threshold: evidence, in nats, that proves it.
     """
 
     is_left: bool
     fault: Fault
     thrust: float
+    thrust_spread: float
     load: float
     spread: float
     threshold: float
@@ -58,12 +60,12 @@ class Hypothesis(NamedTuple):
 # healthy runs of sample seeds 101 and 104 the evidence reached at most 18 for a dead or blocked motor, 15 for
 # a fouled one (7 in all runs but one) and 19 for a reversed one.
 HYPOTHESES: Final = tuple(
-    Hypothesis(is_left, fault, thrust, load, spread, threshold)
+    Hypothesis(is_left, fault, thrust, thrust_spread, load, spread, threshold)
     for is_left in (True, False)
-    for fault, thrust, load, spread, threshold in (
-        (Fault.DEAD, 0.0, 0.0, 0.0, 25.0),
-        (Fault.BLOCKED, 0.0, 2.2, 0.35, 25.0),
-        (Fault.FOULED, 0.4, 1.0, 0.4, 16.0),
-        (Fault.REVERSED, -1.0, 1.0, 0.1, 25.0),
+    for fault, thrust, thrust_spread, load, spread, threshold in (
+        (Fault.DEAD, 0.0, 0.0, 0.0, 0.0, 25.0),
+        (Fault.BLOCKED, 0.0, 0.0, 2.2, 0.35, 25.0),
+        (Fault.FOULED, 0.4, 0.4, 1.0, 0.4, 18.0),
+        (Fault.REVERSED, -1.0, 0.1, 1.0, 0.1, 25.0),
     )
 )

@@ -6,6 +6,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.intent import Intent, Stop
 from companion.core.state import NavState
 from companion.failsafe.recovery.motor_check import MotorCheck
+from companion.failsafe.recovery.motor_comparison import COMPARISON_S, comparison_intent
 from companion.failsafe.recovery.propeller_clearing import CLEARING_S, clearing_intent
 from companion.failsafe.recovery.transition_table import TRANSITIONS, UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.ungrounding import Ungrounding
@@ -25,11 +26,15 @@ class RecoveryStep(NamedTuple):
 
 
 class RecoveryManeuvers:
-    """The state machine of `transition_table`, with what its states need to remember."""
+    """The state machine of `transition_table`, with what its states need to remember.
+
+    is_left_first: the motor that a comparison begins with, set before it starts.
+    """
 
     def __init__(self) -> None:
         self.state = State.IDLE
         self.motor_check = MotorCheck()
+        self.is_left_first = True
         self._ungrounding = Ungrounding()
         self._began_s = 0.0
 
@@ -48,13 +53,18 @@ class RecoveryManeuvers:
         """Whether each motor is tested alone."""
         return self.state is State.CHECKING
 
+    @property
+    def hides_motors(self) -> bool:
+        """Whether a manoeuvre moves the hull in a way that says nothing about the motors."""
+        return self.state not in (State.IDLE, State.COMPARING)
+
     def handle(self, trigger: Trigger, now_s: float) -> bool:
         """Change the state by the table; False where the state ignores the trigger."""
         state = TRANSITIONS[self.state].get(trigger)
         if state is None:
             return False
         self.state = state
-        if trigger is Trigger.CLEAR:
+        if trigger in (Trigger.CLEAR, Trigger.COMPARE):
             self._began_s = now_s
         elif trigger is Trigger.CHECK:
             self.motor_check.begin(now_s)
@@ -71,6 +81,10 @@ class RecoveryManeuvers:
         if self.state is State.CHECKING:
             return self._check_motors(nav, left, right, now_s)
         elapsed_s = now_s - self._began_s
+        if self.state is State.COMPARING:
+            if elapsed_s >= COMPARISON_S:
+                self.handle(Trigger.DONE, now_s)
+            return RecoveryStep(comparison_intent(elapsed_s, is_left_first=self.is_left_first))
         if elapsed_s >= CLEARING_S:
             self.handle(Trigger.DONE, now_s)
             if self.motor_check.motors.has_failed:

@@ -11,6 +11,7 @@ class State(Enum):
     IDLE = auto()  # nothing: the mode steers
     CLEARING = auto()  # pulses astern clear the propellers
     CHECKING = auto()  # each motor is tested alone
+    COMPARING = auto()  # each motor drives alone for a moment, and the motors go on being judged
     RESTING = auto()  # ungrounding: motors off between two tries
     PUSHING = auto()  # ungrounding: a try
     STANDING_OFF = auto()  # ungrounding: afloat again, under way to open water
@@ -21,6 +22,7 @@ class Trigger(Enum):
 
     CLEAR = auto()  # a failsafe asks for clear propellers
     CHECK = auto()  # a failsafe, or the schedule of a failed motor, asks for a motor check
+    COMPARE = auto()  # a propeller seems fouled
     UNGROUND = auto()  # a failsafe asks to get off the shore
     RETREAT = auto()  # a failsafe changes the mode, to another than HOLD
     ABORT = auto()  # HOLD, disarming, or the operator's choice of a mode
@@ -41,9 +43,10 @@ _ASHORE = {**_END, Trigger.UNGROUND: State.RESTING, Trigger.FREED: State.STANDIN
 
 TRANSITIONS: Mapping[State, Mapping[Trigger, State]] = MappingProxyType(
     {
-        State.IDLE: _START,
+        State.IDLE: {**_START, Trigger.COMPARE: State.COMPARING},
         State.CLEARING: {**_START, **_END, Trigger.RETREAT: State.IDLE},
         State.CHECKING: {**_START, **_END, Trigger.RETREAT: State.IDLE},
+        State.COMPARING: {**_START, **_END, Trigger.RETREAT: State.IDLE},
         State.RESTING: {**_ASHORE, Trigger.RESTED: State.PUSHING},
         State.PUSHING: {**_ASHORE, Trigger.HELD: State.RESTING},
         State.STANDING_OFF: {**_END, Trigger.UNGROUND: State.RESTING, Trigger.CARRIED_BACK: State.RESTING},

@@ -10,13 +10,14 @@ from companion.failsafe.recovery.transition_table import TRANSITIONS, UNGROUNDIN
 from companion.geofence.fence import Fence
 
 MATRIX = """
-              CLEAR     CHECK     UNGROUND  RETREAT  ABORT  DONE  RESTED   HELD     FREED       CARRIED_BACK
-IDLE          CLEARING  CHECKING  RESTING   .        .      .     .        .        .             .
-CLEARING      CLEARING  CHECKING  RESTING   IDLE     IDLE   IDLE  .        .        .             .
-CHECKING      CLEARING  CHECKING  RESTING   IDLE     IDLE   IDLE  .        .        .             .
-RESTING       .         .         RESTING   .        IDLE   IDLE  PUSHING  .        STANDING_OFF  .
-PUSHING       .         .         RESTING   .        IDLE   IDLE  .        RESTING  STANDING_OFF  .
-STANDING_OFF  .         .         RESTING   .        IDLE   IDLE  .        .        .             RESTING
+              CLEAR     CHECK     COMPARE    UNGROUND RETREAT ABORT DONE RESTED  HELD    FREED CARRIED_BACK
+IDLE          CLEARING  CHECKING  COMPARING  RESTING  .       .     .    .       .       .            .
+CLEARING      CLEARING  CHECKING  .          RESTING  IDLE    IDLE  IDLE .       .       .            .
+CHECKING      CLEARING  CHECKING  .          RESTING  IDLE    IDLE  IDLE .       .       .            .
+COMPARING     CLEARING  CHECKING  .          RESTING  IDLE    IDLE  IDLE .       .       .            .
+RESTING       .         .         .          RESTING  .       IDLE  IDLE PUSHING .       STANDING_OFF .
+PUSHING       .         .         .          RESTING  .       IDLE  IDLE .       RESTING STANDING_OFF .
+STANDING_OFF  .         .         .          RESTING  .       IDLE  IDLE .       .       .            RESTING
 """
 
 _HEAD, *_LINES = [line.split() for line in MATRIX.strip().splitlines()]
@@ -34,6 +35,7 @@ def recovery_in(state: State) -> RecoveryManeuvers:
         State.IDLE: (),
         State.CLEARING: (Trigger.CLEAR,),
         State.CHECKING: (Trigger.CHECK,),
+        State.COMPARING: (Trigger.COMPARE,),
         State.RESTING: (Trigger.UNGROUND,),
         State.PUSHING: (Trigger.UNGROUND, Trigger.RESTED),
         State.STANDING_OFF: (Trigger.UNGROUND, Trigger.FREED),
@@ -57,6 +59,7 @@ def test_each_trigger_leads_from_each_state_where_the_matrix_says(state: State, 
     assert recovery.is_active is (recovery.state is not State.IDLE)
     assert recovery.is_ungrounding is (recovery.state in UNGROUNDING)
     assert recovery.is_checking is (recovery.state is State.CHECKING)
+    assert recovery.hides_motors is (recovery.state not in (State.IDLE, State.COMPARING))
 
 
 def intents(recovery: RecoveryManeuvers, seconds: float) -> list[Intent]:
@@ -67,6 +70,20 @@ def intents(recovery: RecoveryManeuvers, seconds: float) -> list[Intent]:
             break
         driven.append(recovery.update(nav_at(), Fence(), CONFIG, 0.0, 0.0, tick * 0.1).intent)
     return driven
+
+
+@pytest.mark.parametrize("is_left_first", [True, False])
+def test_a_comparison_drives_one_motor_alone_and_then_the_other(is_left_first: bool) -> None:
+    recovery = recovery_in(State.COMPARING)
+    recovery.is_left_first = is_left_first
+    driven = intents(recovery, 10.0)
+    sides = [intent.steering > 0.0 for intent in driven if isinstance(intent, Drive)]
+    assert sides[:24] == 12 * [is_left_first] + 12 * [not is_left_first]
+    assert len(driven) == len(sides) == 25
+    assert all(
+        isinstance(intent, Drive) and intent.throttle == abs(intent.steering) == 0.45 for intent in driven
+    )
+    assert recovery.state is State.IDLE
 
 
 def test_clearing_stops_pulses_astern_three_times_and_drifts() -> None:

@@ -14,12 +14,13 @@ from companion.failsafe.actions import Action, AssumeFailed, Decision, Notify, R
 from companion.failsafe.escalation import Change
 from companion.failsafe.guards import may_drift
 from companion.failsafe.inputs import FailsafeInputs
-from companion.failsafe.monitor import Alarm
+from companion.failsafe.monitor import Alarm, Failsafes
 from companion.failsafe.motors.hypotheses import Fault
 from companion.failsafe.recovery.transition_table import State, Trigger
 from companion.failsafe.response import respond, routine_check
 from companion.failsafe.table import ROWS, Condition
 from companion.geofence.fence import Fence, FencePolygon
+from companion.rc.manual_input import ManualInput
 
 ROW = next(row for row in ROWS if row.condition is Condition.MOTOR_FAILING)
 NO_ROOM = "No room for a motor check: using one motor"
@@ -102,18 +103,34 @@ def test_steering_without_effect_has_the_motors_checked() -> None:
     assert routine_check(inputs(1.95, needs_motor_check=True)) == wanted
 
 
+def test_a_propeller_that_seems_fouled_has_the_motors_compared() -> None:
+    wanted = [Recover(Trigger.COMPARE, Severity.NOTICE, "Motors draw more current: comparing them")]
+    assert routine_check(inputs(1.95, needs_motor_comparison=True)) == wanted
+
+
+@pytest.mark.parametrize("recovery", State)
+def test_a_motor_named_during_a_comparison_is_reported_at_once(recovery: State) -> None:
+    """The other manoeuvres hide what the motors do. An alarm that is active waits for their end."""
+    failsafes = Failsafes(BoatConfig(), ManualInput())
+    failsafes.update(with_verdict(Fault.FOULED)(inputs()))
+    changes = [failsafes.update(replace(inputs(recovery=recovery), now_s=0.1 * tick)) for tick in range(170)]
+    assert any(changes) is (recovery in (State.IDLE, State.COMPARING))
+
+
+@pytest.mark.parametrize("wanted", ["needs_motor_check", "needs_motor_comparison"])
 @pytest.mark.parametrize(
     "change",
     [
-        {"needs_motor_check": False},
+        {"needs_motor_check": False, "needs_motor_comparison": False},
         {"armed": False},
         {"mode": Mode.HOLD},
         {"mode": Mode.MANUAL},
         {"mode": Mode.STEERING},
         {"recovery": State.CLEARING},
+        {"recovery": State.COMPARING},
         {"config": with_value(BoatConfig(), "failsafe.motor_action", int(Action.CLEAR_PROPELLERS))},
         {"nav": replace(nav_at(), current_north_m_s=2.05)},
     ],
 )
-def test_but_not_where_it_would_be_in_the_way(change: dict[str, object]) -> None:
-    assert routine_check(replace(inputs(needs_motor_check=True), **change)) == []
+def test_but_not_where_it_would_be_in_the_way(change: dict[str, object], wanted: str) -> None:
+    assert routine_check(replace(inputs(**{wanted: True}), **change)) == []
