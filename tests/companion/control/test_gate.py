@@ -142,7 +142,7 @@ anything = st.floats(allow_nan=True, allow_infinity=True)
 
 
 @given(st.lists(st.tuples(anything, anything, st.booleans(), anything, anything), max_size=30))
-def test_whatever_comes_the_motors_get_sane_values(
+def test_the_motors_get_valid_values_for_any_input(
     ticks: list[tuple[float, float, bool, float, float]],
 ) -> None:
     gate = Gate()
@@ -161,7 +161,7 @@ def test_whatever_comes_the_motors_get_sane_values(
         before = now
 
 
-def test_the_operators_hand_needs_no_estimate_whatever_the_estimate_timeout() -> None:
+def test_manual_control_needs_no_estimate() -> None:
     setting = MotorLimits(slew_per_s=4.0, estimate_timeout_s=0.5)
     assert _check(Gate(), nav=None, needs_estimate=False, setting=setting).reason == ""
 

@@ -231,7 +231,7 @@ def test_a_fix_from_long_ago_is_left_out() -> None:
 
 
 @given(st.lists(st.tuples(st.none() | fixes, st.none() | headings), max_size=30))
-def test_whatever_the_sensors_say_the_estimate_stays_finite(
+def test_the_estimate_stays_finite_for_any_readings(
     readings: list[tuple[GnssFix | None, HeadingReading | None]],
 ) -> None:
     estimator = Estimator()

@@ -79,7 +79,7 @@ vectors = st.complex_numbers(max_magnitude=5.0, allow_nan=False, allow_infinity=
 
 
 @given(st.lists(st.tuples(vectors, vectors), max_size=60))
-def test_variances_stay_positive_whatever_is_learned(samples: list[tuple[complex, complex]]) -> None:
+def test_variances_stay_positive_for_any_samples(samples: list[tuple[complex, complex]]) -> None:
     current = CurrentFilter(2.0, 0.035)
     for over_ground, through in samples:
         current.update(over_ground, through, 0.01, DT)

@@ -85,7 +85,7 @@ def test_a_gyro_with_another_bias_is_not_taken_for_a_lying_compass(deg_s: float)
     assert passage.sail(60.0, gyro_rad_s=math.radians(deg_s)) is HeadingVerdict.GYRO
 
 
-def test_without_way_nobody_can_tell() -> None:
+def test_without_way_there_is_no_verdict() -> None:
     passage = Passage(speed_m_s=0.05)
     passage.sail(40.0)
     assert passage.sail(60.0, compass_rad_s=math.radians(2.0)) is HeadingVerdict.NOTHING

@@ -243,7 +243,7 @@ def test_a_hand_that_falls_silent_leaves_the_boat_keeping_station_and_not_adrift
     assert vehicle.mode.name == "LOITER"
 
 
-def test_nobody_is_missed_at_a_helm_that_nobody_has_held() -> None:
+def test_unused_manual_control_causes_no_failsafe() -> None:
     assert live(armed_vehicle(Mode.MANUAL), 60.0) == []
 
 

@@ -238,7 +238,7 @@ def test_a_current_as_usual_outweighs_a_hull_that_does_not_answer() -> None:
     assert verdicts[1] is None, verdicts
 
 
-def test_weed_whose_side_nothing_tells_is_not_blamed_on_one() -> None:
+def test_weed_without_evidence_of_its_side_is_not_assigned_to_one() -> None:
     """Both motors at the same steady command: the current rises, and no turn says where."""
     hull = Hull()
     hull.sail(40.0)

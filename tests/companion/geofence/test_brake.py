@@ -78,7 +78,7 @@ def test_what_it_can_lose_in_time_goes_through() -> None:
 
 
 @pytest.mark.parametrize("heading", [0.5 * math.pi, -0.5 * math.pi, math.pi])
-def test_a_line_abeam_or_astern_slows_nobody(heading: float) -> None:
+def test_a_line_abeam_or_astern_does_not_slow_the_boat(heading: float) -> None:
     nav = nav_at(47.0, 2.0 * math.cos(heading), east_m_s=2.0 * math.sin(heading), heading=heading)
     demand = Demand(heading, 2.0)
     assert limited(demand, nav) is demand

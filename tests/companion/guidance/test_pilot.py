@@ -107,7 +107,7 @@ def test_a_boat_that_was_carried_off_its_fillet_sails_the_next_leg_without() -> 
     assert off == 0.0
 
 
-def test_a_fillet_that_has_been_begun_is_kept_whatever_the_current_does() -> None:
+def test_a_fillet_once_begun_is_kept_in_any_current() -> None:
     following = PathFollowing()
     before = replace(NORTHBOUND, north_m=90.0)
     turning = replace(NORTHBOUND, north_m=98.6, east_m=0.2, heading_rad=0.4, current_north_m_s=0.5)

@@ -46,7 +46,7 @@ def test_a_current_as_fast_as_the_boat_leaves_no_headway() -> None:
     assert judged(headway, replace(STILL, current_north_m_s=-3.0), 1.1 * STALL_S) is StallVerdict.NO_HEADWAY
 
 
-def test_a_set_learned_while_stuck_does_not_blame_the_water() -> None:
+def test_a_current_learned_while_stuck_is_not_blamed_for_the_stall() -> None:
     headway = StallDetector()
     judged(headway, UNDER_WAY, 60.0)
     assert judged(headway, replace(STILL, current_north_m_s=-3.0), 60.0) is StallVerdict.STUCK

@@ -171,7 +171,7 @@ def test_a_restart_does_not_open_the_door_to_what_was_heard_before() -> None:
 
 
 @given(st.lists(st.one_of(stamps48, st.none())))
-def test_our_stamps_grow_whatever_clock_and_stations_say(events: list[int | None]) -> None:
+def test_our_timestamps_grow_with_any_clock_and_stations(events: list[int | None]) -> None:
     stamps, last = Stamps(), 0
     for number, event in enumerate(events):
         if event is None:
@@ -185,7 +185,7 @@ def test_our_stamps_grow_whatever_clock_and_stations_say(events: list[int | None
             stamps.follow(event)
 
 
-def test_nobody_can_take_the_count_to_its_end() -> None:
+def test_no_frame_can_exhaust_the_timestamps() -> None:
     mine = signatory(now=0)
     assert mine.check(signed_at(NEVER)) is SignatureVerdict.GOOD
     assert mine.stamps.seen == 0
@@ -200,7 +200,7 @@ def test_no_stamp_at_the_limit_is_used() -> None:
     assert mine.counters.unsendable == 1
 
 
-def test_nobody_who_knows_the_date_is_shown_a_stamp_from_before_it() -> None:
+def test_no_timestamp_lies_before_a_known_date() -> None:
     stamps = Stamps(limit=100)
     stamps.clock = NOW
     assert stamps.take() is None

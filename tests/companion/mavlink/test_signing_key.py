@@ -85,7 +85,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
         read_key_file(tmp_path / "none.key")
 
 
-def test_a_key_shows_itself_to_nobody(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_key_appears_in_no_log_or_representation(caplog: pytest.LogCaptureFixture) -> None:
     key = SigningKey(SECRET)
     with caplog.at_level(logging.DEBUG):
         logging.getLogger("test").debug("%s %r", key, [key])

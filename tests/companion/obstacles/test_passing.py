@@ -60,7 +60,7 @@ def test_what_comes_head_on_a_little_to_starboard_is_passed_to_port() -> None:
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_nobody_runs_on_ahead_of_what_crosses(side: float) -> None:
+def test_the_boat_does_not_pass_ahead_of_a_crossing_mover(side: float) -> None:
     passing = choose(scene_with(3.2, -1.6 * side, 0.0, 0.5 * side))
     assert passing is not None
     assert passing.turn_rad * side <= 0.0

@@ -100,7 +100,7 @@ def test_what_lies_far_behind_is_forgotten_in_time() -> None:
     ),
     st.none() | st.floats(),
 )
-def test_whatever_a_ranger_says_the_map_stays_sane(
+def test_any_reading_of_a_ranger_leaves_the_map_valid(
     pings: list[SonarReading], width_rad: float | None
 ) -> None:
     perception = ObstaclePerception(SETTING)

@@ -100,7 +100,7 @@ def test_leaps_of_more_than_an_eighth_of_the_reach_are_noise(leap_m: float, is_n
     assert monitor.is_noisy is is_noisy
 
 
-def test_a_ping_fills_fifteen_degrees_unless_told_otherwise() -> None:
+def test_a_ping_fills_fifteen_degrees_by_default() -> None:
     scan = SonarScan()
     scan.add(SonarReading(1.0, 0.0, 2.0))
     distances_cm, _ = scan.distances_cm(1.0)

@@ -56,7 +56,7 @@ def test_what_was_seen_long_ago_is_forgotten() -> None:
 
 
 @given(st.lists(st.tuples(pings, st.floats(0.0, 10.0)), max_size=30), st.floats(0.0, 15.0))
-def test_whatever_is_seen_fits_the_message(seen: list[tuple[SonarReading, float]], now_s: float) -> None:
+def test_any_readings_fit_the_message(seen: list[tuple[SonarReading, float]], now_s: float) -> None:
     sweep = SonarScan()
     for ping, beam_rad in seen:
         sweep.add(ping, beam_rad)

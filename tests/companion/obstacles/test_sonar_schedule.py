@@ -61,7 +61,7 @@ def test_a_single_echo_is_looked_at_again_in_open_water() -> None:
     assert sector == pytest.approx((bearing, bearing))
 
 
-def test_a_ghost_is_not_stared_at() -> None:
+def test_the_sonar_does_not_dwell_on_a_false_echo() -> None:
     assert is_unclassified(track(3.0, 0.0), 0.2)
     assert not is_unclassified(track(3.0, 0.0), 0.6)
 

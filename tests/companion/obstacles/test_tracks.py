@@ -81,7 +81,7 @@ def test_what_goes_ahead_faster_than_the_boat_recedes() -> None:
     assert mover.closing_m_s(Point(0.0, 0.0), 0.0, 0.0, 4.5) < -0.3
 
 
-def test_its_speed_is_told_with_an_honest_doubt() -> None:
+def test_the_speed_of_a_mover_is_reported_with_its_uncertainty() -> None:
     errors = []
     for seed in range(10):
         tracks, _ = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 4.0, seed)

@@ -108,7 +108,7 @@ def test_the_operator_ends_it(rig: StoredRig, acts: str) -> None:
 
 
 @pytest.mark.parametrize("kind", [MissionType.MISSION, MissionType.RALLY])
-def test_a_lost_list_is_told_every_half_minute_and_keeps_nobody_from_arming(
+def test_a_lost_list_is_reported_every_half_minute_and_does_not_prevent_arming(
     rig: StoredRig, kind: MissionType
 ) -> None:
     rig.ready()
@@ -140,7 +140,7 @@ def test_a_list_that_is_whole_but_no_list_is_lost_too(rig: StoredRig) -> None:
     ["mission.json", "fence.json", "rally.json", "params.parm", "voyage.json", "trail.json", STAMPS_FILE],
 )
 @pytest.mark.parametrize("is_sealed", [False, True])
-def test_a_boat_starts_whatever_nests_in_its_files(rig: StoredRig, name: str, is_sealed: bool) -> None:
+def test_the_boat_starts_with_deeply_nested_files(rig: StoredRig, name: str, is_sealed: bool) -> None:
     under_way(rig)
     rig.world._motors.stop()
     if is_sealed:
@@ -227,7 +227,7 @@ def test_a_damaged_key_leaves_the_previous_one_in_use_not_an_open_boat(tmp_path:
     assert rig.boat.vehicle.data_losses.text("signing key") == ""
 
 
-def test_timestamps_begin_beyond_whatever_the_damaged_file_may_have_said(tmp_path: Path) -> None:
+def test_timestamps_begin_beyond_those_of_a_damaged_file(tmp_path: Path) -> None:
     storage = FolderStorage(tmp_path, worker=InlineExecutor())
     storage.save(KEY_FILE, b"01" * 32)
     for first in (1000, 1000 + AHEAD):  # a lead is written anew when half of the one before is used up

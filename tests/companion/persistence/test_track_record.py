@@ -207,7 +207,7 @@ def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_secon
         st.lists(st.lists(st.integers(-(2**33), 2**33), max_size=3), max_size=5),
     )
 )
-def test_whatever_stands_on_the_medium_gives_places_on_the_globe_or_none(content: bytes) -> None:
+def test_any_stored_track_gives_valid_places_or_none(content: bytes) -> None:
     storage = MemoryStorage()
     storage.content[FILE] = content
     rig = Rig()

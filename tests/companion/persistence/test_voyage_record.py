@@ -219,7 +219,7 @@ def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
     st.binary(max_size=80)
     | st.dictionaries(st.text(max_size=8), st.integers()).map(json.dumps).map(str.encode)
 )
-def test_whatever_stands_in_the_record_the_boat_starts(content: bytes) -> None:
+def test_the_boat_starts_with_any_content_in_the_voyage_record(content: bytes) -> None:
     storage = MemoryStorage()
     storage.content[FILE] = content
     rig = Rig(storage=storage)

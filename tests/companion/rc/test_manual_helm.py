@@ -37,7 +37,7 @@ def test_the_first_hand_has_the_helm_and_the_second_is_told_once(rig: Rig) -> No
     assert not any("Helm" in text for text in rig.peer.texts)
 
 
-def test_a_helm_that_nobody_holds_may_be_taken_over_which_everybody_hears(rig: Rig) -> None:
+def test_free_manual_control_can_be_taken_over_and_is_announced(rig: Rig) -> None:
     other = rig.connect(MAVPROXY)
     push(rig, rig.peer, 500)
     rig.run(rig.config.failsafe.manual_timeout_s + 0.1)

@@ -190,7 +190,7 @@ def test_a_spike_on_the_switch_does_nothing() -> None:
     assert not hand.vehicle.armed
 
 
-def test_the_switch_obeys_the_arming_checks() -> None:
+def test_the_arming_switch_is_subject_to_the_arming_checks() -> None:
     hand = Hand(arming__battery_min_v=0.0)
     hand.live(0.5, mode=LOITER_US)
     hand.vehicle.fix = None
@@ -199,7 +199,7 @@ def test_the_switch_obeys_the_arming_checks() -> None:
 
 
 @pytest.mark.parametrize("throttle", [1000, 1600, 2000])
-def test_nobody_arms_the_boat_while_the_throttle_is_not_low(throttle: int) -> None:
+def test_the_boat_does_not_arm_while_the_throttle_is_not_low(throttle: int) -> None:
     hand = Hand()
     hand.live(0.5, throttle=throttle)
     assert hand.live(0.5, arm=2000) == ["Arm: RC: throttle is not low"]
@@ -223,7 +223,7 @@ def test_a_station_does_not_arm_a_boat_whose_transmitter_was_lost() -> None:
     assert hand.vehicle.request(Arm()).accepted
 
 
-def test_a_transmitter_that_was_never_heard_keeps_nobody_from_arming() -> None:
+def test_a_transmitter_never_received_does_not_prevent_arming() -> None:
     hand = Hand()
     hand.is_on = False
     hand.live(1.0)
@@ -408,7 +408,7 @@ def test_what_a_mission_does_without_a_transmitter_is_the_operators_choice(enabl
     assert hand.vehicle.mode.name == mode
 
 
-def test_a_mission_that_went_on_does_not_end_in_a_mode_by_hand_that_nobody_steers() -> None:
+def test_a_mission_during_an_rc_loss_does_not_end_in_a_manual_mode() -> None:
     hand = in_auto(2)
     hand.is_on = False
     hand.live(3.0)
@@ -438,7 +438,7 @@ def test_a_station_that_steers_in_its_place_keeps_the_failsafe_quiet() -> None:
 
 
 @given(st.lists(st.lists(st.integers(-100, 5000), max_size=18), max_size=40))
-def test_no_frames_whatever_arm_a_boat_by_chance_or_break_it(frames: list[list[int]]) -> None:
+def test_random_frames_neither_arm_nor_break_the_boat(frames: list[list[int]]) -> None:
     hand = Hand()
     for channels in frames:
         hand.channels = channels

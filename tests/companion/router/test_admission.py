@@ -96,7 +96,7 @@ def test_what_a_station_has_said_decides_its_standing() -> None:
 
 
 @pytest.mark.parametrize("is_datagram", [True, False], ids=["sources", "connections"])
-def test_a_thousand_silent_links_lock_nobody_out_of_the_boat(is_datagram: bool) -> None:
+def test_a_thousand_silent_links_do_not_block_others(is_datagram: bool) -> None:
     rig = Rig()
     rig.peer.heartbeat()
     rig.step()

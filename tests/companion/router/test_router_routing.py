@@ -172,7 +172,7 @@ def test_a_link_that_goes_takes_its_routes_with_it(wire: Wire) -> None:
     assert router.route(1, wire.frame(GCS), 0.0).channels == (3, 4)
 
 
-def test_a_flood_of_addresses_displaces_nobody_heard_elsewhere(wire: Wire) -> None:
+def test_a_flood_of_addresses_displaces_no_system_of_another_link(wire: Wire) -> None:
     router = router_with((2, OTHER))
     for number in range(3000):
         sender = Address(3 + number % 250, 1 + number // 250)

@@ -52,7 +52,7 @@ def test_an_unknown_frame_that_ends_nowhere_is_not_believed() -> None:
     assert FrameFinder(datagram=True).feed(unknown() + b"rest") == []
 
 
-def test_nobody_sends_as_system_zero() -> None:
+def test_frames_of_system_zero_are_rejected() -> None:
     frame = bytearray(unknown())
     frame[5] = 0
     assert FrameFinder(datagram=True).feed(bytes(frame)) == []

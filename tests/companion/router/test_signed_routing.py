@@ -92,7 +92,7 @@ def test_our_own_message_is_signed_on_the_signed_link_only() -> None:
 
 
 @given(st.lists(st.tuples(st.booleans(), st.booleans()), max_size=60))
-def test_whatever_overtakes_what_on_a_slow_link_the_timestamps_leave_in_order(
+def test_timestamps_are_sent_in_order_on_a_slow_link(
     steps: list[tuple[bool, bool]],
 ) -> None:
     near, far = memory_pair("radio", queue_frames=3)

@@ -14,7 +14,7 @@ def fix(time_s: float, unix_time_s: float | None) -> GnssFix:
     return GnssFix(time_s, LatLon(50.0, -1.2), 3, 12, 0.8, unix_time_s=unix_time_s)
 
 
-def test_a_date_that_nobody_has_told_is_none() -> None:
+def test_an_unknown_date_is_none() -> None:
     assert WallTime().unix_s(100.0) == 0.0
 
 

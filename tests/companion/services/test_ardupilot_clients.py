@@ -76,7 +76,7 @@ def test_a_message_follows_its_answer(rig: Rig, number: int, params: tuple[float
     assert PatientClient(rig).request(number, *params, name=name)
 
 
-def test_the_set_points_that_the_boat_obeys_are_among_its_capabilities(rig: Rig) -> None:
+def test_the_accepted_set_points_are_among_the_capabilities(rig: Rig) -> None:
     version = PatientClient(rig).request(CMD.MAV_CMD_REQUEST_MESSAGE, 148.0, name="AUTOPILOT_VERSION")
     for bit in (64, 128, 256):  # attitude, local and global position
         assert version.capabilities & bit

@@ -127,7 +127,7 @@ def test_a_fault_in_telemetry_stops_neither_boat_nor_heartbeat(
     assert len(caplog.records) == 1
 
 
-def test_a_message_that_cannot_be_packed_is_counted_and_costs_nobody_else_anything(
+def test_a_message_that_cannot_be_packed_is_counted_and_others_are_sent(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     rig = Rig()

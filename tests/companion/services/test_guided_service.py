@@ -200,7 +200,7 @@ floats = st.floats(width=32)
 
 
 @given(st.integers(0, 0xFFFF), st.integers(0, 255), floats, floats, floats, floats, floats, floats)
-def test_whatever_a_set_point_carries_the_boat_lives(
+def test_any_set_point_leaves_the_boat_running(
     mask: int, frame: int, x: float, y: float, vx: float, vy: float, yaw: float, rate: float
 ) -> None:
     rig = Rig().ready()

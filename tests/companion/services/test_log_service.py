@@ -349,7 +349,7 @@ asks = st.tuples(
 
 
 @given(asks=st.lists(asks, max_size=40), seed=st.integers(0, 99))
-def test_whatever_is_asked_for_every_chunk_is_true_and_it_ends(
+def test_any_requests_give_correct_chunks_and_end(
     tmp_path_factory: pytest.TempPathFactory, asks: list[tuple[int, int, int, int]], seed: int
 ) -> None:
     folder = tmp_path_factory.mktemp("logs")

@@ -43,7 +43,7 @@ def test_y_steers_and_z_is_the_throttle(rig: Rig, y: int, z: int, throttle: floa
 
 
 @pytest.mark.parametrize(("y", "z"), [(INVALID, 500), (500, INVALID), (INVALID, INVALID)])
-def test_an_invalid_axis_makes_the_whole_message_nobodys_hand(rig: Rig, y: int, z: int) -> None:
+def test_a_message_with_an_invalid_axis_is_ignored(rig: Rig, y: int, z: int) -> None:
     rig.peer.send(sticks(0, 300))
     before = taken(rig)
     rig.run(0.5)

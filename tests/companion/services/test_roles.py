@@ -43,7 +43,7 @@ def test_a_flood_of_stations_is_bounded_and_the_latest_are_known() -> None:
     ("heartbeat", "sender"),
     [(beat(ONBOARD), PLANNER), (beat(BOAT, ARDUPILOT), Address(2, 1)), (beat(GCS), Address(254, 190))],
 )
-def test_nobody_but_the_operator_keeps_the_failsafe_quiet(heartbeat: Message, sender: Address) -> None:
+def test_only_the_operator_resets_the_operator_failsafe(heartbeat: Message, sender: Address) -> None:
     rig = Rig(config={"identity.operator_system_id": 255}).ready()
     other = rig.connect(sender)
     rig.set_mode(15)

@@ -322,7 +322,7 @@ def gps_input(unix_s: float) -> Message:
     [dialect.MAVLink_system_time_message(int(3.95e9 * 1e6), 0), gps_input(3.95e9)],
     ids=["SYSTEM_TIME", "GPS_INPUT"],
 )
-def test_a_date_that_nobody_signed_does_not_move_the_clock_of_signatures(lie: Message) -> None:
+def test_an_unsigned_date_does_not_move_the_signing_clock(lie: Message) -> None:
     rig = GuardedRig("accept", config={"external.position": 2}, gnss=Silent())
     liar, friend = rig.station(None), rig.station(KEY, Address(254, 190))
     rig.step()

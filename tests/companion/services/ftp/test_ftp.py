@@ -296,7 +296,7 @@ def test_one_station_cannot_use_or_close_what_another_has_open(served: Served) -
     assert served.ask(Opcode.READ_FILE, session=session, size=9).opcode == ACK
 
 
-def test_a_flood_of_stations_is_bounded_and_shuts_nobody_out_for_long(served: Served) -> None:
+def test_a_flood_of_stations_is_bounded_and_blocks_others_briefly(served: Served) -> None:
     for number in range(3 * MAX_STATIONS):
         served.tick()
         origin = Origin(number, Address(1 + number % 200, 1))
@@ -541,7 +541,7 @@ def test_what_waits_its_turn_is_bounded(tmp_path: Path) -> None:
     assert served.service.dropped == 100 - 1 - 32
 
 
-def test_what_is_answered_late_goes_to_nobody_once_the_link_is_gone(tmp_path: Path) -> None:
+def test_late_answers_are_dropped_once_the_link_has_closed(tmp_path: Path) -> None:
     worker = Slow()
     served = Served(tmp_path, worker)
     (tmp_path / "files" / "a").write_bytes(TEXT)
@@ -589,7 +589,7 @@ def test_requests_for_others_replies_and_scraps_are_passed_over(served: Served) 
     ),
     scraps=st.binary(min_size=251, max_size=251),
 )  # fmt: skip
-def test_whatever_comes_is_answered_once_or_not_at_all(
+def test_any_request_is_answered_at_most_once(
     tmp_path_factory: pytest.TempPathFactory, payloads: list[tuple[int, ...]], scraps: bytes
 ) -> None:
     served = Served(tmp_path_factory.mktemp("boat"))

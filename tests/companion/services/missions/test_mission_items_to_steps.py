@@ -41,7 +41,7 @@ def test_an_item_becomes_its_step(given: MissionItem, step: Step) -> None:
     assert to_step(1, given) == step
 
 
-def test_sequence_zero_is_home_whatever_it_says() -> None:
+def test_sequence_zero_is_home_with_any_content() -> None:
     assert to_step(0, item(4711, p1=NAN)) == Home()
 
 
@@ -91,7 +91,7 @@ integers = st.integers(-(2**31), 2**31 - 1)
 @given(
     st.integers(0, 255), st.sampled_from([16, 17, 19, 20, 93, 177, 178]), floats, floats, integers, integers
 )
-def test_whatever_an_item_carries_it_is_a_step_or_a_fault(
+def test_any_item_becomes_a_step_or_a_fault(
     frame: int, command: int, p1: float, p2: float, x: int, y: int
 ) -> None:
     given_item = dataclasses.replace(item(command, p1, p2), frame=frame, x=x, y=y)

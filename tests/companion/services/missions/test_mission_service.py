@@ -92,7 +92,7 @@ def test_an_upload_that_breaks_off_times_out_with_the_old_mission_whole() -> Non
     assert any("Mission upload failed" in text for text in rig.peer.texts)
 
 
-def test_an_upload_whose_link_closes_holds_up_nobody() -> None:
+def test_an_upload_whose_link_closes_does_not_block_others() -> None:
     rig = loaded()
     rig.answer_to(count(3), "MISSION_REQUEST_INT")
     rig.peer.link.close()
