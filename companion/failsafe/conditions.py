@@ -10,7 +10,7 @@ from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.hypotheses import Fault
 from companion.guidance.stall_detector import StallVerdict
 
-_STALE_S: Final = 5.0  # a hull sensor that has been silent for longer says nothing
+_STALE_S: Final = 5.0  # five readings of a hull sensor: one that has been silent for longer says nothing
 _RC_EXCEPT_AUTO: Final = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _GNSS: Final = int(

@@ -10,7 +10,7 @@ from companion.sensors.readings import BatteryReading
 
 _PERIOD_S = 1.0  # between two comparisons of the charge with the way home
 _SAILING_M_S = 0.3  # through the water: a slower boat says nothing about what sailing draws
-_LEARN_S = 30.0
+_LEARN_S = 30.0  # time constant of draw and speed: several corners and gusts
 _ENOUGH_S = 20.0  # of sailing before the draw counts as known
 _SLOWEST_SHARE = 0.1  # of the speed through the water: the least that is left of it against the current
 _NEAR_M = 10.0  # nearer than this the boat is home

@@ -87,16 +87,21 @@ class Row(NamedTuple):
 
 
 _LONG = Step("long_timeout_s", "long_action")
-_CLEAR_AGAIN = Step(18.0, Action.CLEAR_PROPELLERS)
-_CHECK = Step(15.0, Action.CHECK_MOTORS)
-_GO_HOME = Step(15.0, Action.RTL)
-_GIVE_UP = Step(90.0, Action.LOITER_OR_HOLD)
+# Each step gives the one before time to work, and its detector time to judge again
+_CLEAR_AGAIN = Step(18.0, Action.CLEAR_PROPELLERS)  # a clearing (8.3 s), and the stall detector's 10 s
+_CHECK = Step(15.0, Action.CHECK_MOTORS)  # a motor check (6 s), and 8 s for the motor watch
+_GO_HOME = Step(15.0, Action.RTL)  # the same after the last clearing
+_GIVE_UP = Step(90.0, Action.LOITER_OR_HOLD)  # five clearings' time without leaving the place
 
 _ALWAYS = Guard(spares=guards.never)
 _DISARMED_TOO = Guard(disarmed=True)
 _BY_POSITION = Guard(guards.POSITION_MODES, spares=guards.never)
 _AUTONOMOUS = Guard(guards.AUTONOMOUS_MODES, spares=guards.never)
 
+# Where the delays come from. CAPSIZED outlasts the roll in a wave of 2 s, LEAK what such a wave splashes, and
+# FENCE_BREACHED and POSITION_LOST two fixes at 5 Hz. TOO_HOT and OUT_OF_RANGE see ten and five readings,
+# OVERRUN three time constants of the averaged load. What a recovery acts on ends only once the recovery (6 to
+# 8 s) is over and has been judged.
 ROWS: tuple[Row, ...] = (
     Row(
         Condition.CAPSIZED, conditions.capsized, "capsize_action", "upright again",

@@ -15,9 +15,9 @@ from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates
 
 _STOP = Stop()
-_SETTLE_S = 1.5
-_PULSE_S = 1.0
-_REST_S = 0.5
+_SETTLE_S = 1.5  # the turn before decays: more than twice the lake boat's yaw time (0.6 s)
+_PULSE_S = 1.0  # more than one yaw time: the turn rate is far above the gyro's noise
+_REST_S = 0.5  # between the motors: shaft and gate pass through zero
 _HALF = 0.45  # of throttle and of steering: together they drive one motor alone, at 0.9
 _PULSES = (  # start and command: left motor ahead and astern, right motor ahead and astern
     (_SETTLE_S, Drive(_HALF, _HALF)),
@@ -29,8 +29,8 @@ _LENGTH_S = _SETTLE_S + 4.0 * _PULSE_S + _REST_S
 _AGAIN_S = 60.0  # a failed motor is checked again after this,
 _SLACK_S = 1e-6
 _SOON_S = 25.0  # or after this with room to drift, twice as long each time
-_LONGEST_S = 120.0
-_SAMPLE_S = 0.1
+_LONGEST_S = 120.0  # between two checks with room
+_SAMPLE_S = 0.1  # the period of the failsafes
 _DEAD_SHARE = 0.2  # of the better motor's gain: less counts as no thrust
 _FAINT_RAD_S2 = 0.05  # gain: with less from both motors the result is unclear
 _WORDS = {

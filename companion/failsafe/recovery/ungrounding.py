@@ -19,11 +19,11 @@ from companion.failsafe.recovery.transition_table import State, Trigger
 from companion.geofence.fence import Fence
 
 _STOP = Stop()
-_TRY_S = 4.0
+_TRY_S = 4.0  # friction overcome, the boat gathers way within two seconds: as long again to measure it
 _LONGEST_S = 20.0  # of a try that makes way
-_PAUSE_S = 1.5
+_PAUSE_S = 1.5  # both shafts stop, and a motor held at full thrust cools
 _REST_S = (15.0, 30.0, 60.0)  # after the first, the second and every later round
-_TRIES = 4
+_TRIES = 4  # ahead, off, astern, turn
 _SLIDES_M = 0.6  # within _TRY_S: less is no way made
 _ALONG, _HELM = 0.8, 0.2  # throttle along the shore, and steering off it
 _OFF_M = 1.0  # from the line: the hull is afloat
