@@ -38,7 +38,6 @@ class Request:
     sign_key: Path | None = None
     fence: str | None = None  # a file, or "none" to clear
     rally: str | None = None
-    boat: str | None = None  # its TOML, or an emulated boat's name: what the route costs it
     one_way: bool = False  # it need not come home
     fence_from_map: bool = False
     rally_from_map: bool = False
@@ -97,7 +96,7 @@ def run(request: Request, report: Report, say: Printer) -> None:
         draw(planned, request, report, say)
 
 
-_OF_SOURCES = ("start", "follow", "save", "preview", "fence_from_map", "rally_from_map", "boat")
+_OF_SOURCES = ("start", "follow", "save", "preview", "fence_from_map", "rally_from_map")
 
 
 def _check_areas_alone(request: Request, areas: Areas) -> None:
@@ -127,10 +126,10 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
     report.planned = planned
     for line in described(planned):
         say(line)
-    if request.boat is not None:
+    if request.options.boat is not None:
         from mission_tools.contract.planned_budget import planned_budget  # noqa: PLC0415 - seldom needed
 
-        report.budget = planned_budget(planned, request.boat)
+        report.budget = planned_budget(planned, request.options.boat, request.options.current)
         for line in report.budget.lines():
             say(line)
         report.budget.check(one_way=request.one_way)
@@ -145,10 +144,10 @@ def _with_contract(planned: PlannedMission, request: Request) -> PlannedMission:
     from mission_tools.contract.water_contract import Capacity, with_contract  # noqa: PLC0415 - seldom needed
 
     capacity = Capacity()
-    if request.boat is not None:
+    if request.options.boat is not None:
         from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - as above
 
-        boat = load_boat(request.boat)
+        boat = load_boat(request.options.boat)
         capacity = Capacity(boat.fence_margin_m, boat.most_fence_items, boat.most_rally_items)
     return with_contract(
         planned, capacity, with_fence=request.fence_from_map, with_rally=request.rally_from_map

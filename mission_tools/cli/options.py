@@ -81,13 +81,22 @@ def add_areas(parser: Parser) -> None:
     group.add_argument("--contract", action="store_true", help="both: fence and rally points from the map")
 
 
-def add_boat(parser: Parser) -> None:
-    """What the route costs the boat."""
-    group = parser.add_argument_group("budget")
+def add_costs(parser: Parser) -> None:
+    """What the route costs the boat, and what makes it dear."""
+    group = parser.add_argument_group("budget and currents")
     group.add_argument(
         "--boat", metavar="BOAT.toml", help="time and charge out and home for this boat (also: lake, kit)"
     )
     group.add_argument("--one-way", action="store_true", help="the boat need not come home")
+    group.add_argument(
+        "--current", metavar="M/S,DEG", help="speed and direction it flows to, or a .csv, .npz, .toml file"
+    )
+    group.add_argument(
+        "--least", choices=("time", "charge"), help="what the route costs least of in a current [time]"
+    )
+    group.add_argument(
+        "--open-water", type=number, metavar="M", help="keep off the shore where that is not too long"
+    )
 
 
 def add_outputs(parser: Parser) -> None:
@@ -145,6 +154,10 @@ def plan_options(given: Namespace) -> PlanOptions:
         heuristic=given.heuristic,
         smooth=given.smooth,
         speed_m_s=given.speed,
+        boat=given.boat,
+        current=given.current,
+        least=given.least,
+        open_water_m=given.open_water,
         via=tuple(map(_via, given.via)),
         any_order=given.any_order,
         is_return=given.is_return,

@@ -8,7 +8,7 @@ from argparse import Namespace
 from companion.core.interrupts import importing
 from mission_tools.cli.arguments import with_start_position_option
 from mission_tools.cli.exit import run_parsed
-from mission_tools.cli.options import add_areas, add_boat, add_outputs, add_route, add_tasks, plan_options
+from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, plan_options
 from mission_tools.cli.parser import Parser
 
 PROGRAM = "mission-plan"
@@ -34,7 +34,7 @@ def _parser() -> Parser:
     add_route(parser)
     add_tasks(parser)
     add_areas(parser)
-    add_boat(parser)
+    add_costs(parser)
     add_outputs(parser)
     parser.add_common()
     return parser
@@ -56,7 +56,6 @@ def _plan(given: Namespace) -> None:
         preview=given.preview,
         fence=given.fence,
         rally=given.rally,
-        boat=given.boat,
         one_way=given.one_way,
         fence_from_map=given.fence_from_map or given.contract,
         rally_from_map=given.rally_from_map or given.contract,

@@ -11,7 +11,7 @@ from mission_tools.cli.arguments import with_start_position_option
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import (
     add_areas,
-    add_boat,
+    add_costs,
     add_link,
     add_outputs,
     add_route,
@@ -27,7 +27,7 @@ def _parser() -> Parser:
     add_route(parser)
     add_tasks(parser)
     add_areas(parser)
-    add_boat(parser)
+    add_costs(parser)
     add_outputs(parser)
     sail = parser.add_argument_group("upload")
     sail.add_argument("--start", action="store_true", help="arm and start the mission")
@@ -68,7 +68,6 @@ def _upload(given: Namespace) -> None:
         sign_key=given.sign_key,
         fence=given.fence,
         rally=given.rally,
-        boat=given.boat,
         one_way=given.one_way,
         fence_from_map=given.fence_from_map or given.contract,
         rally_from_map=given.rally_from_map or given.contract,

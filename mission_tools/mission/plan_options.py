@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 
 from companion.core.geo import LatLon
+from mission_tools.errors import UsageError
 
 _FLAGS = {"is_return": "--return", "shore_pass": "--no-shore-pass", "follow_shore_at": "--follow-shore"}
 _UNITS = ("_m_s", "_m", "_s", "_deg")
@@ -24,6 +25,8 @@ class PlanOptions:
     via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it.
+    follow_shore_at: near the shore to follow. boat: its TOML, or an emulated boat's name. least: time or
+    charge instead of length. open_water_m: how far from the shore a metre is dearer.
     """
 
     start_at: LatLon | None = None
@@ -51,10 +54,31 @@ class PlanOptions:
     shore_to: str | None = None
     first: LatLon | None = None
     last: LatLon | None = None
+    boat: str | None = None
+    current: str | None = None
+    least: str | None = None
+    open_water_m: float | None = None
 
     def given(self) -> list[str]:
         """The fields that were given."""
         return [field.name for field in fields(self) if getattr(self, field.name) != field.default]
+
+    @property
+    def has_costs(self) -> bool:
+        """Whether the shortest route is not what is asked for."""
+        return self.least is not None or self.open_water_m is not None or self.current is not None
+
+    def check_costs(self) -> None:
+        """See that costs are asked for where they are obeyed.
+
+        Raises:
+            UsageError: names the options.
+        """
+        asked = self.least is not None or self.open_water_m is not None
+        if asked and self.is_task:
+            raise UsageError("--least, --open-water: only for a way from place to place")
+        if self.least is not None and self.current is None and self.open_water_m is None:
+            raise UsageError("--least: add --current; without one the shortest route is the cheapest")
 
     @property
     def is_task(self) -> bool:

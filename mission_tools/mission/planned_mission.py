@@ -74,7 +74,7 @@ class MissionFile:
         options: PlanOptions,
         areas: Areas = NO_AREAS,
     ) -> None:
-        names = [name for name in options.given() if name != "speed_m_s"]
+        names = [name for name in options.given() if name not in ("speed_m_s", "boat", "current")]
         if names:
             flagged = ", ".join(flags(names))
             raise UsageError(f"{path} is a mission already: {flagged} would plan one; leave that out")
@@ -119,6 +119,7 @@ class MapSource:
         self._named_start = self._local("--start-at", options.start_at) if options.start_at else None
         self._usual_start = source.route.start
         check_task(options)
+        options.check_costs()
         self._stops = self._stops_of(text, source)
 
     @property
@@ -149,6 +150,10 @@ class MapSource:
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
         found = plan(chart, start, goal, self._settings, via)
+        if self._wishes.has_costs:
+            from mission_tools.mission.planned_costs import cheapest  # noqa: PLC0415 - scipy, seldom needed
+
+            found = cheapest(chart, found, (start, *via, goal), self._wishes)
         places = [chart.frame.to_global(point) for point in found.points]
         mission = self._areas.over(mission_along(places, speed_m_s))
         return PlannedMission(

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
@@ -15,11 +15,11 @@ from mission_tools.maps.fenced import fence_area
 from mission_tools.mission.areas import load_fence
 from mission_tools.mission.plan_options import PlanOptions, flags
 from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.shoreline import ShoreSettings, follow_shore
-from mission_tools.tasks.survey.settings import SurveySettings
-from mission_tools.tasks.survey.survey import Survey, survey
 from mission_tools.tasks.task_route import TaskRoute
 from mission_tools.wording import distance
+
+if TYPE_CHECKING:
+    from mission_tools.tasks.survey.survey import Survey
 
 WHOLE_WATER = "all"
 _OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass", "turn_radius_m")
@@ -67,6 +67,8 @@ def shore_of(
         NoRouteError: too narrow, or no way leads there.
         UsageError: values that make no sense.
     """
+    from mission_tools.tasks.shoreline import ShoreSettings, follow_shore  # noqa: PLC0415 - seldom needed
+
     assert options.follow_shore_at is not None  # noqa: S101  the caller's question
     assert options.distance_m is not None  # noqa: S101  checked by check_task
     side = cast(Literal["port", "starboard"], options.shore_to or "starboard")
@@ -92,6 +94,9 @@ def survey_of(
         NoRouteError: no water in it that is wide enough.
         UsageError: values that make no sense.
     """
+    from mission_tools.tasks.survey.settings import SurveySettings  # noqa: PLC0415 - seldom needed
+    from mission_tools.tasks.survey.survey import survey  # noqa: PLC0415
+
     found = survey(
         chart,
         start,
@@ -123,7 +128,7 @@ def survey_area(chart: Chart, name: str) -> Polygon | MultiPolygon | None:
     return area if isinstance(area, Polygon | MultiPolygon) else shapely.MultiPolygon()
 
 
-def described(found: Survey) -> str:
+def described(found: "Survey") -> str:
     """A survey in a line."""
     course_deg = math.degrees(found.course_rad) % 180.0
     return (

@@ -112,3 +112,16 @@ def test_a_check_is_of_a_file_or_of_a_vehicle(
 ) -> None:
     assert run_check(arguments) == 2
     assert "either a FILE or --connect URL" in capsys.readouterr().err
+
+
+def test_a_contract_goes_up_with_the_mission(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ring = [[-1.201, 49.999], [-1.199, 49.999], [-1.199, 50.001], [-1.201, 50.001], [-1.201, 49.999]]
+    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    with fake_vehicle() as vehicle:
+        arguments = [str(tmp_path / "pond.geojson"), "--goal", "50.0008,-1.1995", *link(vehicle)]
+        assert run_upload([*arguments, "--contract", "--json"]) == 0
+        assert len(vehicle.fence) == 4
+        assert len(vehicle.rally) == 1
+    report = json.loads(capsys.readouterr().out)
+    assert report["upload"]["lists"] == {"mission": 2, "fence": 4, "rally": 1}
+    assert report["upload"]["read_back_equal"] is True

@@ -175,3 +175,70 @@ def test_a_turn_radius_gives_a_survey_turns(plan: Any) -> None:  # noqa: ANN401
 def length_of_m(report: dict[str, Any], kind: str) -> float:
     """Of the legs of one kind."""
     return float(sum(leg["length_m"] for leg in report["task"]["legs"] if leg["kind"] == kind))
+
+
+def test_the_quickest_route_in_a_current_is_told_with_its_time(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--goal", NORTH_EAST, "--current", "1,180", "--boat", "lake")
+    assert any(note.startswith("takes ") for note in report["plan"]["notes"])
+    still = plan("--goal", NORTH_EAST, "--boat", "lake")
+    assert report["budget"]["charge_mah"] > 1.2 * still["budget"]["charge_mah"]
+    assert report["budget"]["time_s"] == pytest.approx(still["budget"]["time_s"], rel=0.02)
+
+
+def test_a_route_off_the_shore_has_more_room(plan: Any) -> None:  # noqa: ANN401
+    near, off = (plan("--goal", NORTH_WEST, *more) for more in ((), ("--open-water", "10")))
+    assert off["plan"]["min_clearance_m"] >= near["plan"]["min_clearance_m"]
+    assert off["plan"]["length_m"] > near["plan"]["length_m"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ("--current 5,0", 1, "the current is too strong for the boat on every way"),
+        ("--current strong", 2, "--current strong: expected SPEED,TO_DEG"),
+        ("--least time", 2, "--least: add --current"),
+        ("--least charge --current 0.5,0", 2, "--least charge: add --boat"),
+        ("--open-water 0", 2, "--open-water 0: expected more than 0"),
+        ("--open-water 5 --return", 2, "only for a way from place to place"),
+        ("--boat canoe", 2, "--boat canoe: no such boat"),
+    ],
+)
+def test_costs_that_cannot_be_had_are_told_in_a_line(
+    arguments: str, code: int, said: str, pond: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    common = ["pond.geojson", "--start", SOUTH_WEST, "--goal", NORTH_EAST]
+    assert run_plan([*common, *arguments.split()]) == code
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+
+
+def test_a_plan_that_does_not_come_home_is_refused_and_not_saved(
+    pond: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("small.toml").write_text("[battery]\ncapacity_mah = 150.0\ncruise_a = 2.7\nidle_a = 0.6\n")
+    common = ["pond.geojson", "--start", SOUTH_WEST, "--goal", NORTH_EAST, "--out", "far.plan"]
+    assert run_plan([*common, "--boat", "small.toml"]) == 1
+    told = capsys.readouterr()
+    assert "the boat does not come home: its point of no return is " in told.err
+    assert "point of no return: after " in told.out
+    assert not Path("far.plan").exists()
+    assert run_plan([*common, "--boat", "small.toml", "--one-way"]) == 0
+    assert Path("far.plan").exists()
+    capsys.readouterr()
+    Path("tiny.toml").write_text("[battery]\ncapacity_mah = 20.0\ncruise_a = 2.7\nidle_a = 0.6\n")
+    assert run_plan([*common, "--boat", "tiny.toml", "--one-way"]) == 1
+    assert "the charge lasts for " in capsys.readouterr().err
+
+
+def test_fence_and_rally_points_of_the_map_go_into_the_file(plan: Any, capsys: Any) -> None:  # noqa: ANN401
+    plan("--goal", NORTH_EAST, "--contract")
+    saved = load_mission(Path("out.plan"))
+    assert [polygon.inclusion for polygon in saved.fence.polygons] == [True, False]
+    assert len(saved.rally) == 1
+    plan("--goal", NORTH_EAST, "--rally-from-map")
+    saved = load_mission(Path("out.plan"))
+    assert (len(saved.fence.polygons), len(saved.rally)) == (0, 1)
+    for arguments in (["pond.geojson", "--fence", "none", "--contract"], ["out.plan", "--contract"]):
+        assert run_plan(arguments) == 2
+    assert "--fence and --fence-from-map exclude each other" in capsys.readouterr().err

@@ -1,0 +1,98 @@
+"""The route of the least time or charge in a current, or off the shore, in place of the shortest one."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from companion.core.geo import Point, distance_m
+from mission_tools.costs.cheapest import cheapest_route
+from mission_tools.costs.current import STILL_WATER
+from mission_tools.costs.current_source import open_current
+from mission_tools.costs.travel import BoatSpeed, Charge, Floats, OpenWater, Travel, TravelTime
+from mission_tools.errors import UsageError
+from mission_tools.maps.chart import Chart
+from mission_tools.mission.plan_options import PlanOptions
+from mission_tools.planning.planner import Plan
+from mission_tools.wording import duration
+
+OPEN_WATER_WEIGHT = 2.0  # a metre at the shore costs three times one in open water
+
+
+def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOptions) -> Plan:
+    """The plan with its legs made cheapest, from stop to stop.
+
+    Raises:
+        NoRoute: a current that cannot be stemmed; names the place.
+        UsageError: a cost that needs to know the boat.
+    """
+    travel = _travel(chart, options)
+    points: list[Point] = [found.points[0]]
+    cost = shortest = 0.0
+    for leg in _between_stops(found.points, stops):
+        best = cheapest_route(chart, leg, found.settings.required_m, travel)
+        points += best.points[1:]
+        cost, shortest = cost + best.cost, shortest + best.shortest_cost
+    return replace(
+        found,
+        points=tuple(points),
+        length_m=sum(distance_m(a, b) for a, b in pairwise(points)),
+        min_clearance_m=min(chart.leg_clearance_m(a, b) for a, b in pairwise(points)),
+        notes=(*found.notes, _note(travel, cost, shortest, options)),
+    )
+
+
+def _travel(chart: Chart, options: PlanOptions) -> Travel:
+    current = STILL_WATER if options.current is None else open_current(options.current, chart.frame)
+    speed = BoatSpeed(over_ground_m_s=options.speed_m_s or BoatSpeed().over_ground_m_s)
+    travel: Travel = TravelTime(speed, current)
+    if options.boat is not None:
+        from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - seldom needed
+
+        boat = load_boat(options.boat)
+        speed = boat.speed(options.speed_m_s)
+        travel = TravelTime(speed, current)
+        if options.least == "charge":
+            if not boat.knows_its_draw:
+                raise UsageError(f"--least charge: {options.boat} does not say battery.cruise_a")
+            travel = Charge(speed, boat.drawn_a, current)
+    elif options.least == "charge":
+        raise UsageError("--least charge: add --boat BOAT.toml, which says what the boat draws")
+    if options.open_water_m is None:
+        return travel
+    if not options.open_water_m > 0.0:
+        raise UsageError(f"--open-water {options.open_water_m:g}: expected more than 0 metres")
+
+    def room_m(north_m: Floats, east_m: Floats) -> Floats:
+        room: Floats = shapely.distance(shapely.points(east_m, north_m), chart.shores)
+        return np.where(np.isnan(room), np.inf, room)
+
+    return OpenWater(travel, room_m, OPEN_WATER_WEIGHT, options.open_water_m)
+
+
+def _between_stops(points: Sequence[Point], stops: Sequence[Point]) -> list[tuple[Point, ...]]:
+    """The route's points from each stop to the next; stops begins with the start."""
+    legs, begin = [], 0
+    for stop in stops[1:]:
+        end = next((n for n in range(begin + 1, len(points)) if points[n] == stop), len(points) - 1)
+        legs.append(tuple(points[begin : end + 1]))
+        begin = end
+    return legs
+
+
+def _note(travel: Travel, cost: float, shortest: float, options: PlanOptions) -> str:
+    if options.open_water_m is not None:
+        return f"off the shore: a metre there costs up to {1.0 + OPEN_WATER_WEIGHT:g} times one in open water"
+    if travel.unit == "s":
+        return f"takes {duration(cost)} in this current; the shortest route {_said_s(shortest)}"
+    return f"takes {cost:.0f} mAh in this current; the shortest route {_said_mah(shortest)}"
+
+
+def _said_s(value: float) -> str:
+    return duration(value) if value < np.inf else "cannot be sailed"
+
+
+def _said_mah(value: float) -> str:
+    return f"{value:.0f} mAh" if value < np.inf else "cannot be sailed"
