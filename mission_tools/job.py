@@ -174,7 +174,8 @@ def described(planned: PlannedMission) -> list[str]:
         line += f", {distance(plan.length_m)} (straight {distance(plan.straight_m)})"
         if math.isfinite(plan.min_clearance_m):
             line += f", never nearer than {distance(plan.min_clearance_m)} to anything"
-        line += f"; {plan.search.expanded} cells of {distance(plan.cell_m)} searched"
+        if plan.cell_m is not None:
+            line += f"; {plan.search.expanded} cells of {distance(plan.cell_m)} searched"
     elif planned.task is not None:
         line += _legs(planned.task, planned.chart)
     return [line, *(f"note: {note}" for note in planned.notes)]

@@ -3,7 +3,7 @@ cimport cython
 from libc cimport math
 from companion.planning._segments cimport Segments
 
-cdef double GRAZE_M, CONE_TOLERANCE, ARC_STEP_RAD, BURIED_STEP_RAD
+cdef double GRAZE_M, ROUNDING_M, CONE_TOLERANCE, ARC_STEP_RAD, BURIED_STEP_RAD
 cdef long long FAN_FIELDS
 
 

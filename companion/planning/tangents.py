@@ -14,6 +14,7 @@ from companion.planning import segments as shore
 
 GRAZE_M = 1e-6
 """Arcs lie this much outside the clearance, so that a tangent passes the exact test despite rounding."""
+ROUNDING_M = 1e-9  # what a leg at just the clearance may lack, as it is computed
 CONE_TOLERANCE = 1e-11  # of unit vectors, ten thousand roundings; over a leg of 10 km less than GRAZE_M
 ARC_STEP_RAD = pi / 90.0
 """An arc is sailed as circumscribed legs that turn by at most this: step²/12, 0.01 % longer than the arc."""
@@ -59,7 +60,7 @@ class Tangents:
     ) -> None:
         self.segments = segments
         self.limit = limit
-        self.limit2 = array("d", [value * value for value in limit])
+        self.limit2 = array("d", [(value - ROUNDING_M) * (value - ROUNDING_M) for value in limit])
         self.reach = max(limit)
         count = 2 * len(limit)
         self.x, self.y, self.radius = _doubles(count), _doubles(count), _doubles(count)

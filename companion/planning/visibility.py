@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from companion.core.geo import Point, distance_m
 from companion.planning import kernels
 from companion.planning.exits import exits
-from companion.planning.tangents import ARC_STEP_RAD, GRAZE_M
+from companion.planning.tangents import ARC_STEP_RAD, GRAZE_M, ROUNDING_M
 
 if TYPE_CHECKING:
     from companion.planning.segments import Segments
@@ -62,7 +62,7 @@ class Routes:
         self._segments = segments
         self._given = (following, left, limit)
         self._limit = limit
-        self._limit2 = array("d", [value * value for value in limit])
+        self._limit2 = array("d", [(value - ROUNDING_M) ** 2 for value in limit])
         self._reach_m = max(limit, default=0.0)
         self._graph: Tangents | None = None
         self._searcher: TangentSearch | None = None

@@ -39,6 +39,7 @@ def _plan(plan: Plan) -> dict[str, Any]:
         "straight_m": plan.straight_m,
         "min_clearance_m": _finite(plan.min_clearance_m),
         "clearance_m": plan.settings.clearance_m,
+        "method": "exact" if plan.cell_m is None else "grid",
         "cell_m": plan.cell_m,
         "heuristic": plan.settings.heuristic,
         "smooth": plan.settings.smooth,

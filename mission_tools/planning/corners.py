@@ -11,6 +11,8 @@ from companion.core.geo import Point, bearing_rad
 from companion.core.units import wrap_pi
 from mission_tools.planning.smooth import IsClear, path_length_m
 
+CORNER_CLEARANCES = 0.5
+"""Assumed start of a turn before a waypoint: with 4 m of clearance, 2 m."""
 _SHARES = (1.0, 0.5, 0.25)  # of the way outwards, tried in turn where there is little room
 
 

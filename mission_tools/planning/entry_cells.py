@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point
 from mission_tools.errors import GoalBlocked, NoRouteError, StartBlocked
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.grid import Grid
+from mission_tools.planning.wording import nearest_free, place, too_near
 
 NEAREST_CELLS = 400
 
@@ -55,10 +56,7 @@ class FreeWater:
         """
         here_m = self._checked_clearance_m(stop, name, GoalBlocked)
         if here_m < self._clearance_m:
-            raise GoalBlocked(
-                f"{name} {self._at(stop)} is {here_m:.1f} m from {self._chart.nearest_feature(stop)}, nearer "
-                f"than the clearance of {self._clearance_m:g} m: {self._nearest_free(stop)}"
-            )
+            raise GoalBlocked(too_near(self._chart, name, stop, self._clearance_m, self._nearest_free(stop)))
         return self._entry_cells(stop, name, GoalBlocked, self._clearance_m)
 
     def no_route(self, start: Point, goal: Point) -> str:
@@ -105,11 +103,8 @@ class FreeWater:
 
     def _nearest_free(self, point: Point) -> str:
         cells = self._nearest_cells(point)
-        if not cells:
-            return f"nowhere on this map is {self._clearance_m:g} m clear: choose a smaller clearance"
-        free = self._grid.centre(cells[0])
-        return f"the nearest free water is {distance_m(point, free):.1f} m away, at {self._at(free)}"
+        free = self._grid.centre(cells[0]) if cells else None
+        return nearest_free(self._chart, point, free, self._clearance_m)
 
     def _at(self, point: Point) -> str:
-        at = self._chart.frame.to_global(point)
-        return f"{at.lat_deg:.6f},{at.lon_deg:.6f}"
+        return place(self._chart, point)

@@ -1,114 +1,24 @@
-"""From a chart, a start and a goal to a plan: grid, search, string pulling, and what to say when it fails."""
+"""From a chart, a start and a goal to a plan."""
 
 import contextlib
-import math
-import operator
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import reduce
-from itertools import pairwise
-from typing import Any
+from dataclasses import replace
 
-import shapely
-
-from companion.core.geo import Point, bearing_rad, distance_m
-from companion.core.units import wrap_pi
-from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked, UsageError
+from companion.core.geo import Point
+from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked
 from mission_tools.maps.chart import Chart
-from mission_tools.maps.source import RouteDefaults
-from mission_tools.planning.astar import SearchMetrics
-from mission_tools.planning.corners import widen_corners
-from mission_tools.planning.entry_cells import EntryCells, FreeWater
-from mission_tools.planning.grid import Grid
-from mission_tools.planning.grid_search import GridSearch
-from mission_tools.planning.heuristics import HEURISTICS, HeuristicName
-from mission_tools.planning.inflate import Bounds, occupancy
-from mission_tools.planning.smooth import merge_short_legs, path_length_m, pull_taut
+from mission_tools.planning.exact_planner import plan_exactly
+from mission_tools.planning.plan_settings import Plan, PlanSettings
 
-DEFAULT_WATER_CELLS = 200_000
-DEFAULT_CELLS_PER_CLEARANCE = 4.0
-REFINEMENTS = 2
-"""How often the default cell is halved when it shows no route, so that a narrow passage is not overlooked."""
-MAX_REFINED_GRID_CELLS = 16_000_000
-MAX_PULL_POINTS = 600
-MIN_LEG_CLEARANCES = 3.0
-MIN_LEG_CELLS = 3.0
+__all__ = ["Plan", "PlanSettings", "plan"]
+
 _MARGIN_SHARES = (1.0, 0.5)
-CORNER_CLEARANCES = 0.5
-"""Assumed start of a turn before a waypoint: with 4 m of clearance, 2 m."""
-
-
-@dataclass(frozen=True, slots=True)
-class PlanSettings:
-    """What a plan is asked to be.
-
-    clearance_m: distance kept from shores, obstacles and keep-out areas. margin_m: planned on top of it where
-    there is room, for what the boat will sail beside the plan: its corners and its receiver's wander.
-    cell_m: side of a grid cell; None chooses. budget: most cells to expand; None for no limit.
-
-    Raises:
-        UsageError: a value that makes no sense.
-    """
-
-    clearance_m: float = 4.0
-    cell_m: float | None = None
-    heuristic: HeuristicName = "octile"
-    smooth: bool = True
-    budget: int | None = None
-    margin_m: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.clearance_m < math.inf:
-            raise UsageError(f"clearance is {self.clearance_m} m: expected 0 or more")
-        if not 0.0 <= self.margin_m < math.inf:
-            raise UsageError(f"margin is {self.margin_m} m: expected 0 or more")
-        if self.cell_m is not None and not 0.0 < self.cell_m < math.inf:
-            raise UsageError(f"cell size is {self.cell_m} m: expected more than 0")
-        if self.heuristic not in HEURISTICS:
-            raise UsageError(f"heuristic {self.heuristic!r} is none of {', '.join(HEURISTICS)}")
-
-    @classmethod
-    def from_route(cls, route: RouteDefaults, **given: object) -> "PlanSettings":
-        """What was given on the command line (None: nothing), else what the scenario says, else the default.
-
-        Raises:
-            UsageError: a value that makes no sense.
-        """
-        names = ("clearance_m", "margin_m", "cell_m", "heuristic", "smooth")
-        named: dict[str, Any] = {name: getattr(route, name) for name in names}
-        named |= {name: value for name, value in given.items() if value is not None}
-        return cls(**{name: value for name, value in named.items() if value is not None})
-
-    @property
-    def required_m(self) -> float:
-        """Clearance and margin."""
-        return self.clearance_m + self.margin_m
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """A route, start and goal included.
-
-    grid_path: what A* found, before string pulling. straight_m: from point to point through the vias as the
-    crow flies. min_clearance_m: along the whole route, but for the way out of a start nearer to a shore than
-    the clearance; infinite in open water. cell_m: the cell used. notes: what a person should know.
-    """
-
-    points: tuple[Point, ...]
-    grid_path: tuple[Point, ...]
-    length_m: float
-    straight_m: float
-    min_clearance_m: float
-    cell_m: float
-    search: SearchMetrics
-    settings: PlanSettings
-    notes: tuple[str, ...] = ()
 
 
 def plan(
     chart: Chart, start: Point, goal: Point, settings: PlanSettings | None = None, via: Sequence[Point] = ()
 ) -> Plan:
-    """Plan a route from start through the via points to the goal.
+    """Plan the shortest route from start through the via points to the goal, or one on a grid if asked for.
 
     Where the margin leaves no route, or a stop has less room, half of it is tried, then none; notes say so.
     A start that is afloat but nearer to a shore than the clearance (a boat at its jetty) is left straight for
@@ -123,145 +33,23 @@ def plan(
     """
     settings = settings or PlanSettings()
     stops = (start, *via, goal)
+    search = _plan_on_grid if settings.is_grid else plan_exactly
     for share in _MARGIN_SHARES if settings.margin_m > 0.0 else ():
         tried = replace(settings, margin_m=share * settings.margin_m)
         if 0.0 <= chart.clearance_m(start) - settings.clearance_m < tried.margin_m:
             continue  # it is no boat at its jetty, that leaves without a clearance
         with contextlib.suppress(NoRoute, StartBlocked, GoalBlocked):
-            found = _plan(chart, stops, tried)
+            found = search(chart, stops, tried)
             note = f"kept to {tried.required_m:g} m: no route keeps {settings.required_m:g} m"
             return replace(found, notes=(*found.notes, note)) if share < 1.0 else found
-    found = _plan(chart, stops, replace(settings, margin_m=0.0))
+    found = search(chart, stops, replace(settings, margin_m=0.0))
     if settings.margin_m > 0.0:
         note = f"kept to {settings.clearance_m:g} m: there is no room for a margin beside it"
         found = replace(found, notes=(*found.notes, note))
     return found
 
 
-def _plan(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
-    """Plan with the whole margin, in cells finer and finer."""
-    bounds = _bounds(chart, stops, settings.required_m)
-    sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.required_m)
-    failure: NoRoute | None = None
-    for cell_m in sizes:
-        try:
-            return _Planner(chart, occupancy(chart, bounds, cell_m, settings.required_m), settings).plan(
-                stops
-            )
-        except NoRoute as error:
-            failure = error
-    raise failure or NoRoute("no cell size to try")
+def _plan_on_grid(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
+    from mission_tools.planning.grid_planner import plan_on_grid  # noqa: PLC0415  scipy takes long to import
 
-
-def _bounds(chart: Chart, stops: Sequence[Point], clearance_m: float) -> Bounds:
-    if not chart.is_open:
-        west, south, east, north = chart.navigable.bounds
-        return west, south, east, north
-    outlines = [shapely.Point(stop.east_m, stop.north_m) for stop in stops]
-    outlines += [feature.shape for feature in chart.features]
-    west, south, east, north = shapely.union_all(outlines).bounds
-    margin_m = 10.0 * clearance_m + 0.1 * math.hypot(east - west, north - south) + 1e-3
-    return west - margin_m, south - margin_m, east + margin_m, north + margin_m
-
-
-def _default_cells_m(chart: Chart, bounds: Bounds, clearance_m: float) -> list[float]:
-    """A quarter of the clearance, or what the extent of the water allows; then finer ones to try."""
-    west, south, east, north = bounds
-    extent_m2 = (east - west) * (north - south)
-    area_m2 = min(chart.navigable.area, extent_m2)
-    first = max(clearance_m / DEFAULT_CELLS_PER_CLEARANCE, math.sqrt(area_m2 / DEFAULT_WATER_CELLS))
-    finer = [first / 2**n for n in range(1, REFINEMENTS + 1)]
-    return [first, *(cell_m for cell_m in finer if extent_m2 / cell_m**2 <= MAX_REFINED_GRID_CELLS)]
-
-
-class _Planner:
-    """One grid, and the legs planned on it."""
-
-    def __init__(self, chart: Chart, grid: Grid, settings: PlanSettings) -> None:
-        self._chart = chart
-        self._grid = grid
-        self._settings = settings
-        self._search = GridSearch(grid, settings.heuristic, settings.budget)
-        self._water = FreeWater(chart, grid, settings.required_m)
-
-    def plan(self, stops: Sequence[Point]) -> Plan:
-        water, settings = self._water, self._settings
-        entries = [water.entry_from_start(stops[0])]
-        names = (
-            ["goal"] if len(stops) == 2 else [*(f"via point {n}" for n in range(1, len(stops) - 1)), "goal"]
-        )
-        entries += [water.entry_to_stop(stop, name) for stop, name in zip(stops[1:], names, strict=True)]
-        notes: list[str] = []
-        legs = [self._leg(stops[n : n + 2], entries[n], entries[n + 1]) for n in range(len(stops) - 1)]
-        min_clearance_m = min(
-            self._chart.leg_clearance_m(a, b) for leg in legs for a, b in pairwise(leg.points)
-        )
-        points: tuple[Point, ...] = (*(point for leg in legs for point in leg.points[:-1]), stops[-1])
-        here_m = self._chart.clearance_m(stops[0])
-        if here_m < settings.clearance_m:
-            way_out = legs[0].points[0]
-            points = (stops[0], *points)
-            notes.append(
-                f"the start is {here_m:.2f} m from {self._chart.nearest_feature(stops[0])}: the first "
-                f"{distance_m(stops[0], way_out):.2f} m leave it with less than {settings.clearance_m:g} m "
-                f"of clearance"
-            )
-        return Plan(
-            points=points,
-            grid_path=tuple(point for leg in legs for point in leg.grid_path),
-            length_m=path_length_m(points),
-            straight_m=path_length_m(stops),
-            min_clearance_m=min_clearance_m,
-            cell_m=self._grid.cell_m,
-            search=reduce(operator.add, (leg.search for leg in legs)),
-            settings=settings,
-            notes=tuple(notes),
-        )
-
-    def _leg(self, ends: Sequence[Point], out: EntryCells, into: EntryCells) -> "_Leg":
-        start, goal = ends
-        shared = out.cells.keys() & into.cells.keys()
-        if not shared:
-            raise NoRoute(self._water.no_route(start, goal))
-        grid = self._grid
-        region = min(
-            shared,
-            key=lambda r: (
-                distance_m(start, grid.centre(out.cells[r])) + distance_m(goal, grid.centre(into.cells[r]))
-            ),
-        )
-        first, last = out.cells[region], into.cells[region]
-        found = self._search.path(first, last)
-        centres = [grid.centre(cell) for cell in found.cells]
-        path = tuple(centres) if out.is_relaxed else (start, *centres)
-        path = (*path, goal)
-        return _Leg(self._smoothed(path) if self._settings.smooth else _corners(path), path, found.metrics)
-
-    def _smoothed(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
-        clearance_m = self._settings.required_m
-
-        def is_clear(a: Point, b: Point) -> bool:
-            return self._chart.is_clear(a, b, clearance_m)
-
-        length_m = path_length_m(path)
-        spacing_m = max(self._grid.cell_m, length_m / MAX_PULL_POINTS)
-        taut = pull_taut(path, is_clear, spacing_m)
-        min_leg_m = max(MIN_LEG_CLEARANCES * clearance_m, MIN_LEG_CELLS * self._grid.cell_m)
-        merged = merge_short_legs(taut, is_clear, min_leg_m, length_m)
-        return widen_corners(merged, is_clear, CORNER_CLEARANCES * clearance_m, length_m)
-
-
-@dataclass(frozen=True, slots=True)
-class _Leg:
-    points: tuple[Point, ...]
-    grid_path: tuple[Point, ...]
-    search: SearchMetrics
-
-
-def _corners(path: tuple[Point, ...]) -> tuple[Point, ...]:
-    """The same path without the points on its straight stretches."""
-    kept = [path[0]]
-    for before, here, after in zip(path, path[1:], path[2:], strict=False):
-        if abs(wrap_pi(bearing_rad(here, after) - bearing_rad(before, here))) > 1e-9:
-            kept.append(here)
-    return (*kept, path[-1])
+    return plan_on_grid(chart, stops, settings)

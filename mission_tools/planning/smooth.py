@@ -11,6 +11,7 @@ from companion.core.geo import Point, distance_m
 IsClear = Callable[[Point, Point], bool]
 """Whether the straight leg between two points may be sailed."""
 
+MIN_LEG_CLEARANCES = 3.0  # shorter legs are merged where there is room
 MAX_ROUNDS = 12
 CUT_HALVINGS = 8
 MIN_GAIN = 2e-4  # share of the length that another round must win to be worth its time
