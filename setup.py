@@ -31,6 +31,7 @@ kernels = cythonize(  # type: ignore[no-untyped-call, unused-ignore]
         for name, path in SOURCES.items()
     ],
     build_dir="build/cython",
+    force=True,  # one kernel contains the C layout of another
     compiler_directives=DIRECTIVES,
 )
 for kernel in kernels:

@@ -3,7 +3,7 @@ cimport cython
 from libc cimport math
 from companion.planning._segments cimport Segments
 
-cdef double GRAZE_M, ROUNDING_M, CONE_TOLERANCE, ARC_STEP_RAD, BURIED_STEP_RAD
+cdef double GRAZE_M, ROUNDING_M, SIEVE_M, CONE_TOLERANCE, ARC_STEP_RAD, BURIED_STEP_RAD
 cdef long long FAN_FIELDS
 
 
@@ -25,6 +25,7 @@ cdef class Tangents:
     cdef public double[::1] radius
     cdef long long[::1] scratch_target
     cdef readonly long long count
+    cdef long long joined
     cdef list fans
 
     @cython.locals(s=Segments, d_x=double, d_y=double, e_x=double, e_y=double, d=double, e=double, turn=double, i=cython.longlong, width=double, pieces=cython.longlong, first=cython.longlong, last=cython.longlong, a_x=double, a_y=double, angle=double)
@@ -39,8 +40,11 @@ cdef class Tangents:
     @cython.locals(known=Fan)
     cdef Fan fan(self, long long node)
 
-    @cython.locals(side=double, radius=double, i=cython.longlong, j=cython.longlong, n=cython.longlong, other=cython.longlong, data="double[::1]", target="long long[::1]", dx=double, dy=double, d2=double, j_side=double, rho=double, square=double, scale=double, slack=double, length=double, u_x=double, u_y=double, arrival=double, departure=double, found=Fan)
+    @cython.locals(radius=double, i=cython.longlong, j=cython.longlong, dx=double, dy=double, d2=double, a=double, b=double, a_x=double, a_y=double, b_x=double, b_y=double, most=double, least=double, found=Fan)
     cdef Fan fan_of(self, long long node, double x, double y)
+
+    @cython.locals(side=double, radius=double, j=cython.longlong, n=cython.longlong, j_side=double, rho=double, square=double, scale=double, slack=double, length=double, u_x=double, u_y=double, arrival=double, departure=double)
+    cdef void _join(self, long long node, double dx, double dy, double d2, long long other) noexcept
 
     @cython.locals(i=cython.longlong)
     cpdef double point_x(self, long long node, double at, double radius) noexcept

@@ -18,6 +18,7 @@ ROUNDING_M = 1e-9  # what a leg at just the clearance may lack, as it is compute
 CONE_TOLERANCE = 1e-11  # of unit vectors, ten thousand roundings; over a leg of 10 km less than GRAZE_M
 ARC_STEP_RAD = pi / 90.0
 """An arc is sailed as circumscribed legs that turn by at most this: step²/12, 0.01 % longer than the arc."""
+SIEVE_M = 1e-5  # by which a tangent is surely none; more than GRAZE_M
 BURIED_STEP_RAD = pi / 12.0
 FAN_FIELDS = 5  # position of departure, length, position of arrival, point of arrival
 
@@ -77,6 +78,7 @@ class Tangents:
         self.scratch_target = _integers(2 * self.count + 1)
         self.scratch_data = _doubles(2 * FAN_FIELDS * self.count + 1)
         self.scratch_target = _integers(2 * self.count + 1)
+        self.joined = 0  # tangents collected there
         self.fans: list[Fan | None] = [None] * (2 * self.count)
 
     def _add_arc(self, k: int, after: int, side: float) -> None:
@@ -160,52 +162,74 @@ class Tangents:
 
     def fan_of(self, node: int, x: float, y: float) -> Fan:
         """The tangents of a node, or of a point where the node is −1, untested."""
-        side, radius = 0.0, 0.0
+        self.joined = 0
+        radius = 0.0
         if node >= 0:
             i = node >> 1
             x, y, radius = self.x[i], self.y[i], self.radius[i]
-            side = -1.0 if node & 1 else 1.0
-        data = self.scratch_data
-        target = self.scratch_target
-        n = 0
+        # A tangent's normal at an arc, times the line to the other centre, lies between the difference of the
+        # radii and their sum. Where it is outside for both ends of a cone it is for all of the cone.
+        most = radius + self.reach + SIEVE_M
+        least = -self.reach - SIEVE_M
+        a_x = a_y = b_x = b_y = 0.0
+        if node >= 0:
+            a_x, a_y, b_x, b_y = self.a_x[i], self.a_y[i], self.b_x[i], self.b_y[i]
         for j in range(self.count):
             dx = self.x[j] - x
             dy = self.y[j] - y
-            d2 = dx * dx + dy * dy
-            if d2 <= 0.0:
+            a = -self.a_x[j] * dx - self.a_y[j] * dy
+            b = -self.b_x[j] * dx - self.b_y[j] * dy
+            if (a > most and b > most) or (a < least and b < least):
                 continue
-            for other in range(2):
-                j_side = -1.0 if other else 1.0
-                rho = j_side * self.radius[j] - side * radius
-                square = d2 - rho * rho
-                scale = d2
-                if square < 0.0:
-                    slack = math.fabs(rho) - 3.0 * GRAZE_M
-                    if slack > 0.0 and d2 < slack * slack:
-                        continue
-                    square = 0.0
-                    scale = math.sqrt(d2) * math.fabs(rho)
-                length = math.sqrt(square)
-                u_x = (dx * length + dy * rho) / scale
-                u_y = (dy * length - dx * rho) / scale
-                arrival = self.position(2 * j + other, j_side * u_y, -j_side * u_x)
-                if arrival < 0.0:
+            if node >= 0:
+                a = a_x * dx + a_y * dy
+                b = b_x * dx + b_y * dy
+                if (a > most and b > most) or (a < least and b < least):
                     continue
-                departure = 0.0
-                if node >= 0:
-                    departure = self.position(node, side * u_y, -side * u_x)
-                    if departure < 0.0:
-                        continue
-                data[FAN_FIELDS * n] = departure
-                data[FAN_FIELDS * n + 1] = length
-                data[FAN_FIELDS * n + 2] = arrival
-                data[FAN_FIELDS * n + 3] = self.x[j] + self.radius[j] * j_side * u_y
-                data[FAN_FIELDS * n + 4] = self.y[j] - self.radius[j] * j_side * u_x
-                target[n] = 2 * j + other
-                n += 1
-        found = Fan(x, y, n)
-        found.fill(data, target)
+            d2 = dx * dx + dy * dy
+            if d2 > 0.0:
+                self._join(node, dx, dy, d2, 2 * j)
+                self._join(node, dx, dy, d2, 2 * j + 1)
+        found = Fan(x, y, self.joined)
+        found.fill(self.scratch_data, self.scratch_target)
         return found
+
+    def _join(self, node: int, dx: float, dy: float, d2: float, other: int) -> None:
+        """Collect the tangent of two nodes with centres dx, dy apart, if it leaves and reaches their arcs."""
+        side, radius = 0.0, 0.0
+        if node >= 0:
+            side = -1.0 if node & 1 else 1.0
+            radius = self.radius[node >> 1]
+        j = other >> 1
+        j_side = -1.0 if other & 1 else 1.0
+        rho = j_side * self.radius[j] - side * radius
+        square = d2 - rho * rho
+        scale = d2
+        if square < 0.0:
+            slack = math.fabs(rho) - 3.0 * GRAZE_M
+            if slack > 0.0 and d2 < slack * slack:
+                return
+            square = 0.0
+            scale = math.sqrt(d2) * math.fabs(rho)
+        length = math.sqrt(square)
+        u_x = (dx * length + dy * rho) / scale
+        u_y = (dy * length - dx * rho) / scale
+        arrival = self.position(other, j_side * u_y, -j_side * u_x)
+        if arrival < 0.0:
+            return
+        departure = 0.0
+        if node >= 0:
+            departure = self.position(node, side * u_y, -side * u_x)
+            if departure < 0.0:
+                return
+        n = self.joined
+        self.joined += 1
+        self.scratch_data[FAN_FIELDS * n] = departure
+        self.scratch_data[FAN_FIELDS * n + 1] = length
+        self.scratch_data[FAN_FIELDS * n + 2] = arrival
+        self.scratch_data[FAN_FIELDS * n + 3] = self.x[j] + self.radius[j] * j_side * u_y
+        self.scratch_data[FAN_FIELDS * n + 4] = self.y[j] - self.radius[j] * j_side * u_x
+        self.scratch_target[n] = other
 
     def point_x(self, node: int, at: float, radius: float) -> float:
         """East of the point of a node's arc at a position."""

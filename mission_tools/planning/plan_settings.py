@@ -68,9 +68,9 @@ class PlanSettings:
 class Plan:
     """A route, start and goal included.
 
-    found: what the search found: the shortest route, or a path from cell to cell. points: the same with few
-    long legs and room at its corners for the boat's turns. straight_m: from point to point through the vias as
-    the crow flies. min_clearance_m: along the whole route, but for the way out of a start nearer to a shore
+    found: what the search found, the shortest route or a path from cell to cell. points: the same with few
+    long legs, and room at its corners for the boat's turns. straight_m: from point to point through the vias
+    as the crow flies. min_clearance_m: along the whole route but the way out of a start nearer to a shore
     than the clearance; infinite in open water. cell_m: the cell used; None for an exact route. search: of
     cells, or of tangents. notes: what a person should know.
     """

@@ -1,0 +1,94 @@
+"""Passages, coves and detours that a raster hides or lengthens, some of them on real lakes."""
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import shapely
+
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.errors import NoRoute
+from mission_tools.maps import Chart, build_chart, load_geojson
+from mission_tools.planning.planner import Plan, PlanSettings, plan
+from mission_tools.planning.smooth import path_length_m
+
+SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
+FRAME = LocalFrame(LatLon(50.0, 10.0))
+needs_lakes = pytest.mark.skipif(
+    not SHORE.is_dir(), reason="the real shorelines do not lie beside this checkout"
+)
+
+
+def straits(width_m: float, length_m: float, half_m: float, turn_deg: float = 0.0) -> Chart:
+    """Two basins joined by a strait from west to east, all turned counter-clockwise."""
+    h, s, w = 0.5 * width_m, 0.5 * length_m, half_m
+    outline = [(-w, -w / 2), (-s, -w / 2), (-s, -h), (s, -h), (s, -w / 2), (w, -w / 2)]
+    outline += [(-x, -y) for x, y in outline]
+    cos, sin = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
+    return build_chart(
+        "Straits", FRAME, shapely.Polygon([(x * cos - y * sin, x * sin + y * cos) for x, y in outline]), ()
+    )
+
+
+def across(distance_m: float, turn_deg: float = 0.0) -> tuple[Point, Point]:
+    """Two places on the axis of the strait, on either side of it."""
+    cos, sin = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
+    return Point(-distance_m * sin, -distance_m * cos), Point(distance_m * sin, distance_m * cos)
+
+
+def planned(chart: Chart, start: str, goal: str, margin_m: float = 0.6) -> Plan:
+    here, there = (
+        chart.frame.to_local(LatLon(*(float(part) for part in place.split(",")))) for place in (start, goal)
+    )
+    return plan(chart, here, there, PlanSettings(4.0, margin_m=margin_m))
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 27.0])
+@pytest.mark.parametrize("width_m", [8.02, 8.1, 8.2, 8.4, 8.8, 9.5, 10.0])
+def test_a_straight_line_with_room_is_sailed(width_m: float, turn_deg: float) -> None:
+    found = plan(straits(width_m, 50.0, 1000.0, turn_deg), *across(300.0, turn_deg), PlanSettings(4.0))
+    assert len(found.points) == 2
+    assert found.min_clearance_m == pytest.approx(0.5 * width_m)
+
+
+@pytest.mark.parametrize("width_m", [10.0, 20.0])
+def test_a_narrow_strait_in_a_large_lake_is_found(width_m: float) -> None:
+    chart = straits(width_m, 200.0, 15_000.0, 27.0)
+    found = planned(chart, "49.9795921,9.9377398", "50.0204079,10.0622602")
+    assert found.length_m <= 1.001 * found.straight_m
+    assert found.min_clearance_m >= 4.0
+
+
+def test_a_strait_that_is_too_narrow_is_none() -> None:
+    with pytest.raises(NoRoute):
+        plan(straits(7.99, 50.0, 1000.0), *across(300.0), PlanSettings(4.0))
+
+
+@needs_lakes
+def test_a_cove_is_reached_that_is_wide_enough() -> None:
+    chart = load_geojson(SHORE / "lake_millinocket_me.geojson")
+    found = planned(chart, "45.786757,-68.797010", "45.789392,-68.792777", margin_m=0.0)
+    assert found.min_clearance_m >= 4.0
+    assert path_length_m(found.found) == pytest.approx(759.5, abs=0.1)  # brute force over the eroded cove
+
+
+@needs_lakes
+def test_a_short_trip_on_a_large_lake_is_not_lengthened_by_coarse_cells() -> None:
+    chart = load_geojson(SHORE / "lake_winnipesaukee_nh.geojson")
+    found = planned(chart, "43.6314892,-71.4001387", "43.6322076,-71.4012558")
+    assert found.length_m < 1.02 * 173.4
+
+
+@needs_lakes
+@pytest.mark.parametrize("name", ["pond_two_islands_nh", "lake_squam_nh", "lake_millinocket_me"])
+def test_there_and_back_are_one_route(name: str) -> None:
+    chart = load_geojson(SHORE / f"{name}.geojson")
+    deep = max(shapely.get_parts(chart.navigable.buffer(-12.0)), key=lambda part: float(part.area))
+    corners = [Point(y, x) for x, y in shapely.get_coordinates(deep.exterior).tolist()]
+    ends = corners[:: max(1, len(corners) // 6)]
+    for start, goal in pairwise(ends):
+        there = plan(chart, start, goal, PlanSettings(10.0))
+        back = plan(chart, goal, start, PlanSettings(10.0))
+        assert path_length_m(back.found) == pytest.approx(path_length_m(there.found), abs=1e-9)
+        assert back.length_m == pytest.approx(there.length_m, rel=2e-3)
