@@ -4,16 +4,14 @@ import contextlib
 import math
 from collections.abc import Sequence
 
-import shapely
-
 from companion.core.geo import Point
 from companion.planning.visibility import NoWay
-from companion.planning.water import Shore, Water
 from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.corners import widen_corners
-from mission_tools.planning.planner import CORNER_CLEARANCES, MIN_LEG_CLEARANCES, PlanSettings, plan
-from mission_tools.planning.smooth import merge_short_legs, path_length_m
+from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
+from mission_tools.planning.exact_planner import water_of
+from mission_tools.planning.planner import PlanSettings, plan
+from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, path_length_m
 
 MAX_EXCESS = 0.005  # of the shortest length, for fewer legs
 _ROUNDING = 1e-9  # of the clearance: the ends of tracks lie at the clearance itself
@@ -69,14 +67,3 @@ class Transits:
         longest_m = (1.0 + MAX_EXCESS) * path_length_m(points)
         merged = merge_short_legs(points, is_clear, MIN_LEG_CLEARANCES * required_m, longest_m)
         return widen_corners(merged, is_clear, CORNER_CLEARANCES * required_m, longest_m)
-
-
-def water_of(chart: Chart) -> Water:
-    """The navigable water of a chart, with every ring of its shores."""
-    rings = shapely.get_rings(shapely.get_parts(chart.navigable))
-    if chart.is_open:  # the square that stands for the sea is no shore
-        rings = [ring for part in shapely.get_parts(chart.navigable) for ring in part.interiors]
-    return Water(
-        [Shore([Point(y, x) for x, y in shapely.get_coordinates(ring)[:-1].tolist()]) for ring in rings],
-        is_open=chart.is_open,
-    )
