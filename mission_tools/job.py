@@ -141,14 +141,9 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
 
 
 def _with_contract(planned: PlannedMission, request: Request) -> PlannedMission:
-    from mission_tools.contract.water_contract import Capacity, with_contract  # noqa: PLC0415 - seldom needed
+    from mission_tools.contract.water_contract import capacity_of, with_contract  # noqa: PLC0415 - seldom needed
 
-    capacity = Capacity()
-    if request.options.boat is not None:
-        from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - as above
-
-        boat = load_boat(request.options.boat)
-        capacity = Capacity(boat.fence_margin_m, boat.most_fence_items, boat.most_rally_items)
+    capacity = capacity_of(request.options.boat)
     return with_contract(
         planned, capacity, with_fence=request.fence_from_map, with_rally=request.rally_from_map
     )

@@ -4,14 +4,18 @@ import io
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from companion.core.geo import LatLon, bearing_rad, distance_m
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.outputs import check_outputs, save
 from mission_tools.wording import distance
+
+if TYPE_CHECKING:
+    from mission_tools.contract.budget import Budget
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +102,30 @@ class RoutePlan:
         check_outputs(file, None, ())
         save(self.mission, file, self.planned)
         return file
+
+    def budget(self, boat: str | PathLike[str], current: str | None = None) -> "Budget":
+        """Time in s and charge in mAh, out and home. boat: its TOML, or an emulated boat's name.
+
+        current: speed and direction it flows to, as "0.5,90", or a file (see `mission-plan --help`).
+
+        Raises:
+            ConfigError, UsageError, MapError: boat or current.
+            NoRoute: a leg that cannot be sailed against the current.
+        """
+        from mission_tools.contract.planned_budget import planned_budget  # noqa: PLC0415 - seldom needed
+
+        return planned_budget(self.planned, fspath(boat), current)
+
+    def with_contract(self, boat: str | PathLike[str] | None = None) -> "RoutePlan":
+        """The same route with a fence and rally points from its map, within what the boat holds.
+
+        Raises:
+            NoRoute: no fence holds this route.
+        """
+        from mission_tools.contract.water_contract import capacity_of, with_contract  # noqa: PLC0415 - as above
+
+        capacity = capacity_of(None if boat is None else fspath(boat))
+        return RoutePlan(with_contract(self.planned, capacity))
 
     def __str__(self) -> str:
         near_m = self.min_clearance_m

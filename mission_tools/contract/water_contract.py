@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import shapely
 from shapely.geometry import Polygon
 
+from mission_tools.contract.boat import load_boat
 from mission_tools.contract.fence_of_water import fence_of_water
 from mission_tools.contract.rally_points import rally_points
 from mission_tools.errors import UsageError
@@ -21,6 +22,14 @@ class Capacity:
     fence_margin_m: float = 2.0
     fence_items: int = 1000
     rally_items: int = 250
+
+
+def capacity_of(boat: str | None) -> Capacity:
+    """Of a boat's TOML; None: this project's boat."""
+    if boat is None:
+        return Capacity()
+    known = load_boat(boat)
+    return Capacity(known.fence_margin_m, known.most_fence_items, known.most_rally_items)
 
 
 def with_contract(

@@ -24,9 +24,8 @@ class PlanOptions:
 
     via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
-    follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it.
-    follow_shore_at: near the shore to follow. boat: its TOML, or an emulated boat's name. least: time or
-    charge instead of length. open_water_m: how far from the shore a metre is dearer.
+    follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
+    emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
     """
 
     start_at: LatLon | None = None

@@ -135,3 +135,16 @@ def test_the_package_imports_nothing_before_it_is_used() -> None:
     assert all(getattr(mt, name) is not None for name in mt.__all__)
     with pytest.raises(AttributeError, match="no attribute 'plan_it'"):
         _ = mt.plan_it
+
+
+def test_a_route_knows_its_budget_and_its_contract(water: mt.WaterMap) -> None:
+    route = water.route(START, GOAL)
+    budget = route.budget("lake")
+    assert budget.length_m == pytest.approx(route.length_m)
+    assert 60.0 < budget.time_s < 90.0
+    assert budget.no_return_m is None
+    assert route.budget("lake", "0.5,0").home_mah > budget.home_mah
+    contracted = route.with_contract("lake")
+    assert contracted.points == route.points
+    assert [polygon.inclusion for polygon in contracted.mission.fence.polygons] == [True, False]
+    assert len(contracted.mission.rally) == 1
