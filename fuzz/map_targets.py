@@ -10,7 +10,7 @@ from mission_tools.maps.assemble import chart_of
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml, unpacked
-from mission_tools.maps.formats.mask import load_mask
+from mission_tools.maps.formats.mask import read_mask
 from mission_tools.maps.geojson import parse_geojson
 
 _WORLD_FILE = "1e-5\n0\n0\n-1e-5\n10\n50\n"
@@ -43,7 +43,7 @@ def map_mask(data: bytes) -> None:
         path = Path(folder) / ("map.tif" if data[:2] in (b"II", b"MM") else "map.png")
         path.write_bytes(data)
         path.with_suffix(".wld").write_text(_WORLD_FILE, encoding="ascii")
-        _read(lambda: load_mask(path), str(path))
+        _read(lambda: chart_of(read_mask(path)), str(path))
 
 
 def _read(read: Callable[[], Chart], source: str = "map") -> None:

@@ -8,34 +8,34 @@ from typing import cast
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
+from mission_tools.maps.assemble import chart_of
 from mission_tools.maps.chart import Chart
+from mission_tools.maps.raw import RawMap
 from mission_tools.maps.source import Source
 
 _FORMATS = "mission_tools.maps.formats."
-_VECTOR = (_FORMATS + "vector", "load_vector")
-_MASK = (_FORMATS + "mask", "load_mask")
+_VECTOR = (_FORMATS + "vector", "read_vector")
+_MASK = (_FORMATS + "mask", "read_mask")
 _MISSION = (_FORMATS + "mission_map", "load_mission_map")
-READERS: dict[str, tuple[str, str]] = {
-    ".geojson": ("mission_tools.maps.geojson", "load_geojson"),
-    ".json": ("mission_tools.maps.geojson", "load_geojson"),
-    ".kml": (_FORMATS + "kml", "load_kml"),
-    ".kmz": (_FORMATS + "kml", "load_kmz"),
-    ".gpx": (_FORMATS + "gpx", "load_gpx"),
-    ".plan": _MISSION,
-    ".waypoints": _MISSION,
-    ".wpl": _MISSION,
-    ".shp": _VECTOR,
-    ".gpkg": _VECTOR,
-    ".fgb": _VECTOR,
-    ".osm": _VECTOR,
-    ".pbf": _VECTOR,
-    ".000": _VECTOR,
-    ".map": (_FORMATS + "grid_map", "load_grid_map"),
-    ".png": _MASK,
-    ".tif": _MASK,
-    ".tiff": _MASK,
+_GEOJSON = ("mission_tools.maps.geojson", "load_geojson")
+_FEATURE_READERS: dict[str, tuple[str, str]] = {
+    ".kml": (_FORMATS + "kml", "read_kml"),
+    ".kmz": (_FORMATS + "kml", "read_kmz"),
+    ".gpx": (_FORMATS + "gpx", "read_gpx"),
+    **dict.fromkeys((".shp", ".gpkg", ".fgb", ".osm", ".pbf", ".000"), _VECTOR),
+    **dict.fromkeys((".png", ".tif", ".tiff"), _MASK),
 }
-"""For each suffix the module and the function that reads it: a reader is imported when a file needs it."""
+"""For each suffix the module and the function that reads a `RawMap`; imported when a file needs it."""
+
+_CHART_READERS: dict[str, tuple[str, str]] = {
+    **dict.fromkeys((".geojson", ".json"), _GEOJSON),
+    **dict.fromkeys((".plan", ".waypoints", ".wpl"), _MISSION),
+    ".map": (_FORMATS + "grid_map", "load_grid_map"),
+}
+"""The same for formats that become a chart in another way."""
+
+FEATURE_SUFFIXES = frozenset(_FEATURE_READERS)
+MAP_SUFFIXES = (*_CHART_READERS, *_FEATURE_READERS)
 
 PHOTOGRAPHS = frozenset({".jpg", ".jpeg"})
 
@@ -54,14 +54,14 @@ def scenario_names() -> tuple[str, ...]:
 
 
 def load_source(text: str) -> Source:
-    """A scenario's name such as `lake`, the path of a scenario (.toml), or of a map (`READERS`).
+    """A scenario's name such as `lake`, the path of a scenario (.toml), or of a map (MAP_SUFFIXES).
 
     Raises:
         MapError: nothing of that name, or it cannot be used.
     """
     path = Path(text)
     suffix = path.suffix.lower()
-    if suffix in READERS:
+    if suffix in MAP_SUFFIXES:
         return Source(load_map(path))
     folder = scenario_folder()
     is_installed = folder is not None and path.name == text and (folder / f"{text}.toml").is_file()
@@ -74,7 +74,7 @@ def load_source(text: str) -> Source:
     known = ", ".join(scenario_names()) or "none installed"
     raise MapError(
         f"{text}: no such scenario (there are: {known}), and no map or scenario file: expected a name that "
-        f"ends in .toml, {', '.join(READERS)}"
+        f"ends in .toml, {', '.join(MAP_SUFFIXES)}"
     )
 
 
@@ -84,9 +84,25 @@ def load_map(path: Path, origin: LatLon | None = None) -> Chart:
     Raises:
         MapError: the suffix is not known, or the map cannot be used.
     """
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise MapError(f"{path}: no map format ends in '{path.suffix}': expected one of {', '.join(READERS)}")
-    module, function = reader
-    load = cast(Callable[[Path, LatLon | None], Chart], getattr(importlib.import_module(module), function))
+    suffix = path.suffix.lower()
+    if suffix in _FEATURE_READERS:
+        return chart_of(read_features(path), origin)
+    if suffix not in _CHART_READERS:
+        known = ", ".join(MAP_SUFFIXES)
+        raise MapError(f"{path}: no map format ends in '{path.suffix}': expected one of {known}")
+    load = cast(Callable[[Path, LatLon | None], Chart], _function(*_CHART_READERS[suffix]))
     return load(path, origin)
+
+
+def read_features(path: Path) -> RawMap:
+    """The features of a map file whose suffix is in FEATURE_SUFFIXES.
+
+    Raises:
+        MapError: the map cannot be used.
+    """
+    read = cast(Callable[[Path], RawMap], _function(*_FEATURE_READERS[path.suffix.lower()]))
+    return read(path)
+
+
+def _function(module: str, name: str) -> Callable[..., object]:
+    return cast(Callable[..., object], getattr(importlib.import_module(module), name))

@@ -1,4 +1,4 @@
-"""Fence and rally points from a file of their own: GeoJSON, or what a QGroundControl `.plan` has of them.
+"""Fence and rally points from a file of their own: GeoJSON, a map, or what a mission file has of them.
 
 A GeoJSON file (RFC 7946, WGS 84, [longitude, latitude]) is a FeatureCollection, a Feature or a geometry. The
 property `kind` says what a feature is, `radius_m` makes a circle of a point:
@@ -10,8 +10,8 @@ property `kind` says what a feature is, `radius_m` makes a circle of a point:
 | return_point | point | where a breach leads back to, at most one |
 | rally | point | a place to return to; what a point without radius_m is |
 
-A map does as well: the outer line of its `water` is an inclusion, and the islands in it, everything solid and
-everything to keep out of are exclusions. Landmarks do not count.
+A map of any format does as well: the outer line of its `water` is an inclusion, and the islands in it,
+everything solid and everything to keep out of are exclusions. Landmarks do not count.
 """
 
 import math
@@ -26,6 +26,7 @@ from shapely.geometry import Polygon
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError, PlanFileError
 from mission_tools.maps.assemble import classified
+from mission_tools.maps.catalogue import FEATURE_SUFFIXES, read_features
 from mission_tools.maps.chart import KEPT_OUT, SOLID, Feature
 from mission_tools.maps.geojson import (
     feature_entries,
@@ -131,10 +132,13 @@ def load_rally(path: Path) -> tuple[Rally, ...]:
 
 
 def _load(path: Path) -> tuple[Fence, tuple[Rally, ...]]:
-    if path.suffix.lower() not in (".geojson", ".json"):
-        mission = load_mission(path)
-        return mission.fence, mission.rally
-    return parse_areas(read_json(path), str(path))
+    suffix = path.suffix.lower()
+    if suffix in (".geojson", ".json"):
+        return parse_areas(read_json(path), str(path))
+    if suffix in FEATURE_SUFFIXES:
+        return _fence_of_map(classified(read_features(path)).features, str(path)), ()
+    mission = load_mission(path)
+    return mission.fence, mission.rally
 
 
 def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:

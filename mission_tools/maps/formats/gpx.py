@@ -14,8 +14,6 @@ from shapely.geometry import Polygon
 
 from companion.core.geo import LatLon, LocalFrame, distance_m
 from mission_tools.errors import MapError
-from mission_tools.maps.assemble import chart_of
-from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats.kml import KIND_IN_TEXT
 from mission_tools.maps.formats.xml_text import parse_xml, text_of
 from mission_tools.maps.geojson import Corners, position
@@ -26,13 +24,13 @@ from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 MOST_GAP_SHARE = 0.1  # of an outline's length between its end and its beginning
 
 
-def load_gpx(path: Path, origin: LatLon | None = None) -> Chart:
+def read_gpx(path: Path) -> RawMap:
     """Read a .gpx map.
 
     Raises:
         MapError: one line that names the file, the track and the place.
     """
-    return chart_of(parse_gpx(read_bytes(path), str(path), path.stem), origin)
+    return parse_gpx(read_bytes(path), str(path), path.stem)
 
 
 def parse_gpx(data: bytes, source: str, fallback_name: str = "") -> RawMap:

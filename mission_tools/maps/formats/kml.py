@@ -16,10 +16,7 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import LatLon
 from mission_tools.errors import MapError
-from mission_tools.maps.assemble import chart_of
-from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats.xml_text import parse_xml, text_of
 from mission_tools.maps.geojson import Corners, closed_ring, position
 from mission_tools.maps.kinds import KINDS
@@ -29,22 +26,22 @@ KIND_IN_TEXT = re.compile(r"\bkind\s*[:=]\s*([a-z_]+)", re.IGNORECASE)
 _SHAPES = ("Polygon", "MultiGeometry", "Point", "LineString", "LinearRing", "Track", "MultiTrack", "Model")
 
 
-def load_kml(path: Path, origin: LatLon | None = None) -> Chart:
+def read_kml(path: Path) -> RawMap:
     """Read a .kml map.
 
     Raises:
         MapError: one line that names the file, the placemark and the place.
     """
-    return chart_of(parse_kml(read_bytes(path), str(path), path.stem), origin)
+    return parse_kml(read_bytes(path), str(path), path.stem)
 
 
-def load_kmz(path: Path, origin: LatLon | None = None) -> Chart:
+def read_kmz(path: Path) -> RawMap:
     """Read a .kmz map: the first .kml in the archive.
 
     Raises:
-        MapError: as `load_kml`; also an archive that unpacks to too much.
+        MapError: as `read_kml`; also an archive that unpacks to too much.
     """
-    return chart_of(parse_kml(unpacked(read_bytes(path), str(path)), str(path), path.stem), origin)
+    return parse_kml(unpacked(read_bytes(path), str(path)), str(path), path.stem)
 
 
 def unpacked(archive: bytes, source: str) -> bytes:

@@ -17,8 +17,7 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
-from mission_tools.maps.assemble import chart_of
-from mission_tools.maps.chart import Area, Chart, area_of
+from mission_tools.maps.chart import Area, area_of
 from mission_tools.maps.formats.georeference import Georeference, georeference_of
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
@@ -33,14 +32,14 @@ LEAST_PIXELS = 4.0  # of a piece of water; smaller ones are specks
 BRIGHT = 128
 
 
-def load_mask(path: Path, origin: LatLon | None = None) -> Chart:
+def read_mask(path: Path) -> RawMap:
     """Read a mask.
 
     Raises:
         MapError: one line that names the file and what is wrong with it.
     """
     levels, georeference = read_levels(path)
-    return chart_of(mask_map(levels >= BRIGHT, georeference, str(path), path.stem), origin)
+    return mask_map(levels >= BRIGHT, georeference, str(path), path.stem)
 
 
 def read_levels(path: Path) -> tuple[Levels, Georeference]:

@@ -15,10 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from companion.core.geo import LatLon
 from mission_tools.errors import MapError
-from mission_tools.maps.assemble import MOST_FEATURES, chart_of
-from mission_tools.maps.chart import Chart
+from mission_tools.maps.assemble import MOST_FEATURES
 from mission_tools.maps.formats import s57
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
@@ -35,20 +33,11 @@ class _Layer(NamedTuple):
     properties: list[dict[str, Any]]
 
 
-def load_vector(path: Path, origin: LatLon | None = None) -> Chart:
-    """Read a map through GDAL.
+def read_vector(path: Path) -> RawMap:
+    """The features of all layers of a file that GDAL reads, in WGS 84.
 
     Raises:
         MapError: pyogrio is not installed, or one line that names the file, the layer and the feature.
-    """
-    return chart_of(read_vector(path), origin)
-
-
-def read_vector(path: Path) -> RawMap:
-    """The features of all layers, in WGS 84.
-
-    Raises:
-        MapError: as `load_vector`.
     """
     suffix, source = path.suffix.lower(), str(path)
     notes: list[str] = []

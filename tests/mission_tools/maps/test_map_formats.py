@@ -18,13 +18,14 @@ from shapely.geometry.base import BaseGeometry
 from companion.core.geo import LatLon, Point
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map, load_source
-from mission_tools.maps.catalogue import READERS
+from mission_tools.maps.catalogue import MAP_SUFFIXES
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats import s57
 from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
 from mission_tools.maps.geojson import load_geojson
+from mission_tools.mission.areas import load_fence
 from mission_tools.mission.mission import (
     Command,
     Fence,
@@ -442,12 +443,12 @@ def test_a_grid_map_is_a_chart_of_metres_from_its_lower_left_corner(tmp_path: Pa
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(MapError) as caught:
         load_source(str(tmp_path / "lake.dxf"))
-    assert all(suffix in str(caught.value) for suffix in (".toml", *READERS))
+    assert all(suffix in str(caught.value) for suffix in (".toml", *MAP_SUFFIXES))
     with pytest.raises(MapError, match="a photograph: trace its water first"):
         load_source("lake.JPG")
 
 
-@pytest.mark.parametrize("suffix", READERS)
+@pytest.mark.parametrize("suffix", MAP_SUFFIXES)
 def test_a_missing_file_of_any_format_is_named(suffix: str, tmp_path: Path) -> None:
     if suffix in (".shp", ".gpkg", ".fgb", ".osm", ".pbf", ".000"):
         pytest.importorskip("pyogrio", reason="the extra maps is not installed")
@@ -487,3 +488,13 @@ def test_a_lake_at_the_origin_of_the_frame_is_where_its_corners_say(tmp_path: Pa
     chart = load_map(path, LatLon(50.0, 10.0))
     assert chart.frame.origin == LatLon(50.0, 10.0)
     assert chart.clearance_m(Point(10.0, 5.0)) == pytest.approx(5.0, abs=0.01)
+
+
+def test_a_map_of_any_format_is_a_fence(tmp_path: Path) -> None:
+    path = tmp_path / "lake.kml"
+    path.write_bytes(ISLES["extended data"])
+    outline, island = load_fence(path).polygons
+    assert (outline.inclusion, island.inclusion) == (True, False)
+    assert {(c.lat_deg, c.lon_deg) for c in outline.corners} == {
+        (lat, lon) for lon, lat in LAKE.exterior.coords
+    }

@@ -284,3 +284,21 @@ def test_a_mainland_that_reaches_far_beyond_the_water_is_cut_to_what_lies_near()
     chart = chart_of(feature([ring(LAKE)], kind="water"), mainland, far)
     assert chart.water.area == pytest.approx(40_000, rel=1e-3)
     assert [named.name for named in chart.features] == ["island"]
+
+
+def test_a_place_11_m_off_a_shore_of_40_km_is_afloat() -> None:
+    """A lake of 100 km with an island of 40 km by 200 m, whose corners are placed by round figures."""
+
+    def box(half_east_m: float, half_north_m: float) -> list[list[float]]:
+        east, north = half_east_m / (111_320.0 * math.cos(math.radians(50.0))), half_north_m / 111_229.0
+        corners = [
+            (10 - east, 50 - north),
+            (10 + east, 50 - north),
+            (10 + east, 50 + north),
+            (10 - east, 50 + north),
+        ]
+        return [list(corner) for corner in [*corners, corners[0]]]
+
+    chart = parse_geojson(feature([box(50_000.0, 50_000.0), box(20_000.0, 100.0)[::-1]]), "f", "f")
+    off_shore = chart.frame.to_local(LatLon(49.9990, 10.0))
+    assert chart.clearance_m(off_shore) == pytest.approx(0.0010 * 111_229.0 - 100.0, abs=0.1)
