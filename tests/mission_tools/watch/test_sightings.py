@@ -1,0 +1,126 @@
+"""Ranges become cells on the chart, that have to be seen twice, and fade."""
+
+import math
+from typing import Any
+
+import pytest
+import shapely
+
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.maps.chart import Chart, Feature, build_chart
+from mission_tools.watch.sightings import FADE_S, Echo, Sightings, echoes_of
+
+FRAME = LocalFrame(LatLon(50.0, 10.0))
+HERE = Point(0.0, 0.0)
+AHEAD = Echo(0.0, 4.0, True)
+
+
+def chart(*features: Feature) -> Chart:
+    return build_chart("pond", FRAME, shapely.box(-50, -50, 50, 50), features)
+
+
+def sector_message(**changed: float) -> dict[str, Any]:
+    distances = [65535] * 72
+    distances[0], distances[18] = 400, 501
+    message = {
+        "distances": distances,
+        "increment": 5,
+        "increment_f": 5.0,
+        "angle_offset": 0.0,
+        "min_distance": 20,
+        "max_distance": 500,
+        "frame": 12,
+    }
+    return message | changed
+
+
+def test_sectors_are_counted_from_the_bow() -> None:
+    echoes = echoes_of("OBSTACLE_DISTANCE", sector_message(), heading_rad=0.5)
+    assert [(echo.range_m, echo.is_hit) for echo in echoes] == [(4.0, True), (5.0, False)]
+    assert [echo.bearing_rad for echo in echoes] == pytest.approx([0.5, 0.5 + 0.5 * math.pi])
+
+
+def test_sectors_of_a_global_frame_are_counted_from_north_and_the_offset_is_added() -> None:
+    message = sector_message(frame=0, angle_offset=10.0, increment_f=0.0)
+    assert [echo.bearing_rad for echo in echoes_of("OBSTACLE_DISTANCE", message, 0.5)] == pytest.approx(
+        [math.radians(10.0), math.radians(100.0)]
+    )
+    assert echoes_of("OBSTACLE_DISTANCE", sector_message(frame=1), 0.5) == []
+
+
+def test_a_sector_that_says_the_same_again_is_no_new_measurement() -> None:
+    before, now = sector_message(), sector_message()
+    assert echoes_of("OBSTACLE_DISTANCE", now, 0.0, before) == []
+    now["distances"][0] = 398
+    assert echoes_of("OBSTACLE_DISTANCE", now, 0.0, before) == [Echo(0.0, 3.98, True)]
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        ({"orientation": 2, "current_distance": 300}, [Echo(0.5 + 0.5 * math.pi, 3.0, True)]),
+        ({"orientation": 0, "current_distance": 501}, [Echo(0.5, 5.0, False)]),
+        ({"orientation": 0, "current_distance": 10}, []),
+        ({"orientation": 25, "current_distance": 300}, []),  # an echo sounder looks down
+        (
+            {
+                "orientation": 100,
+                "current_distance": 300,
+                "quaternion": [math.cos(0.1), 0.0, 0.0, math.sin(0.1)],
+            },
+            [Echo(0.7, 3.0, True)],
+        ),
+    ],
+)
+def test_a_single_ranger_looks_where_it_is_mounted(fields: dict[str, Any], expected: list[Echo]) -> None:
+    message = {"min_distance": 20, "max_distance": 500} | fields
+    found = echoes_of("DISTANCE_SENSOR", message, heading_rad=0.5)
+    assert [(e.range_m, e.is_hit) for e in found] == [(e.range_m, e.is_hit) for e in expected]
+    assert [e.bearing_rad for e in found] == pytest.approx([e.bearing_rad for e in expected])
+
+
+def test_what_is_seen_once_may_be_a_ghost_and_what_is_seen_twice_is_there() -> None:
+    seen = Sightings(chart())
+    seen.take([AHEAD, AHEAD], HERE, 0.0)
+    assert seen.area(0.0).is_empty
+    seen.take([AHEAD], HERE, 0.2)
+    assert seen.area(0.2).contains(shapely.Point(0.1, 4.1))
+    assert seen.area(0.2).area == pytest.approx(0.25)
+
+
+def test_what_was_seen_fades() -> None:
+    seen = Sightings(chart())
+    for time_s in (0.0, 0.2):
+        seen.take([AHEAD], HERE, time_s)
+    assert not seen.area(0.1 + FADE_S).is_empty
+    assert seen.area(0.2 + FADE_S).is_empty
+
+
+def test_a_ray_that_passes_through_takes_it_away_again() -> None:
+    seen = Sightings(chart())
+    for time_s in (0.0, 0.2):
+        seen.take([AHEAD], HERE, time_s)
+    seen.take([Echo(0.0, 5.0, False)], HERE, 0.4)
+    assert seen.area(0.4).is_empty
+    for time_s in (0.6, 0.8):
+        seen.take([AHEAD], HERE, time_s)
+    seen.take([Echo(0.5, 5.0, False), Echo(math.pi, 5.0, False), Echo(0.0, 4.2, True)], HERE, 1.0)
+    assert not seen.area(1.0).is_empty
+
+
+def test_the_charts_own_shore_is_not_news() -> None:
+    island = Feature("island", "island", shapely.box(-3.0, 4.0, 3.0, 8.0))
+    seen = Sightings(chart(island))
+    for time_s in (0.0, 0.2):
+        seen.take([AHEAD, Echo(0.0, 2.5, True)], HERE, time_s)
+    assert seen.area(0.2).is_empty
+
+
+def test_near_cells_are_one_obstacle_and_far_ones_two() -> None:
+    seen = Sightings(chart())
+    rays = [Echo(math.atan2(east, 6.0), math.hypot(east, 6.0), True) for east in (-5.0, -3.6, 3.6, 5.0)]
+    for time_s in (0.0, 0.2):
+        seen.take(rays, HERE, time_s)
+    parts = shapely.get_parts(seen.area(0.2))
+    assert len(parts) == 2
+    assert all(part.bounds[2] - part.bounds[0] > 1.4 for part in parts)

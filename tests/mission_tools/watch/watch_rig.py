@@ -1,0 +1,123 @@
+"""A boat in lockstep whose planner watches the way ahead, as the program does over MAVSDK."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from companion.core.geo import Point
+from companion.mavlink.dialect import dialect
+from companion.vehicle.vehicle import Vehicle
+from mission_tools.errors import NoRoute
+from mission_tools.mission.mission import Mission
+from mission_tools.mission.route import mission_along
+from mission_tools.watch.watcher import WATCHED_HZ, Watcher
+from sitl.run.lockstep import Lockstep
+from sitl.run.station_commands import StationCommands
+from sitl.run.timeline import Timeline
+from sitl.scenarios.layers import Layer
+from sitl.scenarios.missions import wire_items
+from sitl.scenarios.scenario import load_scenario
+
+IDS = {
+    "GLOBAL_POSITION_INT": dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+    "ATTITUDE": dialect.MAVLINK_MSG_ID_ATTITUDE,
+    "OBSTACLE_DISTANCE": dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,
+    "DISTANCE_SENSOR": dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
+    "MISSION_CURRENT": dialect.MAVLINK_MSG_ID_MISSION_CURRENT,
+}
+_POND = """
+[origin]
+lat_deg = 50.0
+lon_deg = -1.2
+[map]
+water = [[-20, -40], [120, -40], [120, 40], [-20, 40]]
+[boat]
+model = "lake"
+start = [0.0, 0.0]
+heading_deg = 90.0
+"""
+
+
+@dataclass
+class Sailed:
+    """What became of it. uploads: time of each, and how long after the first sight of something new."""
+
+    completed: bool = False
+    touched: list[str] = field(default_factory=list)
+    uploads: list[tuple[float, float]] = field(default_factory=list)
+    missions: list[tuple[Point, ...]] = field(default_factory=list)
+    track: list[Point] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+    modes: set[str] = field(default_factory=set)
+
+
+def sail_watched(
+    folder: Path,
+    route: Sequence[Point],
+    obstacles: Sequence[tuple[float, float, float]],
+    seed: int,
+    clearance_m: float = 3.0,
+    limit_s: float = 200.0,
+    speed_m_s: float = 1.0,
+) -> Sailed:
+    """Sail a route in a pond with obstacles (east, north, radius) that its chart does not have."""
+    scenario_file = folder / "pond.toml"
+    scenario_file.write_text(_POND)
+    movers = [{"start": [east, north], "radius_m": radius} for east, north, radius in obstacles]
+    scenario = load_scenario(str(scenario_file), over=(Layer("test", {"seed": seed, "movers": movers}),))
+    mission = mission_along([scenario.frame.to_global(point) for point in route], speed_m_s)
+    watcher = Watcher(scenario.chart, mission, clearance_m)
+    lockstep, timeline, sailed = Lockstep(scenario), Timeline(), Sailed()
+    station = lockstep.station
+
+    def step() -> None:
+        lockstep.step()
+        timeline.tick(lockstep)
+
+    station.listen_to(*IDS.values())
+    orders = StationCommands(lockstep, step)
+    _start(orders, mission)
+    taken: dict[str, object] = {}
+    uploading, blocked_s, wait_until_s = False, 0.0, 0.0
+    deadline_s = lockstep.time_s + limit_s
+    vehicle: Vehicle = lockstep.boat.vehicle
+    while lockstep.time_s < deadline_s and not vehicle.progress.finished:
+        step()
+        now_s = lockstep.time_s
+        sailed.modes.add(vehicle.mode.name)
+        sailed.track.append(Point(lockstep.world.truth.north_m, lockstep.world.truth.east_m))
+        for name in WATCHED_HZ:
+            message = station.latest.get(name)
+            if message is not None and taken.get(name) is not message:
+                taken[name] = message
+                watcher.take(name, message.to_dict(), now_s)
+        current = station.latest.get("MISSION_CURRENT")
+        if uploading and station.uploaded is not None:
+            assert station.uploaded, station.refusal
+            uploading, wait_until_s = False, now_s + 0.5  # until MISSION_CURRENT is of the new mission
+            sailed.uploads.append((now_s, now_s - blocked_s))
+        if uploading or current is None or now_s < wait_until_s:
+            continue
+        try:
+            found = watcher.look(current.seq - 1, now_s)
+        except NoRoute as error:
+            sailed.failures.append(str(error))
+            continue
+        if found is not None:
+            station.upload(wire_items(found), now_s)
+            uploading, blocked_s = True, now_s
+            sailed.missions.append(tuple(scenario.frame.to_local(place) for place in found.places))
+    sailed.completed = vehicle.progress.finished
+    sailed.touched = list(timeline.touched)
+    lockstep.close()
+    return sailed
+
+
+def _start(orders: StationCommands, mission: Mission) -> None:
+    orders.until_armable()
+    orders.upload(wire_items(mission))
+    for name, rate_hz in WATCHED_HZ.items():
+        orders.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, IDS[name], 1e6 / rate_hz, what=name)
+    orders.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, IDS["MISSION_CURRENT"], 2e5, what="MISSION_CURRENT")
+    orders.arm()
+    orders.start_mission()
