@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from mission_tools.drawing.names import PICTURE_SUFFIXES, check_picture_name
 from mission_tools.errors import UsageError
-from mission_tools.files.formats import check_route_name, save_route
 from mission_tools.mission.mission import Mission
 
 if TYPE_CHECKING:
@@ -26,6 +25,8 @@ def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path
         if save.suffix.lower() in PICTURE_SUFFIXES:
             check_picture_name(save, "--save")
         else:
+            from mission_tools.files.formats import check_route_name  # noqa: PLC0415 - for files alone
+
             check_route_name(save)
     read = [Path(name) for name in inputs if name is not None]
     for option, output in (("--save", save), ("--preview", preview)):
@@ -44,6 +45,8 @@ def save(mission: Mission, path: Path, planned: "PlannedMission | None" = None) 
         UsageError: a picture without a chart.
     """
     if path.suffix.lower() not in PICTURE_SUFFIXES:
+        from mission_tools.files.formats import save_route  # noqa: PLC0415 - for files alone
+
         save_route(mission, path, planned.name if planned is not None else "")
     elif planned is None:
         raise UsageError(f"{path}: a picture needs a map to draw: name a .plan file or another format")

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 from mission_tools.job import Report
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.planner import Plan
-from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 if TYPE_CHECKING:
     from mission_tools.contract.budget import Budget
+    from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
 def as_json(report: Report) -> dict[str, Any]:
@@ -80,7 +80,7 @@ def _upload(report: Report) -> dict[str, Any]:
     }
 
 
-def _voyage(monitor: MissionMonitor) -> dict[str, Any]:
+def _voyage(monitor: "MissionMonitor") -> dict[str, Any]:
     return {
         "time_s": monitor.duration_s,
         "track_length_m": monitor.track_length_m,

@@ -8,7 +8,6 @@ from pathlib import Path
 from companion.core.errors import OutputError
 from companion.core.output_file import write_text
 from mission_tools.errors import PlanFileError
-from mission_tools.mission import qgc_plan, wpl_text
 from mission_tools.mission.mission import Fence, Mission
 
 MISSION_SUFFIXES = frozenset({".plan", ".waypoints", ".wpl", ".txt"})
@@ -35,6 +34,8 @@ def parse_mission(text: str, source: str) -> Mission:
     Raises:
         PlanFileError: names the source, the item or line, and what was expected there.
     """
+    from mission_tools.mission import qgc_plan, wpl_text  # noqa: PLC0415 - msgspec, for files alone
+
     is_wpl = text.lstrip("\ufeff \r\n\t").startswith("QGC")
     try:
         return wpl_text.parse(text) if is_wpl else qgc_plan.parse(text)
@@ -62,6 +63,8 @@ def save_mission(mission: Mission, path: Path) -> None:
         PlanFileError: the file cannot be written, the name is of no known format, or the format cannot hold
             the mission.
     """
+    from mission_tools.mission import qgc_plan, wpl_text  # noqa: PLC0415 - msgspec, for files alone
+
     check_mission_name(path)
     if path.suffix.lower() == ".plan":
         text = qgc_plan.compose(mission)

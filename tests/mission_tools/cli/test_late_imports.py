@@ -15,8 +15,8 @@ HEAVY = (
     "serial",
     "typer",
 )
-PLANS_WITHOUT = HEAVY
-HELPS_WITHOUT = (*HEAVY, "msgspec", "numpy", "scipy", "shapely", "pyproj")
+PLANS_WITHOUT = (*HEAVY, "numpy.testing", "pyproj", "scipy", "mission_tools.tasks.survey")
+HELPS_WITHOUT = (*PLANS_WITHOUT, "msgspec", "numpy", "shapely")
 
 
 def loaded_by(code: str) -> set[str]:
