@@ -36,9 +36,7 @@ Exit codes: 0 nothing found, 1 findings, 2 wrong usage or input, 3 no vehicle or
 def _parser() -> Parser:
     parser = Parser(PROGRAM, EXAMPLES, "FILE")
     group = parser.add_argument_group("check")
-    group.add_argument(
-        "--map", metavar="SOURCE", dest="map_source", help="scenario, .toml or .geojson to check against"
-    )
+    group.add_argument("--map", metavar="SOURCE", dest="map_source", help="scenario or map to check against")
     group.add_argument(
         "--clearance", type=number, metavar="M", help="metres kept from everything [the scenario's, or 4]"
     )
@@ -53,6 +51,7 @@ def _check(given: Namespace) -> int:
         from mission_tools.mission.check import check_mission  # noqa: PLC0415
         from mission_tools.mission.plan_file import load_mission  # noqa: PLC0415
         from mission_tools.planning.planner import PlanSettings  # noqa: PLC0415
+        from mission_tools.wording import counted  # noqa: PLC0415
 
     if (given.source is None) == (given.connect is None):
         raise UsageError("expected either a FILE or --connect URL, which checks what is on board")
@@ -66,6 +65,8 @@ def _check(given: Namespace) -> int:
         source = load_source(given.map_source)
         settings = PlanSettings.from_route(source.route, clearance_m=given.clearance)
         findings = check_mission(mission, source.chart, settings.clearance_m)
+        for note in source.chart.notes:
+            sys.stderr.write(f"note: {note}\n")
     code = 1 if findings else 0
     if given.as_json:
         listed = [{"item": finding.item, "text": finding.text} for finding in findings]
@@ -75,8 +76,7 @@ def _check(given: Namespace) -> int:
         return code
     for finding in findings:
         sys.stdout.write(f"{name}: {finding}\n")
-    count = len(mission.items)
-    sys.stdout.write(f"{name}: {count} items, {len(findings)} finding{'' if len(findings) == 1 else 's'}\n")
+    sys.stdout.write(f"{name}: {counted(len(mission.items), 'item')}, {counted(len(findings), 'finding')}\n")
     return code
 
 

@@ -3,6 +3,7 @@
 import json
 import re
 import socket
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -224,7 +225,7 @@ def test_check_lists_findings_and_fails(pond: Path, capsys: pytest.CaptureFixtur
     assert check_cli.run_program(["over.waypoints"]) == 0
     assert check_cli.run_program(["over.waypoints", "--map", "pond.geojson", "--json"]) == 1
     out = capsys.readouterr().out
-    assert "1 items, 0 findings" in out
+    assert "1 item, no findings" in out
     findings = json.loads(out[out.index("{") :])["findings"]
     assert [finding["item"] for finding in findings] == [1]
     assert "Goose Island is in the way" in findings[0]["text"]
@@ -273,3 +274,20 @@ def test_a_mission_that_leaves_its_fence_is_noted_by_item(
     assert upload_cli.run_program(["r.plan", "--fence", "in.geojson", "--dry-run", "--save", "f.plan"]) == 0
     assert re.search(r"note: item \d: lies in the water outside the fence", capsys.readouterr().out)
     assert len(load_mission(Path("f.plan")).fence.polygons) == 1
+
+
+@pytest.mark.parametrize("program", [upload_cli.run_program, check_cli.run_program])
+def test_what_was_repaired_in_a_map_is_told(
+    program: Callable[[list[str]], int], pond: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tree = json.loads((pond / "pond.geojson").read_text(encoding="utf-8"))
+    tree = tree if tree["type"] == "FeatureCollection" else {"type": "FeatureCollection", "features": [tree]}
+    tree["features"].append({"type": "Feature", "properties": {}, "geometry": None})
+    (pond / "Broken.GEOJSON").write_text("\ufeff" + json.dumps(tree), encoding="utf-8")
+    route = ["Broken.GEOJSON", "--start-at", START, "--goal", GOAL, "--dry-run", "--save", "one.plan"]
+    assert upload_cli.run_program(route) == 0
+    if program is check_cli.run_program:
+        capsys.readouterr()
+        assert program(["one.plan", "--map", "Broken.GEOJSON"]) == 0
+    said = capsys.readouterr()
+    assert "no geometry: skipped" in said.out + said.err
