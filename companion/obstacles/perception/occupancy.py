@@ -152,8 +152,9 @@ class Occupancy:
     def _clear_beam(self, beam: Beam) -> None:
         """Reduce the evidence of the cells in the core of the beam, well before the echo.
 
-        A suspect cell counts as in the core if a corner is: a single echo marks every cell that its arc
-        touches, and a second look at the same place must clear them all.
+        Where no cell is solid, a cell counts as in the core if a corner is: a single echo marks every cell
+        that its arc touches, and a second look at the same place must clear them all. Beside solid cells it
+        may be the edge of an obstacle.
         """
         is_echo = beam.range_m <= beam.reach_m
         clear_m = (beam.range_m if is_echo else beam.reach_m) - self.cell_m
@@ -164,14 +165,15 @@ class Occupancy:
         edge = math.cos(0.5 * _CORE * beam.width_rad)
         sine = math.sin(0.5 * _CORE * beam.width_rad)
         beside_m = math.sqrt(0.5) * self.cell_m
+        is_open = all(cell.evidence < SOLID for cell in self._cells.values())
         for cell in self._cells.values():
             north, east = cell.north_m - beam.north_m, cell.east_m - beam.east_m
             along = north * ahead_n + east * ahead_e
             if 0.0 < along < clear_m:
                 distance = math.sqrt(north * north + east * east)
                 across = abs(north * ahead_e - east * ahead_n)
-                is_suspect = cell.evidence < SOLID and across < sine * distance + beside_m
-                is_through = is_suspect or along > edge * distance
+                is_single = is_open and across < sine * distance + beside_m
+                is_through = is_single or along > edge * distance
                 if distance < clear_m and is_through:
                     cell.evidence = max(self._decayed(cell, beam.time_s) - taken, _DOUBTS)
                     cell.seen_s = beam.time_s

@@ -15,6 +15,9 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 
 _FAST_S: Final = 8.0  # a boat that covers its sight in less is fast
+# A boat that covers its sight in less looks again at a single echo, for which it brakes hard: at the cruise
+# speed of 2 m/s it takes 2 s, at the 1 m/s of AVOID_SIGHT 4 s.
+_HASTY_S: Final = 3.0
 _AHEAD_RAD: Final = 1.06  # sector ahead for a fast boat, to either side
 _ABOUT_RAD: Final = 0.53  # to either side of a tracked obstacle, to observe the free water beside it
 _NEW_LOOKS: Final = 8  # observations after which a track is classified,
@@ -44,10 +47,11 @@ def choose_sector(
     *,
     is_open: bool,
 ) -> Sector:
-    """The next sector. unconfirmed: an echo to be observed again at once. is_open: there is no solid cell;
-    otherwise the whole sweep is kept.
+    """The next sector. unconfirmed: an echo that a fast boat observes again at once. is_open: there is no
+    solid cell; otherwise the whole sweep is kept.
     """
-    if unconfirmed is not None:
+    speed_m_s = math.sqrt(nav.north_m_s * nav.north_m_s + nav.east_m_s * nav.east_m_s)
+    if unconfirmed is not None and speed_m_s * _HASTY_S > reach_m:
         echo = unconfirmed.echo
         off = wrap_pi(math.atan2(echo.east_m - nav.east_m, echo.north_m - nav.north_m) - nav.heading_rad)
         return Sector(off, off)
@@ -68,7 +72,6 @@ def choose_sector(
     if watched is None:
         if not is_open:
             return ALL_ROUND
-        speed_m_s = math.sqrt(nav.north_m_s * nav.north_m_s + nav.east_m_s * nav.east_m_s)
         return _AHEAD if speed_m_s * _FAST_S > reach_m else ALL_ROUND
     half = _ABOUT_RAD + math.asin(watched.radius_m / max(nearest_m, 2.0 * watched.radius_m))
     about = Sector(bearing - half, bearing + half)

@@ -114,6 +114,13 @@ def test_a_beam_clears_suspect_cells_of_which_a_corner_is_in_its_core(off_m: flo
     assert (seen.evidence_at(ROCK, 0.0) == 0.5) is is_cleared
 
 
+def test_beside_a_solid_cell_a_beam_clears_its_core_alone() -> None:
+    rock = look(2.1, 0.0, math.pi, 0.01)
+    seen = grid(rock, look(2.1, 0.1, math.pi, 0.01), look(3.1, 0.1, width_rad=0.01))
+    seen.add(look(FREE, 0.1, math.atan2(ROCK.east_m, ROCK.north_m) + 0.1))
+    assert seen.evidence_at(ROCK, 0.1) == 1.0
+
+
 @pytest.mark.parametrize("range_m", [0.7, 1.5, 2.3, 3.1])
 @pytest.mark.parametrize("turned_rad", [0.0, 0.02, -0.02])
 def test_a_second_look_at_the_place_of_a_single_echo_leaves_no_suspect(

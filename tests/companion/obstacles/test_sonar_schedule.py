@@ -61,6 +61,15 @@ def test_a_single_echo_is_looked_at_again_in_open_water() -> None:
     assert sector == pytest.approx((bearing, bearing))
 
 
+@pytest.mark.parametrize(("speed_m_s", "looks_again"), [(1.4, True), (1.3, False), (1.0, False)])
+def test_a_boat_that_has_time_keeps_its_sweep_after_a_single_echo(
+    speed_m_s: float, looks_again: bool
+) -> None:
+    beam = Beam(0.0, Point(0.0, 0.0), 0.5, math.radians(15.0), 3.0, REACH_M)
+    sector = choose_sector(under_way(speed_m_s), ObstacleTracks(1.0), REACH_M, 0.1, beam, is_open=True)
+    assert (sector.port_rad == sector.starboard_rad) is looks_again
+
+
 def test_the_sonar_does_not_dwell_on_a_false_echo() -> None:
     assert is_unclassified(track(3.0, 0.0), 0.2)
     assert not is_unclassified(track(3.0, 0.0), 0.6)
