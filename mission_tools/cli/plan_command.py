@@ -23,6 +23,10 @@ Examples:
 
     {PROGRAM} lake --out lake.plan --preview lake.png
 
+    {PROGRAM} lake --via 50.0001,-1.1975 --via 49.9990,-1.2010@60 --any-order --return --boat lake
+
+    {PROGRAM} lake --survey all --footprint 30 --overlap 0.2 --contract --out survey.plan
+
     {PROGRAM} pond.geojson --start 29.4102,-82.1712 --goal 29.4105,-82.1702 --clearance 3 --out pond.plan
 
 Exit codes: 0 done, 1 no route, 2 wrong usage or input.

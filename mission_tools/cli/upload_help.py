@@ -13,7 +13,8 @@ inclusion (which they are without it) or exclusion. A map is a fence too: the ou
 what is solid or to keep out of. Rally points are points. A route is planned inside the fence and keeps the
 clearance from its lines too.
 
-A route starts at --start-at, else at the boat, else at the scenario's start.
+A route starts at --start-at, else at the boat, else at the scenario's start. --contract adds a fence and
+rally points from the map itself; --boat refuses a plan on which the boat would not come home.
 
 Examples:
 
@@ -24,6 +25,8 @@ Examples:
     {PROGRAM} pond.geojson --goal 29.4105,-82.1702 --clearance 3 --connect udp:0.0.0.0:14550
 
     {PROGRAM} lake --fence lake-fence.geojson --rally jetties.geojson --start
+
+    {PROGRAM} lake --via 50.0001,-1.1975 --return --contract --boat lake --if-changed --start --follow
 
     {PROGRAM} --fence none
 

@@ -14,13 +14,18 @@ import mission_tools as mt
 from companion.config.fence import FenceSetting
 from companion.core.geo import LocalFrame, Point, distance_m
 from companion.geofence import fence as aboard
+from companion.mavlink.items import MissionItem
 from mission_tools.contract.fence_of_water import fence_of_water
 from mission_tools.contract.water_contract import Capacity, fence_lines, with_contract
 from mission_tools.errors import NoRoute, UsageError
+from mission_tools.maps import Source
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Fence
 from mission_tools.mission.plan_options import PlanOptions
-from mission_tools.mission.planned_mission import MissionFile, PlannedMission
+from mission_tools.mission.planned_mission import MapSource, MissionFile, PlannedMission
+from sitl.run.mission_run import MissionRun
+from sitl.scenarios.missions import wire_items
+from sitl.scenarios.scenario import load_scenario
 
 SHORES = Path(__file__).parents[3] / ".." / "shared" / "maps" / "shore"
 
@@ -144,3 +149,22 @@ def test_too_little_room_for_the_boats_margin_is_noted() -> None:
     contracted = with_contract(planned, capacity)
     assert any("plan with more --clearance" in note for note in contracted.notes)
     assert_holds(contracted, capacity, 0.5)
+
+
+def test_a_boat_sails_its_contract_as_it_sails_without_a_fence() -> None:
+    """The fence's brake leaves the route alone, and nothing is told of a breach."""
+    scenario = load_scenario("lake")
+    planned = MapSource("lake", Source(scenario.chart, scenario.route), PlanOptions()).prepare()
+    contracted = with_contract(planned, Capacity(scenario.vehicle.fence.margin_m))
+    fence = [
+        MissionItem(item.frame, item.command, 0, 1, *item.params, item.x, item.y, item.z)
+        for item in contracted.mission.fence.items()
+    ]
+    times_s = []
+    for areas in ([], fence):
+        run = MissionRun(scenario, wire_items(contracted.mission), fence=areas)
+        result = run.run()
+        assert result.completed
+        assert not [text for text in run.lockstep.station.texts if "ence" in text]
+        times_s.append(result.time_s)
+    assert times_s[1] < 1.03 * times_s[0]
