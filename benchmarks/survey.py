@@ -14,17 +14,18 @@ from benchmarks.measure import Row, alone, cpu_seconds
 from mission_tools.drawing.survey import swath_of
 from mission_tools.maps import Chart, load_source
 from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.survey.settings import SurveySettings
+from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from mission_tools.tasks.survey.survey import Survey, survey
 
 SHORE = Path(__file__).parents[2] / "shared" / "maps" / "shore"
 LAKES = (
-    ("pond_two_islands_nh", "pond, 33 ha, 2 islands", 10.0),
+    ("pond_two_islands_nh", "pond, 33 ha, 2 islands", 12.0),
     ("lake_vassiviere_fr", "Vassivière, 9.3 km², 8 islands", 50.0),
     ("lake_squam_nh", "Squam, 27 km², 14 islands", 100.0),
     ("lake_millinocket_me", "Millinocket, 35 km², 74 islands", 100.0),
 )
 OVERLAP = 0.1
+TURN_RADIUS_M = turn_radius_m(2.0, 0.65, 0.8)  # of the lake boat at cruise speed
 ROUNDS = 5
 _ARC = 16  # segments of a quarter circle
 
@@ -39,7 +40,10 @@ def rows() -> list[Row]:
             continue
         chart = load_source(str(path)).chart
         settings = SurveySettings(
-            footprint_m=footprint_m, overlap=OVERLAP, plan=PlanSettings(clearance_m=4.0)
+            footprint_m=footprint_m,
+            overlap=OVERLAP,
+            plan=PlanSettings(clearance_m=4.0),
+            turn_radius_m=TURN_RADIUS_M,
         )
         planned = survey(chart, None, settings)
         plan_it = partial(survey, chart, None, settings)

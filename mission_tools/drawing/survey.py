@@ -62,8 +62,8 @@ def draw_survey(
             [point.east_m for point in leg.points],
             [point.north_m for point in leg.points],
             color=COLOURS[leg.kind],
-            linewidth=2.6 if track else 1.2,
-            alpha=0.6 if track else 1.0,
+            linewidth=4.2 if track else 1.2,
+            alpha=0.5 if track else 1.0,
             zorder=8,
         )
     handles: list[Patch | Line2D] = [
@@ -73,7 +73,7 @@ def draw_survey(
     ]
     if track:
         columns = [point.east_m for point in track], [point.north_m for point in track]
-        axes.plot(*columns, color=SAILED, linewidth=0.9, zorder=9)
+        axes.plot(*columns, color=SAILED, linewidth=0.8, zorder=9)
         handles.append(Line2D([], [], color=SAILED, label="sailed"))
     handles += [Patch(color=COVERED, label="covered"), Patch(color=MISSED, label="missed")]
     axes.legend(handles=handles, loc="upper left", fontsize=9, framealpha=0.9).set_zorder(20)

@@ -1,5 +1,6 @@
 """What every task gives: a route in legs, each with a kind, and the times to hold at their ends."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,6 +12,7 @@ from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.route import with_speed
 from mission_tools.planning.smooth import path_length_m
+from mission_tools.tasks.transits import water_of
 
 LegKind = Literal["transit", "track", "shore", "cross"]
 LONGEST_HOLD_S = 65_535.0  # ArduPilot keeps the hold time of a waypoint in 16 bits, in whole seconds
@@ -93,11 +95,8 @@ class TaskRoute:
 
     def min_clearance_m(self, chart: Chart) -> float:
         """Smallest distance from the route to a shore; infinite in open water."""
-        points = self.points
-        return min(
-            (chart.leg_clearance_m(a, b) for a, b in pairwise(points)),
-            default=chart.clearance_m(points[0]) if points else float("inf"),
-        )
+        water, points = water_of(chart), self.points
+        return min((water.leg_distance_m(a, b) for a, b in pairwise(points)), default=math.inf)
 
 
 def mission_of(route: TaskRoute, frame: LocalFrame, speed_m_s: float | None = None) -> Mission:

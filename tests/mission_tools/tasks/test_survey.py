@@ -1,9 +1,10 @@
 """Surveys: what is covered, how long the route is, what it keeps clear of."""
 
 import math
+import time
 from dataclasses import replace
+from itertools import pairwise
 
-import numpy as np
 import pytest
 import shapely
 from task_waters import basin, real_lake, route_line
@@ -35,10 +36,7 @@ def covered_share(found: Survey, target: shapely.Geometry) -> float:
     line = route_line(found.route.points)
     # A buffer of a long line with many crossings is slow: buffer its legs and join them.
     swath = shapely.union_all(
-        [
-            shapely.LineString(pair).buffer(0.5 * found.swath_m, quad_segs=16)
-            for pair in zip(line.coords, line.coords[1:], strict=False)
-        ]
+        [shapely.LineString(pair).buffer(0.5 * found.swath_m, quad_segs=16) for pair in pairwise(line.coords)]
     )
     return float(swath.intersection(target).area / target.area)
 
@@ -170,12 +168,23 @@ def test_a_survey_is_the_same_every_time() -> None:
     assert first.route == second.route
 
 
-def test_a_real_pond_with_islands_is_covered_at_eight_percent_above_the_bound() -> None:
-    chart = real_lake("pond_two_islands_nh")
-    found = survey(chart, None, SETTINGS)
-    assert covered_share(found, reachable(chart, SETTINGS)) >= 0.995
+@pytest.mark.parametrize(
+    ("name", "footprint_m"),
+    [("pond_two_islands_nh", 12.0), ("lake_vassiviere_fr", 50.0), ("lake_squam_nh", 100.0)],
+)
+def test_a_real_lake_with_islands_is_covered_at_eight_percent_above_the_bound(
+    name: str, footprint_m: float
+) -> None:
+    chart = real_lake(name)
+    settings = replace(SETTINGS, footprint_m=footprint_m, turn_radius_m=turn_radius_m(2.0, 0.65, 0.8))
+    began_s = time.process_time()
+    found = survey(chart, None, settings)
+    assert time.process_time() - began_s < 2.0 * 8.0  # seconds; the benchmark has the figure
+    assert covered_share(found, reachable(chart, settings)) >= 0.995
+    assert found.coverage == pytest.approx(covered_share(found, reachable(chart, settings)), abs=0.002)
     assert found.length_ratio <= 1.08
-    assert found.route.min_clearance_m(chart) >= 4.0
-    tracks_m = found.route.length_of_m("track") + found.route.length_of_m("shore")
-    assert tracks_m < found.least_m <= found.route.length_m + 1e-6
-    assert np.isfinite(found.least_m)
+    legs = shapely.linestrings([(a[::-1], b[::-1]) for a, b in pairwise(found.route.points)])
+    assert not shapely.dwithin(chart.shores, legs, 4.0 * (1.0 - 1e-6)).any()
+    assert found.route.min_clearance_m(chart) >= 4.0 * (1.0 - 1e-6)
+    sailed_m = found.route.length_of_m("track") + found.route.length_of_m("shore")
+    assert sailed_m < found.least_m <= found.route.length_m
