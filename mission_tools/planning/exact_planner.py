@@ -62,8 +62,8 @@ def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
         else:
             leg = _leg(chart, routes, start, goal, clearance_m)
         legs.append(leg)
-    fitted = [_fit(leg, routes, clearance_m) for leg in legs]
-    points = (*(point for leg in fitted for point in leg[:-1]), stops[-1])
+    ways = [fitted(leg, routes, clearance_m) for leg in legs]
+    points = (*(point for way in ways for point in way[:-1]), stops[-1])
     min_clearance_m = min(water.leg_distance_m(a, b) for a, b in pairwise(points))
     expanded = sum(leg.expanded for leg in legs)
     return Plan(
@@ -128,7 +128,7 @@ def _no_route(chart: Chart, start: Point, goal: Point, clearance_m: float) -> st
     )
 
 
-def _fit(route: Route, routes: Routes, clearance_m: float) -> tuple[Point, ...]:
+def fitted(route: Route, routes: Routes, clearance_m: float) -> tuple[Point, ...]:
     """A route with few long legs, and with room at its corners for the boat's turns."""
     max_length_m = (1.0 + MAX_MERGE_EXCESS) * route.length_m
     merged = merge_short_legs(route.points, routes.is_clear, MIN_LEG_CLEARANCES * clearance_m, max_length_m)

@@ -11,8 +11,8 @@ from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.route import with_speed
+from mission_tools.planning.exact_planner import water_of
 from mission_tools.planning.smooth import path_length_m
-from mission_tools.tasks.transits import water_of
 
 LegKind = Literal["transit", "track", "shore", "cross"]
 LONGEST_HOLD_S = 65_535.0  # ArduPilot keeps the hold time of a waypoint in 16 bits, in whole seconds

@@ -8,12 +8,10 @@ from companion.core.geo import Point
 from companion.planning.visibility import NoWay
 from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
-from mission_tools.planning.exact_planner import water_of
+from mission_tools.planning.exact_planner import fitted, water_of
 from mission_tools.planning.planner import PlanSettings, plan
-from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, path_length_m
+from mission_tools.planning.smooth import path_length_m
 
-MAX_EXCESS = 0.005  # of the shortest length, for fewer legs
 _ROUNDING = 1e-9  # of the clearance: the ends of tracks lie at the clearance itself
 
 
@@ -55,15 +53,8 @@ class Transits:
         if start == goal:
             return (start,)
         with contextlib.suppress(NoWay):
-            return self._fitted(self._routes.route(start, goal).points)
+            return fitted(self._routes.route(start, goal), self._routes, self._settings.required_m)
         try:  # with less of a margin, or from a jetty; else it says why not
             return plan(self._chart, start, goal, self._settings).points
         except NoRouteError as error:
             return error
-
-    def _fitted(self, points: tuple[Point, ...]) -> tuple[Point, ...]:
-        """The route with fewer, longer legs, and with room for the boat's turns."""
-        is_clear, required_m = self._routes.is_clear, self._settings.required_m
-        longest_m = (1.0 + MAX_EXCESS) * path_length_m(points)
-        merged = merge_short_legs(points, is_clear, MIN_LEG_CLEARANCES * required_m, longest_m)
-        return widen_corners(merged, is_clear, CORNER_CLEARANCES * required_m, longest_m)
