@@ -228,8 +228,8 @@ def _growth() -> Iterator[Row]:
     """Cold queries across jagged lakes of more and more vertices."""
     for vertices in VERTICES:
         rng = random.Random(SEED)
-        shores = oracle.shores_of(_jagged(rng, vertices))
-        lake = shapely.Polygon([(corner.east_m, corner.north_m) for corner in shores[0].corners])
+        lake = _jagged(rng, vertices)
+        shores = oracle.shores_of(lake)
         ends = oracle.free_points(rng, lake, 4.0, 24)
         took = [_cold_ms(shores, *pair) for pair in pairwise(ends)]
         yield alone(f"a lake of {vertices:,} vertices: cold", "ms", "less", took, f"max {max(took):.0f}")

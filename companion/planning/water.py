@@ -16,6 +16,7 @@ from companion.planning.visibility import Routes
 MIN_CLEARANCE_M = 1e-6
 """What a clearance of 0 means: a leg that touches a shore is not clear."""
 SIDE_M = 1e-6  # how far beside a shore is looked for water
+_EDGES_SEEN = 32  # of a ring; beside the longest of them is looked for water
 _DOUBLED_M = 1e-9  # corners nearer than this to each other are one
 
 _kernel = kernels.load("_segments", "segments")
@@ -100,9 +101,8 @@ class Water:
 
     def _water_side(self, corners: Sequence[Point]) -> int:
         """1 where the water is on the left of a ring, −1 on its right, 0 on both sides."""
-        _, a, b = max(
-            (math.dist(corners[i - 1], corners[i]), corners[i - 1], corners[i]) for i in range(len(corners))
-        )
+        few = range(0, len(corners), max(1, len(corners) // _EDGES_SEEN))
+        _, a, b = max((math.dist(corners[i - 1], corners[i]), corners[i - 1], corners[i]) for i in few)
         length_m = math.dist(a, b)
         north, east = (b.north_m - a.north_m) / length_m * SIDE_M, (b.east_m - a.east_m) / length_m * SIDE_M
         middle = Point(0.5 * (a.north_m + b.north_m), 0.5 * (a.east_m + b.east_m))
@@ -119,12 +119,14 @@ class _Ring(NamedTuple):
 def _cleaned(shore: Shore) -> Shore:
     """Without doubled corners; a single point becomes a triangle round it."""
     corners: list[Point] = []
+    last_north_m, last_east_m = shore.corners[-1] if shore.corners else (0.0, 0.0)
     for corner in shore.corners:
-        if not corners or math.dist(corners[-1], corner) > _DOUBLED_M:
-            corners.append(Point(*corner))
-    while len(corners) > 1 and math.dist(corners[0], corners[-1]) <= _DOUBLED_M:
-        corners.pop()
-    if len(corners) == 1:
+        north_m, east_m = corner
+        if abs(north_m - last_north_m) > _DOUBLED_M or abs(east_m - last_east_m) > _DOUBLED_M:
+            corners.append(corner)
+            last_north_m, last_east_m = north_m, east_m
+    if shore.corners and len(corners) < 2:
+        corners = [shore.corners[0]]
         north_m, east_m = corners[0]
         corners = [
             Point(north_m + 2.0 * SIDE_M, east_m),
