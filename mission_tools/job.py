@@ -31,6 +31,7 @@ class Request:
     patience_s: float = 10.0  # for the first heartbeat, the first position, and for arming
     start: bool = False
     follow: bool = False
+    watch: bool = False  # and lead the mission round what the vehicle's rangers see
     timeout_s: float = math.inf
     dry_run: bool = False
     save: Path | None = None

@@ -33,6 +33,11 @@ def _parser() -> Parser:
     sail.add_argument("--start", action="store_true", help="arm and start the mission")
     sail.add_argument("--follow", action="store_true", help="watch until the mission has ended")
     sail.add_argument(
+        "--watch",
+        action="store_true",
+        help="as --follow, and lead the mission round what the boat's rangers see on its way",
+    )
+    sail.add_argument(
         "--timeout", type=number, default=math.inf, metavar="S", help="give up following after this"
     )
     sail.add_argument("--diff", action="store_true", help="say what the upload changes on board")
@@ -61,6 +66,7 @@ def _upload(given: Namespace) -> None:
         patience_s=given.patience,
         start=given.start,
         follow=given.follow,
+        watch=given.watch,
         timeout_s=given.timeout,
         dry_run=given.dry_run,
         save=given.save,

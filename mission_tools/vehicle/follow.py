@@ -12,6 +12,7 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsed
 from rich.progress import Progress as Bar
 
 from mission_tools.errors import VehicleError
+from mission_tools.vehicle.lookout import Lookout
 from mission_tools.vehicle.mission_monitor import MissionMonitor, Progress
 from mission_tools.vehicle.vehicle import Vehicle
 from mission_tools.wording import distance, duration
@@ -25,8 +26,12 @@ async def follow(
     stream: TextIO,
     timeout_s: float = math.inf,
     clock: Callable[[], float] = time.monotonic,
-) -> None:
+    lookout: Lookout | None = None,
+) -> MissionMonitor:
     """Watch until the mission has ended; the monitor keeps the track, also of one that ends badly.
+
+    lookout: gives the vehicle another mission where the way ahead is blocked. Returns the last one's monitor,
+    whose track is that of the whole voyage.
 
     Raises:
         VehicleError: the mission ended badly, or has not ended within timeout_s.
@@ -40,7 +45,10 @@ async def follow(
             progress = monitor.update(vehicle.state, clock())
             display.show(progress)
             if progress.finished:
-                return
+                return monitor
+            if lookout is not None and (found := await lookout.step()) is not None:
+                first_seq = 1 if vehicle.state.is_ardupilot else 0
+                monitor = monitor.replaced(found, clock(), first_seq=first_seq)
             if clock() - began_s > timeout_s:
                 raise VehicleError(
                     f"the mission has not ended within {timeout_s:g} s: {progress.left_m:.1f} m are left; "

@@ -62,6 +62,12 @@ class MissionMonitor:
         """A monitor that counts items as the vehicle of this state does."""
         return cls(mission, now_s, first_seq=1 if state.is_ardupilot else 0)
 
+    def replaced(self, mission: Mission, now_s: float, *, first_seq: int = 1) -> "MissionMonitor":
+        """A monitor of the mission that took this one's place; the track goes on."""
+        monitor = MissionMonitor(mission, now_s, first_seq=first_seq)
+        monitor.track = self.track
+        return monitor
+
     @property
     def duration_s(self) -> float:
         """How long the boat has been under way, by its own clock."""

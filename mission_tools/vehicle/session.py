@@ -14,10 +14,12 @@ from mission_tools.vehicle.connection import connect
 from mission_tools.vehicle.exchange import Lists, differing, holdings, send
 from mission_tools.vehicle.follow import follow
 from mission_tools.vehicle.link_url import LinkUrl
+from mission_tools.vehicle.lookout import looking_out
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.vehicle.off_loop import in_thread
 from mission_tools.vehicle.signed_link import read_sign_key
 from mission_tools.vehicle.vehicle import Vehicle
+from mission_tools.watch.watcher import Watcher
 from mission_tools.wording import Printer, distance, duration
 
 if TYPE_CHECKING:
@@ -135,9 +137,18 @@ class _Session:
             await vehicle.start(request.patience_s)
             report.started, report.mode = True, vehicle.state.mode
             self._say("started")
-        if request.follow:
+        if request.follow or request.watch:
             report.monitor = MissionMonitor.of(vehicle.state, planned.mission, time.monotonic())
-            await follow(vehicle, report.monitor, self._say.stream, request.timeout_s)
+            async with AsyncExitStack() as stack:
+                lookout = None
+                if request.watch:
+                    watcher = Watcher(planned.chart, planned.mission, planned.clearance_m)
+                    lookout = await stack.enter_async_context(
+                        looking_out(vehicle, watcher, self._say, time.monotonic)
+                    )
+                report.monitor = await follow(
+                    vehicle, report.monitor, self._say.stream, request.timeout_s, lookout=lookout
+                )
             report.mode = vehicle.state.mode
             monitor = report.monitor
             sailed = f"sailed {distance(monitor.track_length_m)} in {duration(monitor.duration_s)}"

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import json
 import logging
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 
 from mavsdk.asyncio import System
 from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
@@ -16,7 +16,13 @@ from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
 from mission_tools.errors import CommandRefused, LinkLost, UploadRejected
 from mission_tools.mission.mission import LIST_NAMES, Command, MissionItem, MissionType
 from mission_tools.vehicle.link_url import LinkUrl
-from mission_tools.vehicle.state import AUTO, COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
+from mission_tools.vehicle.state import (
+    AUTO,
+    AUTOPILOT_COMPONENT,
+    COMMAND_RESULTS,
+    MISSION_REFUSALS,
+    VehicleState,
+)
 
 SILENCE_S = 5.0  # without a heartbeat the link counts as lost
 TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
@@ -202,9 +208,9 @@ class Vehicle:
             text = self.state.last_warning(began_s) or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
             raise CommandRefused(f"the vehicle refused to {doing}: {text}")
 
-    async def ask_for_rates(self) -> None:
-        """Ask for the messages that following needs. Vehicles that cannot are left to their own rates."""
-        for message_id, rate_hz in ASKED_RATES_HZ.items():
+    async def ask_for_rates(self, rates_hz: Mapping[int, float] = ASKED_RATES_HZ) -> None:
+        """Ask for messages by their ids. Vehicles that cannot are left to their own rates."""
+        for message_id, rate_hz in rates_hz.items():
             fields = {"param1": float(message_id), "param2": 1e6 / rate_hz}
             with contextlib.suppress(MavlinkDirectError):
                 await self._direct.send_message(self._command_long(Command.SET_MESSAGE_INTERVAL, fields))
@@ -235,6 +241,12 @@ class Vehicle:
                 self.state.handle(name, message.component_id, fields, self._clock())
             except (ValueError, KeyError, TypeError) as error:
                 log.debug("%s that makes no sense: %r", name, error)
+
+    async def messages(self, name: str) -> AsyncIterator[str]:
+        """The fields of every message of one kind from the autopilot, as JSON."""
+        async for message in self._direct.subscribe_message(name):
+            if message.component_id == AUTOPILOT_COMPONENT:
+                yield message.fields_json
 
     def close(self) -> None:
         """Let MAVSDK's plugins go."""
