@@ -27,6 +27,7 @@ from benchmarks import (
     startup,
     survey,
     transfer,
+    watch,
 )
 from benchmarks.measure import Row
 from benchmarks.planning import grids
@@ -37,6 +38,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
     "planner": planner.rows,
     "river": river.rows,
+    "watch": watch.rows,
     "grids": grids.rows,
     "emulator": emulator.rows,
     "campaign": campaign.rows,

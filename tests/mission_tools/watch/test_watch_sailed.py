@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
-from watch_rig import sail_watched
 
 from companion.core.geo import Point
+from sitl.experiments.watched_run import sail_watched
 
 RAFT = [(25.0, north, 1.0) for north in (-1.5, 0.0, 1.5)]
 

@@ -1,4 +1,4 @@
-"""A boat in lockstep whose planner watches the way ahead, as the program does over MAVSDK."""
+"""A boat in lockstep whose planner watches the way ahead, as `mission-upload --watch` does over MAVSDK."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from mission_tools.mission.mission import Mission
 from mission_tools.mission.route import mission_along
 from mission_tools.watch.watcher import WATCHED_HZ, Watcher
 from sitl.run.lockstep import Lockstep
-from sitl.run.station_commands import StationCommands
+from sitl.run.station_commands import RunError, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.missions import wire_items
@@ -39,7 +39,7 @@ heading_deg = 90.0
 
 
 @dataclass
-class Sailed:
+class SailedWatched:
     """What became of it. uploads: time of each, and how long after the first sight of something new."""
 
     completed: bool = False
@@ -59,15 +59,21 @@ def sail_watched(
     clearance_m: float = 3.0,
     limit_s: float = 200.0,
     speed_m_s: float = 1.0,
-) -> Sailed:
-    """Sail a route in a pond with obstacles (east, north, radius) that its chart does not have."""
+) -> SailedWatched:
+    """Sail a route in a pond with obstacles (east, north, radius) that its chart does not have.
+
+    Raises:
+        RunError: the boat refused a mission, or did not start.
+    """
     scenario_file = folder / "pond.toml"
     scenario_file.write_text(_POND)
     movers = [{"start": [east, north], "radius_m": radius} for east, north, radius in obstacles]
-    scenario = load_scenario(str(scenario_file), over=(Layer("test", {"seed": seed, "movers": movers}),))
+    scenario = load_scenario(
+        str(scenario_file), over=(Layer("watched run", {"seed": seed, "movers": movers}),)
+    )
     mission = mission_along([scenario.frame.to_global(point) for point in route], speed_m_s)
     watcher = Watcher(scenario.chart, mission, clearance_m)
-    lockstep, timeline, sailed = Lockstep(scenario), Timeline(), Sailed()
+    lockstep, timeline, sailed = Lockstep(scenario), Timeline(), SailedWatched()
     station = lockstep.station
 
     def step() -> None:
@@ -93,7 +99,8 @@ def sail_watched(
                 watcher.take(name, message.to_dict(), now_s)
         current = station.latest.get("MISSION_CURRENT")
         if uploading and station.uploaded is not None:
-            assert station.uploaded, station.refusal
+            if not station.uploaded:
+                raise RunError(f"the boat refused the mission: {station.refusal}")
             uploading, wait_until_s = False, now_s + 0.5  # until MISSION_CURRENT is of the new mission
             sailed.uploads.append((now_s, now_s - blocked_s))
         if uploading or current is None or now_s < wait_until_s:
