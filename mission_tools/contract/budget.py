@@ -223,7 +223,8 @@ def _manoeuvres_s(
     points: Sequence[Point], holds_s: Sequence[float], boat: Boat, speed_m_s: float
 ) -> list[float]:
     """Time lost at the end of each leg: in its corner, and by a stop; the start is in the first."""
-    per_m_s2 = (1.0 + 1.0 / GAINING_SHARE) / boat.accel_m_s2
+    stop_s2_m = 1.0 / boat.accel_m_s2
+    both_s2_m = (1.0 + 1.0 / GAINING_SHARE) / boat.accel_m_s2
     lost = []
     for n in range(1, len(points)):
         is_last = n == len(points) - 1
@@ -237,8 +238,8 @@ def _manoeuvres_s(
             slack = 1.0 / max(math.cos(0.5 * turn), 1e-3) - 1.0  # of a fillet, per metre of its radius
             radius_m = boat.waypoint_radius_m / max(slack, 1e-9)
             slowest = min(speed_m_s, math.sqrt(boat.corner_accel_m_s2 * radius_m))
-        slowing_s = (speed_m_s - slowest) ** 2 / (2.0 * speed_m_s) * per_m_s2
+        slowing_s = (speed_m_s - slowest) ** 2 / (2.0 * speed_m_s) * (stop_s2_m if is_last else both_s2_m)
         turning_s = turn / boat.turn_rate_rad_s if slowest < boat.slowest_m_s else 0.0
-        lost.append((0.5 if is_last else 1.0) * slowing_s + turning_s)
+        lost.append(slowing_s + turning_s)
     lost[0] += 0.5 * speed_m_s / (GAINING_SHARE * boat.accel_m_s2)
     return lost

@@ -42,11 +42,28 @@ def budget(
 def test_a_straight_way_takes_its_length_at_cruise_speed_and_a_start_and_a_stop() -> None:
     found = budget()
     # speeding up at 0.6 m/s² and stopping at 0.4 m/s² cost half the time each: 1.67 and 2.5 s
-    assert found.time_s == pytest.approx(500.0 + 0.5 * 2.0 / 0.6 + 0.5 * 2.0 / 0.4, abs=1.7)
+    assert found.time_s == pytest.approx(500.0 + 0.5 * 2.0 / 0.6 + 0.5 * 2.0 / 0.4, abs=0.01)
     sailing_a = 0.6 + 1.08 * 3.0
     assert found.charge_mah == pytest.approx(sailing_a * found.time_s / 3.6, rel=1e-6)
     assert (found.home_m, found.home_s) == (1000.0, 500.0)
     assert found.home_mah == pytest.approx(sailing_a * 500.0 / 3.6)
+
+
+def test_a_slower_boat_draws_less_in_all() -> None:
+    slow = budget(speed_m_s=1.0)
+    drawn_a = 0.6 + 1.08 * 3.0 * 0.5**1.7
+    assert slow.charge_mah == pytest.approx(drawn_a * slow.time_s / 3.6, rel=1e-6)
+
+
+def test_a_sharp_corner_costs_the_time_to_slow_down_and_to_gain_speed() -> None:
+    straight = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(200.0, 0.0)])
+    gentle = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)])
+    assert gentle.time_s == pytest.approx(
+        straight.time_s, abs=0.01
+    )  # a fillet of 4.8 m is sailed at 1.97 m/s
+    back = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)])
+    on_the_spot_s = math.pi / 0.65
+    assert back.time_s == pytest.approx(straight.time_s + 2.0 / 0.8 + 2.0 / 1.2 + on_the_spot_s, abs=0.2)
 
 
 def test_a_hold_draws_what_station_keeping_does() -> None:

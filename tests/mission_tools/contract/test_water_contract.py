@@ -127,6 +127,11 @@ def test_as_many_rally_points_as_the_boat_holds() -> None:
     assert (without.mission.rally, len(without.mission.fence.polygons) > 0) == ((), True)
 
 
+def test_a_long_route_has_ten_rally_points_and_no_more() -> None:
+    planned = mt.open_map("open").route((50.0, -1.2), (50.05, -1.2)).planned
+    assert len(with_contract(planned, Capacity(), with_fence=False).mission.rally) == 10
+
+
 def test_open_water_has_a_fence_round_the_route() -> None:
     planned = mt.open_map("open").route((50.0, -1.2), (50.002, -1.2)).planned
     fence, near_m = fence_of_water(planned.chart, planned.points, 4.0, 2.0, 100)
