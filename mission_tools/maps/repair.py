@@ -10,7 +10,9 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry import LinearRing, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -92,7 +94,8 @@ def _ring(ring: LinearRing, where: str, notes: list[str], *, is_land: bool) -> A
     if not faces:
         return MultiPolygon()
     enclosed = area_of(shapely.union_all(faces))
-    sure = area_of(shapely.make_valid(plain))
+    corners = shapely.get_coordinates(ring)
+    sure = area_of(shapely.union_all([face for face in faces if _is_odd(corners, face)]))
     if is_land:
         minor = enclosed.area - max(face.area for face in shapely.get_parts(enclosed))
         found = enclosed if minor <= LARGE_SHARE * enclosed.area else area_of(enclosed.convex_hull)
@@ -112,6 +115,15 @@ def _ring(ring: LinearRing, where: str, notes: list[str], *, is_land: bool) -> A
             f"{place_of(*spike.coords[0])}: kept as land of {2 * THIN_M:g} m width"
         )
     return area_of(sure.difference(shapely.union_all([thickened(spike) for spike in inward])))
+
+
+def _is_odd(corners: NDArray[np.float64], face: Polygon) -> bool:
+    """Whether a closed line goes round a face an odd number of times; make_valid errs on retraced edges."""
+    at = face.representative_point()
+    (x1, y1), (x2, y2) = corners[:-1].T, corners[1:].T
+    spans = (y1 > at.y) != (y2 > at.y)
+    x = x1[spans] + (at.y - y1[spans]) / (y2[spans] - y1[spans]) * (x2[spans] - x1[spans])
+    return bool(np.count_nonzero(x > at.x) % 2)
 
 
 def _joined(parts: Sequence[Area], where: str, notes: list[str], *, is_land: bool) -> Area:

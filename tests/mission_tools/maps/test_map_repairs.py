@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -163,6 +163,11 @@ coordinate = st.integers(-10, 10).map(lambda n: 10.0 * n)
 lines = st.lists(st.tuples(coordinate, coordinate), min_size=3, max_size=9)
 
 
+@example(  # edges that are sailed twice
+    line=[(80, -60), (80, 140), (140, -140), (80, 140), (-100, -140), (120, -80), (-60, 100), (140, -40)],
+    east=99.4,
+    north=31.5,
+)
 @given(line=lines, east=st.floats(-99, 99), north=st.floats(-99, 99))
 def test_repaired_water_is_never_outside_of_the_even_odd_rule(
     line: Corners, east: float, north: float
