@@ -44,7 +44,8 @@ class GnssUpdate:
         self._setting = setting
         self._integrity = GnssIntegrityMonitor()
         self.latency = LatencyEstimator(_SWINGING_M_S)
-        self._fix_s = self._velocity_s = self._outlier_since_s = -math.inf
+        self.fix_s = -math.inf  # of the latest fix, accepted or not
+        self._velocity_s = self._outlier_since_s = -math.inf
         self._displacement_m = 0j  # through the water, at the time of the latest fix
         self._drift_m = self._rejected_share = self._stall_drift_m = 0.0
         self._stalled_s = math.inf  # start of a loop stall, with the position uncertainty that it caused
@@ -54,11 +55,6 @@ class GnssUpdate:
         self.accepted_s = -math.inf
         self.resets = 0
         self.position = PositionFilter(model.cruise_m_s, setting.wander_s, setting.wander_share)
-
-    @property
-    def fix_s(self) -> float:
-        """Time of the latest fix, accepted or not."""
-        return self._fix_s
 
     @property
     def sigma_m(self) -> float:
@@ -105,7 +101,7 @@ class GnssUpdate:
         source has restarted; its position is then accepted unconditionally.
         """
         position, model, watch = self.position, self._model, self._integrity
-        pause_s, self._fix_s = time_s - self._fix_s, time_s
+        pause_s, self.fix_s = time_s - self.fix_s, time_s
         watch.update(time_s, at, velocity, sigma_m)
         if PAUSE_S < pause_s < math.inf:
             self.latency.note_gap(time_s, pause_s)
@@ -226,7 +222,7 @@ class GnssUpdate:
     def faults(self, now_s: float) -> int:
         """Bits of EstimateFault."""
         faults = _LATE if self.latency.lag_s > 0.0 else 0
-        if now_s - self._fix_s > self._setting.gnss_timeout_s:
+        if now_s - self.fix_s > self._setting.gnss_timeout_s:
             faults = _LOST
         elif self._is_frozen:
             faults = _FROZEN

@@ -98,7 +98,7 @@ class FolderStorage:
 
     def __init__(self, folder: Path, write: Write = write_atomically, worker: Executor | None = None) -> None:
         """worker: runs the writes in order; default: a thread."""
-        self._folder = folder
+        self.folder = folder
         self._write = write
         self._worker = worker or ThreadPoolExecutor(max_workers=1, thread_name_prefix="storage")
         self._lock = threading.Lock()
@@ -110,23 +110,18 @@ class FolderStorage:
         except OSError as error:
             raise StorageError(f"{folder}: cannot be used to store missions: {error.strerror}") from None
 
-    @property
-    def folder(self) -> Path:
-        """The folder."""
-        return self._folder
-
     def load(self, name: str) -> bytes:
         """The newest intact generation, empty if there is none."""
         if self._last is not None:
             wait([self._last])
         try:
-            generation, damage, _ = find_newest(self._folder / name)
+            generation, damage, _ = find_newest(self.folder / name)
         except OSError as error:
-            raise StorageError(f"{self._folder / name}: cannot be read: {error.strerror}") from None
+            raise StorageError(f"{self.folder / name}: cannot be read: {error.strerror}") from None
         if damage:
             taken = "the previous one is in use" if generation.content else "there is no previous one"
             damage = f"{name} is damaged, {taken}"
-            logger.error("%s: %s", self._folder / name, damage)
+            logger.error("%s: %s", self.folder / name, damage)
         self._damage[name] = damage
         return generation.content
 
@@ -153,7 +148,7 @@ class FolderStorage:
         with self._lock:
             write = self._waiting.pop(name)
         try:
-            save_next(self._folder / name, write.content, self._write)
+            save_next(self.folder / name, write.content, self._write)
         except OSError as error:
             why = error.strerror or str(error) or type(error).__name__
             write.future.set_exception(StorageError(f"{name}: {why}"))

@@ -147,7 +147,6 @@ def _read_of(message: Message) -> Message:
         if isinstance(message.param_id, bytes)
         else message.param_id.encode("ascii", "replace")
     )
-    request: Message = dialect.MAVLink_param_request_read_message(
+    return dialect.MAVLink_param_request_read_message(
         message.target_system, message.target_component, name, -1
     )
-    return request

@@ -1,5 +1,6 @@
 """`boat-sitl paper`: the paper's experiment, repeated in simulation."""
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Annotated
@@ -51,8 +52,8 @@ def paper(
         results = run_trials(pool, run_paper_trial, trials, advance=advance, is_strict=True)
     rows = table.rows(results)
     text = table.markdown(rows)
-    table.write_results(out / "runs.csv", results)
-    table.write_rows(out / "table3.csv", rows)
+    table.write_csv(out / "runs.csv", [result.figures for result in results])
+    table.write_csv(out / "table3.csv", [dataclasses.asdict(row) for row in rows])
     write_text(out / "tables.md", text)
     figures.draw_step_responses(step_responses(reported[0]), out / "figure5.png")
     figures.draw_pool(out / "figure16.png")

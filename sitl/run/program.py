@@ -23,13 +23,8 @@ class Program:
         self._build = build
         self._close_program = close_program
         self._boots = self._computer.boots
-        self._is_running = True
+        self.is_running = True  # there is a boat to talk to
         self.host_load = 0.0
-
-    @property
-    def is_running(self) -> bool:
-        """Whether there is a boat to talk to."""
-        return self._is_running
 
     def step(self) -> None:
         """One tick of the boat, if there is power."""
@@ -40,7 +35,7 @@ class Program:
         if computer.boots != self._boots:
             self._end()
             self.boat = self._build()
-            self._boots, self._is_running = computer.boots, True
+            self._boots, self.is_running = computer.boots, True
         boat = self.boat
         boat.load = max(self.host_load, computer.load)
         boat.step(self._world.clock_s)
@@ -48,6 +43,6 @@ class Program:
             computer.begin(self._world.time_s)
 
     def _end(self) -> None:
-        if self._is_running:
-            self._is_running = False
+        if self.is_running:
+            self.is_running = False
             self._close_program(self.boat)

@@ -1,18 +1,27 @@
 """The emulator in real time: boats behind TCP and UDP ports, for any ground station."""
 
 from collections.abc import Callable, Collection, Sequence
-
-import msgspec
+from operator import attrgetter
 
 from companion.app.clock import Clock
 from companion.app.runner import Runner
 from companion.boat import TICK_S
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, with_value
 from sitl.run.simulated_boat import SimulatedBoat
 from sitl.run.speed_monitor import SpeedMonitor
 
 PHASES = round(1.0 / TICK_S)  # ticks over which once-a-second work is spread
 RECORD_EVERY = 5  # ticks between two rows of a written trajectory: ten a second
+_OF_STATIONS_S = (
+    "failsafe.gcs_timeout_s",
+    "failsafe.manual_timeout_s",
+    "mavlink.retry_s",
+    "mavlink.item_retry_s",
+    "modes.set_point_timeout_s",
+    "follow.timeout_s",
+    "external.timeout_s",
+    "arming.repeat_s",
+)
 MEMORY = -1  # the descriptor of links that have none: those between boats of one process
 
 
@@ -90,27 +99,6 @@ class Server:
 
 def stretched(config: BoatConfig, speedup: float) -> BoatConfig:
     """The configuration with timeouts of stations multiplied by speedup, as stations use the wall clock."""
-    replace = msgspec.structs.replace
-    failsafe = replace(
-        config.failsafe,
-        gcs_timeout_s=config.failsafe.gcs_timeout_s * speedup,
-        manual_timeout_s=config.failsafe.manual_timeout_s * speedup,
-    )
-    mavlink = replace(
-        config.mavlink,
-        retry_s=config.mavlink.retry_s * speedup,
-        item_retry_s=config.mavlink.item_retry_s * speedup,
-    )
-    modes = replace(config.modes, set_point_timeout_s=config.modes.set_point_timeout_s * speedup)
-    follow = replace(config.follow, timeout_s=config.follow.timeout_s * speedup)
-    external = replace(config.external, timeout_s=config.external.timeout_s * speedup)
-    arming = replace(config.arming, repeat_s=config.arming.repeat_s * speedup)
-    return replace(
-        config,
-        failsafe=failsafe,
-        mavlink=mavlink,
-        modes=modes,
-        follow=follow,
-        external=external,
-        arming=arming,
-    )
+    for path in _OF_STATIONS_S:
+        config = with_value(config, path, attrgetter(path)(config) * speedup)
+    return config

@@ -6,9 +6,6 @@ The motors' inputs are here; receiver, compass, sonar and battery monitor are in
 import math
 
 from companion.core.units import clamp
-from sitl.world.sensors.battery_monitor import SimBattery
-
-__all__ = ["SimBattery", "SimMotors"]
 
 
 class SimMotors:

@@ -38,14 +38,12 @@ def available_modes(which: float) -> list[Message]:
 
 def current_mode(vehicle: Vehicle) -> Message:
     """The present mode; there are no pending mode changes."""
-    message: Message = dialect.MAVLink_current_mode_message(_STANDARD, int(vehicle.mode), int(vehicle.mode))
-    return message
+    return dialect.MAVLink_current_mode_message(_STANDARD, int(vehicle.mode), int(vehicle.mode))
 
 
 def available_modes_monitor() -> Message:
     """The list of modes is constant."""
-    message: Message = dialect.MAVLink_available_modes_monitor_message(0)
-    return message
+    return dialect.MAVLink_available_modes_monitor_message(0)
 
 
 class AvailableModesService:

@@ -1,7 +1,6 @@
 """The paper's Table 3: by its own equations and from ground truth."""
 
 import csv
-import dataclasses
 import math
 import statistics
 from collections.abc import Callable, Mapping, Sequence
@@ -173,25 +172,12 @@ def markdown(table: Sequence[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_results(path: Path, results: Sequence[TrialResult]) -> None:
-    """Write one row a trial.
+def write_csv(path: Path, records: Sequence[Mapping[str, object]]) -> None:
+    """Write one row a record.
 
     Raises:
         OutputError: the file cannot be written.
     """
-    _write(path, [result.figures for result in results])
-
-
-def write_rows(path: Path, table: Sequence[Row]) -> None:
-    """Write one row a case and method.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    _write(path, [dataclasses.asdict(row) for row in table])
-
-
-def _write(path: Path, records: Sequence[Mapping[str, object]]) -> None:
     with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(records[0]))
         writer.writeheader()

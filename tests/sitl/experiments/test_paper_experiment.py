@@ -67,7 +67,7 @@ def test_the_tables_show_both_and_print_what_the_paper_has() -> None:
 
 
 def test_runs_are_written_one_a_line(tmp_path: Path) -> None:
-    table.write_results(tmp_path / "runs.csv", results())
+    table.write_csv(tmp_path / "runs.csv", [result.figures for result in results()])
     with (tmp_path / "runs.csv").open(newline="") as file:
         read = list(csv.DictReader(file))
     assert [row["length_m"] for row in read] == ["0.900000", "1.100000", "0.850000", "0.860000"]
