@@ -23,57 +23,47 @@ _FORGET_RAD: Final = 0.5  # turned, and little is left of what the integral has 
 _STEADY_RAD_S: Final = 0.1  # turning no faster than that
 
 
-class HeadingControl:
-    """Turns the bow toward a heading, by the shorter way round."""
+def heading_effort(
+    pid: Pid,
+    demand_rad: float,
+    heading_rad: float,
+    yaw_rate_rad_s: float,
+    setting: Heading,
+    dt_s: float,
+    demand_rate_rad_s: float = 0.0,
+    feed_forward: float = 0.0,
+    schedule: float = 1.0,
+) -> PidOutput:
+    """Steering share that turns the bow toward a heading by the shorter way, positive to starboard.
 
-    def __init__(self) -> None:
-        self._pid = Pid()
-
-    def reset(self) -> None:
-        """Forget the integral."""
-        self._pid.reset()
-
-    def update(
-        self,
-        demand_rad: float,
-        heading_rad: float,
-        yaw_rate_rad_s: float,
-        setting: Heading,
-        dt_s: float,
-        demand_rate_rad_s: float = 0.0,
-        feed_forward: float = 0.0,
-        schedule: float = 1.0,
-    ) -> PidOutput:
-        """Steering share, −max_steering..max_steering, positive to starboard.
-
-        Angles are from north, clockwise; yaw_rate_rad_s is the measured rate, clockwise positive.
-        demand_rate_rad_s: how fast the demand itself turns, which the derivative then does not brake.
-        feed_forward: the steering that such a turn takes. schedule: what the gains are multiplied by.
-        """
-        limit = setting.max_steering
-        base = clamp(feed_forward, -limit, limit)
-        error = wrap_pi(demand_rad - heading_rad)
-        if setting.integral_band_rad:
-            turning = abs(yaw_rate_rad_s)
-            kept = 1.0 - turning * dt_s / _FORGET_RAD
-            self._pid.integral *= kept if kept > 0.0 else 0.0
-            if (
-                abs(error) > setting.integral_band_rad
-                or turning > _STEADY_RAD_S
-                or abs(demand_rate_rad_s) > _STEADY_RAD_S
-            ):
-                dt_s = 0.0  # nothing is learned
-        return self._pid.update(
-            schedule * setting.kp,
-            schedule * setting.ki,
-            schedule * setting.kd,
-            error,
-            demand_rate_rad_s - yaw_rate_rad_s,
-            dt_s,
-            -limit - base,
-            limit - base,
-            base,
-        )
+    Angles are from north, clockwise; yaw_rate_rad_s is the measured rate, clockwise positive.
+    demand_rate_rad_s: how fast the demand itself turns, which the derivative then does not brake.
+    feed_forward: the steering that such a turn takes. schedule: what the gains are multiplied by.
+    """
+    limit = setting.max_steering
+    base = clamp(feed_forward, -limit, limit)
+    error = wrap_pi(demand_rad - heading_rad)
+    if setting.integral_band_rad:
+        turning = abs(yaw_rate_rad_s)
+        kept = 1.0 - turning * dt_s / _FORGET_RAD
+        pid.integral *= kept if kept > 0.0 else 0.0
+        if (
+            abs(error) > setting.integral_band_rad
+            or turning > _STEADY_RAD_S
+            or abs(demand_rate_rad_s) > _STEADY_RAD_S
+        ):
+            dt_s = 0.0  # nothing is learned
+    return pid.update(
+        schedule * setting.kp,
+        schedule * setting.ki,
+        schedule * setting.kd,
+        error,
+        demand_rate_rad_s - yaw_rate_rad_s,
+        dt_s,
+        -limit - base,
+        limit - base,
+        base,
+    )
 
 
 def gain_schedule(water_m_s: float, cruise_m_s: float, slow_gain: float) -> float:

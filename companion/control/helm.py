@@ -2,9 +2,10 @@
 
 from companion.config.boat_config import BoatConfig
 from companion.control.allocation import allocate
-from companion.control.heading import HeadingControl, gain_schedule
+from companion.control.heading import gain_schedule, heading_effort
+from companion.control.pid import Pid
 from companion.control.single_thruster import SingleThrusterController
-from companion.control.speed import SpeedControl
+from companion.control.speed import speed_effort
 from companion.core.intent import Drive, Stop
 from companion.core.state import HEALTHY_MOTORS, Demand, MotorStates, NavState, PidOutput, Thrust
 
@@ -19,8 +20,8 @@ class Helm:
     """
 
     def __init__(self) -> None:
-        self._heading = HeadingControl()
-        self._speed = SpeedControl()
+        self._heading = Pid()
+        self._speed = Pid()
         self._single = SingleThrusterController()
         self.heading_pid: PidOutput | None = None
         self.speed_pid: PidOutput | None = None
@@ -53,7 +54,8 @@ class Helm:
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
         current_along = nav.current_along_m_s(nav.heading_rad)
-        heading = self._heading.update(
+        heading = heading_effort(
+            self._heading,
             demand.heading_rad,
             nav.heading_rad,
             nav.yaw_rate_rad_s,
@@ -64,6 +66,8 @@ class Helm:
             gain_schedule(nav.surge_m_s - current_along, config.speed.cruise_m_s, config.heading.slow_gain),
         )
         room = 1.0 - abs(heading.total)
-        speed = self._speed.update(demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, current_along)
+        speed = speed_effort(
+            self._speed, demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, current_along
+        )
         self.heading_pid, self.speed_pid = heading, speed
         return allocate(speed.total, heading.total)

@@ -1,4 +1,5 @@
-"""A PID controller as pure arithmetic: Gc(s) = Kp (1 + 1/(Ti s) + Td s), the paper's Eq. 4.
+"""A PID controller as pure arithmetic: Gc(s) = Kp (1 + 1/(Ti s) + Td s), the paper's Eq. 4,
+in the parallel form: Ki = Kp / Ti and Kd = Kp Td.
 
 Three things differ from the textbook. The derivative comes from a *measured* rate that the caller hands in,
 never from a difference of errors: a wrapped angle's difference kicks at ±π. The integral is kept in output
@@ -7,42 +8,9 @@ P and D leave to it (conditional anti-windup); what it has learned already is no
 """
 
 import math
-from typing import NamedTuple
 
 from companion.core.state import PidOutput
 from companion.core.units import clamp
-
-
-class Gains(NamedTuple):
-    """Parallel form: total = kp · error + ki · ∫error dt + kd · error rate."""
-
-    kp: float
-    ki: float
-    kd: float
-
-
-def gains_from_times(kp: float, ti_s: float, td_s: float) -> Gains:
-    """Kp, Ki = Kp/Ti and Kd = Kp·Td (the paper's Eq. 4). An infinite ti_s means no integral.
-
-    Raises:
-        ValueError: ti_s is not positive, or td_s is negative.
-    """
-    if not ti_s > 0.0:
-        raise ValueError(f"integral time must be positive, not {ti_s} s")
-    if not td_s >= 0.0:
-        raise ValueError(f"derivative time must not be negative, as {td_s} s is")
-    return Gains(kp, kp / ti_s, kp * td_s)
-
-
-def times_from_gains(gains: Gains) -> tuple[float, float, float]:
-    """(Kp, Ti in s, Td in s) of a parallel form; Ti is infinite without an integral gain.
-
-    Raises:
-        ValueError: kp is not positive, so that the standard form does not exist.
-    """
-    if not gains.kp > 0.0:
-        raise ValueError(f"proportional gain must be positive, not {gains.kp}")
-    return gains.kp, gains.kp / gains.ki if gains.ki else math.inf, gains.kd / gains.kp
 
 
 class Pid:

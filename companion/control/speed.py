@@ -19,36 +19,26 @@ def feed_forward(speed_m_s: float, setting: Speed) -> float:
     return setting.cruise_throttle * speed_m_s / setting.cruise_m_s
 
 
-class SpeedControl:
-    """Holds a speed along the bow, over ground: what is not known of the set ends up in the integral."""
+def speed_effort(
+    pid: Pid,
+    demand_m_s: float,
+    surge_m_s: float,
+    setting: Speed,
+    dt_s: float,
+    room: float = 1.0,
+    current_m_s: float = 0.0,
+) -> PidOutput:
+    """Throttle share that holds a speed along the bow, over ground.
 
-    def __init__(self) -> None:
-        self._pid = Pid()
-
-    def reset(self) -> None:
-        """Forget the integral."""
-        self._pid.reset()
-
-    def update(
-        self,
-        demand_m_s: float,
-        surge_m_s: float,
-        setting: Speed,
-        dt_s: float,
-        room: float = 1.0,
-        current_m_s: float = 0.0,
-    ) -> PidOutput:
-        """Throttle share; astern it is limited to ASTERN_SHARE of what is allowed ahead.
-
-        room is the share that steering leaves to throttle, 0..1: the integral must not wind up on what the
-        mixer will take away. current_m_s is the known current's component along the
-        bow; the feed-forward covers the rest.
-        """
-        base = feed_forward(demand_m_s - current_m_s, setting)
-        high = min(setting.max_throttle, room)
-        low = -min(setting.max_throttle * ASTERN_SHARE, room)
-        # The PI works inside what the feed-forward leaves, whose span must contain 0.
-        base = clamp(base, low, high)
-        return self._pid.update(
-            setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base, base
-        )
+    Astern it is limited to ASTERN_SHARE of what is allowed ahead. room: the share that steering leaves to
+    throttle, 0..1; the integral must not wind up on what the mixer takes away. current_m_s: the known current
+    along the bow; what is not known of it ends up in the integral.
+    """
+    base = feed_forward(demand_m_s - current_m_s, setting)
+    high = min(setting.max_throttle, room)
+    low = -min(setting.max_throttle * ASTERN_SHARE, room)
+    # The PI works inside what the feed-forward leaves, whose span must contain 0.
+    base = clamp(base, low, high)
+    return pid.update(
+        setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base, base
+    )

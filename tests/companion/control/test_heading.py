@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import Heading
-from companion.control.heading import HeadingControl
+from companion.control.heading import heading_effort
+from companion.control.pid import Pid
 from companion.core.units import wrap_pi
 
 P_ONLY = Heading(kp=0.1, ki=0.0, kd=0.0)
@@ -26,19 +27,19 @@ P_ONLY = Heading(kp=0.1, ki=0.0, kd=0.0)
     ],
 )
 def test_turns_the_short_way(demand_deg: float, heading_deg: float, error_deg: float) -> None:
-    out = HeadingControl().update(math.radians(demand_deg), math.radians(heading_deg), 0.0, P_ONLY, 0.02)
+    out = heading_effort(Pid(), math.radians(demand_deg), math.radians(heading_deg), 0.0, P_ONLY, 0.02)
     assert out.total == pytest.approx(0.1 * math.radians(error_deg))
 
 
 def test_the_derivative_brakes_a_turn_and_never_sees_the_wrap() -> None:
-    control = HeadingControl()
+    control = Pid()
     setting = Heading(kp=0.0, ki=0.0, kd=0.5)
     for heading in (3.1, 3.14, -3.14, -3.1):
-        assert control.update(-3.0, heading, 0.2, setting, 0.02).d == pytest.approx(-0.1)
+        assert heading_effort(control, -3.0, heading, 0.2, setting, 0.02).d == pytest.approx(-0.1)
 
 
 def test_steering_stays_within_its_share() -> None:
-    out = HeadingControl().update(1.5, 0.0, 0.0, Heading(kp=9.0, max_steering=0.6), 0.02)
+    out = heading_effort(Pid(), 1.5, 0.0, 0.0, Heading(kp=9.0, max_steering=0.6), 0.02)
     assert out.total == 0.6
     assert out.saturated
 
@@ -48,18 +49,18 @@ def test_whole_turns_make_no_difference(demand: float, heading: float) -> None:
     error = wrap_pi(demand - heading)
     if abs(abs(error) - math.pi) < 1e-6:
         return
-    plain = HeadingControl().update(demand, heading, 0.0, P_ONLY, 0.02).total
-    turned = HeadingControl().update(demand + 4 * math.pi, heading - 2 * math.pi, 0.0, P_ONLY, 0.02).total
+    plain = heading_effort(Pid(), demand, heading, 0.0, P_ONLY, 0.02).total
+    turned = heading_effort(Pid(), demand + 4 * math.pi, heading - 2 * math.pi, 0.0, P_ONLY, 0.02).total
     assert turned == pytest.approx(plain, abs=1e-9)
 
 
 def _step_response(kp: float, ki: float, kd: float, step_rad: float = 1.0) -> list[float]:
     """First-order Nomoto hull, T r' + r = K δ, of the pool boat's size: heading over 30 s at 50 Hz."""
     gain_rad_s, lag_s, dt_s = 0.8, 1.2, 0.02
-    setting, control = Heading(kp=kp, ki=ki, kd=kd), HeadingControl()
+    setting, control = Heading(kp=kp, ki=ki, kd=kd), Pid()
     heading, rate, track = 0.0, 0.0, []
     for _ in range(1500):
-        steering = control.update(step_rad, heading, rate, setting, dt_s).total
+        steering = heading_effort(control, step_rad, heading, rate, setting, dt_s).total
         rate += dt_s * (gain_rad_s * steering - rate) / lag_s
         heading += dt_s * rate
         track.append(heading / step_rad)
@@ -87,43 +88,43 @@ def test_more_derivative_swings_less() -> None:
 
 
 def test_the_integral_removes_what_a_steady_moment_leaves() -> None:
-    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0)
+    control, setting = Pid(), Heading(kp=2.0, ki=1.0, kd=2.0)
     heading, rate = 0.0, 0.0
     for _ in range(3000):
-        steering = control.update(0.5, heading, rate, setting, 0.02).total
+        steering = heading_effort(control, 0.5, heading, rate, setting, 0.02).total
         rate += 0.02 * (0.8 * (steering - 0.2) - rate) / 1.2
         heading += 0.02 * rate
     assert heading == pytest.approx(0.5, abs=1e-3)
 
 
-def _integral(control: HeadingControl, setting: Heading) -> float:
-    return control.update(0.0, 0.0, 0.0, setting, 0.0).i
+def _integral(control: Pid, setting: Heading) -> float:
+    return heading_effort(control, 0.0, 0.0, 0.0, setting, 0.0).i
 
 
 def test_the_integral_learns_nothing_while_the_boat_turns_onto_a_heading() -> None:
-    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0)
+    control, setting = Pid(), Heading(kp=2.0, ki=1.0, kd=2.0)
     for _ in range(50):
-        control.update(1.0, 0.0, 0.0, setting, 0.02)  # far off
-        control.update(0.1, 0.0, 0.3, setting, 0.02)  # near, and turning
-        control.update(0.1, 0.0, 0.0, setting, 0.02, demand_rate_rad_s=0.3)  # on an arc
+        heading_effort(control, 1.0, 0.0, 0.0, setting, 0.02)  # far off
+        heading_effort(control, 0.1, 0.0, 0.3, setting, 0.02)  # near, and turning
+        heading_effort(control, 0.1, 0.0, 0.0, setting, 0.02, demand_rate_rad_s=0.3)  # on an arc
     assert _integral(control, setting) == 0.0
     for _ in range(50):
-        control.update(0.1, 0.0, 0.0, setting, 0.02)
+        heading_effort(control, 0.1, 0.0, 0.0, setting, 0.02)
     assert _integral(control, setting) == pytest.approx(0.1)
 
 
 def test_a_turn_makes_the_integral_forget_and_a_rate_that_is_no_number_too() -> None:
-    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0)
+    control, setting = Pid(), Heading(kp=2.0, ki=1.0, kd=2.0)
     for rate in (1.0, math.nan):
         for _ in range(50):
-            control.update(0.1, 0.0, 0.0, setting, 0.02)
+            heading_effort(control, 0.1, 0.0, 0.0, setting, 0.02)
         for _ in range(75):  # 1.5 rad
-            control.update(0.1, 0.0, rate, setting, 0.02)
+            heading_effort(control, 0.1, 0.0, rate, setting, 0.02)
         assert abs(_integral(control, setting)) < 0.005
 
 
 def test_without_a_band_the_integral_learns_in_turns_too() -> None:
-    control, setting = HeadingControl(), Heading(kp=2.0, ki=1.0, kd=2.0, integral_band_rad=0.0)
+    control, setting = Pid(), Heading(kp=2.0, ki=1.0, kd=2.0, integral_band_rad=0.0)
     for _ in range(50):
-        control.update(0.2, 0.0, 0.3, setting, 0.02)
+        heading_effort(control, 0.2, 0.0, 0.3, setting, 0.02)
     assert _integral(control, setting) == pytest.approx(0.2)

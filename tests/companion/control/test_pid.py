@@ -6,35 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.control.pid import Gains, Pid, gains_from_times, times_from_gains
+from companion.control.pid import Pid
 
 DT = 0.02
 FREE = (-1e9, 1e9)
 ordinary = st.floats(-50.0, 50.0)
 gain = st.floats(0.0, 10.0)
-
-
-def test_gains_follow_the_papers_equation_4() -> None:
-    assert gains_from_times(4.5, 2.0, 0.5) == Gains(4.5, 2.25, 2.25)
-    assert gains_from_times(3.0, math.inf, 0.0) == Gains(3.0, 0.0, 0.0)
-
-
-@given(st.floats(0.01, 100.0), st.floats(0.01, 100.0), st.floats(0.0, 100.0))
-def test_gains_and_times_convert_both_ways(kp: float, ti_s: float, td_s: float) -> None:
-    assert times_from_gains(gains_from_times(kp, ti_s, td_s)) == pytest.approx((kp, ti_s, td_s))
-
-
-@pytest.mark.parametrize(
-    ("ti_s", "td_s"), [(0.0, 1.0), (-1.0, 1.0), (math.nan, 1.0), (1.0, -0.1), (1.0, math.nan)]
-)
-def test_times_that_mean_nothing_are_refused(ti_s: float, td_s: float) -> None:
-    with pytest.raises(ValueError, match="time must"):
-        gains_from_times(1.0, ti_s, td_s)
-
-
-def test_gains_without_a_proportional_part_have_no_standard_form() -> None:
-    with pytest.raises(ValueError, match="proportional"):
-        times_from_gains(Gains(0.0, 1.0, 1.0))
 
 
 def test_constant_error_makes_a_step_and_a_ramp() -> None:

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import Speed
-from companion.control.speed import ASTERN_SHARE, SpeedControl, feed_forward
+from companion.control.pid import Pid
+from companion.control.speed import ASTERN_SHARE, feed_forward, speed_effort
 
 SETTING = Speed(cruise_m_s=2.0, cruise_throttle=0.6, kp=0.8, ki=0.2)
 
@@ -16,9 +17,9 @@ def _sail(
     demand_m_s: float, current_m_s: float, setting: Speed, seconds: float = 60.0
 ) -> tuple[float, float]:
     """Speed over ground and throttle after a while: thrust ∝ n², drag ∝ v² through the water."""
-    control, water, throttle = SpeedControl(), 0.0, 0.0
+    control, water, throttle = Pid(), 0.0, 0.0
     for _ in range(round(seconds / 0.02)):
-        throttle = control.update(demand_m_s, water + current_m_s, setting, 0.02).total
+        throttle = speed_effort(control, demand_m_s, water + current_m_s, setting, 0.02).total
         balance = water * 0.3  # throttle that holds this speed
         water += 0.02 * 4.0 * (throttle * abs(throttle) - balance * abs(balance))
     return water + current_m_s, throttle
@@ -43,55 +44,55 @@ def test_in_still_water_the_feed_forward_is_all_it_takes() -> None:
 
 
 def test_a_stop_is_helped_astern_but_not_with_full_power() -> None:
-    out = SpeedControl().update(0.0, 2.0, SETTING, 0.02)
+    out = speed_effort(Pid(), 0.0, 2.0, SETTING, 0.02)
     assert out.total == -ASTERN_SHARE
     assert out.saturated
 
 
 def test_throttle_never_passes_its_limit_and_does_not_wind_up_there() -> None:
     setting = Speed(cruise_m_s=2.0, cruise_throttle=0.6, kp=0.8, ki=0.2, max_throttle=0.7)
-    control = SpeedControl()
+    control = Pid()
     for _ in range(2000):
-        assert control.update(3.0, 1.0, setting, 0.02).total == pytest.approx(0.7)
-    assert control.update(1.0, 1.2, setting, 0.02).total < 0.3
+        assert speed_effort(control, 3.0, 1.0, setting, 0.02).total == pytest.approx(0.7)
+    assert speed_effort(control, 1.0, 1.2, setting, 0.02).total < 0.3
 
 
 def test_steering_that_leaves_no_room_leaves_the_integral_alone() -> None:
-    control = SpeedControl()
+    control = Pid()
     for _ in range(500):
-        assert control.update(2.0, 0.5, SETTING, 0.02, room=0.0).total == 0.0
-    assert control.update(2.0, 2.0, SETTING, 0.02).i == pytest.approx(0.0, abs=1e-6)
+        assert speed_effort(control, 2.0, 0.5, SETTING, 0.02, room=0.0).total == 0.0
+    assert speed_effort(control, 2.0, 2.0, SETTING, 0.02).i == pytest.approx(0.0, abs=1e-6)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_output_stays_in_the_room_there_is(demand: float, surge: float, room: float, limit: float) -> None:
     setting = Speed(max_throttle=limit)
-    control = SpeedControl()
+    control = Pid()
     for _ in range(5):
-        total = control.update(demand, surge, setting, 0.02, room).total
+        total = speed_effort(control, demand, surge, setting, 0.02, room).total
         assert -min(ASTERN_SHARE * limit, room) - 1e-12 <= total <= min(limit, room) + 1e-12
 
 
 def test_a_speed_that_is_no_number_comes_out_as_none_and_passes() -> None:
-    control = SpeedControl()
-    assert math.isnan(control.update(1.0, math.nan, SETTING, 0.02).total)
-    assert math.isnan(control.update(math.nan, 1.0, SETTING, 0.02).total)
-    assert math.isfinite(control.update(1.0, 1.0, SETTING, 0.02).total)
+    control = Pid()
+    assert math.isnan(speed_effort(control, 1.0, math.nan, SETTING, 0.02).total)
+    assert math.isnan(speed_effort(control, math.nan, 1.0, SETTING, 0.02).total)
+    assert math.isfinite(speed_effort(control, 1.0, 1.0, SETTING, 0.02).total)
 
 
 def test_reset_forgets_the_integral() -> None:
-    control = SpeedControl()
-    control.update(1.0, 0.0, SETTING, 1.0)
+    control = Pid()
+    speed_effort(control, 1.0, 0.0, SETTING, 1.0)
     control.reset()
-    assert control.update(1.0, 1.0, SETTING, 0.02).i == 0.0
+    assert speed_effort(control, 1.0, 1.0, SETTING, 0.02).i == 0.0
 
 
 def test_astern_the_throttle_is_limited_to_half_of_that_ahead() -> None:
-    assert SpeedControl().update(-10.0, 0.0, SETTING, 0.02).total == pytest.approx(-0.5)
+    assert speed_effort(Pid(), -10.0, 0.0, SETTING, 0.02).total == pytest.approx(-0.5)
     low = Speed(cruise_m_s=2.0, cruise_throttle=0.6, kp=0.8, ki=0.2, max_throttle=0.4)
-    assert SpeedControl().update(-10.0, 0.0, low, 0.02).total == pytest.approx(-0.2)
-    assert SpeedControl().update(10.0, 0.0, low, 0.02).total == pytest.approx(0.4)
+    assert speed_effort(Pid(), -10.0, 0.0, low, 0.02).total == pytest.approx(-0.2)
+    assert speed_effort(Pid(), 10.0, 0.0, low, 0.02).total == pytest.approx(0.4)
 
 
 def test_the_rate_of_the_speed_error_has_no_part() -> None:
-    assert SpeedControl().update(1.5, 1.0, SETTING, 0.02).d == 0.0
+    assert speed_effort(Pid(), 1.5, 1.0, SETTING, 0.02).d == 0.0
