@@ -79,6 +79,8 @@ def follow_shore(chart: Chart, start: Point | None, settings: ShoreSettings) -> 
 def _line_along(chart: Chart, settings: ShoreSettings) -> Array:
     """The closed line round the shore nearest to the place, with the shore on the side asked for."""
     distance_m = settings.distance_m
+    if chart.shores.is_empty:
+        raise NoRoute("there is no shore here to follow")
     error_m = ERROR_SHARE * distance_m if settings.error_m is None else settings.error_m
     pieces = water_clear_of_shores(chart, distance_m)
     if not pieces:

@@ -13,7 +13,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import Point
-from mission_tools.errors import NoRoute
+from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.tasks.room import (
     QUADRANT_SEGMENTS,
@@ -32,6 +32,7 @@ from mission_tools.tasks.task_route import TaskLeg, TaskRoute, joined
 from mission_tools.tasks.transits import Transits
 
 Array = NDArray[np.float64]
+LEAST_NOTED = 0.01  # of the water
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +70,13 @@ def survey(
     land in it is left out.
 
     Raises:
+        UsageError: open water without an area, or far too many tracks.
         NoRoute: no water in the area is wide enough for the clearance.
         NoRouteError: the start is no place for a boat.
     """
     plan, swath_m = settings.plan, settings.swath_m
+    if area is None and chart.is_open:
+        raise UsageError("open water has no end: name an area to survey")
     reached = water_reached_from(water_clear_of_shores(chart, plan.clearance_m), start)
     wide = [reached]
     if plan.margin_m > 0.0:
@@ -117,6 +121,7 @@ def survey(
         legs, tighter = with_turns(legs, union(wide), settings.turn_radius_m)
         if tighter:
             notes.append(f"{tighter} turns are tighter than {settings.turn_radius_m:g} m for lack of room")
+    notes += _left_out(chart, target, area, plan.required_m)
     route = joined(legs, notes)
     return Survey(
         route,
@@ -128,6 +133,18 @@ def survey(
         coverage(route.points, target, swath_m),
         least_m,
     )
+
+
+def _left_out(
+    chart: Chart, target: BaseGeometry, area: Polygon | MultiPolygon | None, required_m: float
+) -> list[str]:
+    """What a person should know about water that the survey leaves out, if that is more than LEAST_NOTED."""
+    wanted = chart.navigable if area is None else chart.navigable.intersection(area)
+    share = 1.0 - target.area / wanted.area
+    if share <= LEAST_NOTED:
+        return []
+    what = "water" if area is None else "water in the area"
+    return [f"{share:.0%} of the {what} is out of reach with {required_m:g} m kept from every shore"]
 
 
 def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, swath_m: float) -> list[Polygon]:

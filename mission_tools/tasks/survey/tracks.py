@@ -20,9 +20,11 @@ from numpy.typing import NDArray
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from mission_tools.errors import UsageError
 from mission_tools.tasks.room import polygons
 
 Array = NDArray[np.float64]
+MOST_STRIPS = 5000  # a boat holds as many waypoints at most
 ANGLES = 180  # candidates for the best course
 _TOUCH_M = 1e-6
 
@@ -79,6 +81,11 @@ def lay_tracks(
     room = None if within is None else shapely.transform(within, lambda xy: _turned(xy, course_rad))
     west, south, east, north = turned.bounds
     strips = max(1, math.ceil((east - west) / spacing_m - 1e-9))
+    if strips > MOST_STRIPS:
+        raise UsageError(
+            f"{strips} tracks {spacing_m:g} m apart are too many, {MOST_STRIPS} are possible: "
+            "choose a wider spacing or a smaller area"
+        )
     width_m = (east - west) / strips
     tracks: list[Track] = []
     onward: list[list[int]] = []

@@ -7,7 +7,7 @@ from task_waters import FRAME, POND, basin, real_lake, route_line
 
 from companion.core.geo import Point
 from mission_tools.errors import NoRoute, UsageError
-from mission_tools.maps import Chart, load_geojson
+from mission_tools.maps import Chart, build_chart, load_geojson
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.shoreline import ShoreSettings, follow_shore
 from mission_tools.tasks.task_route import TaskRoute
@@ -87,3 +87,8 @@ def test_what_makes_no_sense_is_refused() -> None:
         ShoreSettings(AT_ISLAND, 10.0, first=AT_ISLAND)
     with pytest.raises(NoRoute, match="60 m from every shore"):
         follow_shore(basin(ISLAND), None, ShoreSettings(AT_ISLAND, 60.0))
+
+
+def test_open_water_has_no_shore_to_follow() -> None:
+    with pytest.raises(NoRoute, match="no shore"):
+        follow_shore(build_chart("Sea", FRAME, None, []), None, ShoreSettings(AT_ISLAND, 10.0))

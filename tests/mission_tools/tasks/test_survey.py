@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import pytest
 import shapely
-from task_waters import basin, real_lake, route_line
+from task_waters import FRAME, basin, real_lake, route_line
 
 from companion.core.geo import Point
 from mission_tools.errors import NoRoute, UsageError
-from mission_tools.maps import Chart
+from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from mission_tools.tasks.survey.survey import Survey, survey
@@ -166,6 +166,31 @@ def test_the_turn_radius_is_the_larger_of_what_rate_and_acceleration_allow() -> 
 def test_a_survey_is_the_same_every_time() -> None:
     first, second = (survey(basin(ISLAND), Point(10.0, 10.0), SETTINGS) for _ in range(2))
     assert first.route == second.route
+
+
+def test_an_area_of_open_water_is_surveyed_and_open_water_without_one_refused() -> None:
+    rock = Feature("Rock", "island", shapely.Point(200.0, 180.0).buffer(15.0))
+    sea = build_chart("Sea", FRAME, None, [rock])
+    area = shapely.box(100.0, 100.0, 300.0, 250.0)
+    found = survey(sea, Point(0.0, 0.0), SETTINGS, area)
+    assert covered_share(found, area.difference(rock.shape.buffer(1.0))) >= 0.995
+    assert found.route.min_clearance_m(sea) >= 4.0
+    with pytest.raises(UsageError, match="name an area"):
+        survey(sea, None, SETTINGS)
+
+
+def test_far_too_many_tracks_are_refused() -> None:
+    with pytest.raises(UsageError, match="choose a wider spacing"):
+        survey(basin(), None, replace(SETTINGS, footprint_m=0.02))
+
+
+def test_water_out_of_reach_is_told() -> None:
+    """A wall with a gap of 6 m, which a clearance of 4 m does not pass, cuts off the east."""
+    walls = [shapely.box(148.0, 0.0, 152.0, 47.0), shapely.box(148.0, 53.0, 152.0, 100.0)]
+    found = survey(basin(*walls), Point(10.0, 10.0), SETTINGS)
+    (note,) = found.route.notes
+    assert note == "25% of the water is out of reach with 4 m kept from every shore"
+    assert survey(basin(), Point(10.0, 10.0), SETTINGS).route.notes == ()
 
 
 @pytest.mark.parametrize(
