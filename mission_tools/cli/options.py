@@ -54,7 +54,10 @@ def add_tasks(parser: Parser) -> None:
         "--shore-pass", action=BooleanOptionalAction, help="of a survey: also along the shores [yes]"
     )
     group.add_argument(
-        "--turn-radius", type=number, metavar="M", help="of a survey: the boat's turns [turns on the spot]"
+        "--turn-radius",
+        type=number,
+        metavar="M",
+        help="of a survey: of its turns [that of --boat, or on the spot]",
     )
     group.add_argument(
         "--follow-shore", metavar="LAT,LON", help="along the shore nearest to this place, all round"

@@ -108,12 +108,28 @@ def survey_of(
             plan=settings,
             shore_pass=options.shore_pass is not False,
             cross_spacing_m=options.cross_m,
-            turn_radius_m=options.turn_radius_m or 0.0,
+            turn_radius_m=_turn_radius_m(options),
             is_return=options.is_return,
         ),
         area,
     )
     return TaskRoute(found.route.legs, (*found.route.notes, described(found)))
+
+
+def _turn_radius_m(options: PlanOptions) -> float:
+    """As given, else of the named boat at the speed of the mission; 0 without either.
+
+    Raises:
+        UsageError: no such boat.
+    """
+    from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - seldom needed
+    from mission_tools.tasks.survey.settings import turn_radius_m  # noqa: PLC0415
+
+    if options.turn_radius_m is not None or options.boat is None:
+        return options.turn_radius_m or 0.0
+    boat = load_boat(options.boat)
+    speed_m_s = options.speed_m_s or boat.cruise_m_s
+    return turn_radius_m(speed_m_s, boat.turn_rate_rad_s, boat.corner_accel_m_s2)
 
 
 def survey_area(chart: Chart, name: str) -> Polygon | MultiPolygon | None:
