@@ -30,7 +30,7 @@ from benchmarks import (
     watch,
 )
 from benchmarks.measure import Row
-from benchmarks.planning import grids
+from benchmarks.planning import grids, peers
 
 PAGE = Path("docs/benchmarks.md")
 JSON = Path("out/benchmarks.json")
@@ -40,6 +40,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "river": river.rows,
     "watch": watch.rows,
     "grids": grids.rows,
+    "peers": peers.rows,
     "emulator": emulator.rows,
     "campaign": campaign.rows,
     "fleet": fleet.rows,

@@ -1,0 +1,144 @@
+"""How do the planners of the related work compare with the exact route, on pool, lakes and grids?
+
+Each plans the same queries with the same seeds and the same clearance; a path that does not keep it is a
+failure.
+"""
+
+import statistics
+import time
+from dataclasses import dataclass, field
+from importlib.util import find_spec
+from pathlib import Path
+
+from benchmarks.measure import Row
+from companion.core.geo import Point
+from companion.planning.visibility import NoWay
+from mission_tools.maps import load_source
+from mission_tools.maps.formats.grid_map import load_grid_map
+from mission_tools.maps.movingai import read_grid_map, read_grid_queries
+from mission_tools.peers import PEERS, planner
+from mission_tools.peers.interface import Failed, Planned, Sea, plan
+from sitl.scenarios.scenario import load_scenario
+
+PAGE = Path("docs/peers.md")
+SHARED = Path("../shared/maps")
+SEEDS = (11, 12, 13)
+BUDGET_S = 20.0
+GRID_CLEARANCE_M = 0.25  # in cells of 1 m, so that a corridor of one cell is passable
+_GRIDS = ("arena2", "w_woundedcoast")
+_GRID_QUERIES = 2
+_BEGIN, _END = "<!-- table -->", "<!-- end of table -->"
+
+Query = tuple[Point, Point]
+
+
+@dataclass
+class Tally:
+    """What one planner did on one kind of water."""
+
+    excesses: list[float] = field(default_factory=list)
+    times_s: list[float] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)
+
+
+def rows() -> list[Row]:
+    """A row by water and planner; the page gets one table of all."""
+    table: dict[str, dict[str, Tally]] = {}
+    for water, (sea, queries) in _waters().items():
+        for name in PEERS:
+            if name == "RRT*" and find_spec("ompl") is None:
+                continue
+            table.setdefault(name, {})[water] = _tally(name, sea, queries)
+        table.setdefault("exact (ours)", {})[water] = _exact_tally(sea, queries)
+    _write(table)
+    return [
+        Row(
+            f"{water}: {name}", "% longer", "less", _median(tally.excesses), 0.0,
+            note=f"{_median(tally.times_s) * 1e3:.3g} ms, {len(tally.reasons)} failures",
+        )
+        for name, by_water in table.items()
+        for water, tally in by_water.items()
+    ]  # fmt: skip
+
+
+def _waters() -> dict[str, tuple[Sea, list[Query]]]:
+    found = {}
+    for title, source in (("pool", "pool"), ("mill pond", "lake")):
+        scenario = load_source(source)
+        route = scenario.route
+        assert route.clearance_m is not None
+        if source == "pool":
+            cases = [load_scenario("pool", (), str(number)).route for number in range(1, 6)]
+        else:
+            cases = [route]
+        queries = [(case.start, case.goal) for case in cases if case.start and case.goal]
+        found[title] = Sea(scenario.chart, route.clearance_m), queries
+    for name in _GRIDS if (SHARED / "movingai").is_dir() else ():
+        path = SHARED / f"movingai/{name}.map"
+        sea, grid = Sea(load_grid_map(path), GRID_CLEARANCE_M), read_grid_map(path)
+        long_queries = read_grid_queries(path.with_suffix(".map.scen"))[:: -len(PEERS) * 20][:_GRID_QUERIES]
+
+        def middle(cell: int, width: int = grid.width, height: int = grid.height) -> Point:
+            return Point(height - cell // width - 0.5, cell % width + 0.5)
+
+        found[name] = sea, [(middle(query.start), middle(query.goal)) for query in long_queries]
+    return found
+
+
+def _tally(name: str, sea: Sea, queries: list[Query]) -> Tally:
+    tally = Tally()
+    for start, goal in queries:
+        try:
+            exact_m = sea.water.routes(sea.clearance_m).route(start, goal).length_m
+        except NoWay:
+            continue
+        for seed in SEEDS:
+            found = plan(planner(name), sea, start, goal, seed, BUDGET_S)
+            tally.times_s.append(found.cpu_s)
+            if isinstance(found, Planned):
+                tally.excesses.append(100.0 * (found.length_m / exact_m - 1.0))
+            if isinstance(found, Failed):
+                tally.reasons.append(found.reason)
+    return tally
+
+
+def _exact_tally(sea: Sea, queries: list[Query]) -> Tally:
+    tally = Tally()
+    for start, goal in queries:
+        began_s = time.thread_time()
+        try:
+            Sea(sea.chart, sea.clearance_m).water.routes(sea.clearance_m).route(start, goal)
+        except NoWay:
+            continue
+        tally.times_s.append(time.thread_time() - began_s)
+        tally.excesses.append(0.0)
+    return tally
+
+
+def _median(values: list[float]) -> float:
+    return statistics.median(values) if values else float("nan")
+
+
+def _write(table: dict[str, dict[str, Tally]]) -> None:
+    waters = list(next(iter(table.values())))
+    lines = [f"| planner | {' | '.join(waters)} |", "|---" * (len(waters) + 1) + "|"]
+    lines += [
+        f"| {name} | {' | '.join(_cell(by_water[water]) for water in waters)} |"
+        for name, by_water in table.items()
+    ]
+    page = PAGE.read_text(encoding="utf-8")
+    head, rest = page.split(_BEGIN)
+    text = f"{head}{_BEGIN}\n\n" + "\n".join(lines) + f"\n\n{_END}{rest.split(_END)[1]}"
+    PAGE.write_text(text, encoding="utf-8")
+
+
+def _cell(tally: Tally) -> str:
+    runs = len(tally.times_s)
+    failed = f", {len(tally.reasons)} of {runs} failed" if tally.reasons else ""
+    if not tally.excesses:
+        return f"{_time(tally)}{failed}" if runs else "–"
+    return f"+{_median(tally.excesses):.2f} %, {_time(tally)}{failed}"
+
+
+def _time(tally: Tally) -> str:
+    return f"{_median(tally.times_s) * 1e3:.3g} ms"

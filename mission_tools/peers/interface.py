@@ -1,0 +1,158 @@
+"""What every comparison planner gets and gives, and the check that no invalid path leaves."""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import Protocol, TypeAlias
+
+from companion.core.geo import Point
+from companion.planning.water import Water
+from mission_tools.errors import NoRouteError
+from mission_tools.maps.chart import Chart
+from mission_tools.planning.entry_cells import FreeWater
+from mission_tools.planning.grid import Grid
+from mission_tools.planning.inflate import occupancy
+from mission_tools.planning.smooth import path_length_m
+from mission_tools.tasks.transits import water_of
+
+Path: TypeAlias = tuple[Point, ...]
+
+
+class NoPath(Exception):  # noqa: N818  (a planner's answer)
+    """A planner found no path; says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """A path from start to goal whose legs all keep the clearance, and the CPU time it took."""
+
+    points: Path
+    length_m: float
+    cpu_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """No path, or one that does not keep the clearance, and why."""
+
+    reason: str
+    cpu_s: float
+
+
+class Deadline:
+    """The end of a planner's time. Paths of a seed are the same as long as it is not reached."""
+
+    def __init__(self, budget_s: float) -> None:
+        self._end_s = time.thread_time() + budget_s
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is over."""
+        return time.thread_time() > self._end_s
+
+    def check(self) -> None:
+        """Raises NoPath when the time is over."""
+        if self.is_over:
+            raise NoPath("out of time")
+
+
+@dataclass(frozen=True, eq=False)
+class Sea:
+    """A chart and the clearance to keep from its shores."""
+
+    chart: Chart
+    clearance_m: float
+
+    @cached_property
+    def water(self) -> Water:
+        """The exact geometry."""
+        return water_of(self.chart)
+
+    def is_clear(self, start: Point, end: Point) -> bool:
+        """Whether a leg keeps the clearance."""
+        return self.water.is_clear(start, end, self.clearance_m)
+
+    def is_free(self, at: Point) -> bool:
+        """Whether a point is on the water and keeps the clearance."""
+        return self.water.is_water(at) and self.water.distance_m(at) >= self.clearance_m
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """West, south, east and north of the navigable water."""
+        west, south, east, north = self.chart.navigable.bounds
+        return west, south, east, north
+
+    @lru_cache(maxsize=4)  # noqa: B019  (a few grids of one sea, as long as it lives)
+    def grid(self, cells: int) -> Grid:
+        """About so many cells, each step between two free ones clear; never finer than a quarter
+        clearance."""
+        cell_m = max(math.sqrt(self.chart.navigable.area / cells), self.clearance_m / 4.0)
+        return occupancy(self.chart, self.bounds, cell_m, self.clearance_m)
+
+    def entries(self, grid: Grid, start: Point, goal: Point) -> tuple[int, int]:
+        """A cell near the start and one near the goal in the same region.
+
+        Raises:
+            NoPath: there are none.
+        """
+        try:
+            water = FreeWater(self.chart, grid, self.clearance_m)
+            out, into = water.entry_from_start(start).cells, water.entry_to_stop(goal, "goal").cells
+        except NoRouteError as error:
+            raise NoPath(str(error)) from error
+        for region, cell in out.items():
+            if region in into:
+                return cell, into[region]
+        raise NoPath(f"start and goal lie in different water in cells of {grid.cell_m:.2g} m")
+
+
+class Planner(Protocol):
+    """One method of planning."""
+
+    def __call__(self, sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
+        """A path from start to goal.
+
+        Raises:
+            NoPath: none was found.
+        """
+
+
+def plan(
+    planner: Planner, sea: Sea, start: Point, goal: Point, seed: int, budget_s: float
+) -> Planned | Failed:
+    """Run a planner and check its path against the true shores: an invalid one is a failure."""
+    began_s = time.thread_time()
+    try:
+        points = _straightened(planner(sea, start, goal, seed, Deadline(budget_s)))
+    except NoPath as error:
+        return Failed(str(error), time.thread_time() - began_s)
+    cpu_s = time.thread_time() - began_s
+    if points[0] != start or points[-1] != goal:
+        return Failed("the path does not join start and goal", cpu_s)
+    if not all(sea.is_clear(a, b) for a, b in pairwise(points)):
+        return Failed("the path does not keep the clearance", cpu_s)
+    return Planned(points, path_length_m(points), cpu_s)
+
+
+def _straightened(points: Sequence[Point]) -> Path:
+    """The same path without repeated points and points on its straight stretches."""
+    kept: list[Point] = []
+    for point in points:
+        if kept and point == kept[-1]:
+            continue
+        while len(kept) > 1 and _is_between(kept[-2], kept[-1], point):
+            kept.pop()
+        kept.append(point)
+    return tuple(kept)
+
+
+def _is_between(a: Point, b: Point, c: Point) -> bool:
+    to_b = (b.north_m - a.north_m, b.east_m - a.east_m)
+    to_c = (c.north_m - a.north_m, c.east_m - a.east_m)
+    cross = to_b[0] * to_c[1] - to_b[1] * to_c[0]
+    scale = math.hypot(*to_b) * math.hypot(*to_c)
+    along = to_b[0] * (to_c[0] - to_b[0]) + to_b[1] * (to_c[1] - to_b[1])
+    return abs(cross) <= 1e-12 * scale and along >= 0.0
