@@ -23,10 +23,10 @@ from sitl.scenarios.scenario import load_scenario
 PAGE = Path("docs/peers.md")
 SHARED = Path("../shared/maps")
 SEEDS = (11, 12, 13)
-BUDGET_S = 20.0
+BUDGET_S = 10.0
 GRID_CLEARANCE_M = 0.25  # in cells of 1 m, so that a corridor of one cell is passable
 _GRIDS = ("arena2", "w_woundedcoast")
-_GRID_QUERIES = 2
+_GRID_QUERIES = 1
 _BEGIN, _END = "<!-- table -->", "<!-- end of table -->"
 
 Query = tuple[Point, Point]

@@ -13,10 +13,10 @@ from companion.planning.water import Water
 from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.entry_cells import FreeWater
+from mission_tools.planning.exact_planner import water_of
 from mission_tools.planning.grid import Grid
 from mission_tools.planning.inflate import occupancy
 from mission_tools.planning.smooth import path_length_m
-from mission_tools.tasks.transits import water_of
 
 Path: TypeAlias = tuple[Point, ...]
 
