@@ -27,6 +27,7 @@ class Method(StrEnum):
 
     ON_OFF = "A*"
     PID = "A*+PID"
+    PID_AHEAD = "A*+PID ±30°"
     LOS = "A*+LOS"
     EXACT = "exact+LOS"
 
@@ -46,6 +47,8 @@ _MEANINGS = {
     "bearing to the next waypoint, straight ahead inside; cruise throttle (baseline)",
     Method.PID: "the same plan; the paper's heading PID, on board at 50 Hz, on the bearing to the next "
     "waypoint",
+    Method.PID_AHEAD: "the same plan and PID, at 60 % throttle while the bearing is within ±30°, and turning "
+    "without thrust outside (the paper's reference [10])",
     Method.LOS: "the same plan as a mission; the boat's own line-of-sight guidance over the same PID",
     Method.EXACT: "the shortest path drawn taut between the obstacles, as a mission; line-of-sight guidance",
 }

@@ -18,7 +18,13 @@ from sitl.experiments.paper.step_response import STEP_RAD, StepResponse
 from sitl.experiments.paper.table import Row
 from sitl.experiments.trial import TrialResult
 
-COLOURS = {Method.ON_OFF: "#c0392b", Method.PID: "#1f6fb2", Method.LOS: "#2e8b57", Method.EXACT: "#8e6bbf"}
+COLOURS = {
+    Method.ON_OFF: "#c0392b",
+    Method.PID: "#1f6fb2",
+    Method.PID_AHEAD: "#d08a1d",
+    Method.LOS: "#2e8b57",
+    Method.EXACT: "#8e6bbf",
+}
 CASE_COLOURS = dict(zip(CASES, ("#c0392b", "#1f6fb2", "#2e8b57", "#d08a1d", "#8e6bbf"), strict=True))
 _DPI = 120
 _NAME_M = 0.09  # of the chart to the east of the pool: the box's name ends there

@@ -1,7 +1,7 @@
 """The task of the paper's experiment: one case, followed by one method, under one seed."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import product
 
@@ -15,15 +15,27 @@ from mission_tools.mission.route import mission_along
 from mission_tools.planning.planner import PlanSettings, plan
 from mission_tools.planning.smooth import path_length_m
 from sitl.experiments.paper.conditions import CASES, Method, conditions
-from sitl.experiments.paper.shore_steering import HeadingPid, OnOff, ShoreSteering
+from sitl.experiments.paper.shore_steering import (
+    HeadingPid,
+    HeadingPidAhead,
+    OnOff,
+    ShoreSteering,
+    SteeringLaw,
+)
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.lockstep import Lockstep
 from sitl.run.recorder import Recorder
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.scenarios.missions import wire_items
+from sitl.scenarios.scenario import Scenario
 
 GRID_CELL_M = 0.08  # the paper gives none; about the boat's beam and the plan's clearance
 REACHED_M = 0.08  # acceptance radius of shore steering: within the clearance
+_LAWS: dict[Method, Callable[[Scenario], SteeringLaw]] = {
+    Method.ON_OFF: OnOff,
+    Method.PID: HeadingPid,
+    Method.PID_AHEAD: HeadingPidAhead,
+}
 MOST_S = 300.0  # five times the duration of the longest case
 
 
@@ -82,7 +94,7 @@ def run_paper_trial(trial: Trial) -> TrialResult:
         orders.arm()
         orders.start_mission()
     else:
-        law = OnOff(scenario) if method is Method.ON_OFF else HeadingPid(scenario)
+        law = _LAWS[method](scenario)
         steering = ShoreSteering(station, law, points, REACHED_M)
         orders.wait(lambda: steering.has_telemetry, BOOT_S, "the boat sent no position")
         orders.change_mode(law.mode)

@@ -18,6 +18,8 @@ from sitl.scenarios.scenario import Scenario
 
 SAMPLE_S = 0.2
 DEAD_ZONE_RAD = math.radians(15.0)
+AHEAD_RAD = math.radians(30.0)  # the paper's reference [10], and so is the throttle
+AHEAD_THROTTLE = 0.6
 _STICK = 1000.0
 
 
@@ -69,6 +71,23 @@ class HeadingPid:
             0, self._boat, 1, rates, q, 0.0, 0.0, 0.0, self._thrust
         )
         return message
+
+
+class HeadingPidAhead(HeadingPid):
+    """The same PID at 60 % throttle, but without way on while the bearing is more than 30° off.
+
+    After the paper's reference [10], which steers by PID within 30° and does not say what it does outside.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        super().__init__(scenario)
+        self._ahead = self._thrust * AHEAD_THROTTLE / scenario.vehicle.speed.cruise_throttle
+
+    def order(self, aim_rad: float, heading_rad: float) -> Message:
+        """SET_ATTITUDE_TARGET: a yaw, and thrust only where the bearing is ahead."""
+        is_ahead = abs(wrap_pi(aim_rad - heading_rad)) <= AHEAD_RAD
+        self._thrust = self._ahead if is_ahead else 0.0
+        return super().order(aim_rad, heading_rad)
 
 
 class ShoreSteering:
