@@ -100,6 +100,9 @@ def add_costs(parser: Parser) -> None:
     group.add_argument(
         "--open-water", type=number, metavar="M", help="keep off the shore where that is not too long"
     )
+    group.add_argument(
+        "--draught", type=number, metavar="M", help="keep out of water that the map says is less deep"
+    )
 
 
 def add_outputs(parser: Parser) -> None:
@@ -161,6 +164,7 @@ def plan_options(given: Namespace) -> PlanOptions:
         current=given.current,
         least=given.least,
         open_water_m=given.open_water,
+        draught_m=given.draught,
         via=tuple(map(_via, given.via)),
         any_order=given.any_order,
         is_return=given.is_return,

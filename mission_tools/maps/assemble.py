@@ -16,7 +16,17 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.errors import MapError
-from mission_tools.maps.chart import KEPT_OUT, SOLID, Area, Chart, Feature, Kind, area_of, build_chart
+from mission_tools.maps.chart import (
+    KEPT_OUT,
+    PROPERTIES,
+    SOLID,
+    Area,
+    Chart,
+    Feature,
+    Kind,
+    area_of,
+    build_chart,
+)
 from mission_tools.maps.kinds import ambiguity, kind_of, tagged_kind
 from mission_tools.maps.longitudes import continuous, is_near_antimeridian, wrapped_lon_deg
 from mission_tools.maps.projection import densified, to_local
@@ -84,7 +94,7 @@ def chart_of(raw: RawMap, origin: LatLon | None = None) -> Chart:
     named = [
         replace(f, shape=_projected(_clipped(f.shape, near), raw, frame))
         for f in features
-        if f.name and f.shape.intersects(near)
+        if (f.name or PROPERTIES & f.properties.keys()) and f.shape.intersects(near)
     ]
     first = next((f.name for f in features if f.kind == "water" and f.name), raw.fallback_name)
     try:

@@ -20,6 +20,11 @@ Area: TypeAlias = Polygon | MultiPolygon
 
 KEPT_OUT: frozenset[str] = frozenset({"keep_out", "swimming"})
 SOLID: frozenset[str] = frozenset({"island", "obstacle", "pier", "raft"})
+DEPTH = "depth_m"
+"""Property of a feature: the least depth of its area."""
+SPEED_LIMIT = "max_speed_m_s"
+"""Property of a feature: the highest speed over ground in its area."""
+PROPERTIES = frozenset({DEPTH, SPEED_LIMIT})
 REACH_DEG = 2.0  # of a great circle to north and east of a chart's origin; nothing farther belongs to it
 OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice REACH_DEG: beyond any route
 

@@ -26,6 +26,7 @@ class PlanOptions:
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
     emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
+    draught_m: water that is charted less deep is an obstacle.
     """
 
     start_at: LatLon | None = None
@@ -57,6 +58,7 @@ class PlanOptions:
     current: str | None = None
     least: str | None = None
     open_water_m: float | None = None
+    draught_m: float | None = None
 
     def given(self) -> list[str]:
         """The fields that were given."""

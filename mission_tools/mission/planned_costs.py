@@ -11,9 +11,10 @@ from companion.core.geo import Point, distance_m
 from mission_tools.costs.cheapest import cheapest_route
 from mission_tools.costs.current import STILL_WATER
 from mission_tools.costs.current_source import open_current
-from mission_tools.costs.travel import BoatSpeed, Charge, Floats, OpenWater, Travel, TravelTime
+from mission_tools.costs.travel import BoatSpeed, Charge, Floats, InZones, OpenWater, Travel, TravelTime
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
+from mission_tools.maps.zones import speed_zones
 from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.planning.planner import Plan
 from mission_tools.wording import duration
@@ -47,7 +48,7 @@ def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOpt
 def _travel(chart: Chart, options: PlanOptions) -> Travel:
     current = STILL_WATER if options.current is None else open_current(options.current, chart.frame)
     speed = BoatSpeed(over_ground_m_s=options.speed_m_s or BoatSpeed().over_ground_m_s)
-    travel: Travel = TravelTime(speed, current)
+    travel: TravelTime | Charge = TravelTime(speed, current)
     if options.boat is not None:
         from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - seldom needed
 
@@ -60,8 +61,10 @@ def _travel(chart: Chart, options: PlanOptions) -> Travel:
             travel = Charge(speed, boat.drawn_a, current)
     elif options.least == "charge":
         raise UsageError("--least charge: add --boat BOAT.toml, which says what the boat draws")
+    zones = speed_zones(chart)
+    slowed: Travel = InZones(travel, zones) if zones else travel
     if options.open_water_m is None:
-        return travel
+        return slowed
     if not options.open_water_m > 0.0:
         raise UsageError(f"--open-water {options.open_water_m:g}: expected more than 0 metres")
 
@@ -69,7 +72,7 @@ def _travel(chart: Chart, options: PlanOptions) -> Travel:
         room: Floats = shapely.distance(shapely.points(east_m, north_m), chart.shores)
         return np.where(np.isnan(room), np.inf, room)
 
-    return OpenWater(travel, room_m, OPEN_WATER_WEIGHT, options.open_water_m)
+    return OpenWater(slowed, room_m, OPEN_WATER_WEIGHT, options.open_water_m)
 
 
 def _between_stops(points: Sequence[Point], stops: Sequence[Point]) -> list[tuple[Point, ...]]:

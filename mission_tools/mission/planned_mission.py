@@ -9,6 +9,7 @@ from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.errors import UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
 from mission_tools.maps.fenced import fenced
+from mission_tools.maps.zones import for_draught, speed_zones
 from mission_tools.mission.areas import NO_AREAS, Areas
 from mission_tools.mission.check import in_the_way
 from mission_tools.mission.mission import Fence, Mission
@@ -16,6 +17,7 @@ from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.plan_options import PlanOptions, flags
 from mission_tools.mission.planned_task import check_task, shore_of, survey_area, survey_of
 from mission_tools.mission.route import mission_along, with_speed
+from mission_tools.mission.zone_speeds import mission_in_zones
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
 from mission_tools.tasks.tour import tour
@@ -103,7 +105,7 @@ class MapSource:
         area: Polygon | MultiPolygon | None = None,
     ) -> None:
         self._survey_area = area
-        self._chart = _within(source.chart, areas)
+        self._chart = _within(_for_draught(source.chart, options.draught_m), areas)
         self._areas = areas
         self._wishes = options
         self._settings = PlanSettings.from_route(
@@ -155,7 +157,9 @@ class MapSource:
 
             found = cheapest(chart, found, (start, *via, goal), self._wishes)
         places = [chart.frame.to_global(point) for point in found.points]
-        mission = self._areas.over(mission_along(places, speed_m_s))
+        zones = speed_zones(chart)
+        slowed = mission_in_zones(chart.frame, found.points, zones, speed_m_s) if zones else None
+        mission = self._areas.over(slowed or mission_along(places, speed_m_s))
         return PlannedMission(
             chart.name, mission, chart, found, None, clearance_m, (*chart.notes, *found.notes)
         )
@@ -237,6 +241,17 @@ class MapSource:
                 f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
             )
         return self._chart.frame.to_local(place)
+
+
+def _for_draught(chart: Chart, draught_m: float | None) -> Chart:
+    """Raise:
+    UsageError: a draught below 0.
+    """
+    if draught_m is None:
+        return chart
+    if draught_m < 0.0:
+        raise UsageError(f"--draught {draught_m:g}: expected 0 metres or more")
+    return for_draught(chart, draught_m)
 
 
 def _within(chart: Chart, areas: Areas) -> Chart:
