@@ -13,6 +13,8 @@ from mission_tools.planning.plan_settings import Plan, PlanSettings
 __all__ = ["Plan", "PlanSettings", "plan"]
 
 _MARGIN_SHARES = (1.0, 0.5)
+SAVED_M = 0.01
+"""Mission files and MAVLink round positions to 1e-7 degrees: a waypoint moves by up to 0.008 m."""
 
 
 def plan(
@@ -34,14 +36,18 @@ def plan(
     settings = settings or PlanSettings()
     stops = (start, *via, goal)
     search = _plan_on_grid if settings.is_grid else plan_exactly
+    spare_m = chart.clearance_m(start) - settings.clearance_m
     for share in _MARGIN_SHARES if settings.margin_m > 0.0 else ():
         tried = replace(settings, margin_m=share * settings.margin_m)
-        if 0.0 <= chart.clearance_m(start) - settings.clearance_m < tried.margin_m:
+        if 0.0 <= spare_m < tried.margin_m:
             continue  # it is no boat at its jetty, that leaves without a clearance
         with contextlib.suppress(NoRoute, StartBlocked, GoalBlocked):
             found = search(chart, stops, tried)
             note = f"kept to {tried.required_m:g} m: no route keeps {settings.required_m:g} m"
             return replace(found, notes=(*found.notes, note)) if share < 1.0 else found
+    if settings.margin_m == 0.0 and not settings.is_grid and not 0.0 <= spare_m < SAVED_M:
+        with contextlib.suppress(NoRoute, StartBlocked, GoalBlocked):
+            return replace(search(chart, stops, replace(settings, margin_m=SAVED_M)), settings=settings)
     found = search(chart, stops, replace(settings, margin_m=0.0))
     if settings.margin_m > 0.0:
         note = f"kept to {settings.clearance_m:g} m: there is no room for a margin beside it"

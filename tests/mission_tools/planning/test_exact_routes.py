@@ -70,7 +70,7 @@ def test_a_cove_is_reached_that_is_wide_enough() -> None:
     chart = load_geojson(SHORE / "lake_millinocket_me.geojson")
     found = planned(chart, "45.786757,-68.797010", "45.789392,-68.792777", margin_m=0.0)
     assert found.min_clearance_m >= 4.0
-    assert path_length_m(found.found) == pytest.approx(759.5, abs=0.1)  # brute force over the eroded cove
+    assert path_length_m(found.found) == pytest.approx(759.5, abs=0.2)  # brute force over the eroded cove
 
 
 @needs_lakes
@@ -92,3 +92,21 @@ def test_there_and_back_are_one_route(name: str) -> None:
         back = plan(chart, goal, start, PlanSettings(10.0))
         assert path_length_m(back.found) == pytest.approx(path_length_m(there.found), abs=1e-9)
         assert back.length_m == pytest.approx(there.length_m, rel=2e-3)
+
+
+def test_positions_rounded_as_in_a_file_keep_the_clearance() -> None:
+    rock = shapely.Point(0.0, 0.0).buffer(20.0)
+    chart = build_chart("Rock", FRAME, shapely.box(-100, -100, 100, 100).difference(rock), ())
+    for turn in range(24):
+        north_m, east_m = 60 * math.sin(turn), 60 * math.cos(turn)
+        found = plan(chart, Point(north_m, east_m), Point(-north_m, -east_m + 1.0), PlanSettings(4.0))
+        places = [FRAME.to_global(point) for point in found.points]
+        saved = [FRAME.to_local(LatLon(round(at.lat_deg, 7), round(at.lon_deg, 7))) for at in places]
+        assert min(chart.leg_clearance_m(a, b) for a, b in pairwise(saved)) >= 4.0
+        assert found.settings == PlanSettings(4.0)
+
+
+def test_a_start_with_just_the_clearance_is_not_at_its_jetty() -> None:
+    chart = build_chart("Basin", FRAME, shapely.box(-100, -100, 100, 100), ())
+    found = plan(chart, Point(96.0, 0.0), Point(0.0, 0.0), PlanSettings(4.0))
+    assert (found.notes, len(found.points)) == ((), 2)
