@@ -25,9 +25,9 @@ Mask = NDArray[np.bool_]
 Levels = NDArray[np.uint8]
 
 MAX_PIXELS = 100_000_000
-TOLERANCE_PIXELS = 0.5  # of the outline's corners
+TOLERANCE_PIXELS = 0.35  # of the outline's corners; twice that where GEOS drops a ring's first corner
 CORNER_PIXELS = 0.354  # half a pixel's half diagonal: how far a contour cuts into a corner
-SHRINK_PIXELS = TOLERANCE_PIXELS + CORNER_PIXELS
+SHRINK_PIXELS = 2.0 * TOLERANCE_PIXELS + CORNER_PIXELS
 LEAST_PIXELS = 4.0  # of a piece of water; smaller ones are specks
 BRIGHT = 128
 
@@ -118,7 +118,7 @@ def outlines(mask: Mask) -> Area:
     traced = traced_area(mask, level=0.51)  # a land pixel's corner neighbour does not connect
     simple = area_of(shapely.make_valid(shapely.simplify(traced, TOLERANCE_PIXELS)))
     # GEOS' buffers are up to 1 % too small
-    return _without_specks(area_of(simple.buffer(-1.02 * SHRINK_PIXELS, join_style="mitre")))
+    return _without_specks(area_of(simple.buffer(-1.03 * SHRINK_PIXELS)))
 
 
 def traced_area(values: NDArray[np.generic], level: float) -> Area:

@@ -12,6 +12,7 @@ import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
+from scipy import ndimage
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -352,9 +353,9 @@ def test_a_geotiff_mask_lies_where_gdal_put_it(name: str) -> None:
     chart = load_map(GEOTIFFS / name)
     is_metres = "utm" in name
     pixel_m2 = 1.0 if is_metres else 1e-10 * 286.68 * 222.46 / 0.004 / 0.002
-    inset = 1.02 * 0.854
+    inset = 1.03 * 1.054
     expected = ((60 - 2 * inset) * (40 - 2 * inset) - (10 + 2 * inset) ** 2) * pixel_m2
-    assert chart.water.area == pytest.approx(expected, rel=0.03)
+    assert chart.water.area == pytest.approx(expected, rel=0.04)
     if not is_metres:
         assert is_afloat(chart, 50.001 - 20e-5, 10.0 + 20e-5)
         assert not is_afloat(chart, 50.001 - 30e-5, 10.0 + 35e-5)
@@ -370,9 +371,9 @@ def test_a_geotiff_without_a_reference_system_says_what_to_do() -> None:
 def test_the_mask_of_a_real_pond_never_takes_its_shore_for_water() -> None:
     chart = load_map(SHORE / "mask_citra_pond_fl.png")
     traced = load_geojson(SHORE / "pond_citra_fl.geojson", chart.frame.origin)
-    assert chart.navigable.area == pytest.approx(traced.navigable.area, rel=0.01)
+    assert chart.navigable.area == pytest.approx(traced.navigable.area, rel=0.015)
     assert chart.navigable.difference(traced.navigable).area < 0.1
-    assert "outline drawn 0.85 pixels (0.26 m) into the water" in chart.notes[0]
+    assert "outline drawn 1.05 pixels (0.32 m) into the water" in chart.notes[0]
 
 
 @given(
@@ -386,6 +387,15 @@ def test_no_pixel_of_land_is_read_as_water(rows: list[list[bool]], size: int) ->
     land = [shapely.box(c, r, c + 1, r + 1) for r, c in zip(*np.nonzero(~mask), strict=True)]
     assert shapely.intersection(water, shapely.union_all(land)).area < 1e-9
     assert water.is_empty or water.bounds[2] <= mask.shape[1]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_pixel_of_a_natural_shore_is_read_as_water(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    relief = ndimage.gaussian_filter(random.random((40, 50)), random.uniform(0.3, 3.0))
+    mask = relief > np.quantile(relief, random.uniform(0.2, 0.7))
+    land = [shapely.box(c, r, c + 1, r + 1) for r, c in zip(*np.nonzero(~mask), strict=True)]
+    assert shapely.intersection(outlines(mask), shapely.union_all(land)).area < 1e-9
 
 
 def picture(path: Path, pixels: Any, world: str | None = "1e-5\n0\n0\n-1e-5\n10\n50\n") -> Path:  # noqa: ANN401
