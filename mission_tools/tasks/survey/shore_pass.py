@@ -18,9 +18,7 @@ from mission_tools.maps.chart import Chart
 from mission_tools.tasks.room import polygons, simplified, union
 
 Array = NDArray[np.float64]
-CORNER_INSET = 1.0 / (
-    2.0 * math.sqrt(2.0)
-)  # of the footprint: from an edge, whose square corners are covered
+CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 RING_ERROR = 0.02  # of the footprint: how far a pass may cut its corners,
 FINE_RING_ERROR = 0.003  # and where the footprint does not reach the shore anyway
 MOST_LEFT_OUT = 0.002  # of the target

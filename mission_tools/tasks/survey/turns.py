@@ -19,9 +19,7 @@ from companion.core.units import wrap_pi
 from mission_tools.tasks.task_route import TaskLeg
 
 Array = NDArray[np.float64]
-CHORD_RAD = math.radians(
-    20.0
-)  # of a turn from waypoint to waypoint: the chord lies 1.5 % of the radius inside
+CHORD_RAD = math.radians(20.0)  # from waypoint to waypoint of a turn: 1.5 % of the radius inside the arc
 _BACK_RAD = math.pi - 1e-3  # a sharper corner leads straight back
 
 

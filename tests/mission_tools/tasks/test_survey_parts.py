@@ -133,3 +133,13 @@ def test_of_two_small_coves_the_pass_leaves_out_one() -> None:
     within = shapely.union_all(water_within_pass(chart, water, target, 40.0))
     heads = [shapely.Point(100.0, 148.0), shapely.Point(200.0, 148.0)]
     assert sum(within.intersects(head) for head in heads) == 1
+
+
+@pytest.mark.parametrize("distance_m", [0.5, 4.0, 30.0])
+def test_the_water_clear_of_shores_is_never_nearer_than_asked(distance_m: float) -> None:
+    """The chords of a buffer's corners lie 0.5 % nearer than its distance."""
+    spike = shapely.Polygon([(95.0, 40.0), (100.0, 62.0), (105.0, 40.0)])
+    chart = basin(spike, width_m=200.0, height_m=120.0)
+    for piece in water_clear_of_shores(chart, distance_m):
+        assert piece.boundary.distance(chart.shores) >= distance_m * (1.0 - 1e-6)
+        assert piece.boundary.distance(chart.shores) <= distance_m * 1.02
