@@ -58,9 +58,10 @@ def test_a_slower_boat_draws_less_in_all() -> None:
 def test_a_sharp_corner_costs_the_time_to_slow_down_and_to_gain_speed() -> None:
     straight = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(200.0, 0.0)])
     gentle = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)])
-    assert gentle.time_s == pytest.approx(
-        straight.time_s, abs=0.01
-    )  # a fillet of 4.8 m is sailed at 1.97 m/s
+    turning_s = 0.7 * 0.5 * math.pi / 0.65  # the fillet itself is sailed at 1.97 m/s
+    assert gentle.time_s == pytest.approx(straight.time_s + turning_s, abs=0.01)
+    drawn_mah = (turning_s * (0.6 + 1.08 * 3.0) + 4.0 * 3.0 * 0.5 * math.pi) / 3.6
+    assert gentle.charge_mah == pytest.approx(straight.charge_mah + drawn_mah, abs=0.05)
     back = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)])
     on_the_spot_s = math.pi / 0.65
     assert back.time_s == pytest.approx(straight.time_s + 2.0 / 0.8 + 2.0 / 1.2 + on_the_spot_s, abs=0.2)
