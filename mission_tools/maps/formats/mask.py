@@ -24,7 +24,8 @@ from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 Mask = NDArray[np.bool_]
 Levels = NDArray[np.uint8]
 
-MAX_PIXELS = 100_000_000
+MAX_PIXELS = 100_000_000  # of a photograph
+MAX_MASK_PIXELS = 16_000_000  # each of them is looked at
 TOLERANCE_PIXELS = 0.35  # of the outline's corners; twice that where GEOS drops a ring's first corner
 CORNER_PIXELS = 0.354  # half a pixel's half diagonal: how far a contour cuts into a corner
 SHRINK_PIXELS = 2.0 * TOLERANCE_PIXELS + CORNER_PIXELS
@@ -48,7 +49,7 @@ def read_levels(path: Path) -> tuple[Levels, Georeference]:
     Raises:
         MapError: no picture, in colours, or without a georeference.
     """
-    picture, georeference = open_picture(path)
+    picture, georeference = open_picture(path, MAX_MASK_PIXELS)
     pixels = np.asarray(
         picture.convert("RGBA") if picture.mode in ("P", "PA", "LA", "RGB", "RGBA") else picture
     )
@@ -62,7 +63,7 @@ def read_levels(path: Path) -> tuple[Levels, Georeference]:
     return np.where(alpha >= BRIGHT, pixels[:, :, 0], 0).astype(np.uint8), georeference
 
 
-def open_picture(path: Path):  # type: ignore[no-untyped-def]  # noqa: ANN201 (Pillow's own class)
+def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-untyped-def]  # noqa: ANN201 (Pillow's own class)
     """A picture and where it lies.
 
     Raises:
@@ -76,13 +77,13 @@ def open_picture(path: Path):  # type: ignore[no-untyped-def]  # noqa: ANN201 (P
             warnings.simplefilter("ignore")  # Pillow's, about large pictures and odd tags
             picture = Image.open(path)
             tags = dict(getattr(picture, "tag_v2", {}))
-            is_too_large = picture.width * picture.height > MAX_PIXELS
+            is_too_large = picture.width * picture.height > most_pixels
             if not is_too_large:
                 picture.load()
     except Exception as error:  # Pillow raises many kinds on damaged files
         raise MapError(f"{path}: not a picture that can be read: {str(error)[:100]}") from None
     if is_too_large:
-        raise MapError(f"{path}: more than {MAX_PIXELS // 1_000_000} million pixels: scale it down")
+        raise MapError(f"{path}: more than {most_pixels // 1_000_000} million pixels: scale it down")
     return picture, georeference_of(path, tags)
 
 

@@ -425,6 +425,14 @@ def test_a_mask_that_cannot_be_used_says_why(
     assert said in str(caught.value)
 
 
+def test_a_mask_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path: Path) -> None:
+    path = tmp_path / "m.png"
+    Image.new("1", (16_000, 1_001)).save(path)
+    path.with_suffix(".pgw").write_text("1e-5\n0\n0\n-1e-5\n10\n50\n")
+    with pytest.raises(MapError, match=r"m.png: more than 16 million pixels: scale it down"):
+        load_map(path)
+
+
 def test_transparent_pixels_are_land(tmp_path: Path) -> None:
     pixels = np.full((20, 20, 4), 255, np.uint8)
     pixels[:, 10:, 3] = 0
