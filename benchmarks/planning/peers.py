@@ -8,6 +8,7 @@ import statistics
 import time
 from dataclasses import dataclass, field
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 
 from benchmarks.measure import Row
@@ -18,15 +19,17 @@ from mission_tools.maps.formats.grid_map import load_grid_map
 from mission_tools.maps.movingai import read_grid_map, read_grid_queries
 from mission_tools.peers import PEERS, planner
 from mission_tools.peers.interface import Failed, Planned, Sea, plan
+from mission_tools.planning.exact_planner import water_of
 from sitl.scenarios.scenario import load_scenario
 
 PAGE = Path("docs/peers.md")
 SHARED = Path("../shared/maps")
 SEEDS = (11, 12, 13)
-BUDGET_S = 10.0
+BUDGET_S = 5.0
 GRID_CLEARANCE_M = 0.25  # in cells of 1 m, so that a corridor of one cell is passable
 _GRIDS = ("arena2", "w_woundedcoast")
 _GRID_QUERIES = 1
+_GRID_STRIDE = 40
 _BEGIN, _END = "<!-- table -->", "<!-- end of table -->"
 
 Query = tuple[Point, Point]
@@ -71,27 +74,35 @@ def _waters() -> dict[str, tuple[Sea, list[Query]]]:
             cases = [load_scenario("pool", (), str(number)).route for number in range(1, 6)]
         else:
             cases = [route]
+        sea = Sea(scenario.chart, route.clearance_m)
         queries = [(case.start, case.goal) for case in cases if case.start and case.goal]
-        found[title] = Sea(scenario.chart, route.clearance_m), queries
+        found[title] = sea, [query for query in queries if _is_joined(sea, query)]
     for name in _GRIDS if (SHARED / "movingai").is_dir() else ():
         path = SHARED / f"movingai/{name}.map"
         sea, grid = Sea(load_grid_map(path), GRID_CLEARANCE_M), read_grid_map(path)
-        long_queries = read_grid_queries(path.with_suffix(".map.scen"))[:: -len(PEERS) * 20][:_GRID_QUERIES]
 
         def middle(cell: int, width: int = grid.width, height: int = grid.height) -> Point:
             return Point(height - cell // width - 0.5, cell % width + 0.5)
 
-        found[name] = sea, [(middle(query.start), middle(query.goal)) for query in long_queries]
+        # From the longest on, those that the outlines of the cells still join
+        longest_first = read_grid_queries(path.with_suffix(".map.scen"))[::-_GRID_STRIDE]
+        ends = ((middle(query.start), middle(query.goal)) for query in longest_first)
+        found[name] = sea, list(islice((pair for pair in ends if _is_joined(sea, pair)), _GRID_QUERIES))
     return found
+
+
+def _is_joined(sea: Sea, query: Query) -> bool:
+    try:
+        sea.water.routes(sea.clearance_m).route(*query)
+    except NoWay:
+        return False
+    return True
 
 
 def _tally(name: str, sea: Sea, queries: list[Query]) -> Tally:
     tally = Tally()
     for start, goal in queries:
-        try:
-            exact_m = sea.water.routes(sea.clearance_m).route(start, goal).length_m
-        except NoWay:
-            continue
+        exact_m = sea.water.routes(sea.clearance_m).route(start, goal).length_m
         for seed in SEEDS:
             found = plan(planner(name), sea, start, goal, seed, BUDGET_S)
             tally.times_s.append(found.cpu_s)
@@ -106,10 +117,7 @@ def _exact_tally(sea: Sea, queries: list[Query]) -> Tally:
     tally = Tally()
     for start, goal in queries:
         began_s = time.thread_time()
-        try:
-            Sea(sea.chart, sea.clearance_m).water.routes(sea.clearance_m).route(start, goal)
-        except NoWay:
-            continue
+        water_of.__wrapped__(sea.chart).routes(sea.clearance_m).route(start, goal)  # without what is kept
         tally.times_s.append(time.thread_time() - began_s)
         tally.excesses.append(0.0)
     return tally
