@@ -5,6 +5,7 @@ have moved it, so that no pixel of land becomes water. A note says by how much.
 """
 
 import warnings
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
@@ -71,11 +72,11 @@ def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-
     """
     from PIL import Image  # noqa: PLC0415 (pictures only)
 
-    read_bytes(path)
+    data = BytesIO(read_bytes(path))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow's, about large pictures and odd tags
-            picture = Image.open(path)
+            picture = Image.open(data)
             tags = dict(getattr(picture, "tag_v2", {}))
             is_too_large = picture.width * picture.height > most_pixels
             if not is_too_large:
