@@ -24,7 +24,9 @@ DEPTH = "depth_m"
 """Property of a feature: the least depth of its area."""
 SPEED_LIMIT = "max_speed_m_s"
 """Property of a feature: the highest speed over ground in its area."""
-PROPERTIES = frozenset({DEPTH, SPEED_LIMIT})
+CLEARANCE = "clearance_m"
+"""Property of a feature: the clearance to keep from it, in place of the route's."""
+PROPERTIES = frozenset({DEPTH, SPEED_LIMIT, CLEARANCE})
 REACH_DEG = 2.0  # of a great circle to north and east of a chart's origin; nothing farther belongs to it
 OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice REACH_DEG: beyond any route
 
@@ -40,6 +42,11 @@ class Feature:
     kind: Kind
     shape: BaseGeometry
     properties: Mapping[str, Any] = field(default_factory=dict, compare=False)
+
+    @property
+    def described(self) -> str:
+        """For messages."""
+        return f'{self.kind} "{self.name}"' if self.name else f"an area of {self.kind} without a name"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,6 +110,24 @@ class Chart:
             if feature.kind in KEPT_OUT | SOLID and feature.shape.intersects(at):
                 return f"{'in' if feature.kind in KEPT_OUT else 'on'} {feature.name}"
         return "on land" if self.water.envelope.contains(at) else "outside the map"
+
+
+def property_number(feature: Feature, key: str) -> float | None:
+    """A number that the map says about a feature; None if it says none.
+
+    Raises:
+        MapError: it says something else; names the feature.
+    """
+    value: Any = feature.properties.get(key)
+    if value is None:
+        return None
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise MapError(f"{feature.described}: {key} is {value!r}: expected a number")
+    return number
 
 
 def build_chart(

@@ -1,13 +1,12 @@
 """Areas of a chart with a depth or a speed limit, from the properties `depth_m` and `max_speed_m_s`."""
 
 from dataclasses import replace
-from typing import Any
 
 from shapely.geometry import MultiPolygon, Polygon
 
 from mission_tools.costs.travel import SpeedZone
 from mission_tools.errors import MapError
-from mission_tools.maps.chart import DEPTH, SPEED_LIMIT, Chart, Feature, build_chart
+from mission_tools.maps.chart import DEPTH, SPEED_LIMIT, Chart, build_chart, property_number
 
 
 def for_draught(chart: Chart, draught_m: float) -> Chart:
@@ -20,7 +19,9 @@ def for_draught(chart: Chart, draught_m: float) -> Chart:
     """
     features = [
         replace(feature, kind="obstacle", name=feature.name or f"water of {depth:g} m")
-        if (depth := _number(feature, DEPTH)) is not None and depth < draught_m and feature.kind == "water"
+        if (depth := property_number(feature, DEPTH)) is not None
+        and depth < draught_m
+        and feature.kind == "water"
         else feature
         for feature in chart.features
     ]
@@ -38,24 +39,10 @@ def speed_zones(chart: Chart) -> tuple[SpeedZone, ...]:
     """
     zones = []
     for feature in chart.features:
-        limit_m_s = _number(feature, SPEED_LIMIT)
+        limit_m_s = property_number(feature, SPEED_LIMIT)
         if limit_m_s is None or not isinstance(feature.shape, Polygon | MultiPolygon):
             continue
         if not limit_m_s > 0.0:
-            raise MapError(f"{_named(feature)}: {SPEED_LIMIT} is {limit_m_s:g}: expected more than 0")
+            raise MapError(f"{feature.described}: {SPEED_LIMIT} is {limit_m_s:g}: expected more than 0")
         zones.append(SpeedZone(feature.shape, limit_m_s))
     return tuple(zones)
-
-
-def _number(feature: Feature, key: str) -> float | None:
-    value: Any = feature.properties.get(key)
-    if value is None:
-        return None
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise MapError(f"{_named(feature)}: {key} is {value!r}: expected a number") from None
-
-
-def _named(feature: Feature) -> str:
-    return f'{feature.kind} "{feature.name}"' if feature.name else f"an area of {feature.kind} without a name"

@@ -6,12 +6,14 @@ from functools import lru_cache
 from itertools import islice, pairwise
 
 import shapely
+from shapely.geometry import LinearRing, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import Point
 from companion.planning.visibility import NoWay, Route, Routes
 from companion.planning.water import Shore, Water
 from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked
-from mission_tools.maps.chart import Chart
+from mission_tools.maps.chart import CLEARANCE, KEPT_OUT, SOLID, Chart, property_number
 from mission_tools.planning.astar import SearchMetrics
 from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
 from mission_tools.planning.plan_settings import Plan, PlanSettings
@@ -32,8 +34,38 @@ def water_of(chart: Chart) -> Water:
         for ring in (() if chart.is_open else (part.exterior,), part.interiors)
         for ring in ring
     ]
-    shores = [Shore([Point(y, x) for x, y in shapely.get_coordinates(ring)[:-1].tolist()]) for ring in rings]
-    return Water(shores, is_open=chart.is_open)
+    asking = [
+        (feature.shape, clearance_m)
+        for feature in chart.features
+        if feature.kind in SOLID | KEPT_OUT
+        and (clearance_m := property_number(feature, CLEARANCE)) is not None
+    ]
+    own_m = [_own_clearance_m(ring, asking) for ring in rings]
+    water = Water(
+        [Shore(_corners(ring), own) for ring, own in zip(rings, own_m, strict=True)], is_open=chart.is_open
+    )
+    # What is one with a longer shore keeps the clearance of that shore, and its own where that is larger
+    return water.with_shores(
+        [
+            Shore(_corners(part.exterior), clearance_m)
+            for shape, clearance_m in asking
+            if not any(_is_outline(ring, shape) for ring in rings)
+            for part in shapely.get_parts(shape)
+        ]
+    )
+
+
+def _own_clearance_m(ring: LinearRing, asking: Sequence[tuple[BaseGeometry, float]]) -> float | None:
+    """The clearance of the feature that a shore is the outline of; None: the route's."""
+    return next((clearance_m for shape, clearance_m in asking if _is_outline(ring, shape)), None)
+
+
+def _is_outline(ring: LinearRing, shape: BaseGeometry) -> bool:
+    return any(Polygon(ring).equals(Polygon(part.exterior)) for part in shapely.get_parts(shape))
+
+
+def _corners(ring: LinearRing) -> list[Point]:
+    return [Point(north, east) for east, north in shapely.get_coordinates(ring)[:-1].tolist()]
 
 
 def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:

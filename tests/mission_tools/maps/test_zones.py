@@ -10,13 +10,14 @@ import shapely
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.costs.travel import SpeedZone
 from mission_tools.errors import MapError, UsageError
-from mission_tools.maps.chart import Chart
+from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.zones import for_draught, speed_zones
 from mission_tools.mission.mission import Command
 from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.mission.planned_mission import open_source
 from mission_tools.mission.zone_speeds import mission_in_zones
+from mission_tools.planning.planner import PlanSettings, plan
 
 FRAME = LocalFrame(LatLon(50.0, 10.0))
 START, GOAL = LatLon(50.0, 10.0005), LatLon(50.0, 10.0055)
@@ -110,3 +111,26 @@ def test_a_zone_that_is_only_touched_or_beside_the_way_changes_nothing() -> None
     route = [Point(0, 0), Point(0, 60)]
     for zone in (shapely.box(10, 0, 40, 5), shapely.box(10, 1, 40, 5), shapely.box(20, -5, 20.3, 5)):
         assert mission_in_zones(FRAME, route, [SpeedZone(zone, 0.5)], 2.0) is None
+
+
+def with_obstacle(clearance_m: float, *, at_shore: bool = False) -> Chart:
+    shape = shapely.box(48, -60 if at_shore else -3, 52, 3)
+    rock = Feature("rock", "obstacle", shape, {"clearance_m": clearance_m})
+    return build_chart("pond", FRAME, shapely.box(-50, -50, 150, 50), [rock])
+
+
+@pytest.mark.parametrize(
+    ("chart", "kept_m"),
+    [
+        (with_obstacle(9.0), 9.0),
+        (with_obstacle(1.0), 1.0),
+        (with_obstacle(9.0, at_shore=True), 9.0),
+        (with_obstacle(1.0, at_shore=True), 4.0),
+    ],
+)
+def test_a_feature_may_ask_for_a_clearance_of_its_own(chart: Chart, kept_m: float) -> None:
+    found = plan(chart, Point(0, 0), Point(0, 100), PlanSettings(clearance_m=4.0))
+    assert found.min_clearance_m >= kept_m
+    assert shapely.LineString([(p.east_m, p.north_m) for p in found.found]).distance(
+        chart.features[0].shape
+    ) == pytest.approx(kept_m, abs=0.05)
