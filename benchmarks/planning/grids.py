@@ -44,7 +44,9 @@ def rows() -> list[Row]:
             note = (
                 f"{len(against_pyastar2d)} queries, as many on each map; lowest {min(against_pyastar2d):.2g}"
             )
-            found.append(alone("pyastar2d's time ÷ ours, all maps", "×", "more", against_pyastar2d, note))
+            found.append(
+                alone("pyastar2d's time ÷ ours, all maps, best of five", "×", "more", against_pyastar2d, note)
+            )
     else:
         found.append(alone("searches on the MovingAI maps", "ms", "less", [math.nan], f"{FOLDER} is missing"))
     return [*found, *scale_rows(), memory_row()]
