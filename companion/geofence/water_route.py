@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
-from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
+from companion.geofence.fence_water import MARGIN_SHARES, way_to_nearest
 from companion.guidance.leg import Leg
+from companion.planning.water import Water
 
 _CORNER_SHARE = 0.5  # of the clearance: acceptance radius of a corner
 _CLEAR_SHARE = 0.95  # of the clearance at its ends: required along a straight leg
@@ -24,7 +25,7 @@ class WaterRoute:
         clearance_m: float,
         config: BoatConfig,
     ) -> None:
-        """corners: one or more, such as the cells of a field; the last is the end."""
+        """corners: one or more; the last is the end."""
         self._fence = fence
         self._corners = corners
         self._clearance_m = clearance_m
@@ -60,35 +61,25 @@ class WaterRoute:
         return Leg(start, corners[at], onward, radius_m)
 
     def _farthest(self, start: Point, first: int) -> int:
-        """Exponential, then binary search; visibility is assumed to be monotonic."""
-        corners, last = self._corners, len(self._corners) - 1
-        seen, step = first, 1
-        while seen < last and self._is_clear(start, corners[min(seen + step, last)]):
-            seen = min(seen + step, last)
-            step *= 2
-        unseen = min(seen + step, last + 1)
-        while unseen - seen > 1:
-            middle = (seen + unseen) // 2
-            if middle <= last and self._is_clear(start, corners[middle]):
-                seen = middle
-            else:
-                unseen = middle
-        return seen
+        """The farthest corner in a straight line; the first one in any case."""
+        last = len(self._corners) - 1
+        return next((at for at in range(last, first, -1) if self._is_clear(start, self._corners[at])), first)
 
     def _is_clear(self, start: Point, end: Point) -> bool:
         return is_clear(self._fence, start, end, self._clearance_m)
 
 
-def way_by_water(fence: Fence, field: DistanceField, here: Point, config: BoatConfig) -> WaterRoute | None:
-    """The route to the goal of a complete field, first back inside if necessary; None if there is none."""
-    clearance_m = field.grid.clearance_m
-    start = fence.inside(here, clearance_m)
-    corners = field.way(start)
-    if not corners:
-        return None
-    if fence.is_outside(here):
-        corners.insert(0, start)
-    return WaterRoute(fence, here, corners, clearance_m, config)
+def way_by_water(
+    fence: Fence,
+    water: Water,
+    here: Point,
+    goals: Sequence[Point],
+    config: BoatConfig,
+    shares: Sequence[float] = MARGIN_SHARES,
+) -> WaterRoute | None:
+    """The shortest route to one of the goals, first back inside if necessary; None if there is none."""
+    way = way_to_nearest(fence, water, here, goals, config.fence.margin_m, shares)
+    return None if way is None else WaterRoute(fence, here, way.corners, way.clearance_m, config)
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:

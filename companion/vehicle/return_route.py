@@ -1,8 +1,8 @@
 """RTL's route: home, or to the nearest rally point, by the water inside the fence.
 
-Without a fence, or where the straight line keeps clear of it, that is a straight line. Otherwise the route
-follows the distance field, from one corner to the farthest one in sight. The field is computed in the
-background, armed or not, so that it is complete when the route is needed.
+Without a fence, or where the straight line keeps clear of it, that is a straight line. Otherwise it is the
+shortest route that keeps clear of the fence. The fence's shores are indexed once when they change, armed or
+not, in a tick of its own.
 """
 
 import math
@@ -13,25 +13,21 @@ from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.costmap import Costmap
-from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
+from companion.geofence.fence_water import MARGIN_SHARES, water_within, way_to_nearest
 from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
+from companion.planning.water import Water
 
-# Shares of fence.margin_m to keep from the lines, tried one after the other
-_MARGINS = (1.5, 0.75, 0.25)
-_STEPS_WHILE_WAITING = 3
 _CHECK_S = 1.0  # how often the way ahead is checked
 
 
 class _Basis(NamedTuple):
-    """The field's inputs; a change needs a new field."""
+    """The route's inputs; a change needs a new route."""
 
     fence_version: int
     frame: LocalFrame
     places: tuple[LatLon, ...]
     margin_m: float
-    attempt: int
 
 
 class ReturnRoute:
@@ -44,8 +40,8 @@ class ReturnRoute:
         self._status_texts = status_texts
         self._goals: tuple[Point, ...] = ()
         self._basis: _Basis | None = None
-        self._field: DistanceField | None = None
-        self._attempt = 0
+        self._water: Water | None = None
+        self._water_version = -1
         self._way: WaterRoute | None = None
         self._station: KeepStation | None = None  # while the way is not known
         self._check_s = 0.0
@@ -59,47 +55,40 @@ class ReturnRoute:
         index = self._goals.index(self._way.end) if self._way is not None else -1
         return self._basis.places[index]
 
-    def prepare(self, frame: LocalFrame, home: LatLon | None, config: BoatConfig, nav: NavState) -> None:
-        """One step of computing the field; nothing once it is complete."""
+    def prepare(self, frame: LocalFrame, home: LatLon | None, config: BoatConfig) -> None:
+        """Take the goals; index the fence's shores in the tick after they have changed."""
         places = self.rally
         if home is not None and (config.fence.rally_includes_home or not places):
             places = (*places, home)
-        basis = self._basis
+        basis, fence = self._basis, self._fence
         if (
             basis is None
-            or basis.fence_version != self._fence.version
+            or basis.fence_version != fence.version
             or basis.frame is not frame
             or basis.places != places
             or basis.margin_m != config.fence.margin_m
-            or basis.attempt != self._attempt
         ):
-            self._renew(
-                _Basis(self._fence.version, frame, places, config.fence.margin_m, self._attempt), nav.point
-            )
-        elif self._field is not None and not self._field.is_complete:
-            self._field.advance()
+            self._basis = _Basis(fence.version, frame, places, config.fence.margin_m)
+            margin_m = config.fence.margin_m
+            self._goals = tuple([fence.inside(frame.to_local(place), margin_m) for place in places])
+            self._way = None
+        elif self._water_version != fence.version:
+            self._water = water_within(fence) if fence.is_active else None
+            self._water_version = fence.version
 
     @property
-    def grid(self) -> Costmap | None:
-        """The cells inside the fence; None while they are not complete, or none are needed."""
-        field = self._field
-        return field.grid if field is not None and field.grid.is_complete else None
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether the field is complete, or none is needed."""
-        return self._basis is not None and (self._field is None or self._field.is_complete)
-
-    def clearance_m(self, config: BoatConfig) -> float:
-        """How far routes keep from the fence's lines."""
-        return _MARGINS[0] * config.fence.margin_m if self._field is None else self._field.grid.clearance_m
+    def water(self) -> Water | None:
+        """The water inside the fence; None without one, or while it is not indexed."""
+        return self._water if self._water_version == self._fence.version else None
 
     def home_distance_m(self, point: Point) -> float:
-        """The distance home by the water; the straight line until the field is complete."""
+        """The distance home by the water; the straight line until that is indexed."""
         straight_m = min((distance_m(point, goal) for goal in self._goals), default=0.0)
-        if self._field is None or not self._field.is_complete:
+        water, basis = self.water, self._basis
+        if water is None or basis is None or not self._goals or self._straight(point) is not None:
             return straight_m
-        return max(straight_m, self._field.distance_m(point))
+        way = way_to_nearest(self._fence, water, point, self._goals, basis.margin_m)
+        return math.inf if way is None else way.length_m
 
     def restart(self) -> None:
         """Start from wherever the boat is."""
@@ -120,7 +109,6 @@ class ReturnRoute:
                 self._station = None
         way = self._way
         if way is None:
-            self.advance_field()
             if self._station is None:
                 self._station = KeepStation(self._fence.inside(nav.point, config.fence.margin_m))
             return self._station
@@ -138,15 +126,13 @@ class ReturnRoute:
         if goal is not None:
             self._way = WaterRoute(self._fence, point, [goal], 0.0, config)
             return True
-        field = self._field
-        if field is None or not field.is_complete:
+        water = self.water
+        if water is None:
             return False
-        self._way = way_by_water(self._fence, field, point, config)
+        self._way = way_by_water(self._fence, water, point, self._goals, config)
         if self._way is not None:
             return True
-        if self._attempt < len(_MARGINS) - 1:
-            self._attempt += 1  # the next field keeps less clear of the lines
-        elif not self._is_reported:
+        if not self._is_reported:
             self._is_reported = True
             self._status_texts.append(
                 StatusText(Severity.WARNING, "RTL: no way home inside the fence, keeping station")
@@ -164,37 +150,9 @@ class ReturnRoute:
 
     @property
     def _clearance_m(self) -> float:
-        """How far the straight line must keep from the fence; infinite without a field: as its ends."""
-        return math.inf if self._field is None else self._field.grid.clearance_m
+        """How far the straight line must keep from the fence."""
+        return math.inf if self._basis is None else MARGIN_SHARES[0] * self._basis.margin_m
 
     def _is_barred(self, point: Point, end: Point) -> bool:
         """Whether the fence now crosses the rest of the leg."""
         return self._fence.is_active and not self._fence.is_outside(point) and self._fence.crosses(point, end)
-
-    # The field
-
-    def advance_field(self) -> None:
-        """Several steps at once, while the boat waits for the field."""
-        field = self._field
-        for _ in range(_STEPS_WHILE_WAITING):
-            if field is not None and not field.is_complete:
-                field.advance()
-
-    def _renew(self, basis: _Basis, here: Point) -> None:
-        """Begin a new field. Where only the goals have changed, the grid is kept."""
-        old, fence = self._basis, self._fence
-        if old is not None and old.attempt == basis.attempt:  # another fence or home: full margin
-            self._attempt = 0
-            basis = basis._replace(attempt=0)
-        self._basis = basis
-        places = [basis.frame.to_local(place) for place in basis.places]
-        self._goals = tuple([fence.inside(place, basis.margin_m) for place in places])
-        self._way = None
-        if not fence.is_active or not self._goals:
-            self._field = None
-            return
-        if self._field is not None and old is not None and old._replace(places=basis.places) == basis:
-            grid = self._field.grid
-        else:
-            grid = Costmap(fence, [*self._goals, here], _MARGINS[basis.attempt] * basis.margin_m)
-        self._field = DistanceField(fence, self._goals, grid)

@@ -97,7 +97,7 @@ class Vehicle:
             self.home = frame.to_global(nav.point)
         self.fence.update(frame, self.home, self.config.fence)
         if nav is not None and frame is not None:
-            self.route.prepare(frame, self.home, self.config, nav)
+            self.route.prepare(frame, self.home, self.config)
             self.modes.auto.prepare(frame)
 
     def reset_position(self, far_m: float) -> None:

@@ -103,7 +103,7 @@ def test_rtl_goes_to_the_rally_point_that_is_nearest_by_water() -> None:
     assert rig.set_mode(11) == OK
     rig.until(lambda: any("RTL: arrived" in text for text in rig.peer.texts), 60.0)
     assert rig.offset_m(70.0, 70.0) < 4.0
-    assert 95.0 < rig.boat.vehicle.route.home_distance_m(Point(70.0, 60.0)) + 85.0 < 100.0
+    assert rig.boat.vehicle.route.home_distance_m(Point(70.0, 60.0)) == pytest.approx(10.0, abs=0.2)
 
 
 @pytest.mark.parametrize("action", [1, 6], ids=["RTL", "LOITER"])

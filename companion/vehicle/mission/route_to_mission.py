@@ -10,15 +10,13 @@ from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.distance_field import DistanceField
 from companion.geofence.fence import Fence
+from companion.geofence.fence_water import MARGIN_SHARES
 from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.return_route import ReturnRoute
 
-_GRID_STEPS = 3  # of the grid a tick, while the boat waits
-_FIELD_STEPS = 4
 _CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it within this distance
 
 
@@ -26,13 +24,12 @@ class RouteToMission:
     """Replaces the first leg where it is not clear, and tells the operator."""
 
     def __init__(self, fence: Fence, route: ReturnRoute, status_texts: list[StatusText]) -> None:
-        """route: its grid is used for this field, too."""
+        """route: of the same fence, whose water it knows."""
         self._fence = fence
         self._route = route
         self._status_texts = status_texts
         self._checked: Leg | None = None
         self._station: KeepStation | None = None  # while the route is not known
-        self._field: DistanceField | None = None
         self._way: WaterRoute | None = None
 
     def update(self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig) -> Intent:
@@ -42,7 +39,7 @@ class RouteToMission:
             self._checked = None
             return intent
         if leg is not self._checked:
-            self._checked, self._field, self._way = leg, None, None
+            self._checked, self._way = leg, None
             needs_way = self._fence.is_active and not self._is_open(nav.point, leg.end, config)
             self._station = KeepStation(nav.point) if needs_way else None
         if self._station is not None and not self._find(nav.point, leg.end, config):
@@ -57,7 +54,7 @@ class RouteToMission:
 
     def _is_open(self, here: Point, end: Point, config: BoatConfig) -> bool:
         """Whether the straight line keeps the same clearance as a route by the water."""
-        fence, clearance_m = self._fence, self._route.clearance_m(config)
+        fence, clearance_m = self._fence, MARGIN_SHARES[0] * config.fence.margin_m
         margin_m, length_m = fence.margin_m(here), distance_m(here, end)
         if margin_m >= clearance_m or length_m <= _CAST_OFF * clearance_m:
             return is_clear(fence, here, end, clearance_m)
@@ -70,24 +67,13 @@ class RouteToMission:
 
     def _find(self, here: Point, end: Point, config: BoatConfig) -> bool:
         """Whether the route is known, or that there is none but the straight line."""
-        field = self._field
-        if field is None:
-            for _ in range(_GRID_STEPS):
-                self._route.advance_field()
-            grid = self._route.grid
-            if grid is None:
-                if self._route.is_ready:  # without a home there is no grid
-                    self._station = None
-                    return True
-                return False
-            field = self._field = DistanceField(self._fence, [end], grid)
-        for _ in range(_FIELD_STEPS):
-            if not field.is_complete:
-                field.advance()
-        if not field.is_complete:
+        water = self._route.water
+        if water is None:
             return False
-        self._station = self._field = None
-        self._way = way_by_water(self._fence, field, here, config)
+        self._station = None
+        # With less clearance only where the straight line leaves the water
+        shares = MARGIN_SHARES if self._fence.crosses(here, end) else MARGIN_SHARES[:1]
+        self._way = way_by_water(self._fence, water, here, [end], config, shares)
         if self._way is not None:
             self._status_texts.append(
                 StatusText(Severity.INFO, "The way to the mission leads round the shore")

@@ -1,5 +1,7 @@
 """The way onto a mission: straight where the water allows it, else round the shore."""
 
+from collections.abc import Sequence
+
 import pytest
 from boat_rig import FRAME, nav_at, place
 
@@ -19,20 +21,23 @@ CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.
 
 
 class Boat:
-    """At a place in an L of water, with a mission of one waypoint."""
+    """At a place in an L of water or of `areas`, with a mission of one waypoint."""
 
-    def __init__(self, here: Point, end: tuple[float, float], *, is_fenced: bool = True) -> None:
+    def __init__(
+        self,
+        here: Point,
+        end: tuple[float, float],
+        areas: Sequence[tuple[Sequence[tuple[float, float]], bool]] = ((CORNERS, True),),
+    ) -> None:
         self.texts: list[StatusText] = []
         fence = Fence()
-        if is_fenced:
-            fence.set_areas([FencePolygon(tuple(place(*corner) for corner in CORNERS), is_inclusion=True)])
+        fence.set_areas(
+            [FencePolygon(tuple(place(*corner) for corner in ring), is_held) for ring, is_held in areas]
+        )
         fence.update(FRAME, None, FenceSetting())
         route = ReturnRoute(fence, [])
         self.nav = nav_at(*here)
-        for _ in range(3000):
-            route.prepare(FRAME, place(0.0, 0.0), CONFIG, self.nav)
-            if route.is_ready:
-                break
+        self.prepare = lambda: route.prepare(FRAME, place(0.0, 0.0), CONFIG)
         self.progress = MissionProgress()
         self.progress.replace((Home(), Waypoint(place(*end))))
         self.route_to_mission = RouteToMission(fence, route, self.texts)
@@ -60,7 +65,7 @@ def test_a_straight_way_through_open_water_is_sailed_as_it_is(here: Point, end: 
 
 
 def test_without_a_fence_every_way_is_open() -> None:
-    wanted, sailed = Boat(Point(0.0, 0.0), (60.0, 60.0), is_fenced=False).sail()
+    wanted, sailed = Boat(Point(0.0, 0.0), (60.0, 60.0), areas=[]).sail()
     assert sailed is wanted
 
 
@@ -69,11 +74,29 @@ def test_a_way_over_land_is_sailed_round_by_the_water(here: Point) -> None:
     boat = Boat(here, (60.0, 60.0))
     _, first = boat.sail()
     assert first == KeepStation(here), "until the way is known"
-    for _ in range(2000):
-        _, sailed = boat.sail()
-        if isinstance(sailed, FollowLeg):
-            break
+    for _ in range(2):
+        boat.prepare()
+    _, sailed = boat.sail()
     assert isinstance(sailed, FollowLeg)
     assert sailed.start == here
     assert sailed.end.north_m < 15.0, "along the southern arm first"
     assert [text.text for text in boat.texts] == ["The way to the mission leads round the shore"]
+
+
+@pytest.mark.parametrize(
+    ("end", "text"),
+    [
+        ((60.0, 0.0), "The way to the mission leads near the fence"),  # straight through the gap
+        ((60.0, 30.0), "The way to the mission leads round the shore"),  # the straight line is over a wall
+    ],
+)
+def test_a_narrow_passage_is_taken_where_the_straight_line_leaves_the_water(
+    end: tuple[float, float], text: str
+) -> None:
+    water = [(-20.0, -50.0), (-20.0, 50.0), (80.0, 50.0), (80.0, -50.0)]
+    walls = [[(20.0, e), (20.0, far), (24.0, far), (24.0, e)] for e, far in ((-2.0, -60.0), (2.0, 60.0))]
+    boat = Boat(Point(0.0, 0.0), end, areas=[(water, True), *((wall, False) for wall in walls)])
+    for _ in range(2):
+        boat.prepare()
+    boat.sail()
+    assert [said.text for said in boat.texts] == [text]

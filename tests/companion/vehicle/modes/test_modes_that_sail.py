@@ -54,7 +54,7 @@ def test_circle_goes_round_a_point_ahead(direction: int, clockwise: bool) -> Non
 
 def routed(mode_texts: list[StatusText], config: BoatConfig = CONFIG) -> RtlMode:
     route = ReturnRoute(Fence(), mode_texts)
-    route.prepare(FRAME, place(50.0, 0.0), config, nav_at())
+    route.prepare(FRAME, place(50.0, 0.0), config)
     mode = RtlMode(route, mode_texts)
     mode.enter(mode_inputs())
     return mode

@@ -1,0 +1,148 @@
+"""The fence as water between shores, and the shortest way through it.
+
+The boat must be inside every inclusion area and outside every exclusion area. Circles become polygons that
+keep them: inscribed to an inclusion circle, circumscribed about an exclusion circle.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from companion.core.geo import Point, distance_m
+from companion.geofence.fence import Fence
+from companion.geofence.fence_lines import Area, Disc
+from companion.planning.visibility import NoWay, Routes
+from companion.planning.water import Shore, Water
+
+MARGIN_SHARES = (1.5, 0.75, 0.25)
+"""Clearances of a way in shares of fence.margin_m, tried one after the other: the brake acts within 1."""
+_LEAST_CLEARANCE_M = 0.05
+_CIRCLE_ERROR_M = 0.1  # between a circle and its polygon; a tenth of the position's error
+_CIRCLE_SIDES = (12, 96)
+_FRAME_M = 1.0  # between areas and the frame round them
+_EXIT_RADII = (0.5, 1.0, 2.0, 4.0)  # clearances
+_EXIT_BEARINGS = 16
+
+
+class Way(NamedTuple):
+    """Corners after the start; the last is the goal. clearance_m: from the lines, except at the ends."""
+
+    corners: tuple[Point, ...]
+    length_m: float
+    clearance_m: float
+
+
+def water_within(fence: Fence) -> Water:
+    """The allowed water of an active fence."""
+    held = [_corners(area) for area in fence.areas if area.is_inclusion]
+    barred = [Shore(_corners(area)) for area in fence.areas if not area.is_inclusion]
+    frame = (
+        min(area.south_m for area in fence.areas) - _FRAME_M,
+        min(area.west_m for area in fence.areas) - _FRAME_M,
+        max(area.north_m for area in fence.areas) + _FRAME_M,
+        max(area.east_m for area in fence.areas) + _FRAME_M,
+    )
+    water = Water([Shore(corners) for corners in held[:1]], is_open=not held)
+    return water.with_shores([*(_outside(corners, frame) for corners in held[1:]), *barred])
+
+
+def way_to_nearest(
+    fence: Fence,
+    water: Water,
+    here: Point,
+    goals: Sequence[Point],
+    margin_m: float,
+    shares: Sequence[float] = MARGIN_SHARES,
+) -> Way | None:
+    """The shortest way to one of the goals with the largest clearance that lets any be reached.
+
+    Where the boat or a goal has less than the clearance, a straight leg joins it to water that has it.
+    """
+    for share in shares:
+        clearance_m = max(share * margin_m, _LEAST_CLEARANCE_M)
+        best: Way | None = None
+        routes = water.routes(clearance_m)
+        start: Point | None = None
+        for away_m, goal in sorted((distance_m(here, goal), goal) for goal in goals):
+            if best is not None and away_m >= best.length_m:
+                break
+            start = start or _with_clearance(fence, routes, here, goal, clearance_m)
+            end = _with_clearance(fence, routes, goal, here, clearance_m)
+            if start is None or end is None:
+                continue
+            try:
+                route = routes.route(start, end)
+            except NoWay:
+                continue
+            length_m = distance_m(here, start) + route.length_m + distance_m(end, goal)
+            if best is None or length_m < best.length_m:
+                corners = (*route.points[start == here :], *((goal,) if end != goal else ()))
+                best = Way(corners, length_m, clearance_m)
+        if best is not None:
+            return best
+    return None
+
+
+def _with_clearance(
+    fence: Fence, routes: Routes, at: Point, towards: Point, clearance_m: float
+) -> Point | None:
+    """A place with the clearance, in a straight line inside the fence unless `at` is outside: the nearest,
+    else one of those a little farther off.
+    """
+    if routes.is_free(at):
+        return at
+    is_outside = not fence.allows(at)
+
+    def is_exit(place: Point) -> bool:
+        return routes.is_free(place) and (is_outside or not fence.crosses(at, place))
+
+    nearest = fence.inside(at, clearance_m + _CIRCLE_ERROR_M)
+    if is_exit(nearest):
+        return nearest
+    for radius in _EXIT_RADII:
+        bearings = [math.tau * number / _EXIT_BEARINGS for number in range(_EXIT_BEARINGS)]
+        radius_m = radius * clearance_m
+        around = [
+            Point(at.north_m + radius_m * math.cos(b), at.east_m + radius_m * math.sin(b)) for b in bearings
+        ]
+        found = [place for place in around if is_exit(place)]
+        if found:
+            return min(found, key=lambda place: distance_m(place, towards))
+    return None
+
+
+def _corners(area: Area) -> tuple[Point, ...]:
+    if not isinstance(area, Disc):
+        return area.vertices
+    least, most = _CIRCLE_SIDES
+    # The error of n sides is about radius · (π/n)² / 2
+    sides = min(max(math.ceil(math.pi * math.sqrt(0.5 * area.radius_m / _CIRCLE_ERROR_M)), least), most)
+    radius_m = area.radius_m
+    if not area.is_inclusion:
+        radius_m /= math.cos(math.pi / sides)
+    north_m, east_m = area.centre
+    return tuple(
+        Point(north_m + radius_m * math.cos(a), east_m + radius_m * math.sin(a))
+        for a in (math.tau * number / sides for number in range(sides))
+    )
+
+
+def _outside(corners: Sequence[Point], frame: tuple[float, float, float, float]) -> Shore:
+    """A frame without the inside of a ring, as one ring: a slit joins it to the ring's northmost corner."""
+    south_m, west_m, north_m, east_m = frame
+    first = max(range(len(corners)), key=lambda number: corners[number].north_m)
+    ring = [*corners[first:], *corners[: first + 1]]
+    double_area = sum(a.east_m * b.north_m - b.east_m * a.north_m for a, b in pairwise(ring))
+    if double_area > 0.0:
+        ring.reverse()  # clockwise inside the counter-clockwise frame
+    slit = Point(north_m, ring[0].east_m)
+    frame_ring = [
+        slit,
+        Point(north_m, west_m),
+        Point(south_m, west_m),
+        Point(south_m, east_m),
+        Point(north_m, east_m),
+        slit,
+    ]
+    return Shore((*frame_ring, *ring))
