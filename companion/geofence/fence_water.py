@@ -12,6 +12,7 @@ from typing import NamedTuple
 from companion.core.geo import Point, distance_m
 from companion.geofence.fence import Fence
 from companion.geofence.fence_lines import Area, Disc
+from companion.geofence.separation import Separation
 from companion.planning.visibility import NoWay, Routes
 from companion.planning.water import Shore, Water
 
@@ -33,23 +34,35 @@ class Way(NamedTuple):
     clearance_m: float
 
 
-def water_within(fence: Fence) -> Water:
-    """The allowed water of an active fence."""
-    held = [_corners(area) for area in fence.areas if area.is_inclusion]
-    barred = [Shore(_corners(area)) for area in fence.areas if not area.is_inclusion]
-    frame = (
-        min(area.south_m for area in fence.areas) - _FRAME_M,
-        min(area.west_m for area in fence.areas) - _FRAME_M,
-        max(area.north_m for area in fence.areas) + _FRAME_M,
-        max(area.east_m for area in fence.areas) + _FRAME_M,
-    )
-    water = Water([Shore(corners) for corners in held[:1]], is_open=not held)
-    return water.with_shores([*(_outside(corners, frame) for corners in held[1:]), *barred])
+class FenceWater:
+    """The allowed water of an active fence, and what parts it."""
+
+    def __init__(self, fence: Fence) -> None:
+        held = [_corners(area) for area in fence.areas if area.is_inclusion]
+        barred = [_corners(area) for area in fence.areas if not area.is_inclusion]
+        frame = (
+            min(area.south_m for area in fence.areas) - _FRAME_M,
+            min(area.west_m for area in fence.areas) - _FRAME_M,
+            max(area.north_m for area in fence.areas) + _FRAME_M,
+            max(area.east_m for area in fence.areas) + _FRAME_M,
+        )
+        water = Water([Shore(corners) for corners in held[:1]], is_open=not held)
+        outsides = [_outside(corners, frame) for corners in held[1:]]
+        self.water = water.with_shores([*outsides, *(Shore(corners) for corners in barred)])
+        self._rings = [*held, *barred]
+        self._separations: dict[float, Separation] = {}
+
+    def separation(self, clearance_m: float) -> Separation:
+        """What parts the water of a clearance."""
+        known = self._separations.get(clearance_m)
+        if known is None:
+            known = self._separations[clearance_m] = Separation(self._rings, clearance_m)
+        return known
 
 
 def way_to_nearest(
     fence: Fence,
-    water: Water,
+    water: FenceWater,
     here: Point,
     goals: Sequence[Point],
     margin_m: float,
@@ -62,7 +75,7 @@ def way_to_nearest(
     for share in shares:
         clearance_m = max(share * margin_m, _LEAST_CLEARANCE_M)
         best: Way | None = None
-        routes = water.routes(clearance_m)
+        routes = water.water.routes(clearance_m)
         start: Point | None = None
         for away_m, goal in sorted((distance_m(here, goal), goal) for goal in goals):
             if best is not None and away_m >= best.length_m:
@@ -71,6 +84,8 @@ def way_to_nearest(
             end = _with_clearance(fence, routes, goal, here, clearance_m)
             if start is None or end is None:
                 continue
+            if not routes.is_clear(start, end) and water.separation(clearance_m).parts(start, end):
+                continue  # sooner known than by a search, which would look everywhere
             try:
                 route = routes.route(start, end)
             except NoWay:

@@ -6,9 +6,8 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.geofence.fence import Fence
-from companion.geofence.fence_water import MARGIN_SHARES, way_to_nearest
+from companion.geofence.fence_water import MARGIN_SHARES, FenceWater, way_to_nearest
 from companion.guidance.leg import Leg
-from companion.planning.water import Water
 
 _CORNER_SHARE = 0.5  # of the clearance: acceptance radius of a corner
 _CLEAR_SHARE = 0.95  # of the clearance at its ends: required along a straight leg
@@ -71,7 +70,7 @@ class WaterRoute:
 
 def way_by_water(
     fence: Fence,
-    water: Water,
+    water: FenceWater,
     here: Point,
     goals: Sequence[Point],
     config: BoatConfig,

@@ -14,9 +14,8 @@ from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence
-from companion.geofence.fence_water import MARGIN_SHARES, water_within, way_to_nearest
+from companion.geofence.fence_water import MARGIN_SHARES, FenceWater, way_to_nearest
 from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
-from companion.planning.water import Water
 
 _CHECK_S = 1.0  # how often the way ahead is checked
 
@@ -40,7 +39,7 @@ class ReturnRoute:
         self._status_texts = status_texts
         self._goals: tuple[Point, ...] = ()
         self._basis: _Basis | None = None
-        self._water: Water | None = None
+        self._water: FenceWater | None = None
         self._water_version = -1
         self._way: WaterRoute | None = None
         self._station: KeepStation | None = None  # while the way is not known
@@ -73,11 +72,11 @@ class ReturnRoute:
             self._goals = tuple([fence.inside(frame.to_local(place), margin_m) for place in places])
             self._way = None
         elif self._water_version != fence.version:
-            self._water = water_within(fence) if fence.is_active else None
+            self._water = FenceWater(fence) if fence.is_active else None
             self._water_version = fence.version
 
     @property
-    def water(self) -> Water | None:
+    def water(self) -> FenceWater | None:
         """The water inside the fence; None without one, or while it is not indexed."""
         return self._water if self._water_version == self._fence.version else None
 

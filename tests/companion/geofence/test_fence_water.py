@@ -9,7 +9,8 @@ from test_fence_lines import globe, laid, square
 
 from companion.core.geo import Point, distance_m
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
-from companion.geofence.fence_water import Way, water_within, way_to_nearest
+from companion.geofence.fence_water import FenceWater, Way, way_to_nearest
+from companion.planning.visibility import Routes
 
 L_CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
 L_WATER = FencePolygon(globe(L_CORNERS), is_inclusion=True)
@@ -22,7 +23,7 @@ def circle(north_m: float, east_m: float, radius_m: float, *, is_inclusion: bool
 
 
 def way(fence: Fence, here: Point, *goals: Point, margin_m: float = MARGIN_M) -> Way | None:
-    return way_to_nearest(fence, water_within(fence), here, goals or [HOME], margin_m)
+    return way_to_nearest(fence, FenceWater(fence), here, goals or [HOME], margin_m)
 
 
 FENCES = {
@@ -38,7 +39,7 @@ FENCES = {
 @pytest.mark.parametrize("name", FENCES)
 def test_the_water_is_where_the_fence_allows_and_no_farther_from_its_lines(name: str) -> None:
     fence, places = FENCES[name], random.Random(1)
-    water, seen = water_within(fence), set[bool]()
+    water, seen = FenceWater(fence).water, set[bool]()
     for _ in range(600):
         point = Point(places.uniform(-90.0, 90.0), places.uniform(-90.0, 90.0))
         margin_m = fence.margin_m(point)
@@ -53,7 +54,7 @@ def test_the_water_is_where_the_fence_allows_and_no_farther_from_its_lines(name:
 @pytest.mark.parametrize("radius_m", [3.0, 40.0, 300.0, 3000.0])
 @pytest.mark.parametrize("is_inclusion", [True, False])
 def test_the_polygon_of_a_circle_keeps_the_circle(radius_m: float, is_inclusion: bool) -> None:
-    water = water_within(laid(circle(0.0, 0.0, radius_m, is_inclusion=is_inclusion)))
+    water = FenceWater(laid(circle(0.0, 0.0, radius_m, is_inclusion=is_inclusion))).water
     side = -1.0 if is_inclusion else 1.0
     for number in range(720):
         bearing = math.pi * number / 360.0
@@ -134,7 +135,10 @@ def test_of_several_goals_the_nearest_by_water_counts() -> None:
         assert straight.corners[-1] == behind
 
 
-def test_between_waters_that_do_not_meet_there_is_no_way() -> None:
+def test_between_waters_that_do_not_meet_there_is_no_way_and_none_is_searched_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Routes, "route", lambda *_: pytest.fail("a search that looks everywhere"))
     wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
     assert way(laid(square(100.0), wall), Point(80.0, 0.0)) is None
     assert way(laid(square(30.0), square(30.0, north_m=200.0)), Point(0.0, 0.0)) is None

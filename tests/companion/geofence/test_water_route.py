@@ -8,7 +8,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.geofence.fence import Fence, FencePolygon
-from companion.geofence.fence_water import water_within
+from companion.geofence.fence_water import FenceWater
 from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
 
 CONFIG = BoatConfig()
@@ -95,7 +95,7 @@ def test_a_leg_past_an_island_keeps_nearly_the_clearance(north_m: float, is_seen
 
 
 def way_from(fence: Fence, here: Point) -> WaterRoute | None:
-    return way_by_water(fence, water_within(fence), here, [HOME], CONFIG)
+    return way_by_water(fence, FenceWater(fence), here, [HOME], CONFIG)
 
 
 def test_from_inside_the_route_begins_where_the_boat_is() -> None:
