@@ -119,11 +119,15 @@ def test_a_boat_outside_comes_back_by_the_nearest_water() -> None:
     assert turns[-1] == pytest.approx(HOME, abs=1e-6)
 
 
+def has_water(way: ReturnRoute) -> bool:
+    return way.water is not None
+
+
 def test_the_water_is_indexed_once_in_the_tick_after_a_change() -> None:
     fence, home = laid(L_WATER), FRAME.to_global(HOME)
     way = ReturnRoute(fence, [])
     way.prepare(FRAME, home, BoatConfig())
-    assert way.water is None
+    assert not has_water(way)
     assert way.home_distance_m(Point(60.0, 60.0)) == pytest.approx(math.hypot(60.0, 60.0))
     way.prepare(FRAME, home, BoatConfig())
     water = way.water
@@ -135,4 +139,4 @@ def test_the_water_is_indexed_once_in_the_tick_after_a_change() -> None:
     assert way.home_distance_m(Point(0.0, 0.0)) == pytest.approx(60.0, abs=0.01)
     fence.set_areas([square(50.0)])
     fence.update(FRAME, None, FenceSetting())
-    assert way.water is None, "that of another fence"
+    assert not has_water(way), "that of another fence"

@@ -37,10 +37,14 @@ class Boat:
         fence.update(FRAME, None, FenceSetting())
         route = ReturnRoute(fence, [])
         self.nav = nav_at(*here)
-        self.prepare = lambda: route.prepare(FRAME, place(0.0, 0.0), CONFIG)
+        self.route = route
         self.progress = MissionProgress()
         self.progress.replace((Home(), Waypoint(place(*end))))
         self.route_to_mission = RouteToMission(fence, route, self.texts)
+
+    def prepare(self) -> None:
+        """One tick of the route home, which indexes the water."""
+        self.route.prepare(FRAME, place(0.0, 0.0), CONFIG)
 
     def sail(self) -> tuple[Intent, Intent]:
         """What the mission wants, and what is sailed instead."""
