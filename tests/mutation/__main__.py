@@ -3,7 +3,7 @@
 Each mutant runs the tests of its own package only (tests/companion/<package>/), in a forked process, until
 the first one fails. The working tree is never written to. Within a function, the fault is put into the
 functions of a process that has collected the tests already, and only the tests that call the function run. A
-fault outside of functions is imported in a process of its own.
+fault outside of functions is imported in a process of its own. Of planning, the twins in Python are tested.
 
     python tests/mutation                       200 mutants, spread over all packages
     python tests/mutation --package control --sample 0        all mutants of one package
@@ -35,7 +35,11 @@ import pytest
 from mutants import Mutant, compiled, mutants_of
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("control", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission", "vehicle/modes")
+PACKAGES = (
+    "control", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission", "vehicle/modes",
+    "planning",
+)  # fmt: skip
+PLANNER = ("mission_tools/tasks", "mission_tools/costs", "mission_tools/watch")  # only where they are named
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
 SPARE_CPU_S = 10.0  # beyond twice what the tests take without a fault: a loop that does not end is killed
@@ -207,7 +211,7 @@ def in_child(work: Callable[[], object]) -> object:
 
 def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[Mutant], Baseline]:
     """The mutants of one package that its tests do not notice."""
-    tests, folder = f"tests/companion/{package}", str(ROOT / "companion" / package) + os.sep
+    tests, folder = f"tests/{folder_of(package)}", str(ROOT / folder_of(package)) + os.sep
     survived: set[Mutant] = set()
     base = Baseline()
 
@@ -285,16 +289,23 @@ def equivalents(path: Path) -> dict[tuple[str, str, str, str], str]:
     return {(one["path"], one["name"], one["before"], one["after"]): one["reason"] for one in table["mutant"]}
 
 
+def folder_of(package: str) -> str:
+    """Where its sources are, and its tests in tests/."""
+    return package if package in PLANNER else f"companion/{package}"
+
+
 def mutants_in(package: str) -> list[Mutant]:
     """All mutants of a package."""
-    files = sorted((ROOT / "companion" / package).rglob("*.py"))
+    files = sorted((ROOT / folder_of(package)).rglob("*.py"))
     return [one for file in files for one in mutants_of(ROOT, str(file.relative_to(ROOT)))]
 
 
 def main(arguments: Iterable[str]) -> int:
     """Print the table; 1 if a package falls short."""
     parser = argparse.ArgumentParser(description="Mutation testing")
-    parser.add_argument("--package", action="append", choices=PACKAGES, help="all packages unless given")
+    parser.add_argument(
+        "--package", action="append", choices=PACKAGES + PLANNER, help="those of the boat unless given"
+    )
     parser.add_argument("--file", default="", help="only mutants of files whose path contains this text")
     parser.add_argument("--sample", type=int, default=200, help="mutants in all packages; 0: every mutant")
     parser.add_argument("--seed", type=int, default=SEED)
@@ -302,6 +313,7 @@ def main(arguments: Iterable[str]) -> int:
     parser.add_argument("--least", type=float, default=0.0, help="percent of mutants that have to die")
     options = parser.parse_args(list(arguments))
     os.chdir(ROOT)
+    os.environ["MAVBOAT_PURE"] = "1"
     sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
     known = equivalents(Path(__file__).parent / "equivalent.toml")
     packages = options.package or PACKAGES
@@ -318,11 +330,11 @@ def main(arguments: Iterable[str]) -> int:
         percent = 100.0 * (counted - len(alive)) / counted if counted else 100.0
         falls_short |= percent < options.least
         cells = (len(chosen), len(alike), counted - len(alive), len(alive))
-        rows.append(f"{package:16}" + "".join(f"{cell:12}" for cell in cells) + f"{percent:8.0f} %")
+        rows.append(f"{package:20}" + "".join(f"{cell:12}" for cell in cells) + f"{percent:8.0f} %")
         rows[-1] += f"{sum(base.cpu_s):10.1f} s"
     print(f"\nseed {options.seed}, {time.monotonic() - began_s:.0f} s")
     heads = ("mutants", "equivalent", "killed", "survived")
-    print(f"{'package':16}" + "".join(f"{head:>12}" for head in heads) + f"{'share':>10}{'tests':>12}")
+    print(f"{'package':20}" + "".join(f"{head:>12}" for head in heads) + f"{'share':>10}{'tests':>12}")
     print("\n".join(rows))
     return int(falls_short)
 

@@ -104,3 +104,15 @@ def test_without_a_schedule_the_gains_are_the_same_at_every_speed() -> None:
     helm.update(Demand(0.01, 0.0), STILL, config, 0.02)
     assert helm.heading_pid is not None
     assert helm.heading_pid.p == 0.01 * config.heading.kp
+
+
+def test_steering_comes_before_throttle() -> None:
+    """What steering takes is not there for the throttle, so that neither side saturates."""
+    helm = Helm()
+    thrust = helm.update(Demand(0.2, 3.0), CRUISING, CONFIG, 0.02)
+    assert helm.heading_pid is not None
+    assert helm.speed_pid is not None
+    steering = helm.heading_pid.total
+    assert 0.1 < steering < 0.9
+    assert helm.speed_pid.total == pytest.approx(1.0 - steering)
+    assert (thrust.left, thrust.right) == pytest.approx((1.0, 1.0 - 2.0 * steering))

@@ -96,3 +96,14 @@ def test_astern_the_throttle_is_limited_to_half_of_that_ahead() -> None:
 
 def test_the_rate_of_the_speed_error_has_no_part() -> None:
     assert speed_effort(Pid(), 1.5, 1.0, SETTING, 0.02).d == 0.0
+
+
+def test_a_known_current_is_fed_forward_so_that_the_integral_has_nothing_to_learn() -> None:
+    for along_m_s in (0.5, -0.5):
+        out = speed_effort(Pid(), 1.0, 1.0, SETTING, 0.02, current_m_s=along_m_s)
+        assert out.total == pytest.approx(feed_forward(1.0 - along_m_s, SETTING))
+        assert out.i == pytest.approx(0.0)
+
+
+def test_unless_it_is_known_the_water_lies_still() -> None:
+    assert speed_effort(Pid(), 1.0, 1.0, SETTING, 0.02).total == pytest.approx(feed_forward(1.0, SETTING))

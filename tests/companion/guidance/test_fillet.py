@@ -269,3 +269,36 @@ def test_each_leg_has_room_of_its_own(entry_room_m: float, exit_room_m: float) -
     free = best_fillet(bend(1.2), CONFIG)
     assert free is not None
     assert min(free.entry_m, free.exit_m) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("turn", "current_m_s", "current_to_deg"),
+    [(1.9, 1.0, 45.0), (1.57, 2.0, 45.0), (2.1, 0.5, 45.0), (2.3, 0.5, 90.0)],
+    ids=["2.2 radii", "3 radii", "sharp, 1.5 radii", "sharp, 2 radii"],
+)
+def test_a_corner_that_the_current_sweeps_too_far_off_is_turned_on_the_spot(
+    turn: float, current_m_s: float, current_to_deg: float
+) -> None:
+    assert best_fillet(bend(turn, current_m_s, math.radians(current_to_deg)), CONFIG) is None
+
+
+@pytest.mark.parametrize("yaw_time_s", [0.3, 0.6, 1.2])
+@pytest.mark.parametrize("share", [1.0, HASTY_SHARE])
+def test_the_yaw_rate_grows_within_the_ramp(yaw_time_s: float, share: float) -> None:
+    """A trapezoid takes angle / rate + ramp; a triangle, which stays below the rate, 2 √(angle / growth)."""
+    config = with_value(CONFIG, "handling.yaw_time_s", yaw_time_s)
+    ramp_s, fastest = share * yaw_time_s, TURN_SHARE * config.handling.turn_rate_rad_s
+    for turn in (0.05, 1.0):
+        fillet = fillet_between(bend(turn), 1.0, 1.0, ramp_s, config)
+        assert fillet is not None
+        is_triangle = turn < fastest * ramp_s
+        expected_s = 2.0 * math.sqrt(turn * ramp_s / fastest) if is_triangle else turn / fastest + ramp_s
+        assert fillet.time_s == pytest.approx(expected_s)
+
+
+def test_on_short_legs_the_yaw_rate_grows_ten_times_as_fast() -> None:
+    fillet = best_fillet(bend(math.radians(6.0), room_m=0.5), CONFIG)
+    assert fillet is not None
+    rate = CONFIG.guidance.corner_accel_m_s2 / SPEED_M_S
+    growth = 10.0 * TURN_SHARE * CONFIG.handling.turn_rate_rad_s / CONFIG.handling.yaw_time_s
+    assert fillet.time_s == pytest.approx(math.radians(6.0) / rate + rate / growth)

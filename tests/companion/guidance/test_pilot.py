@@ -243,3 +243,20 @@ def test_the_speed_is_what_the_path_allows_where_less_throttle_will_have_shown()
         demand = _demand(Pilot(), LEG, replace(NORTHBOUND, north_m=100.0 - to_go_m))
         allowed = math.sqrt(2.0 * CONFIG.guidance.accel_m_s2 * (to_go_m - late_m))
         assert demand.speed_m_s == pytest.approx(min(allowed, 2.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("to_starboard", [1.0, -1.0])
+def test_a_boat_that_brakes_across_a_current_turns_into_it_as_it_slows(to_starboard: float) -> None:
+    """The crab angle is atan(current / speed), so its rate at a deceleration a is current · a / (v² + c²)."""
+    v, c = 1.2, 0.5  # 3 m before the end it brakes from 1.2 m/s
+    braking = replace(
+        NORTHBOUND,
+        north_m=97.0,
+        north_m_s=v,
+        surge_m_s=math.hypot(v, c),
+        heading_rad=-to_starboard * math.atan2(c, v),
+        current_east_m_s=to_starboard * c,
+    )
+    demand = _demand(Pilot(), LEG, braking)
+    expected = -to_starboard * c * CONFIG.guidance.accel_m_s2 / (v * v + c * c)
+    assert demand.yaw_rate_rad_s == pytest.approx(expected, rel=0.1)

@@ -242,3 +242,10 @@ def test_time_without_drive_is_taken_off_and_leaving_the_line_begins_anew() -> N
     held(headway, TURNING, 5.0)
     headway.update(None, TURNING, STILL, CONFIG, DT, is_at_line=True)
     assert headway.held_s == 0.0
+
+
+def test_open_loops_are_judged_to_make_way() -> None:
+    headway = StallDetector()
+    assert judged(headway, STILL, 2.0 * STALL_S) is StallVerdict.STUCK
+    assert headway.update(None, STOPPED, STILL, CONFIG, DT) is StallVerdict.MAKING_WAY
+    assert headway.update(NORTH, FULL, None, CONFIG, DT) is StallVerdict.MAKING_WAY
