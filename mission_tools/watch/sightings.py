@@ -7,7 +7,7 @@ fades: what floats has drifted on, and what was a ghost is gone.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import shapely
@@ -84,14 +84,17 @@ def _sectors(fields: Mapping[str, Any], heading_rad: float, before: Sequence[int
         yield Echo(bearing, min(cm, most_cm) / 100.0, cm <= most_cm)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Cell:
     evidence: float
     seen_s: float
 
 
 class Sightings:
-    """Obstacles that are not on the chart, as far as the vehicle has seen them."""
+    """Obstacles that are not on the chart, as far as the vehicle has seen them.
+
+    `area` may run in another thread than `take`, which replaces the cells and never changes them in place.
+    """
 
     def __init__(self, chart: Chart) -> None:
         self._chart = chart
@@ -109,14 +112,21 @@ class Sightings:
                 )
                 if self._chart.clearance_m(at) > SHORE_M:
                     hits.add(_cell_of(at))
-        for cell in hits:
-            known = self._cells.setdefault(cell, _Cell(0.0, now_s))
-            known.evidence = min(known.evidence + 1.0, MOST_EVIDENCE)
-            known.seen_s = now_s
-        self._weaken({cell: known for cell, known in self._cells.items() if cell not in hits}, rays, here)
+        unseen = _Cell(0.0, now_s)
+        seen = {
+            cell: _Cell(min(self._cells.get(cell, unseen).evidence + 1.0, MOST_EVIDENCE), now_s)
+            for cell in hits
+        }
+        others = {
+            cell: replace(known, evidence=known.evidence - _PASSED_THROUGH)
+            if _is_passed_through(cell, rays, here)
+            else known
+            for cell, known in self._cells.items()
+            if cell not in hits
+        }
         self._cells = {
             cell: known
-            for cell, known in self._cells.items()
+            for cell, known in (others | seen).items()
             if known.evidence > 0.0 and now_s - known.seen_s < FADE_S
         }
 
@@ -141,17 +151,18 @@ class Sightings:
         area: Polygon | MultiPolygon = shapely.union_all(hulls)
         return area
 
-    def _weaken(self, cells: Mapping[tuple[int, int], _Cell], rays: list[Echo], here: Point) -> None:
-        """What a ray passes through is not there, or not any more."""
-        for (row, column), known in cells.items():
-            north = (row + 0.5) * CELL_M - here.north_m
-            east = (column + 0.5) * CELL_M - here.east_m
-            for ray in rays:
-                along = north * math.cos(ray.bearing_rad) + east * math.sin(ray.bearing_rad)
-                off = abs(east * math.cos(ray.bearing_rad) - north * math.sin(ray.bearing_rad))
-                if off <= 0.5 * CELL_M and 0.0 < along < ray.range_m - CELL_M:
-                    known.evidence -= _PASSED_THROUGH
-                    break
+
+def _is_passed_through(cell: tuple[int, int], rays: Sequence[Echo], here: Point) -> bool:
+    """Whether a ray from here passes through a cell: what it showed is not there, or not any more."""
+    row, column = cell
+    north = (row + 0.5) * CELL_M - here.north_m
+    east = (column + 0.5) * CELL_M - here.east_m
+    for ray in rays:
+        along = north * math.cos(ray.bearing_rad) + east * math.sin(ray.bearing_rad)
+        off = abs(east * math.cos(ray.bearing_rad) - north * math.sin(ray.bearing_rad))
+        if off <= 0.5 * CELL_M and 0.0 < along < ray.range_m - CELL_M:
+            return True
+    return False
 
 
 def _cell_of(at: Point) -> tuple[int, int]:

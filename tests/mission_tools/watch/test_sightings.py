@@ -124,3 +124,20 @@ def test_near_cells_are_one_obstacle_and_far_ones_two() -> None:
     parts = shapely.get_parts(seen.area(0.2))
     assert len(parts) == 2
     assert all(part.bounds[2] - part.bounds[0] > 1.4 for part in parts)
+
+
+def test_what_is_taken_in_meanwhile_does_not_disturb_the_area(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The area is drawn in a thread, and messages keep coming."""
+    seen = Sightings(chart())
+    for time_s in (0.0, 0.2):
+        seen.take([AHEAD, Echo(1.0, 4.0, True)], HERE, time_s)
+    box, bearings = shapely.box, iter((2.0, 3.0))
+
+    def box_and_message(*sides: float) -> shapely.Polygon:
+        seen.take([Echo(next(bearings), 4.0, True)], HERE, 0.3)
+        return box(*sides)
+
+    monkeypatch.setattr(shapely, "box", box_and_message)
+    assert len(shapely.get_parts(seen.area(0.3))) == 2
