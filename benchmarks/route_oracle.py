@@ -2,7 +2,6 @@
 
 import random
 from collections.abc import Sequence
-from itertools import pairwise
 from math import cos, pi, sin
 from typing import Any, TypeAlias
 
@@ -117,8 +116,3 @@ def free_points(rng: random.Random, water: Shape, clearance_m: float, count: int
             if len(found) == count:
                 break
     return found
-
-
-def length_m(points: Sequence[Point]) -> float:
-    """Sum of the legs."""
-    return sum(distance_m(a, b) for a, b in pairwise(points))

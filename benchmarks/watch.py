@@ -2,11 +2,10 @@
 
 import statistics
 import tempfile
-from itertools import pairwise
 from pathlib import Path
 
 from benchmarks.measure import Row, alone
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, distance_m, path_length_m
 from sitl.experiments.watched_run import SailedWatched, sail_watched
 
 ROUTE = (Point(0.0, 0.0), Point(0.0, 60.0))
@@ -32,7 +31,7 @@ def rows() -> list[Row]:
 
 
 def _longer(run: SailedWatched) -> float:
-    return sum(distance_m(a, b) for a, b in pairwise(run.track)) / distance_m(*ROUTE)
+    return path_length_m(run.track) / distance_m(*ROUTE)
 
 
 def draw(runs: list[SailedWatched], path: Path) -> None:

@@ -8,6 +8,7 @@ Manual* (USGS PP 1395, 1987), equations 8-9 to 8-18, truncated where the next te
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 from companion.core.units import e7_to_deg
@@ -137,6 +138,11 @@ def yaw_of_quaternion(q: Sequence[float]) -> float:
 def distance_m(a: Point, b: Point) -> float:
     """Distance of two points of one frame."""
     return math.hypot(b.north_m - a.north_m, b.east_m - a.east_m)
+
+
+def path_length_m(points: Sequence[Point]) -> float:
+    """Sum of the legs; 0 of a single point or none."""
+    return sum(distance_m(a, b) for a, b in pairwise(points))
 
 
 def bearing_rad(a: Point, b: Point) -> float:

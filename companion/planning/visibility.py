@@ -7,10 +7,9 @@ legs, so few that the route is at most `MAX_EXCESS` longer, and each of them is 
 import math
 from array import array
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, distance_m, path_length_m
 from companion.planning import kernels
 from companion.planning.exits import exits
 from companion.planning.tangents import ARC_STEP_RAD, GRAZE_M, ROUNDING_M
@@ -75,7 +74,8 @@ class Routes:
 
     def is_free(self, at: Point) -> bool:
         """Whether a point is in the water and has the clearance."""
-        return self._water.is_water(at) and self.is_clear(at, at)
+        is_finite = math.isfinite(at.north_m) and math.isfinite(at.east_m)
+        return is_finite and self._water.is_water(at) and self.is_clear(at, at)
 
     def route(self, start: Point, goal: Point) -> Route:
         """The shortest route; the same there and back.
@@ -110,7 +110,7 @@ class Routes:
 
         is_afloat: only those that a straight leg reaches without touching a shore.
         """
-        if self._segments is None:
+        if self._segments is None or not (math.isfinite(at.north_m) and math.isfinite(at.east_m)):
             return
         radii_m = [limit_m + GRAZE_M for limit_m in self._limit]
         for candidate in exits(self._segments, radii_m, at, self.is_free):
@@ -134,7 +134,7 @@ class Routes:
         for node, at, left_at in arcs:
             points += _corners(graph, node, at, left_at, step_rad)
         points.append(goal)
-        length_m = sum(distance_m(a, b) for a, b in pairwise(points))
+        length_m = path_length_m(points)
         return Route(tuple(points), length_m, searcher.expanded - before)
 
 

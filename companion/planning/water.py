@@ -82,7 +82,13 @@ class Water:
         return self.routes(clearance_m).is_clear(start, end)
 
     def routes(self, clearance_m: float) -> Routes:
-        """The shortest routes of one clearance; what they find out is kept for the next query."""
+        """The shortest routes of one clearance; what they find out is kept for the next query.
+
+        Raises:
+            ValueError: a clearance below 0, or none that is finite.
+        """
+        if not 0.0 <= clearance_m < math.inf:
+            raise ValueError(f"clearance is {clearance_m} m: expected 0 or more")
         known = self._routes.get(clearance_m)
         if known is None:
             known = self._routes[clearance_m] = self._new_routes(clearance_m)

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from companion.core.geo import Point, bearing_rad, distance_m
+from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
 from companion.core.units import wrap_pi
 from mission_tools.contract.boat import Boat
 from mission_tools.costs.current import STILL_WATER, Current
@@ -175,7 +175,7 @@ def ways_home_m(
 
 def _stations(points: Sequence[Point]) -> tuple[Floats, Floats]:
     """The route's points and places between them, and the number of the leg of each piece."""
-    total_m = sum(distance_m(a, b) for a, b in pairwise(points))
+    total_m = path_length_m(points)
     step_m = max(total_m / STEPS, 1e-6)
     at: list[tuple[float, float]] = [(points[0].north_m, points[0].east_m)]
     legs: list[int] = []

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.costs.travel import Floats, Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
@@ -97,7 +97,7 @@ def cheapest_route(
 def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float) -> Grid:
     """Free water round the shortest route; each step of any of the directions keeps the clearance."""
     norths, easts = [p.north_m for p in points], [p.east_m for p in points]
-    length = sum(distance_m(a, b) for a, b in pairwise(points))
+    length = path_length_m(points)
     beyond = DETOUR * length + 2.0 * clearance_m
     west, south, east, north = min(easts), min(norths), max(easts), max(norths)
     west, south, east, north = west - beyond, south - beyond, east + beyond, north + beyond

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from companion.core.geo import path_length_m
 from mission_tools.mission.planned_mission import PlannedMission
-from mission_tools.planning.smooth import path_length_m
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, path_length_m
 from mission_tools.costs.cheapest import cheapest_route
 from mission_tools.costs.current import STILL_WATER
 from mission_tools.costs.current_source import open_current
@@ -39,7 +39,7 @@ def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOpt
     return replace(
         found,
         points=tuple(points),
-        length_m=sum(distance_m(a, b) for a, b in pairwise(points)),
+        length_m=path_length_m(points),
         min_clearance_m=min(chart.leg_clearance_m(a, b) for a, b in pairwise(points)),
         notes=(*found.notes, _note(travel, cost, shortest, options)),
     )

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Protocol, TypeAlias
 
-from companion.core.geo import Point
+from companion.core.geo import Point, path_length_m
 from companion.planning.water import Water
 from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
@@ -16,7 +16,6 @@ from mission_tools.planning.entry_cells import FreeWater
 from mission_tools.planning.exact_planner import water_of
 from mission_tools.planning.grid import Grid
 from mission_tools.planning.inflate import occupancy
-from mission_tools.planning.smooth import path_length_m
 
 Path: TypeAlias = tuple[Point, ...]
 

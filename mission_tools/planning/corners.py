@@ -7,9 +7,9 @@ corner on the inside, where the headland is. So each corner is moved outwards by
 import math
 from collections.abc import Sequence
 
-from companion.core.geo import Point, bearing_rad
+from companion.core.geo import Point, bearing_rad, path_length_m
 from companion.core.units import wrap_pi
-from mission_tools.planning.smooth import IsClear, path_length_m
+from mission_tools.planning.smooth import IsClear
 
 CORNER_CLEARANCES = 0.5
 """Assumed start of a turn before a waypoint: with 4 m of clearance, 2 m."""

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import shapely
 
-from companion.core.geo import Point, bearing_rad, distance_m
+from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
 from companion.core.units import wrap_pi
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
@@ -20,7 +20,7 @@ from mission_tools.planning.grid import Grid
 from mission_tools.planning.grid_search import GridSearch
 from mission_tools.planning.inflate import Bounds, occupancy
 from mission_tools.planning.plan_settings import Plan, PlanSettings
-from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, path_length_m, pull_taut
+from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, pull_taut
 from mission_tools.planning.wording import stop_names, way_out_note
 
 DEFAULT_WATER_CELLS = 200_000

@@ -6,7 +6,7 @@ Every shortcut is checked against the polygons themselves, never against the gri
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, distance_m, path_length_m
 
 IsClear = Callable[[Point, Point], bool]
 """Whether the straight leg between two points may be sailed."""
@@ -15,11 +15,6 @@ MIN_LEG_CLEARANCES = 3.0  # shorter legs are merged where there is room
 MAX_ROUNDS = 12
 CUT_HALVINGS = 8
 MIN_GAIN = 2e-4  # share of the length that another round must win to be worth its time
-
-
-def path_length_m(points: Sequence[Point]) -> float:
-    """Sum of the legs."""
-    return sum(distance_m(a, b) for a, b in pairwise(points))
 
 
 def pull_taut(path: Sequence[Point], is_clear: IsClear, spacing_m: float) -> tuple[Point, ...]:

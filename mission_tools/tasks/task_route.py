@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.route import with_speed
 from mission_tools.planning.exact_planner import water_of
-from mission_tools.planning.smooth import path_length_m
 
 LegKind = Literal["transit", "track", "shore", "cross"]
 LONGEST_HOLD_S = 65_535.0  # ArduPilot keeps the hold time of a waypoint in 16 bits, in whole seconds

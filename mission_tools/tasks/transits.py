@@ -4,13 +4,12 @@ import contextlib
 import math
 from collections.abc import Sequence
 
-from companion.core.geo import Point
+from companion.core.geo import Point, path_length_m
 from companion.planning.visibility import NoWay
 from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.exact_planner import fitted, water_of
 from mission_tools.planning.planner import PlanSettings, plan
-from mission_tools.planning.smooth import path_length_m
 
 _ROUNDING = 1e-9  # of the clearance: the ends of tracks lie at the clearance itself
 

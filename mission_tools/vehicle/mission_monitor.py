@@ -5,10 +5,9 @@ It has no link and no clock: the state of the vehicle and the time are arguments
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Self
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.errors import VehicleError
 from mission_tools.mission.mission import Mission
 from mission_tools.vehicle.state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
@@ -77,7 +76,7 @@ class MissionMonitor:
     def track_length_m(self) -> float:
         """How far the boat has come."""
         points = [self._frame.to_local(point.place) for point in self.track]
-        return sum(distance_m(a, b) for a, b in pairwise(points))
+        return path_length_m(points)
 
     def update(self, state: VehicleState, now_s: float) -> Progress:
         """Take in the vehicle's state as of now.
@@ -124,7 +123,7 @@ class MissionMonitor:
             return 0.0
         here: Point = self._frame.to_local(state.position) if state.position else self._points[index]
         route = [here, *self._points[index:]]
-        return sum(distance_m(a, b) for a, b in pairwise(route))
+        return path_length_m(route)
 
     def _raise_if_ended(self, state: VehicleState, progress: Progress) -> None:
         at = f"on the way to waypoint {progress.waypoint} of {progress.waypoints}"

@@ -5,14 +5,13 @@ description or comment, says what it is; without, it is water, and land within o
 """
 
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import shapely
 from shapely.geometry import Polygon
 
-from companion.core.geo import LatLon, LocalFrame, distance_m
+from companion.core.geo import LatLon, LocalFrame, distance_m, path_length_m
 from mission_tools.errors import MapError
 from mission_tools.maps.formats.kml import KIND_IN_TEXT
 from mission_tools.maps.formats.xml_text import parse_xml, text_of
@@ -93,7 +92,7 @@ def _gap_and_length_m(corners: Corners) -> tuple[float, float]:
     lon_deg, lat_deg = corners[0]
     frame = LocalFrame(LatLon(lat_deg, wrapped_lon_deg(lon_deg)))
     points = [frame.to_local(LatLon(lat, wrapped_lon_deg(lon))) for lon, lat in corners]
-    length_m = sum(distance_m(a, b) for a, b in pairwise(points))
+    length_m = path_length_m(points)
     return distance_m(points[-1], points[0]), length_m
 
 

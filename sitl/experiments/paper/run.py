@@ -7,13 +7,12 @@ from itertools import product
 
 import shapely
 
-from companion.core.geo import Point
+from companion.core.geo import Point, path_length_m
 from companion.core.modes import Mode
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from mission_tools.mission.route import mission_along
 from mission_tools.planning.planner import PlanSettings, plan
-from mission_tools.planning.smooth import path_length_m
 from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.shore_steering import (
     HeadingPid,

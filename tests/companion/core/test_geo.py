@@ -5,7 +5,15 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from pyproj import Transformer
 
-from companion.core.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, bearing_rad, distance_m
+from companion.core.geo import (
+    LatLon,
+    LocalFrame,
+    Point,
+    along_and_cross_track_m,
+    bearing_rad,
+    distance_m,
+    path_length_m,
+)
 
 origins = st.builds(LatLon, st.floats(-85.0, 85.0), st.floats(-180.0, 180.0))
 offsets_m = st.floats(-14_000.0, 14_000.0)  # a square whose corners are 20 km away
@@ -58,6 +66,11 @@ def test_the_antimeridian_is_no_edge(origin_deg: float, at_deg: float, side: int
 def test_what_is_no_place_is_refused_by_name(lat_deg: float, lon_deg: float, word: str) -> None:
     with pytest.raises(ValueError, match=word):
         LatLon(lat_deg, lon_deg)
+
+
+def test_the_length_of_a_path_is_that_of_its_legs() -> None:
+    assert path_length_m([Point(0.0, 0.0), Point(3.0, 4.0), Point(3.0, 4.0), Point(3.0, 0.0)]) == 9.0
+    assert path_length_m([Point(1.0, 2.0)]) == path_length_m([]) == 0.0
 
 
 def test_bearings_turn_clockwise_from_north() -> None:

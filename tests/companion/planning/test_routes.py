@@ -8,11 +8,12 @@ import pytest
 import shapely
 
 from benchmarks import route_oracle as oracle
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, distance_m, path_length_m
 from companion.planning.visibility import NoWay
 from companion.planning.water import Shore, Water
 
 CLEARANCES_M = (0.5, 1.0, 2.0, 4.0, 6.0)
+SQUARE = [Point(-50.0, -50.0), Point(-50.0, 50.0), Point(50.0, 50.0), Point(50.0, -50.0)]
 
 
 def blocked_pair(seed: int) -> tuple[oracle.Shape, float, Point, Point] | None:
@@ -48,7 +49,7 @@ def test_routes_are_the_shortest_and_keep_their_clearance(first: int) -> None:
         # The oracle's chords are up to 0.003 % short of its arcs
         assert -1e-6 <= there.length_m / shortest_m - 1.0 <= 1e-4 + 3e-5, f"seed {seed}"
         assert oracle.clearance_m(lake, there.points) >= clearance_m, f"seed {seed}"
-        assert there.length_m == pytest.approx(oracle.length_m(there.points), abs=1e-9)
+        assert there.length_m == pytest.approx(path_length_m(there.points), abs=1e-9)
         assert back.length_m == pytest.approx(there.length_m, abs=1e-9)
         assert back.points == there.points[::-1]
 
@@ -158,3 +159,19 @@ def test_an_exit_for_a_boat_is_not_across_land() -> None:
     first = next(routes.exits(berth))
     assert first.east_m < 0.0
     assert distance_m(berth, first) == pytest.approx(3.7, abs=1e-5)
+
+
+@pytest.mark.parametrize("place", [Point(math.nan, 0.0), Point(0.0, math.inf)])
+@pytest.mark.parametrize("is_open", [False, True])
+def test_a_place_that_is_not_finite_is_refused_at_once(place: Point, is_open: bool) -> None:
+    routes = Water([Shore(SQUARE)], is_open=is_open).routes(1.0)
+    with pytest.raises(NoWay) as start:
+        routes.route(place, Point(0.0, 0.0))
+    assert (start.value.reason, start.value.nearest) == ("start", None)
+    assert list(routes.exits(place)) == []
+
+
+@pytest.mark.parametrize("clearance_m", [-1.0, math.nan, math.inf])
+def test_a_clearance_that_makes_no_sense_is_refused(clearance_m: float) -> None:
+    with pytest.raises(ValueError, match="expected 0 or more"):
+        Water([Shore(SQUARE)]).routes(clearance_m)

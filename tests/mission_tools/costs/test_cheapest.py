@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.costs.cheapest import cheapest_route, route_cost
 from mission_tools.costs.current import River, UniformCurrent
 from mission_tools.costs.travel import BoatSpeed, InZones, OpenWater, SpeedZone, TravelTime
@@ -118,7 +118,7 @@ def test_open_water_is_preferred_where_it_is_near() -> None:
     found = cheapest_route(chart, hugging, CLEARANCE_M, travel)
     least = min(chart.leg_clearance_m(a, b) for a, b in pairwise(found.points))
     assert least > 9.0
-    assert sum(distance_m(a, b) for a, b in pairwise(found.points)) < 1.05 * 200.0
+    assert path_length_m(found.points) < 1.05 * 200.0
 
 
 def test_a_start_at_the_jetty_keeps_its_way_out() -> None:

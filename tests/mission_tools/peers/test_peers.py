@@ -2,12 +2,11 @@
 
 import math
 from importlib.util import find_spec
-from itertools import pairwise
 
 import pytest
 import shapely
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.peers import PEERS, ants, planner
 from mission_tools.peers.ants import Habits, colony
@@ -57,7 +56,7 @@ def test_a_path_round_a_rock_keeps_the_clearance_and_is_no_shorter_than_the_exac
     assert least_distance_m(sea.chart, found.points) >= 3.0 - 1e-6
     exact_m = sea.water.routes(3.0).route(START, GOAL).length_m
     assert exact_m - 1e-6 <= found.length_m <= 1.6 * exact_m
-    assert found.length_m == pytest.approx(sum(distance_m(a, b) for a, b in pairwise(found.points)))
+    assert found.length_m == pytest.approx(path_length_m(found.points))
 
 
 @pytest.mark.parametrize("name", PEERS)
@@ -143,6 +142,6 @@ def test_pheromone_that_evaporates_whole_leaves_ants_without_memory() -> None:
     lengths = []
     for habits in (Habits(lambda _: 0.3), Habits(lambda _: 1.0)):
         path = colony(sea, START, GOAL, 1, Deadline(BUDGET_S), habits)
-        lengths.append(sum(distance_m(a, b) for a, b in pairwise(path)))
+        lengths.append(path_length_m(path))
     assert lengths[0] < lengths[1]
     assert math.isfinite(lengths[1])

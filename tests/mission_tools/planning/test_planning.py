@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import affinity
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m, path_length_m
 from mission_tools.errors import (
     GoalBlocked,
     MapError,
@@ -23,7 +23,6 @@ from mission_tools.errors import (
 from mission_tools.maps import Chart, Feature, RouteDefaults, build_chart, load_geojson
 from mission_tools.planning.heuristics import HEURISTICS
 from mission_tools.planning.planner import Plan, PlanSettings, plan
-from mission_tools.planning.smooth import path_length_m
 
 SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"

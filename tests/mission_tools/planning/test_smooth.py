@@ -8,8 +8,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.core.geo import Point, distance_m
-from mission_tools.planning.smooth import IsClear, merge_short_legs, path_length_m, pull_taut
+from companion.core.geo import Point, distance_m, path_length_m
+from mission_tools.planning.smooth import IsClear, merge_short_legs, pull_taut
 
 BLOCK = shapely.box(-10.0, -10.0, 10.0, 10.0)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.core.geo import Line, Point, distance_m
+from companion.core.geo import Line, Point, distance_m, path_length_m
 from companion.vehicle.mission.straightening import SHIFT_SHARE, is_short, straighten
 
 RADIUS_M = 2.0
@@ -91,8 +91,8 @@ def test_every_waypoint_is_passed_in_its_turn_and_the_line_is_never_longer_than_
     line = [corner for corner, _ in straighten(walk, [RADIUS_M] * len(walk))]
     assert (line[0], line[-1]) == (walk[0], walk[-1])
     assert all(min(off_m(at, *leg) for leg in pairwise(line)) <= HALF_M + 1e-9 for at in walk)
-    length_m = sum(distance_m(a, b) for a, b in pairwise(line))
-    assert length_m <= sum(distance_m(a, b) for a, b in pairwise(walk)) + 1e-9
+    length_m = path_length_m(line)
+    assert length_m <= path_length_m(walk) + 1e-9
 
 
 @given(cell_walks())
