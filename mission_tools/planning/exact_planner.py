@@ -9,15 +9,22 @@ import shapely
 from shapely.geometry import LinearRing, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import Point
+from companion.core.geo import Point, path_length_m
 from companion.planning.visibility import NoWay, Route, Routes
 from companion.planning.water import Shore, Water
 from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked
-from mission_tools.maps.chart import CLEARANCE, KEPT_OUT, SOLID, Chart, property_number
+from mission_tools.maps.chart import (
+    CLEARANCE,
+    KEPT_OUT,
+    OPEN_WATER_HALF_SIDE_M,
+    SOLID,
+    Chart,
+    property_number,
+)
 from mission_tools.planning.astar import SearchMetrics
 from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
 from mission_tools.planning.plan_settings import Plan, PlanSettings
-from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, path_length_m
+from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs
 from mission_tools.planning.wording import nearest_free, place, stop_names, too_near, way_out_note
 
 MAX_MERGE_EXCESS = 0.005
@@ -31,8 +38,8 @@ def water_of(chart: Chart) -> Water:
     rings = [
         ring
         for part in shapely.get_parts(chart.navigable)
-        for ring in (() if chart.is_open else (part.exterior,), part.interiors)
-        for ring in ring
+        for ring in (part.exterior, *part.interiors)
+        if not (chart.is_open and _bounds_open_water(ring))
     ]
     asking = [
         (feature.shape, clearance_m)
@@ -53,6 +60,11 @@ def water_of(chart: Chart) -> Water:
             for part in shapely.get_parts(shape)
         ]
     )
+
+
+def _bounds_open_water(ring: LinearRing) -> bool:
+    """Whether a ring is the square that stands for the sea, which is no shore."""
+    return bool(max(map(abs, ring.bounds)) >= OPEN_WATER_HALF_SIDE_M)
 
 
 def _own_clearance_m(ring: LinearRing, asking: Sequence[tuple[BaseGeometry, float]]) -> float | None:

@@ -4,14 +4,12 @@ import math
 from collections.abc import Mapping
 from typing import Any, Final
 
-import shapely
-
 from companion.core.geo import LatLon, Point
 from companion.core.units import e7_to_deg
-from companion.planning.water import Shore, Water
 from mission_tools.errors import NoRoute
-from mission_tools.maps.chart import OPEN_WATER_HALF_SIDE_M, Chart
+from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission
+from mission_tools.planning.exact_planner import water_of
 from mission_tools.watch.detour import Remainder, around, is_blocked, remainder_of
 from mission_tools.watch.sightings import Sightings, echoes_of
 
@@ -39,7 +37,7 @@ class Watcher:
         self.failure = ""  # why the last look found no way, for people
         self._chart = chart
         self._clearance_m = clearance_m
-        self._water = _water_of(chart)
+        self._water = water_of(chart)
         self._sightings = Sightings(chart)
         self._here: Point | None = None
         self._here_s = -math.inf
@@ -110,20 +108,3 @@ class Watcher:
         """Where the boat is, if its position and heading are of now."""
         is_fresh = now_s - min(self._here_s, self._heading_s) <= STALE_S
         return self._here if is_fresh else None
-
-
-def _water_of(chart: Chart) -> Water:
-    """The chart's navigable water, with the clearance left to each route."""
-    if not chart.is_open:
-        return Water(_outlines(chart.navigable))
-    # The square that stands for the sea is no shore: what is cut out of it is
-    return Water([ring for ring in _outlines(chart.navigable) if not _is_edge(ring)], is_open=True)
-
-
-def _is_edge(ring: Shore) -> bool:
-    return any(abs(corner.north_m) >= OPEN_WATER_HALF_SIDE_M for corner in ring.corners)
-
-
-def _outlines(area: shapely.Polygon | shapely.MultiPolygon) -> list[Shore]:
-    rings = [ring for part in shapely.get_parts(area) for ring in (part.exterior, *part.interiors)]
-    return [Shore([Point(north, east) for east, north in ring.coords[:-1]]) for ring in rings]

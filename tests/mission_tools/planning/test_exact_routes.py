@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 import shapely
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.errors import NoRoute
 from mission_tools.maps import Chart, build_chart, load_geojson
+from mission_tools.maps.chart import Feature
 from mission_tools.planning.planner import Plan, PlanSettings, plan
-from mission_tools.planning.smooth import path_length_m
 
 SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 FRAME = LocalFrame(LatLon(50.0, 10.0))
@@ -110,3 +110,14 @@ def test_a_start_with_just_the_clearance_is_not_at_its_jetty() -> None:
     chart = build_chart("Basin", FRAME, shapely.box(-100, -100, 100, 100), ())
     found = plan(chart, Point(96.0, 0.0), Point(0.0, 0.0), PlanSettings(4.0))
     assert (found.notes, len(found.points)) == ((), 2)
+
+
+def test_a_lagoon_within_an_atoll_of_open_water_is_water() -> None:
+    reef = shapely.Point(0.0, 0.0).buffer(200.0).difference(shapely.Point(0.0, 0.0).buffer(100.0))
+    chart = build_chart("Atoll", FRAME, None, [Feature("reef", "obstacle", reef)])
+    found = plan(chart, Point(-50.0, 0.0), Point(50.0, 0.0), PlanSettings(4.0))
+    assert found.length_m == pytest.approx(100.0)
+    with pytest.raises(NoRoute):
+        plan(chart, Point(0.0, 0.0), Point(300.0, 0.0), PlanSettings(4.0))
+    around = plan(chart, Point(-300.0, 0.0), Point(300.0, 0.0), PlanSettings(4.0))
+    assert around.length_m > 2.0 * math.hypot(300.0, 100.0)
