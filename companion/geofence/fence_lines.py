@@ -12,6 +12,7 @@ from companion.core.geo import Point
 
 _SIDES_PER_BAND = 4  # on average, in a convex ring
 _MAX_BANDS = 128
+_ROUNDING_M = 1e-6
 
 Side = tuple[float, float, float, float, float, float, float]
 """North and east of its start, of its end, north and east to its end, 1 / squared length (0 for a point)."""
@@ -141,7 +142,8 @@ class Ring:
     def nearest(self, north_m: float, east_m: float) -> Point:
         """The nearest point of the line."""
         best, found = math.inf, self.vertices[0]
-        for band in self._bands:
+        reach_m = self.distance_m(north_m, east_m) + _ROUNDING_M
+        for band in self._bands[self._band(north_m - reach_m) : self._band(north_m + reach_m) + 1]:
             for start_n, start_e, _, _, along_n, along_e, inverse in band:
                 share = ((north_m - start_n) * along_n + (east_m - start_e) * along_e) * inverse
                 share = 0.0 if share < 0.0 else 1.0 if share > 1.0 else share

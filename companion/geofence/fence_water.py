@@ -52,6 +52,16 @@ class FenceWater:
         self._rings = [*held, *barred]
         self._separations: dict[float, Separation] = {}
 
+    def prepare(self, margin_m: float) -> None:
+        """Find out in one call for each clearance what parts its water, so that no later call takes all that
+        time; nothing once that is known.
+        """
+        for share in MARGIN_SHARES:
+            clearance_m = _clearance_m(share, margin_m)
+            if clearance_m not in self._separations:
+                self.separation(clearance_m)
+                return
+
     def separation(self, clearance_m: float) -> Separation:
         """What parts the water of a clearance."""
         known = self._separations.get(clearance_m)
@@ -73,7 +83,7 @@ def way_to_nearest(
     Where the boat or a goal has less than the clearance, a straight leg joins it to water that has it.
     """
     for share in shares:
-        clearance_m = max(share * margin_m, _LEAST_CLEARANCE_M)
+        clearance_m = _clearance_m(share, margin_m)
         best: Way | None = None
         routes = water.water.routes(clearance_m)
         start: Point | None = None
@@ -97,6 +107,10 @@ def way_to_nearest(
         if best is not None:
             return best
     return None
+
+
+def _clearance_m(share: float, margin_m: float) -> float:
+    return max(share * margin_m, _LEAST_CLEARANCE_M)
 
 
 def _with_clearance(

@@ -2,7 +2,7 @@
 
 Without a fence, or where the straight line keeps clear of it, that is a straight line. Otherwise it is the
 shortest route that keeps clear of the fence. The fence's shores are indexed once when they change, armed or
-not, in a tick of its own.
+not, in ticks of their own.
 """
 
 import math
@@ -55,7 +55,7 @@ class ReturnRoute:
         return self._basis.places[index]
 
     def prepare(self, frame: LocalFrame, home: LatLon | None, config: BoatConfig) -> None:
-        """Take the goals; index the fence's shores in the tick after they have changed."""
+        """Take the goals; index the fence's shores in the ticks after they have changed."""
         places = self.rally
         if home is not None and (config.fence.rally_includes_home or not places):
             places = (*places, home)
@@ -74,6 +74,8 @@ class ReturnRoute:
         elif self._water_version != fence.version:
             self._water = FenceWater(fence) if fence.is_active else None
             self._water_version = fence.version
+        elif self._water is not None:
+            self._water.prepare(basis.margin_m)
 
     @property
     def water(self) -> FenceWater | None:

@@ -8,6 +8,7 @@ import pytest
 from test_fence_lines import globe, laid, square
 
 from companion.core.geo import Point, distance_m
+from companion.geofence import fence_water
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
 from companion.geofence.fence_water import FenceWater, Way, way_to_nearest
 from companion.planning.visibility import Routes
@@ -133,6 +134,15 @@ def test_of_several_goals_the_nearest_by_water_counts() -> None:
         straight = way(fence, here, *goals)
         assert straight is not None
         assert straight.corners[-1] == behind
+
+
+def test_what_parts_the_water_is_found_out_one_clearance_a_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[float] = []
+    monkeypatch.setattr(fence_water, "Separation", lambda _, clearance_m: made.append(clearance_m))
+    water = FenceWater(laid(L_WATER))
+    for expected in ([3.0], [3.0, 1.5], [3.0, 1.5, 0.5], [3.0, 1.5, 0.5]):
+        water.prepare(MARGIN_M)
+        assert made == expected
 
 
 def test_between_waters_that_do_not_meet_there_is_no_way_and_none_is_searched_for(
