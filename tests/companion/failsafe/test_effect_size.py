@@ -47,3 +47,11 @@ def test_an_effect_of_known_size_is_plain_likelihood() -> None:
     size = EffectSize(1)
     for _ in range(5):
         assert size.cost(0, 1.0, 0.8, 0.0, 0.04) == pytest.approx(0.5 * 0.2**2 / 0.04)
+
+
+def test_two_neighbouring_samples_count_for_one() -> None:
+    """Their errors are alike: together they teach what one of an error of its own would."""
+    size, spread, variance = EffectSize(1), 0.4, 0.04
+    for _ in range(2):
+        size.cost(0, 1.0, 1.0, spread, variance)
+    assert 1.0 / size._variance[0] == pytest.approx(1.0 + spread**2 / variance)

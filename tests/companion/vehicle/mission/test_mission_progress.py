@@ -472,3 +472,16 @@ def test_a_restart_forgets_speed_limits_and_jumps() -> None:
     at(progress, 0.0, 0.0, 0.0)
     at(progress, 0.0, 0.0, 1000.0)
     assert progress.is_handed_over, "the limit is forgotten"
+
+
+def test_a_voyage_may_be_taken_up_at_the_first_item() -> None:
+    progress = begun(A, B)
+    assert progress.restore(1, None, None, {})
+    assert progress.current_seq == 1
+
+
+def test_an_item_made_current_after_a_restart_does_not_begin_on_the_interrupted_leg() -> None:
+    progress = begun(A, B, C)
+    assert progress.restore(2, place(50.0, 10.0), None, {})
+    assert progress.set_current(3)
+    assert leg_at(progress, 20.0, 20.0).start == (20.0, 20.0)

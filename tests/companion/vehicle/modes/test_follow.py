@@ -191,3 +191,10 @@ def test_a_slow_lead_is_followed_from_half_the_least_speed_on() -> None:
     crawling = following(seen(0.0, 0.0, 0.45 * least_m_s)).intent(mode_inputs())
     assert isinstance(crawling, KeepStation)
     assert isinstance(following(seen(0.0, 0.0, 0.55 * least_m_s)).intent(mode_inputs()), HoldCourse)
+
+
+def test_a_lead_is_not_left_for_another_while_it_is_heard() -> None:
+    one = following(seen(0, 0), now_s=100.0)
+    for now_s in (101.0, 103.0):
+        assert not one.ingest(seen(5, 5, system=3), CONFIG.follow, now_s)
+    assert one.ingest(seen(5, 5, system=3), CONFIG.follow, 103.1)

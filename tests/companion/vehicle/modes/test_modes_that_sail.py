@@ -199,3 +199,12 @@ def test_auto_continues_on_a_new_leg_from_where_the_boat_is() -> None:
         leg = mode.intent(mode_inputs(nav_at(north_m, 5.0)))
         assert isinstance(leg, FollowLeg)
         assert leg.start == pytest.approx((north_m, 5.0), abs=1e-3)
+
+
+def test_auto_keeps_station_anew_when_it_returns_to_a_hand_over() -> None:
+    mode, _, _ = auto(HandOver(True), Waypoint(place(50.0, 0.0)))
+    for north_m in (7.0, 30.0):
+        mode.enter(mode_inputs())
+        stays = mode.intent(mode_inputs(nav_at(north_m, 0.0)))
+        assert local(stays) == pytest.approx((north_m, 0.0), abs=1e-3)
+        mode.exit()

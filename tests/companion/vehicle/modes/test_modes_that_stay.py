@@ -250,3 +250,25 @@ def test_loiter_stays_where_its_search_for_the_heading_ends() -> None:
     assert local(mode.intent(mode_inputs(nav_at(30.0, 0.0), now_s=1.0))) == pytest.approx(
         (8.0, 0.0), abs=1e-3
     )
+
+
+def test_loiter_begins_a_new_search_when_the_heading_is_lost_again() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    mode.intent(mode_inputs(without_heading(0.5), now_s=1.0))
+    assert mode.intent(mode_inputs(without_heading(0.5), now_s=8.0)) == Stop()  # the pause after it
+    mode.intent(mode_inputs(now_s=8.1))
+    assert isinstance(mode.intent(mode_inputs(without_heading(0.5), now_s=8.2)), Drive)
+
+
+def test_a_stale_set_point_is_reported_once_and_leaves_no_target() -> None:
+    texts: list[StatusText] = []
+    mode = GuidedMode(Fence(), texts)
+    mode.enter(mode_inputs())
+    mode.go_to(place(50.0, 0.0))
+    mode.hold(SetPoint(HoldCourse(1.0, 2.0)), 0.0)
+    stale_s = CONFIG.modes.set_point_timeout_s + 0.1
+    mode.intent(mode_inputs(nav_at(9.0, 0.0), now_s=stale_s))
+    stays = mode.intent(mode_inputs(nav_at(12.0, 0.0), now_s=stale_s + 1.0))
+    assert local(stays) == pytest.approx((9.0, 0.0), abs=1e-3)
+    assert len(texts) == 1

@@ -1,0 +1,96 @@
+"""What the motor watch learns of a healthy boat, and what it compares to it."""
+
+import math
+from random import Random
+
+import pytest
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import LatLon
+from companion.core.state import NavState
+from companion.failsafe.motors.current import MotorCurrent
+from companion.failsafe.motors.evidence import MotorEvidence
+from companion.failsafe.motors.motion_filter import MotionFilter
+from companion.sensors.readings import BatteryReading, GnssFix
+
+DT_S = 0.1
+SIGMA_A = 0.16  # of a reading, by what the equation leaves out
+EVEN = (0.5, 0.5)
+
+
+def driven(current: MotorCurrent, seconds: float, sigma_a: float, random: Random) -> None:
+    """Both motors at half of their command, two amperes with an error."""
+    for _ in range(round(seconds / DT_S)):
+        current.compare(EVEN, [0.5, 0.5], 0.0, 2.0 + random.gauss(0.0, sigma_a))
+        current.learn(DT_S, is_driven=True)
+
+
+def test_before_anything_is_learned_the_uncertainty_is_that_of_each_part_by_itself() -> None:
+    current = MotorCurrent()
+    current.compare(EVEN, [0.5, 0.5], 1.0, 3.0)
+    parts = (5.0 * 0.5, 3.0 * 0.5, 1.0 * 1.0, 2.0)  # A Σ d², B Σ d n, C Σ d u and the electronics
+    assert current.variance == pytest.approx(SIGMA_A**2 + sum(part**2 for part in parts))
+    assert current.residual_a == 3.0
+
+
+@pytest.mark.parametrize(("sigma_a", "expected_a"), [(0.1, 0.19), (0.6, 0.6)])
+def test_readings_that_scatter_widely_are_believed_less(sigma_a: float, expected_a: float) -> None:
+    """The scatter of this boat's readings is learned where it is larger than expected, never less.
+
+    Expected: 0.16 A, and 5 % of some two amperes.
+    """
+    current, random = MotorCurrent(), Random(1)
+    driven(current, 300.0, sigma_a, random)
+    assert math.sqrt(current.variance) == pytest.approx(expected_a, rel=0.15)
+
+
+def test_the_scatter_says_nothing_before_the_equation_is_learned() -> None:
+    current = MotorCurrent()
+    driven(current, 11.5, 1.5, Random(1))
+    assert not current.is_learned
+    assert math.sqrt(current.variance) < 0.5
+    driven(current, 60.0, 1.5, Random(2))
+    assert current.is_learned
+    assert math.sqrt(current.variance) > 0.5
+
+
+def test_a_monitor_that_falls_silent_tells_nothing() -> None:
+    evidence = MotorEvidence(BoatConfig())
+    nav = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
+    for silent in (
+        None,
+        BatteryReading(1.0, 12.0, None),
+        BatteryReading(1.0, 12.0, math.nan),
+    ):
+        evidence.update(0.0, 0.0, nav, None, BatteryReading(0.9, 12.0, 0.5), 1.0, DT_S)
+        assert evidence.has_current
+        evidence.update(0.0, 0.0, nav, None, silent, 1.0, DT_S)
+        assert not evidence.has_current
+        evidence.update(0.0, 0.0, nav, None, BatteryReading(1.1, 12.0, 0.6), 1.0, DT_S)
+        assert evidence.has_current
+
+
+@pytest.mark.parametrize("to_deg", [0.0, 90.0, 180.0, -60.0])
+def test_the_speed_of_the_hull_is_that_through_the_water(to_deg: float) -> None:
+    """A boat at rest in a current drifts with it: no motor has pushed it."""
+    evidence = MotorEvidence(BoatConfig())
+    north_m_s, east_m_s = math.cos(math.radians(to_deg)), math.sin(math.radians(to_deg))
+    for tick in range(3000):  # the known current is averaged
+        now_s = tick * DT_S
+        nav = NavState(
+            now_s, 0.0, 0.0, math.radians(to_deg), 0.0, north_m_s, east_m_s, 1.0, 0.0, 0.1, 0.1,
+            current_north_m_s=north_m_s, current_east_m_s=east_m_s,
+        )  # fmt: skip
+        fix = GnssFix(now_s, LatLon(50.0, -1.2), 3, 12, 0.9, north_m_s, east_m_s)
+        evidence.update(0.0, 0.0, nav, fix, None, 1.0, DT_S)
+    assert evidence._speed._value == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_filter_that_is_restarted_takes_its_next_measurement_as_the_first() -> None:
+    motion = MotionFilter(1, 0.5, 10.0, 0.1, 0.1, 6.0)
+    assert not motion.correct(3.0, DT_S, is_learning=False)
+    assert motion.correct(3.0, DT_S, is_learning=False)
+    motion.restart()
+    assert not motion.correct(-2.0, DT_S, is_learning=False)
+    assert motion.correct(-2.0, DT_S, is_learning=False)
+    assert motion.residual == pytest.approx(0.0)
