@@ -45,29 +45,22 @@ def test_readings_that_scatter_widely_are_believed_less(sigma_a: float, expected
 
 
 def test_the_scatter_says_nothing_before_the_equation_is_learned() -> None:
-    current = MotorCurrent()
-    driven(current, 11.5, 1.5, Random(1))
-    assert not current.is_learned
-    assert math.sqrt(current.variance) < 0.5
-    driven(current, 60.0, 1.5, Random(2))
-    assert current.is_learned
-    assert math.sqrt(current.variance) > 0.5
+    current, found = MotorCurrent(), []
+    for seconds in (11.5, 60.0):
+        driven(current, seconds, 1.5, Random(1))
+        found.append((current.is_learned, math.sqrt(current.variance) > 0.5))
+    assert found == [(False, False), (True, True)]
 
 
-def test_a_monitor_that_falls_silent_tells_nothing() -> None:
-    evidence = MotorEvidence(BoatConfig())
+@pytest.mark.parametrize("silent_a", [None, math.nan, math.inf])
+def test_a_monitor_that_falls_silent_tells_nothing_until_it_reads_again(silent_a: float | None) -> None:
+    evidence, tells = MotorEvidence(BoatConfig()), []
     nav = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
-    for silent in (
-        None,
-        BatteryReading(1.0, 12.0, None),
-        BatteryReading(1.0, 12.0, math.nan),
-    ):
-        evidence.update(0.0, 0.0, nav, None, BatteryReading(0.9, 12.0, 0.5), 1.0, DT_S)
-        assert evidence.has_current
-        evidence.update(0.0, 0.0, nav, None, silent, 1.0, DT_S)
-        assert not evidence.has_current
-        evidence.update(0.0, 0.0, nav, None, BatteryReading(1.1, 12.0, 0.6), 1.0, DT_S)
-        assert evidence.has_current
+    for now_s, current_a in ((0.9, 0.5), (1.0, silent_a), (1.1, 0.6)):
+        evidence.update(0.0, 0.0, nav, None, BatteryReading(now_s, 12.0, current_a), 1.0, DT_S)
+        tells.append(evidence.has_current)
+    evidence.update(0.0, 0.0, nav, None, None, 1.0, DT_S)
+    assert [*tells, evidence.has_current] == [True, False, True, False]
 
 
 @pytest.mark.parametrize("to_deg", [0.0, 90.0, 180.0, -60.0])
