@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.npyio import NpzFile
 
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame
@@ -92,9 +93,15 @@ def _local(east: Floats, north: Floats, is_degrees: bool, frame: LocalFrame | No
 
 
 def _read_npz(path: Path, frame: LocalFrame | None) -> CurrentTable:
-    with np.load(path, allow_pickle=False) as file:
-        arrays = {name: np.asarray(file[name], dtype=np.float64) for name in file.files}
-    columns = _columns(arrays, frame)
+    try:
+        with path.open("rb") as opened, NpzFile(opened) as file:
+            columns = _columns(file.files, frame)
+            wanted = [name for name in (*columns, "time_s") if name in file.files]
+            arrays = {name: file[name].astype(np.float64, casting="same_kind") for name in wanted}
+    except OSError:
+        raise
+    except Exception as error:  # of many kinds, where an archive is damaged
+        raise ValueError(str(error)) from None
     east, north = _local(arrays[columns[0]], arrays[columns[1]], columns[0] == DEGREES[0], frame)
     east_m_s, north_m_s = arrays[columns[2]], arrays[columns[3]]
     if "time_s" not in arrays:
