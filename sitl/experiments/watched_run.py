@@ -40,7 +40,10 @@ heading_deg = 90.0
 
 @dataclass
 class SailedWatched:
-    """What became of it. uploads: time of each, and how long after the first sight of something new."""
+    """What became of it.
+
+    uploads: time of each, and how long before it the way ahead was found blocked: at the second sighting.
+    """
 
     completed: bool = False
     touched: list[str] = field(default_factory=list)
