@@ -1,13 +1,14 @@
 """The job of `mission-plan` and `mission-upload`: plan, write files, hand over to the session."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.areas import NO_AREAS, Areas, open_areas
+from mission_tools.mission.mission import MissionType
 from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.mission.planned_mission import PlannedMission, open_source
 from mission_tools.outputs import check_outputs, draw_planned, save
@@ -18,6 +19,8 @@ from mission_tools.wording import Printer, counted, distance, duration
 if TYPE_CHECKING:
     from mission_tools.contract.budget import Budget
     from mission_tools.vehicle.mission_monitor import MissionMonitor
+
+MOST_ITEMS = 5000  # of a mission on this project's boat: mission.max_items, unless its file says otherwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,11 +122,13 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
 
     Raises:
         NoRoute: no fence holds the route.
+        UsageError: more items than the boat holds.
         BeyondRange: the boat does not come home.
         PlanFileError: it cannot be written.
     """
     if request.fence_from_map or request.rally_from_map:
         planned = _with_contract(planned, request)
+    planned = _within_capacity(planned, request.options.boat)
     report.planned = planned
     for line in described(planned):
         say(line)
@@ -148,6 +153,26 @@ def _with_contract(planned: PlannedMission, request: Request) -> PlannedMission:
     return with_contract(
         planned, capacity, with_fence=request.fence_from_map, with_rally=request.rally_from_map
     )
+
+
+def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMission:
+    """The mission, with a note if it has more items than this project's boat holds by default.
+
+    Raises:
+        UsageError: more than the named boat holds.
+    """
+    items = len(planned.mission.wire_lists(home_first=True)[MissionType.MISSION])
+    most = MOST_ITEMS
+    if boat is not None:
+        from mission_tools.contract.boat import load_boat  # noqa: PLC0415 - seldom needed
+
+        most = load_boat(boat).most_items
+    if items <= most:
+        return planned
+    said = f"{items} mission items, home included, are more than the {most} that the boat holds"
+    if boat is not None:
+        raise UsageError(f"{planned.name}: {said} (mission.max_items of {boat}): plan it in parts")
+    return replace(planned, notes=(*planned.notes, f"{said}, unless it is set up for more: plan it in parts"))
 
 
 def draw(planned: PlannedMission, request: Request, report: Report, say: Printer) -> None:

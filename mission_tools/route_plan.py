@@ -138,11 +138,8 @@ class RoutePlan:
 
 def picture(planned: PlannedMission) -> bytes:
     """The picture of a mission on its map, as PNG."""
-    from mission_tools.drawing.draw import draw_picture  # noqa: PLC0415 - matplotlib takes a second to import
+    from mission_tools.drawing.preview import figure_of  # noqa: PLC0415 - matplotlib takes a second to import
 
-    figure = draw_picture(
-        planned.chart, planned.points or None, title=planned.name, clearance_m=planned.clearance_m
-    )
     written = io.BytesIO()
-    figure.savefig(written, format="png")
+    figure_of(planned).savefig(written, format="png")
     return written.getvalue()

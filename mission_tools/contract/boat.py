@@ -44,6 +44,7 @@ class Boat:
     reserve: float = 0.1
     margin: float = 1.5
     fence_margin_m: float = 2.0
+    most_items: int = 5000
     most_fence_items: int = 1000
     most_rally_items: int = 250
 
@@ -66,6 +67,7 @@ class Boat:
             reserve=config.failsafe.range_reserve,
             margin=config.failsafe.range_margin,
             fence_margin_m=config.fence.margin_m,
+            most_items=config.mission.max_items,
             most_fence_items=config.mission.max_fence_items,
             most_rally_items=config.mission.max_rally_items,
         )

@@ -45,7 +45,9 @@ def read_current_table(path: Path, frame: LocalFrame | None = None) -> CurrentTa
     try:
         table = _read_npz(path, frame) if path.suffix.lower() == ".npz" else _read_csv(path, frame)
         _check(table)
-    except (OSError, ValueError, UnicodeDecodeError, zipfile.BadZipFile) as error:
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, UnicodeDecodeError, zipfile.BadZipFile) as error:
         raise ConfigError(f"{path}: not a current: {error}") from None
     return table
 

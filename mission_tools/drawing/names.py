@@ -11,11 +11,12 @@ def check_picture_name(path: Path, option: str = "--preview") -> None:
     """Refuse early what could not be written after an hour's run.
 
     Raises:
-        UsageError: no kind of picture, or no such folder.
+        UsageError: no kind of picture, or a file where its folder would be.
     """
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         raise UsageError(
             f"{option} {path}: expected a name that ends in {', '.join(sorted(PICTURE_SUFFIXES))}"
         )
-    if not path.absolute().parent.is_dir():
-        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
+    folder = next(parent for parent in path.absolute().parents if parent.exists())
+    if not folder.is_dir():
+        raise UsageError(f"{option} {path}: {folder.name} is no folder")

@@ -1,11 +1,15 @@
 """The picture of a mission: its map, its plan and, after a run, the track."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from companion.core.geo import path_length_m
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None) -> None:
@@ -19,23 +23,43 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
 
         save_page(path, planned, monitor)
         return
-    from mission_tools.drawing.draw import draw_picture, save_figure  # noqa: PLC0415 - matplotlib takes a second to import
+    from mission_tools.drawing.draw import save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 
-    track = monitor.track if monitor is not None else []
-    points = planned.points
-    clearance_m = planned.clearance_m
-    subtitle = f"{distance(path_length_m(points))} planned"
-    if clearance_m > 0.0:
-        subtitle += f", clearance {clearance_m:g} m"
-    if monitor is not None and track:
-        subtitle += f"; {distance(monitor.track_length_m)} sailed in {duration(monitor.duration_s)}"
-    figure = draw_picture(
+    save_figure(path, figure_of(planned, monitor))
+
+
+def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None) -> "Figure":
+    """The picture of the planned mission and of the track, if there is one; a survey's has its coverage."""
+    from mission_tools.drawing.draw import draw_picture  # noqa: PLC0415 - matplotlib takes a second to import
+    from mission_tools.drawing.survey import draw_survey  # noqa: PLC0415
+
+    sailed = monitor.track if monitor is not None else []
+    track = [planned.chart.frame.to_local(point.place) for point in sailed] or None
+    title, subtitle = planned.name, _subtitle(planned, monitor)
+    if planned.survey is not None:
+        return draw_survey(planned.chart, planned.survey, track, title=title, subtitle=subtitle)
+    return draw_picture(
         planned.chart,
-        points,
-        track=[planned.chart.frame.to_local(point.place) for point in track] or None,
-        speeds_m_s=[point.speed_m_s for point in track] or None,
-        title=planned.name,
+        planned.points or None,
+        track=track,
+        speeds_m_s=[point.speed_m_s for point in sailed] or None,
+        title=title,
         subtitle=subtitle,
-        clearance_m=clearance_m,
+        clearance_m=planned.clearance_m,
     )
-    save_figure(path, figure)
+
+
+def _subtitle(planned: PlannedMission, monitor: MissionMonitor | None) -> str:
+    """How long and how near."""
+    if not planned.points:
+        return ""
+    said = f"{distance(path_length_m(planned.points))} planned"
+    if planned.clearance_m > 0.0:
+        said += f", clearance {planned.clearance_m:g} m"
+    if planned.survey is not None:
+        survey = planned.survey
+        said += f"; {survey.tracks} tracks {distance(survey.spacing_m)} apart"
+        said += f", {100.0 * survey.coverage:.1f} % covered"
+    if monitor is not None and monitor.track:
+        said += f"; {distance(monitor.track_length_m)} sailed in {duration(monitor.duration_s)}"
+    return said

@@ -23,6 +23,7 @@ from mission_tools.drawing.draw import (
 from mission_tools.drawing.features import arrange_names, fill
 from mission_tools.drawing.legend import INK, PAPER, SAILED, draw_frame, draw_north_arrow, draw_scale_bar
 from mission_tools.drawing.view import view_of
+from mission_tools.drawing.waypoints import draw_waypoints
 from mission_tools.maps.chart import Chart
 from mission_tools.tasks.survey.survey import Survey
 
@@ -77,6 +78,8 @@ def draw_survey(
         handles.append(Line2D([], [], color=SAILED, label="sailed"))
     handles += [Patch(color=COVERED, label="covered"), Patch(color=MISSED, label="missed")]
     axes.legend(handles=handles, loc="upper left", fontsize=9, framealpha=0.9).set_zorder(20)
+    if route:
+        draw_waypoints(axes, (route[0], route[-1]))
     arrange_names(axes)
     draw_frame(axes, chart, view)
     draw_scale_bar(axes, view)

@@ -38,7 +38,10 @@ def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
                 fontsize=7.5 if number < 100 else 5.5,
                 color=PLANNED, fontweight="bold", zorder=NAMES,
             )  # fmt: skip
-    for point, marker, label in ((points[0], "o", "Start"), (points[-1], "*", "Goal")):
+    ends = [(points[0], "o", "Start"), (points[-1], "*", "Goal")]
+    if math.dist(pixels[0], pixels[-1]) < NUMBER_PIXELS:
+        ends = [(points[-1], "*", "Start and goal")]
+    for point, marker, label in ends:
         size = 11 if marker == "o" else 19
         axes.plot(point.east_m, point.north_m, marker, ms=size, mfc=PLANNED, mec="white", mew=1.4, zorder=13)
         axes.annotate(

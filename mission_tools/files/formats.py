@@ -35,7 +35,8 @@ def check_route_name(path: Path) -> None:
     if suffix not in ROUTE_SUFFIXES:
         raise PlanFileError(
             f"{path}: missions are written as .plan (QGroundControl), as .waypoints, .wpl, .txt (QGC WPL "
-            "110), or as .geojson, .kml, .gpx: expected a name that ends in one of these"
+            "110), or as .geojson, .kml, .gpx, and drawn as .html, .png, .svg, .pdf: expected a name that "
+            "ends in one of these"
         )
     if suffix in _COMPOSERS and path.is_file() and not _is_own(path):
         raise PlanFileError(f"{path}: exists and may be a map: choose another name, or remove it first")

@@ -70,7 +70,9 @@ def load_source(text: str) -> Source:
 
         return load_scenario(path if suffix == ".toml" else cast(Path, folder) / f"{text}.toml")
     if suffix in PHOTOGRAPHS:
-        raise MapError(f"{text}: a photograph: trace its water first, as by mission-trace {path.name} --help")
+        raise MapError(f"{text}: a photograph: trace its water first, as by mission-trace {path} --help")
+    if path.is_dir():
+        raise MapError(f"{text}: a folder: expected a map or scenario file in it")
     known = ", ".join(scenario_names()) or "none installed"
     raise MapError(
         f"{text}: no such scenario (there are: {known}), and no map or scenario file: expected a name that "

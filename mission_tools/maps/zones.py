@@ -12,11 +12,14 @@ from mission_tools.maps.chart import DEPTH, SPEED_LIMIT, Chart, build_chart, pro
 def for_draught(chart: Chart, draught_m: float) -> Chart:
     """The chart for a boat of this draught: water that is less deep is an obstacle.
 
-    Water without a depth counts as deep enough.
+    Water without a depth counts as deep enough; a note says so where the map has no depths at all.
 
     Raises:
         MapError: nothing is deep enough, or a depth is no number; names the area.
     """
+    if all(feature.properties.get(DEPTH) is None for feature in chart.features):
+        said = f"the map has no depths ({DEPTH}): a draught of {draught_m:g} m makes no difference"
+        return replace(chart, notes=(*chart.notes, said))
     features = [
         replace(feature, kind="obstacle", name=feature.name or f"water of {depth:g} m")
         if (depth := property_number(feature, DEPTH)) is not None

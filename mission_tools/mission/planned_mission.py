@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from shapely.geometry import MultiPolygon, Polygon
 
@@ -22,6 +23,9 @@ from mission_tools.planning.planner import Plan, PlanSettings, plan
 from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
 from mission_tools.tasks.tour import tour
 
+if TYPE_CHECKING:
+    from mission_tools.tasks.survey.survey import Survey
+
 MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
 
@@ -30,7 +34,8 @@ MARGIN_SHARE = 0.15  # of the clearance, where that is small
 class PlannedMission:
     """A mission and where it comes from: a plan, a task's legs, or neither for a mission from a file.
 
-    clearance_m: that was asked for; 0 for a mission from a file. notes: for the user.
+    clearance_m: that was asked for; 0 for a mission from a file. notes: for the user. survey: what the task's
+    legs cover, if it is a survey.
     """
 
     name: str
@@ -40,6 +45,7 @@ class PlannedMission:
     task: TaskRoute | None = None
     clearance_m: float = 0.0
     notes: tuple[str, ...] = ()
+    survey: "Survey | None" = None
 
     @property
     def points(self) -> tuple[Point, ...]:
@@ -143,11 +149,12 @@ class MapSource:
         """
         start = self._named_start or self._start_of(here)
         chart, speed_m_s, clearance_m = self._chart, self._wishes.speed_m_s, self._settings.clearance_m
-        task = self._task(start)
+        survey = self._survey(start)
+        task = self._task(start) if survey is None else survey.route
         if task is not None:
             mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
             return PlannedMission(
-                chart.name, mission, chart, None, task, clearance_m, (*chart.notes, *task.notes)
+                chart.name, mission, chart, None, task, clearance_m, (*chart.notes, *task.notes), survey
             )
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
@@ -169,12 +176,16 @@ class MapSource:
         """Whether the task itself finds the best place to begin."""
         return self._wishes.survey is not None or self._wishes.follow_shore_at is not None
 
+    def _survey(self, start: Point | None) -> "Survey | None":
+        """The survey, if one is asked for."""
+        if self._wishes.survey is None:
+            return None
+        area = self._survey_area or survey_area(self._chart, self._wishes.survey)
+        return survey_of(self._chart, start, self._wishes, self._settings, area)
+
     def _task(self, start: Point | None) -> TaskRoute | None:
-        """The route of a task; None where only a way from place to place is asked for."""
+        """The route of another task; None where only a way from place to place is asked for."""
         chart, options, settings = self._chart, self._wishes, self._settings
-        if options.survey is not None:
-            area = self._survey_area or survey_area(chart, options.survey)
-            return survey_of(chart, start, options, settings, area)
         if options.follow_shore_at is not None:
             return shore_of(chart, start, options, settings, self._local)
         assert start is not None  # noqa: S101  _start_of raises before
@@ -236,10 +247,13 @@ class MapSource:
         """
         if not self._chart.reaches(place):
             origin = self._chart.frame.origin
-            raise UsageError(
+            said = (
                 f"{what}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {self._chart.name} "
                 f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
             )
+            if abs(place.lon_deg) <= 90.0 and self._chart.reaches(LatLon(place.lon_deg, place.lat_deg)):
+                said += ": latitude and longitude look swapped, here or in the map; expected LAT,LON"
+            raise UsageError(said)
         return self._chart.frame.to_local(place)
 
 

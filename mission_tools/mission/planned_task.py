@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast
 
@@ -52,6 +53,8 @@ def check_task(options: PlanOptions) -> None:
         raise UsageError("--return: not with --follow-shore")
     if options.follow_shore_at is not None and options.distance_m is None:
         raise UsageError("--follow-shore: expected --distance M as well")
+    if "survey" in given and options.spacing_m is None and options.footprint_m is None:
+        raise UsageError("--survey: expected --spacing M or --footprint M as well")
 
 
 def shore_of(
@@ -87,7 +90,7 @@ def survey_of(
     options: PlanOptions,
     settings: PlanSettings,
     area: Polygon | MultiPolygon | None,
-) -> TaskRoute:
+) -> "Survey":
     """The survey of an area, of the whole water where it is None.
 
     Raises:
@@ -113,7 +116,8 @@ def survey_of(
         ),
         area,
     )
-    return TaskRoute(found.route.legs, (*found.route.notes, described(found)))
+    route = TaskRoute(found.route.legs, (*found.route.notes, described(found)))
+    return replace(found, route=route)
 
 
 def _turn_radius_m(options: PlanOptions) -> float:

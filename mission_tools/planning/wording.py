@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from companion.core.geo import Point, distance_m
 from mission_tools.maps.chart import Chart
+from mission_tools.wording import distance
 
 
 def stop_names(stops: Sequence[Point]) -> list[str]:
@@ -38,4 +39,4 @@ def nearest_free(chart: Chart, point: Point, free: Point | None, clearance_m: fl
     """Where free water is, for the end of a message."""
     if free is None:
         return f"nowhere on this map is {clearance_m:g} m clear: choose a smaller clearance"
-    return f"the nearest free water is {distance_m(point, free):.1f} m away, at {place(chart, free)}"
+    return f"the nearest free water is {distance(distance_m(point, free))} away, at {place(chart, free)}"

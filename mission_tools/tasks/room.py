@@ -47,7 +47,7 @@ def water_reached_from(pieces: list[Polygon], start: Point | None) -> Polygon:
         NoRoute: there is no piece.
     """
     if not pieces:
-        raise NoRoute("no water here is wide enough for the clearance")
+        raise NoRoute("no water here is wide enough for the clearance: choose a smaller one")
     if start is None:
         return pieces[0]
     at = shapely.Point(start.east_m, start.north_m)

@@ -59,7 +59,8 @@ def read_levels(path: Path) -> tuple[Levels, Georeference]:
     colours, alpha = pixels[:, :, :3].astype(np.int16), pixels[:, :, 3]
     if np.abs(colours - colours[:, :, :1]).max(initial=0) > 8:
         raise MapError(
-            f"{path}: a picture in colours is no mask: trace its water first, as by mission-trace {path.name}"
+            f"{path}: a picture in colours is no mask: trace its water first, as by mission-trace {path} "
+            "--help"
         )
     return np.where(alpha >= BRIGHT, pixels[:, :, 0], 0).astype(np.uint8), georeference
 
@@ -70,7 +71,7 @@ def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-
     Raises:
         MapError: no picture that can be read, one too large, or nothing says where it lies.
     """
-    from PIL import Image  # noqa: PLC0415 (pictures only)
+    from PIL import Image, UnidentifiedImageError  # noqa: PLC0415 (pictures only)
 
     data = BytesIO(read_bytes(path))
     try:
@@ -81,6 +82,8 @@ def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-
             is_too_large = picture.width * picture.height > most_pixels
             if not is_too_large:
                 picture.load()
+    except UnidentifiedImageError:  # its text is the address of an object
+        raise MapError(f"{path}: not a picture that can be read: expected PNG, JPEG or TIFF") from None
     except Exception as error:  # Pillow raises many kinds on damaged files
         raise MapError(f"{path}: not a picture that can be read: {str(error)[:100]}") from None
     if is_too_large:

@@ -120,7 +120,7 @@ def nobody() -> str:
         (f"pond.geojson --goal {GOAL} --dry-run", 2, "no start: add --start-at LAT,LON"),
         ("pond.toml --connect carrier-pigeon", 2, "--connect 'carrier-pigeon': it names no port"),
         ("pond.toml --preview map.txt --dry-run", 2, "--preview map.txt: expected a name"),
-        ("pond.toml --preview no/map.png --dry-run", 2, "--preview no/map.png: there is no folder"),
+        ("pond.toml --preview pond.toml/map.png --dry-run", 2, "pond.toml/map.png: pond.toml is no folder"),
         ("pond.toml --frobnicate", 2, "No such option"),
         ("pond.toml --connect NOBODY --patience 0.3", 3, "NOBODY: no vehicle within 0.3 s: is the boat"),
         (

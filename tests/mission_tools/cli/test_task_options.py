@@ -132,7 +132,7 @@ def test_a_shore_is_followed_all_round_an_island(plan: Any) -> None:  # noqa: AN
         (f"--survey all --follow-shore {NORTH_EAST}", "two tasks"),
         (f"--follow-shore {NORTH_EAST}", "--follow-shore: expected --distance M as well"),
         (f"--follow-shore {NORTH_EAST} --distance 5 --return", "--return: not with --follow-shore"),
-        ("--survey all", "a survey needs the spacing of its tracks"),
+        ("--survey all", "--survey: expected --spacing M or --footprint M as well"),
         ("--survey gone.geojson --spacing 5", "gone.geojson: cannot be read"),
         (f"--via {NORTH_EAST}@soon", "expected LAT,LON or LAT,LON@SECONDS"),
         ("--via there", "--via 'there': expected LAT,LON"),
