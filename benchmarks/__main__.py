@@ -19,18 +19,12 @@ from benchmarks import (
     garbage,
     loop,
     memory,
-    planner,
     radio,
-    river,
     router,
-    routes,
-    startup,
-    survey,
     transfer,
-    watch,
 )
 from benchmarks.measure import Row
-from benchmarks.planning import grids, peers
+from benchmarks.planning import grids, peers, planner, river, routes, startup, survey, watch
 
 PAGE = Path("docs/benchmarks.md")
 JSON = Path("out/benchmarks.json")
@@ -63,10 +57,10 @@ Compare this project with pymavlink, networkx, pyastar2d and MAVProxy on your ma
 
     make bench
 
-It rewrites this page. Each section is one file in `benchmarks/`. This project and the peer run
-alternately in one process. Figures are medians ± half the interquartile range; the ratio is the median of
-the pairs. Times are CPU time, except wall-clock time for transfers and garbage. On a shared machine the
-ratios are more reliable than the times.
+It rewrites this page. Each section is one file in `benchmarks/` or its folder `planning/`. This project and
+the peer run alternately in one process. Figures are medians ± half the interquartile range; the ratio is the
+median of the pairs. Times are CPU time, except wall-clock time for transfers and garbage. On a shared machine
+the ratios are more reliable than the times.
 
 Machine: {machine}. Measured on {day}.
 """

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 import shapely
 
-from benchmarks import route_oracle as oracle
+from benchmarks.planning import route_oracle as oracle
 from companion.core.geo import Point, distance_m, path_length_m
 from companion.planning.visibility import NoWay
 from companion.planning.water import Shore, Water

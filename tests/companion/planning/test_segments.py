@@ -6,7 +6,7 @@ import random
 import pytest
 import shapely
 
-from benchmarks import route_oracle as oracle
+from benchmarks.planning import route_oracle as oracle
 from companion.core.geo import Point
 from companion.planning.water import Shore, Water
 

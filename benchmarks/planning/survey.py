@@ -17,7 +17,7 @@ from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from mission_tools.tasks.survey.survey import Survey, survey
 
-SHORE = Path(__file__).parents[2] / "shared" / "maps" / "shore"
+SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
 LAKES = (
     ("pond_two_islands_nh", "pond, 33 ha, 2 islands", 12.0),
     ("lake_vassiviere_fr", "Vassivière, 9.3 km², 8 islands", 50.0),

@@ -18,8 +18,8 @@ import numpy as np
 import pyproj
 import shapely
 
-from benchmarks import route_oracle as oracle
 from benchmarks.measure import Row, alone, spread
+from benchmarks.planning import route_oracle as oracle
 from companion.core.geo import LatLon, Point
 from companion.planning.visibility import NoWay, Route
 from companion.planning.water import Shore, Water
@@ -27,7 +27,7 @@ from mission_tools.errors import NoRouteError
 from mission_tools.maps import Chart, load_geojson
 from mission_tools.planning.planner import PlanSettings, plan
 
-SHORE = Path(__file__).parents[2] / "shared" / "maps" / "shore"
+SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
 CLEARANCES_M = (1.0, 4.0, 10.0)
 QUERIES = 42  # for each of eight maps and three clearances: 1,008
 CUT_OUT_M = 350.0  # half the side of the cut-outs
