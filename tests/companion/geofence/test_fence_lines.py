@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from random import Random
 
 import pytest
 import shapely
@@ -76,6 +77,7 @@ def test_a_disc_is_crossed_on_its_circle_and_not_before(
     away_m = math.dist(at, disc.centre)
     assert disc.distance_m(*at) == pytest.approx(abs(away_m - radius_m), abs=1e-9)
     assert math.dist(disc.nearest(*at), disc.centre) == pytest.approx(radius_m)
+    assert math.dist(disc.nearest(*at), at) == pytest.approx(abs(away_m - radius_m), abs=1e-9)
     north, east = math.cos(course_rad), math.sin(course_rad)
     room_m = disc.crossing_m(at, north, east, reach_m)
     assert 0.0 <= room_m <= reach_m
@@ -85,6 +87,30 @@ def test_a_disc_is_crossed_on_its_circle_and_not_before(
     half = Point(at.north_m + 0.5 * room_m * north, at.east_m + 0.5 * room_m * east)
     if disc.distance_m(*at) > 1e-6 and disc.distance_m(*half) > 1e-6:
         assert disc.contains(*half) is disc.contains(*at)
+
+
+def test_close_to_a_jagged_line_the_nearest_side_is_found_in_whichever_band_it_lies() -> None:
+    random, vertices = Random(1), []
+    for number in range(300):
+        radius_m, bearing = random.uniform(48.0, 52.0), math.tau * number / 300
+        vertices.append(Point(radius_m * math.cos(bearing), radius_m * math.sin(bearing)))
+    ring, line = Ring(vertices, is_inclusion=True), shape_of(vertices).exterior
+    for vertex in vertices:
+        at = Point(vertex.north_m + random.uniform(-1.0, 1.0), vertex.east_m + random.uniform(-1.0, 1.0))
+        assert ring.distance_m(*at) == pytest.approx(line.distance(shapely.Point(at.east_m, at.north_m)))
+
+
+@pytest.mark.parametrize(("start", "end"), [
+    ((0.0, 0.0), (4.0, 4.0)),  # as long again, the way would cross the line
+    ((-8.0, 10.0), (0.0, 18.0)),  # crosses what would be the continuation of a side
+])  # fmt: skip
+def test_a_way_that_would_cross_a_side_only_if_one_were_longer_is_not_near(
+    start: tuple[float, float], end: tuple[float, float]
+) -> None:
+    diamond = [Point(10.0, 0.0), Point(0.0, 10.0), Point(-10.0, 0.0), Point(0.0, -10.0)]
+    ring = Ring(diamond, is_inclusion=True)
+    assert not ring.is_near_way(Point(*start), Point(*end), 1.0)
+    assert ring.is_near_way(Point(*start), Point(2.0 * end[0], 2.0 * end[1]), 1.0) is (start == (0.0, 0.0))
 
 
 def test_a_point_level_with_a_vertex_is_judged_like_any_other() -> None:
