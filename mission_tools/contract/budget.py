@@ -36,9 +36,10 @@ GAINING_SHARE = 1.5  # as the boat's speed profile: it gains speed half as fast 
 class Budget:
     """Times in s, charges in mAh; charges are NaN where the boat's file does not say what it draws.
 
-    home_s, home_mah: from the end of the route straight home by water; 0 where it ends at home. left_mah: at
-    the end, the reserve left out. no_return_m: how far along the route the boat may still turn back, None:
-    from everywhere. reached_m: how far it comes at all, None: to the end.
+    home_s, home_mah: from the end of the route straight home by water; 0 where it ends at home, infinite
+    where the current is too strong. left_mah: at the end, the reserve left out. no_return_m: how far along
+    the route the boat may still turn back, None: from everywhere. reached_m: how far it comes at all, None:
+    to the end.
     """
 
     length_m: float
@@ -60,14 +61,18 @@ class Budget:
     def lines(self) -> list[str]:
         """For a person."""
         said = f"budget: {duration(self.time_s)}"
-        home = f"home from there {distance(self.home_m)}, {duration(self.home_s)}"
+        home = "from there no way home against the current"
+        if math.isfinite(self.home_s):
+            home = f"home from there {distance(self.home_m)}, {duration(self.home_s)}"
         if math.isnan(self.charge_mah):
             return [
                 f"{said}; {home}; no charge: set battery.cruise_a, what the boat draws at cruise speed, "
                 "in its file"
             ]
         out = f"{said}, {self.charge_mah:.0f} of {self.usable_mah:.0f} mAh"
-        if self.home_m > 0.0:
+        if math.isinf(self.home_s):
+            out += f"; {home}"
+        elif self.home_m > 0.0:
             out += f"; {home}, {self.home_mah:.0f} mAh"
         if self.reached_m is not None:
             return [out, f"the charge lasts for {distance(self.reached_m)} of {distance(self.length_m)}"]
@@ -133,7 +138,8 @@ def budget_of(
     home_m = _between(points, ways_home_m, at, legs)
     home_s, home_mah = _homeward(at, home_m, points[0], boat, speed_m_s, current)
     is_known = boat.knows_its_draw
-    short = np.flatnonzero(left_mah < boat.margin * home_mah - 1e-9) if is_known else np.zeros(0, dtype=int)
+    beyond = left_mah < boat.margin * home_mah - 1e-9 if is_known else np.isinf(home_s)
+    short = np.flatnonzero(beyond)
     empty = np.flatnonzero(left_mah < 0.0) if is_known else np.zeros(0, dtype=int)
     return Budget(
         length_m=float(along_m[-1]),

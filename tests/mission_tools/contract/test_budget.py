@@ -185,3 +185,13 @@ def test_the_emulator_sails_the_budget_within_ten_percent(
     sailed_mah = float(run.recorder.rows[:, Truth._fields.index("current_a")].sum()) * 0.02 / 3.6
     assert found.time_s == pytest.approx(result.time_s, rel=0.1)
     assert found.charge_mah == pytest.approx(sailed_mah, rel=0.1)
+
+
+@pytest.mark.parametrize("cruise_a", [3.6, 0.0], ids=["of known draw", "of unknown draw"])
+def test_a_boat_that_a_current_keeps_from_coming_home_is_refused_and_told_so(cruise_a: float) -> None:
+    swept = budget(boat=replace(BOAT, cruise_a=cruise_a), current=UniformCurrent(north_m_s=3.5))
+    assert math.isinf(swept.home_s)
+    assert "no way home against the current" in swept.lines()[0]
+    with pytest.raises(BeyondRange, match="does not come home"):
+        swept.check()
+    swept.check(one_way=True)
