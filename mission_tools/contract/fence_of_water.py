@@ -44,7 +44,7 @@ def fence_of_water(
     room_m = max(spare_m - margin_m, 0.0) or LEAST_STEP_SHARE * spare_m
     step_m = 0.5 * room_m / SHRINK - ROUNDING_M
     if step_m <= 0.0:
-        step_m = 0.25 * room_m
+        step_m = max(0.25 * room_m, ROUNDING_M)
     near = _smaller(water, step_m)
     for area in (near, *_coarser(water, near, line, step_m, clearance_m)):
         found = _part_with(area, line)

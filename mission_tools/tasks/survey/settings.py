@@ -42,6 +42,8 @@ class SurveySettings:
             value = getattr(self, name)
             if value is not None and not 0.0 < value < math.inf:
                 raise UsageError(f"{_said(name)} is {value:g} m: expected more than 0")
+        if self.angle_rad is not None and not math.isfinite(self.angle_rad):
+            raise UsageError(f"angle is {self.angle_rad}: expected a number")
         if self.overlap is not None and not 0.0 <= self.overlap <= MOST_OVERLAP:
             raise UsageError(f"overlap is {self.overlap:g}: expected a share from 0 to {MOST_OVERLAP:g}")
         if not 0.0 <= self.turn_radius_m < math.inf:

@@ -12,13 +12,13 @@ from shapely.geometry import LineString, Polygon
 
 import mission_tools as mt
 from companion.config.fence import FenceSetting
-from companion.core.geo import LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem
 from mission_tools.contract.fence_of_water import fence_of_water
 from mission_tools.contract.water_contract import Capacity, fence_lines, with_contract
 from mission_tools.errors import NoRoute, UsageError
-from mission_tools.maps import Source
+from mission_tools.maps import Source, build_chart
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Fence
 from mission_tools.mission.plan_options import PlanOptions
@@ -173,3 +173,13 @@ def test_a_boat_sails_its_contract_as_it_sails_without_a_fence() -> None:
         assert not [text for text in run.lockstep.station.texts if "ence" in text]
         times_s.append(result.time_s)
     assert times_s[1] < 1.03 * times_s[0]
+
+
+def test_a_route_without_a_clearance_has_a_fence_too() -> None:
+    lake = shapely.box(0.0, 0.0, 200.0, 100.0)
+    chart = build_chart("lake", LocalFrame(LatLon(50.0, 10.0)), lake, ())
+    fence, near_m = fence_of_water(chart, [Point(50.0, 50.0), Point(50.0, 150.0)], 0.0, 2.0, 100)
+    assert chart.navigable.contains(fence_area(chart, fence))
+    assert near_m == pytest.approx(50.0, abs=0.1)
+    with pytest.raises(NoRoute):
+        fence_of_water(chart, [Point(50.0, 50.0), Point(0.001, 150.0)], 0.0, 2.0, 100)

@@ -151,6 +151,7 @@ def test_two_of_spacing_footprint_and_overlap_give_the_third(
         ({"spacing_m": 8.0, "footprint_m": 10.0, "overlap": 0.2}, "leave one out"),
         ({"spacing_m": -1.0}, "spacing is -1 m"),
         ({"footprint_m": 5.0, "overlap": 1.0}, "overlap is 1"),
+        ({"spacing_m": 5.0, "angle_rad": math.nan}, "angle is nan"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(given: dict[str, float], said: str) -> None:
