@@ -42,7 +42,7 @@ PACKAGES = (
 PLANNER = ("mission_tools/tasks", "mission_tools/costs", "mission_tools/watch")  # only where they are named
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
-SPARE_CPU_S = 10.0  # beyond twice what the tests take without a fault: a loop that does not end is killed
+SPARE_CPU_S = 10.0  # beyond twice what a test takes without a fault: a loop that does not end is killed
 OPTIONS = (
     "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist",
     "-W", "ignore::pytest.PytestAssertRewriteWarning",  # Hypothesis is imported once for all mutants
@@ -85,10 +85,14 @@ class Session:
         return True
 
 
-def run_tests(items: Sequence[pytest.Item], session: pytest.Session) -> int:
-    """KILLED at the first test that fails."""
+def run_tests(items: Sequence[pytest.Item], session: pytest.Session, base: Baseline) -> int:
+    """KILLED at the first test that fails, or the process is killed in one that does not end."""
+    cpu_s = dict(zip(base.ids, base.cpu_s, strict=True))
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     for at, item in enumerate(items):
         following = items[at + 1] if at + 1 < len(items) else None
+        limit_s = time.process_time() + 2.0 * cpu_s.get(item.nodeid, 0.0) + SPARE_CPU_S
+        resource.setrlimit(resource.RLIMIT_CPU, (min(int(limit_s) + 1, hard), hard))
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
         if session.testsfailed:
             return KILLED
@@ -227,7 +231,7 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
             callers = base.calls.get((str(ROOT / mutant.path), mutant.first_line), set())
             if callers:
                 chosen = [items[at] for at in sorted(callers, key=lambda at: base.cpu_s[at])]
-                jobs.append((mutant, _within(mutant, chosen, session)))
+                jobs.append((mutant, _within(mutant, chosen, session, base)))
             else:
                 survived.add(mutant)
         survived.update(run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores))
@@ -242,7 +246,7 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
     for test in base.failed:
         print("left out, it fails without a fault:", test)
     outside = [mutant for mutant in mutants if not mutant.first_line]
-    jobs = [(mutant, _imported(package, mutant, _tests_of(mutant, base) or base.ids)) for mutant in outside]
+    jobs = [(mutant, _imported(package, mutant, base)) for mutant in outside]
     return survived | run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores), base
 
 
@@ -253,23 +257,26 @@ def _tests_of(mutant: Mutant, base: Baseline) -> list[str]:
     return [base.ids[at] for at in sorted(callers, key=lambda at: base.cpu_s[at])]
 
 
-def _within(mutant: Mutant, items: Sequence[pytest.Item], session: pytest.Session) -> Callable[[], int]:
+def _within(
+    mutant: Mutant, items: Sequence[pytest.Item], session: pytest.Session, base: Baseline
+) -> Callable[[], int]:
     def work() -> int:
         put_in(compiled(ROOT, mutant), mutant.first_line)
-        return run_tests(items, session)
+        return run_tests(items, session, base)
 
     return work
 
 
-def _imported(package: str, mutant: Mutant, tests: Sequence[str]) -> Callable[[], int]:
+def _imported(package: str, mutant: Mutant, base: Baseline) -> Callable[[], int]:
     def work() -> int:
         name = mutant.path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         sys.meta_path.insert(0, MutatedModule(name, compiled(ROOT, mutant)))
         outcome = [KILLED]
 
         def run(items: list[pytest.Item], session: pytest.Session) -> None:
-            outcome[0] = KILLED if session.testsfailed else run_tests(items, session)
+            outcome[0] = KILLED if session.testsfailed else run_tests(items, session, base)
 
+        tests = _tests_of(mutant, base) or base.ids
         pytest.main([*tests, *OPTIONS], plugins=[Session(package, run)])
         return outcome[0]
 
