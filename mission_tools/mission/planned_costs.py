@@ -1,6 +1,6 @@
 """The route of the least time or charge in a current, or off the shore, in place of the shortest one."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -67,12 +67,25 @@ def _travel(chart: Chart, options: PlanOptions) -> Travel:
         return slowed
     if not options.open_water_m > 0.0:
         raise UsageError(f"--open-water {options.open_water_m:g}: expected more than 0 metres")
+    return OpenWater(slowed, room_to_shore(chart), OPEN_WATER_WEIGHT, options.open_water_m)
+
+
+def room_to_shore(chart: Chart) -> Callable[[Floats, Floats], Floats]:
+    """The distance of many places to the nearest shore, infinite without one, from an index of its edges."""
+    coordinates, line = shapely.get_coordinates(shapely.get_parts(chart.shores), return_index=True)
+    is_edge = line[:-1] == line[1:]
+    index = shapely.STRtree(
+        shapely.linestrings(np.stack((coordinates[:-1][is_edge], coordinates[1:][is_edge]), axis=1))
+    )
 
     def room_m(north_m: Floats, east_m: Floats) -> Floats:
-        room: Floats = shapely.distance(shapely.points(east_m, north_m), chart.shores)
-        return np.where(np.isnan(room), np.inf, room)
+        room = np.full(np.shape(north_m), np.inf)
+        places = shapely.points(np.ravel(east_m), np.ravel(north_m))
+        (which, _), near_m = index.query_nearest(places, return_distance=True, all_matches=False)
+        room.ravel()[which] = near_m
+        return room
 
-    return OpenWater(slowed, room_m, OPEN_WATER_WEIGHT, options.open_water_m)
+    return room_m
 
 
 def _between_stops(points: Sequence[Point], stops: Sequence[Point]) -> list[tuple[Point, ...]]:

@@ -5,11 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.costs.current import Current, River, UniformCurrent
 from mission_tools.costs.current_source import open_current
 from mission_tools.errors import MapError, UsageError
+from mission_tools.maps import build_chart
+from mission_tools.mission.planned_costs import room_to_shore
 from sitl.world.environment.current import river
 from sitl.world.environment.grid import read_grid
 from sitl.world.environment.settings import River as EmulatedRiver
@@ -131,3 +134,14 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
         open_current(str(tmp_path / "gone.toml"), FRAME)
     with pytest.raises(ValueError, match="two points"):
         River((Point(0.0, 0.0),), 10.0, 1.0)
+
+
+def test_the_room_to_the_shore_is_that_of_the_whole_outline() -> None:
+    ring = shapely.box(-80, -50, 80, 50).difference(shapely.Point(10.0, 5.0).buffer(20.0))
+    water = shapely.union_all([ring, shapely.box(200, 0, 240, 30)])
+    chart = build_chart("Two", FRAME, water, ())
+    north_m, east_m = np.meshgrid(np.linspace(-60.0, 60.0, 25), np.linspace(-100.0, 260.0, 31))
+    expected = shapely.distance(chart.shores, shapely.points(east_m, north_m))
+    assert room_to_shore(chart)(north_m, east_m) == pytest.approx(expected, abs=1e-9)
+    sea = build_chart("Sea", FRAME, None, ())
+    assert np.isinf(room_to_shore(sea)(north_m, east_m)).all()
