@@ -16,8 +16,8 @@ EXAMPLES = f"""
 Plan a mission, describe it, and write it to a file. No vehicle is needed; mission-upload takes the same
 options.
 
-SOURCE is a scenario (`lake`, or a .toml file), a map (.geojson) with --start and --goal, or a mission that is
-ready (QGroundControl's .plan, or .waypoints).
+SOURCE is a scenario (`lake`, or a .toml file), a map (.geojson, .kml …) with --start and --goal, or a mission
+that is ready (QGroundControl's .plan, or .waypoints).
 
 Examples:
 

@@ -13,6 +13,7 @@ from mission_tools.maps.chart import Chart
 from mission_tools.wording import distance
 
 NUMBER_PIXELS = 22.0  # a waypoint that is nearer to a numbered one is a dot without a number
+NUMBER_RADIUS_PIXELS = 8.0
 MANY, MANY_PIXELS = 60, 75.0  # where there are many waypoints, fewer have a number
 ROOM_PIXELS = 95.0  # a shorter leg has no room for its length beside the waypoints
 ASIDE_POINTS = 11.0  # from a leg to the middle of its length
@@ -28,7 +29,10 @@ def draw_waypoints(axes: Axes, points: Sequence[Point]) -> None:
     taken = [pixels[0], pixels[-1]]
     apart = NUMBER_PIXELS if len(points) <= MANY else MANY_PIXELS
     for number, (point, pixel) in enumerate(zip(points[1:-1], pixels[1:-1], strict=True), 1):
-        has_room = all(math.dist(pixel, other) >= apart for other in taken)
+        nearest = min(math.dist(pixel, other) for other in taken)
+        if nearest < NUMBER_RADIUS_PIXELS:
+            continue  # it would cover the number
+        has_room = nearest >= apart
         size, edge = (11.0, 1.5) if has_room else (4.5, 1.0) if len(points) <= MANY else (2.5, 0.6)
         axes.plot(point.east_m, point.north_m, "o", ms=size, mfc="white", mec=PLANNED, mew=edge, zorder=11)
         if has_room:

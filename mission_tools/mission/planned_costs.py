@@ -1,14 +1,16 @@
 """The route of the least time or charge in a current, or off the shore, in place of the shortest one."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import shapely
+from scipy.ndimage import map_coordinates
 
 from companion.core.geo import Point, path_length_m
-from mission_tools.costs.cheapest import cheapest_route
+from mission_tools.costs.cheapest import DETOUR, cheapest_route
 from mission_tools.costs.current import STILL_WATER
 from mission_tools.costs.current_source import open_current
 from mission_tools.costs.travel import BoatSpeed, Charge, Floats, InZones, OpenWater, Travel, TravelTime
@@ -19,6 +21,7 @@ from mission_tools.mission.plan_options import PlanOptions
 from mission_tools.planning.planner import Plan
 from mission_tools.wording import duration
 
+ROOM_CELLS = 60_000  # as many as the lattice on which the route is searched
 OPEN_WATER_WEIGHT = 2.0  # a metre at the shore costs three times one in open water
 
 
@@ -29,7 +32,7 @@ def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOpt
         NoRoute: a current that cannot be stemmed; names the place.
         UsageError: a cost that needs to know the boat.
     """
-    travel = _travel(chart, options)
+    travel = _travel(chart, found.points, options)
     points: list[Point] = [found.points[0]]
     cost = shortest = 0.0
     for leg in _between_stops(found.points, stops):
@@ -45,7 +48,7 @@ def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOpt
     )
 
 
-def _travel(chart: Chart, options: PlanOptions) -> Travel:
+def _travel(chart: Chart, route: Sequence[Point], options: PlanOptions) -> Travel:
     current = STILL_WATER if options.current is None else open_current(options.current, chart.frame)
     speed = BoatSpeed(over_ground_m_s=options.speed_m_s or BoatSpeed().over_ground_m_s)
     travel: TravelTime | Charge = TravelTime(speed, current)
@@ -67,11 +70,38 @@ def _travel(chart: Chart, options: PlanOptions) -> Travel:
         return slowed
     if not options.open_water_m > 0.0:
         raise UsageError(f"--open-water {options.open_water_m:g}: expected more than 0 metres")
-    return OpenWater(slowed, room_to_shore(chart), OPEN_WATER_WEIGHT, options.open_water_m)
+    return OpenWater(slowed, room_to_shore(chart, route), OPEN_WATER_WEIGHT, options.open_water_m)
 
 
-def room_to_shore(chart: Chart) -> Callable[[Floats, Floats], Floats]:
-    """The distance of many places to the nearest shore, infinite without one, from an index of its edges."""
+def room_to_shore(chart: Chart, route: Sequence[Point]) -> Callable[[Floats, Floats], Floats]:
+    """The distance to the nearest shore round a route, infinite without one.
+
+    Between the points of a grid it is interpolated: millions of places are asked for, and a preference needs
+    no more than that.
+    """
+    if chart.shores.is_empty:
+        return lambda north_m, _: np.full(np.shape(north_m), np.inf)
+    east_m, north_m = (np.array([point[axis] for point in route]) for axis in (1, 0))
+    reach_m = DETOUR * path_length_m(route) + 1.0
+    low = np.array([north_m.min(), east_m.min()]) - reach_m
+    high = np.array([north_m.max(), east_m.max()]) + reach_m
+    if not chart.is_open:
+        west, south, east, north = chart.navigable.bounds
+        low, high = np.maximum(low, (south, west)), np.minimum(high, (north, east))
+    cell_m = math.sqrt(float(np.prod(high - low)) / ROOM_CELLS)
+    rows, columns = (np.arange(low[axis], high[axis] + cell_m, cell_m) for axis in (0, 1))
+    room = _room_of(chart)(*np.meshgrid(rows, columns, indexing="ij"))
+
+    def room_m(north_m: Floats, east_m: Floats) -> Floats:
+        at = np.stack(((north_m - low[0]) / cell_m, (east_m - low[1]) / cell_m))
+        found: Floats = map_coordinates(room, at, order=1, mode="nearest")
+        return found
+
+    return room_m
+
+
+def _room_of(chart: Chart) -> Callable[[Floats, Floats], Floats]:
+    """The distance to the nearest shore, from an index of its edges."""
     coordinates, line = shapely.get_coordinates(shapely.get_parts(chart.shores), return_index=True)
     is_edge = line[:-1] == line[1:]
     index = shapely.STRtree(
@@ -79,7 +109,7 @@ def room_to_shore(chart: Chart) -> Callable[[Floats, Floats], Floats]:
     )
 
     def room_m(north_m: Floats, east_m: Floats) -> Floats:
-        room = np.full(np.shape(north_m), np.inf)
+        room = np.empty(np.shape(north_m))
         places = shapely.points(np.ravel(east_m), np.ravel(north_m))
         (which, _), near_m = index.query_nearest(places, return_distance=True, all_matches=False)
         room.ravel()[which] = near_m

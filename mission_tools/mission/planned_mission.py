@@ -232,7 +232,8 @@ class MapSource:
             if usual is None and self._starts_anywhere:
                 return None
             if usual is None:
-                raise UsageError("no start: add --start-at LAT,LON, or leave --dry-run out to ask the boat")
+                asking = "mission-upload without --dry-run asks the boat"
+                raise UsageError(f"no start: add --start-at LAT,LON ({asking})")
             return usual
         at = self._local("the boat", here)
         # A boat that still lies at the scenario's start may seem to lie ashore there, by its receiver's error

@@ -140,8 +140,9 @@ def test_the_room_to_the_shore_is_that_of_the_whole_outline() -> None:
     ring = shapely.box(-80, -50, 80, 50).difference(shapely.Point(10.0, 5.0).buffer(20.0))
     water = shapely.union_all([ring, shapely.box(200, 0, 240, 30)])
     chart = build_chart("Two", FRAME, water, ())
-    north_m, east_m = np.meshgrid(np.linspace(-60.0, 60.0, 25), np.linspace(-100.0, 260.0, 31))
+    route = (Point(-40.0, -70.0), Point(25.0, 230.0))
+    north_m, east_m = np.meshgrid(np.linspace(-50.0, 50.0, 25), np.linspace(-80.0, 240.0, 31))
     expected = shapely.distance(chart.shores, shapely.points(east_m, north_m))
-    assert room_to_shore(chart)(north_m, east_m) == pytest.approx(expected, abs=1e-9)
+    assert room_to_shore(chart, route)(north_m, east_m) == pytest.approx(expected, abs=0.5)  # cells of 0.73 m
     sea = build_chart("Sea", FRAME, None, ())
-    assert np.isinf(room_to_shore(sea)(north_m, east_m)).all()
+    assert np.isinf(room_to_shore(sea, route)(north_m, east_m)).all()
