@@ -69,7 +69,7 @@ class Lookout:
         async for fields in self._vehicle.messages(name):
             try:
                 self._watcher.take(name, json.loads(fields), self._clock())
-            except (ValueError, KeyError, TypeError, IndexError) as error:
+            except (ArithmeticError, LookupError, TypeError, ValueError) as error:
                 log.debug("%s that makes no sense: %r", name, error)
 
 
