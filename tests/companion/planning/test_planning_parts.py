@@ -1,0 +1,84 @@
+"""Parts of the planner by themselves: where offsets meet, and the open list."""
+
+import math
+from array import array
+from random import Random
+
+import pytest
+
+from companion.core.geo import Point
+from companion.planning.exits import _Circle, _distance, _feet, _Line, _meetings
+from companion.planning.segments import Segments
+from companion.planning.tangent_search import TangentSearch
+from companion.planning.tangents import Tangents
+
+ALONG = _Line(-5.0, 3.0, 1.0, 0.0, 10.0)  # ten metres east, at 3 m north
+UP = _Line(2.0, 0.0, 0.0, 1.0, 8.0)
+ROUND = _Circle(0.0, 0.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "expected"),
+    [
+        (ALONG, UP, {(3.0, 2.0)}),
+        (ALONG, UP._replace(length=2.9), set()),
+        (ALONG, UP._replace(ay=3.1), set()),
+        (ALONG, ALONG._replace(ay=4.0), set()),
+        (ALONG, ROUND, {(3.0, -4.0), (3.0, 4.0)}),
+        (ALONG._replace(length=5.0), ROUND, {(3.0, -4.0)}),
+        (ALONG._replace(ay=5.1), ROUND, set()),
+        (ROUND, _Circle(8.0, 0.0, 5.0), {(3.0, 4.0), (-3.0, 4.0)}),
+        (ROUND, _Circle(0.0, -4.0, 3.0), {(-4.0, -3.0), (-4.0, 3.0)}),
+        (ROUND, _Circle(10.1, 0.0, 5.0), set()),
+        (ROUND, ROUND._replace(radius=1.0), set()),
+    ],
+)
+def test_offsets_meet_where_both_are(
+    one: _Line | _Circle, other: _Line | _Circle, expected: set[tuple[float, float]]
+) -> None:
+    for places in (_meetings(one, other), _meetings(other, one)):
+        assert {(round(place.north_m, 9), round(place.east_m, 9)) for place in places} == expected
+        for place in places:
+            assert _distance(one, place.east_m, place.north_m) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_foot_is_the_nearest_point_of_an_offset() -> None:
+    assert _feet(ALONG, 2.0, 9.0) == [Point(3.0, 2.0)]
+    assert _feet(ALONG, 5.1, 9.0) == _feet(ALONG, -5.1, 9.0) == []
+    (foot,) = _feet(ROUND, 3.0, 4.0)
+    assert foot == pytest.approx((4.0, 3.0))
+    (foot,) = _feet(ROUND, -0.6, 0.8)
+    assert foot == pytest.approx((4.0, -3.0))
+    assert [math.dist(place, (0.0, 0.0)) for place in _feet(ROUND, 0.0, 0.0)] == [5.0, 5.0]
+
+
+@pytest.mark.parametrize(
+    ("offset", "at", "expected_m"),
+    [(ALONG, (2.0, 9.0), 6.0), (ALONG, (8.0, 7.0), 5.0), (ALONG, (-8.0, -1.0), 5.0), (ROUND, (3.0, 0.0), 2.0),
+     (ROUND, (-6.0, 8.0), 5.0)],
+)  # fmt: skip
+def test_an_offset_is_as_far_as_its_nearest_point(
+    offset: _Line | _Circle, at: tuple[float, float], expected_m: float
+) -> None:
+    assert _distance(offset, *at) == pytest.approx(expected_m)
+
+
+def test_the_open_list_gives_its_entries_in_the_order_of_their_cost() -> None:
+    ring = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)]
+    sides = [(*ring[at - 1], *ring[at]) for at in range(4)]
+    segments = Segments(*(array("d", values) for values in zip(*sides, strict=True)))
+    graph = Tangents(segments, array("q", (1, 2, 3, 0)), array("q", (-1,) * 4), array("d", (1.0,) * 4))
+    search, random, costs = TangentSearch(graph), Random(1), []
+    for number in range(700):  # more than it holds at first
+        costs.append(random.uniform(0.0, 100.0))
+        search._push(costs[-1], number, number + 1)
+        if number % 3 == 0:
+            least = min(range(len(costs)), key=costs.__getitem__)
+            assert search._pop() == least
+            costs[least] = math.inf
+    while search.heap_size:
+        least = min(range(len(costs)), key=costs.__getitem__)
+        entry = search._pop()
+        assert (entry, search.entry_from[entry], search.entry_edge[entry]) == (least, least, least + 1)
+        costs[least] = math.inf
+    assert min(costs) == math.inf
