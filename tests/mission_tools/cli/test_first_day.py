@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import LatLon
+from companion.core.geo import LatLon, Point
 from mission_tools.cli.plan import run_program as run_plan
+from mission_tools.drawing.draw import draw_picture
 from mission_tools.drawing.preview import figure_of
 from mission_tools.job import MOST_ITEMS
 from mission_tools.mission.mission import Mission, MissionItem
@@ -94,3 +95,11 @@ def test_a_preview_makes_the_folder_it_goes_to(pond: None) -> None:
     route = ["pond.geojson", "--start", SOUTH_WEST, "--goal", NORTH_EAST]
     assert run_plan([*route, "--out", "new/a.plan", "--preview", "newer/a.html"]) == 0
     assert Path("newer/a.html").is_file()
+
+
+def test_a_waypoint_on_the_way_back_does_not_cover_the_number_of_one_on_the_way_out(pond: None) -> None:
+    home, bend, far = Point(-80.0, -50.0), Point(0.0, 0.0), Point(80.0, -50.0)
+    chart = open_map("pond.geojson").source.chart
+    axes = draw_picture(chart, [home, bend, far, bend, home]).axes[0]
+    assert [text.get_text() for text in axes.texts if text.get_text().isdigit()] == ["1", "2"]
+    assert sum(line.get_marker() == "o" for line in axes.lines) == 2
