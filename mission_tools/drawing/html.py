@@ -18,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, Point, distance_m
 from companion.core.output_file import write_text
-from mission_tools.drawing.itinerary import Itinerary, Leg, itinerary, place_of
+from mission_tools.drawing.itinerary import Itinerary, Leg, itinerary
 from mission_tools.drawing.view import view_of
 from mission_tools.maps.chart import KEPT_OUT, SOLID, Chart
 from mission_tools.mission.planned_mission import PlannedMission
@@ -155,7 +155,7 @@ def _row(chart: Chart, leg: Leg, clearance_m: float) -> str:
         f"<td>{distance(leg.length_m)}</td><td>{leg.course_deg:03.0f}°</td>"
         f"<td>{duration(leg.arrive_s)}{hold}</td>"
         f"<td{' class=tight' if is_tight else ''}>{room}</td><td>{escape(leg.nearest)}</td>"
-        f"<td>{_degrees(place_of(chart, leg.end))}</td></tr>\n"
+        f"<td>{_degrees(chart.frame.to_global(leg.end))}</td></tr>\n"
     )
 
 
@@ -166,7 +166,7 @@ def _worst(chart: Chart, leg: Leg) -> str:
     return (
         f'<li><button type="button" data-box="{box}" data-mark="{east_m:.2f},{north_m:.2f}">'
         f"<b>{distance(leg.clearance_m)}</b> from {escape(leg.nearest)}<small>leg {leg.number}, "
-        f"{_degrees(place_of(chart, leg.worst))}</small></button></li>"
+        f"{_degrees(chart.frame.to_global(leg.worst))}</small></button></li>"
     )
 
 

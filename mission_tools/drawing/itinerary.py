@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import shapely
 
-from companion.core.geo import LatLon, Point, bearing_rad, distance_m
+from companion.core.geo import Point, bearing_rad, distance_m
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.mission.qgc_plan import DEFAULT_SPEED_M_S
@@ -79,11 +79,6 @@ def itinerary(planned: PlannedMission) -> Itinerary:
         )
         clock_s += hold_s
     return Itinerary(tuple(legs), speed_m_s, mission.speed_m_s is None)
-
-
-def place_of(chart: Chart, at: Point) -> LatLon:
-    """Where a point of the chart lies."""
-    return chart.frame.to_global(at)
 
 
 def _tightest(chart: Chart, start: Point, end: Point) -> tuple[float, str, Point]:

@@ -36,12 +36,6 @@ def best_order(lengths_m: Sequence[Sequence[float]] | Matrix, *, is_return: bool
     return _local(closed)
 
 
-def order_length_m(matrix: Matrix, order: Sequence[int], *, is_return: bool = False) -> float:
-    """Of the route from place 0 in this order."""
-    stops = [0, *order, *([0] if is_return else [])]
-    return float(sum(matrix[a, b] for a, b in pairwise(stops)))
-
-
 def _exact(matrix: Matrix, *, is_return: bool) -> tuple[int, ...]:
     """best[visited, last]: shortest way from 0 through the set `visited` that ends at `last`."""
     count = len(matrix) - 1

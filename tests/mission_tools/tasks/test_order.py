@@ -1,6 +1,7 @@
 """The order of a tour: exact against brute force, local search against exact."""
 
-from itertools import permutations
+from collections.abc import Sequence
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission_tools.tasks import order as module
-from mission_tools.tasks.order import EXACT_STOPS, best_order, order_length_m
+from mission_tools.tasks.order import EXACT_STOPS, best_order
 
 
 def matrix_of(seed: int, stops: int, *, is_symmetric: bool = True) -> module.Matrix:
@@ -18,6 +19,12 @@ def matrix_of(seed: int, stops: int, *, is_symmetric: bool = True) -> module.Mat
     if not is_symmetric:
         lengths = lengths * random.uniform(0.7, 1.3, lengths.shape)
     return np.asarray(lengths, dtype=np.float64)
+
+
+def order_length_m(matrix: module.Matrix, order: Sequence[int], *, is_return: bool = False) -> float:
+    """Of the route from place 0 in this order."""
+    stops = [0, *order, *([0] if is_return else [])]
+    return float(sum(matrix[a, b] for a, b in pairwise(stops)))
 
 
 @given(st.integers(0, 10_000), st.integers(1, 6), st.booleans(), st.booleans())
