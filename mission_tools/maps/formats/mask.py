@@ -4,6 +4,7 @@ The outline runs between pixels and is drawn with fewer corners; then the water 
 have moved it, so that no pixel of land becomes water. A note says by how much.
 """
 
+import math
 import warnings
 from io import BytesIO
 from itertools import pairwise
@@ -27,11 +28,20 @@ Levels = NDArray[np.uint8]
 
 MAX_PIXELS = 100_000_000  # of a photograph
 MAX_MASK_PIXELS = 16_000_000  # each of them is looked at
+# A straight-edged box of 16 million pixels is 2180 pixels a byte as PNG and 8500 in TIFF's Group 4, a disc 4460;
+# shores of the same size, whose rows differ, are 350 to 1740.
+MAX_PIXELS_PER_BYTE = 5_000
+ALWAYS_PIXELS = 4_000_000  # are read however few bytes hold them, in under a second
+# A fractal shore of 225 000 edges takes 3 s of a desktop core, 7 000 islands in one lake take 1.3 s and four
+# times that for twice as many: GEOS' buffer is quadratic in holes.
+MAX_EDGES = 250_000  # between a pixel of water and one of land
+MAX_OUTLINES = 5_000
 TOLERANCE_PIXELS = 0.35  # of the outline's corners; twice that where GEOS drops a ring's first corner
 CORNER_PIXELS = 0.354  # half a pixel's half diagonal: how far a contour cuts into a corner
 SHRINK_PIXELS = 2.0 * TOLERANCE_PIXELS + CORNER_PIXELS
 LEAST_PIXELS = 4.0  # of a piece of water; smaller ones are specks
 BRIGHT = 128
+_DETAIL_HINT = "remove its specks, crop it or scale it down"
 
 
 def read_mask(path: Path) -> RawMap:
@@ -79,16 +89,28 @@ def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-
             warnings.simplefilter("ignore")  # Pillow's, about large pictures and odd tags
             picture = Image.open(data)
             tags = dict(getattr(picture, "tag_v2", {}))
-            is_too_large = picture.width * picture.height > most_pixels
-            if not is_too_large:
+            said = _too_large(picture.width * picture.height, len(data.getbuffer()), most_pixels)
+            if not said:
                 picture.load()
     except UnidentifiedImageError:  # its text is the address of an object
         raise MapError(f"{path}: not a picture that can be read: expected PNG, JPEG or TIFF") from None
     except Exception as error:  # Pillow raises many kinds on damaged files
         raise MapError(f"{path}: not a picture that can be read: {str(error)[:100]}") from None
-    if is_too_large:
-        raise MapError(f"{path}: more than {most_pixels // 1_000_000} million pixels: scale it down")
+    if said:
+        raise MapError(f"{path}: {said}")
     return picture, georeference_of(path, tags)
+
+
+def _too_large(pixels: int, file_bytes: int, most_pixels: int) -> str:
+    """Why a picture is not unpacked; empty if it is."""
+    if pixels > most_pixels:
+        return f"more than {most_pixels // 1_000_000} million pixels: scale it down"
+    if pixels > max(ALWAYS_PIXELS, MAX_PIXELS_PER_BYTE * file_bytes):
+        return (
+            f"{pixels} pixels in {file_bytes} bytes: at most {MAX_PIXELS_PER_BYTE} a byte "
+            f"above {ALWAYS_PIXELS // 1_000_000} million pixels: crop it to its water or scale it down"
+        )
+    return ""
 
 
 def _scaled(pixels: NDArray[Any], source: str) -> Levels:
@@ -96,10 +118,13 @@ def _scaled(pixels: NDArray[Any], source: str) -> Levels:
     if pixels.dtype == np.uint8:
         largest = pixels.max(initial=0)
         return np.asarray(np.where(pixels > 0, 255, 0) if largest == 1 else pixels, dtype=np.uint8)
-    values = np.unique(pixels[np.isfinite(pixels)]) if pixels.dtype.kind == "f" else np.unique(pixels)
-    if not 1 <= len(values) <= 2:
-        raise MapError(f"{source}: {len(values)} different values: a mask has two, the larger is water")
-    is_water = (pixels == values[-1]) & (values[-1] > 0)
+    values = pixels[np.isfinite(pixels)] if pixels.dtype.kind == "f" else pixels
+    if not values.size:
+        raise MapError(f"{source}: no values: a mask has two, the larger is water")
+    smallest, largest = values.min(), values.max()
+    if ((values != smallest) & (values != largest)).any():
+        raise MapError(f"{source}: more than two different values: a mask has two, the larger is water")
+    is_water = (pixels == largest) & (largest > 0)
     return np.where(is_water, 255, 0).astype(np.uint8)
 
 
@@ -107,9 +132,15 @@ def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name:
     """The water of a mask as a map.
 
     Raises:
-        MapError: no water in it.
+        MapError: no water in it, or a shore too detailed for a route to be planned along it.
     """
-    water = outlines(mask)
+    edges = int(np.count_nonzero(mask[1:] != mask[:-1]) + np.count_nonzero(mask[:, 1:] != mask[:, :-1]))
+    if edges > MAX_EDGES:
+        raise MapError(f"{source}: a shore of {edges} pixel edges: at most {MAX_EDGES}; {_DETAIL_HINT}")
+    try:
+        water = outlines(mask, MAX_OUTLINES)
+    except MapError as error:
+        raise MapError(f"{source}: {error}") from None
     if water.is_empty:
         raise MapError(f"{source}: no water in it: no bright pixel (water is white, land is black)")
     degrees = georeference.in_degrees(water, source)
@@ -118,25 +149,47 @@ def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name:
     return RawMap(source, fallback_name, (RawFeature(source, {"kind": "water"}, degrees),), notes=(note,))
 
 
-def outlines(mask: Mask) -> Area:
-    """The water of a mask as polygons of pixel corners (column, row): never over a pixel of land."""
-    traced = traced_area(mask, level=0.51)  # a land pixel's corner neighbour does not connect
+def outlines(mask: Mask, most: float = math.inf) -> Area:
+    """The water of a mask as polygons of pixel corners (column, row): never over a pixel of land.
+
+    Raises:
+        MapError: more lines round water and islands than `most`.
+    """
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return MultiPolygon()
+    top, left = int(rows[0]), int(columns[0])
+    wet = mask[top : rows[-1] + 1, left : columns[-1] + 1]
+    # a land pixel's corner neighbour does not connect
+    traced = traced_area(wet, level=0.51, corner=(left, top), most=most)
     simple = area_of(shapely.make_valid(shapely.simplify(traced, TOLERANCE_PIXELS)))
     # GEOS' buffers are up to 1 % too small
     return _without_specks(area_of(simple.buffer(-1.03 * SHRINK_PIXELS)))
 
 
-def traced_area(values: NDArray[np.generic], level: float) -> Area:
-    """Polygons of pixel corners around where values are above a level. Beyond the picture is land."""
+def traced_area(
+    values: NDArray[np.generic], level: float, corner: tuple[int, int] = (0, 0), most: float = math.inf
+) -> Area:
+    """Polygons of pixel corners around where values are above a level. Beyond the picture is land.
+
+    corner: column and row of the first pixel in the whole picture.
+
+    Raises:
+        MapError: more lines than `most`.
+    """
     from contourpy import FillType, contour_generator  # noqa: PLC0415 (pictures only)
 
     padded = np.pad(values.astype(np.float32), 1)
     generator = contour_generator(z=padded, fill_type=FillType.OuterOffset)
     points, offsets = cast(Any, generator.filled(level, np.inf))
+    lines = sum(len(starts) - 1 for starts in offsets)
+    if lines > most:
+        raise MapError(f"{lines} outlines of water and islands: at most {most}; {_DETAIL_HINT}")
+    middle = np.array(corner) - 0.5
     polygons = []
     for corners, starts in zip(points, offsets, strict=True):
         # the middle of padded pixel (1, 1) is at pixel corner (0.5, 0.5)
-        rings = [corners[a:b] - 0.5 for a, b in pairwise(starts)]
+        rings = [corners[a:b] + middle for a, b in pairwise(starts)]
         polygons.append(Polygon(rings[0], rings[1:]))
     return area_of(shapely.union_all(shapely.make_valid(polygons)))
 

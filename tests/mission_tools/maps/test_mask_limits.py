@@ -1,0 +1,117 @@
+"""Masks that would take long to read are refused by what they really hold, in one line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from companion.core.geo import LatLon
+from mission_tools.errors import MapError
+from mission_tools.maps import load_map
+from mission_tools.maps.chart import Area
+from mission_tools.maps.formats import mask as mask_format
+from mission_tools.maps.formats.mask import outlines
+
+WORLD = "1e-5\n0\n0\n-1e-5\n10\n50\n"
+
+
+def saved(path: Path, pixels: NDArray[np.bool_], file_bytes: int = 0) -> Path:
+    """A picture of one bit a pixel with a world file, filled up to a size behind the picture's end."""
+    Image.fromarray(pixels).save(path, **({"compression": "group4"} if path.suffix == ".tif" else {}))
+    path.with_suffix(".wld").write_text(WORLD, encoding="ascii")
+    data = path.read_bytes()
+    assert not file_bytes or len(data) <= file_bytes
+    path.write_bytes(data.ljust(file_bytes, b"\0"))
+    return path
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(MapError) as caught:
+        load_map(path)
+    said = str(caught.value)
+    assert said.startswith(f"{path}: ")
+    assert "\n" not in said
+    return said
+
+
+@pytest.mark.parametrize("name", ["m.png", "m.tif"])
+def test_few_bytes_do_not_claim_millions_of_pixels(tmp_path: Path, name: str) -> None:
+    """8 million pixels need 1600 bytes; with one less the file is refused before it is unpacked."""
+    land = np.zeros((2_000, 4_000), bool)
+    said = refusal(saved(tmp_path / name, land, 1_599))
+    assert "8000000 pixels in 1599 bytes: at most 5000 a byte above 4 million pixels" in said
+    assert "no water in it" in refusal(saved(tmp_path / name, land, 1_600))
+
+
+def test_up_to_four_million_pixels_are_read_however_few_bytes_hold_them(tmp_path: Path) -> None:
+    assert "no water in it" in refusal(saved(tmp_path / "m.png", np.zeros((2_000, 2_000), bool)))
+    assert "4002000 pixels in" in refusal(saved(tmp_path / "m.png", np.zeros((2_001, 2_000), bool)))
+
+
+def test_only_the_extent_of_the_water_is_contoured(monkeypatch: pytest.MonkeyPatch) -> None:
+    shapes: list[tuple[int, ...]] = []
+    traced = mask_format.traced_area
+
+    def noted(values: NDArray[np.generic], level: float, corner: tuple[int, int], most: float) -> Area:
+        shapes.append(values.shape)
+        return traced(values, level, corner, most)
+
+    monkeypatch.setattr(mask_format, "traced_area", noted)
+    mask = np.zeros((900, 1_000), bool)
+    mask[300:340, 600:650] = True
+    mask[310:320, 610:620] = False
+    found = outlines(mask)
+    assert shapes == [(40, 50)]
+    whole = outlines(mask[290:350, 590:660])
+    assert found.area == pytest.approx(whole.area, rel=1e-9)
+    assert found.bounds == pytest.approx(np.add(whole.bounds, (590, 290, 590, 290)))
+
+
+def test_cropping_leaves_the_water_where_it_is(tmp_path: Path) -> None:
+    mask = np.zeros((400, 400), bool)
+    mask[300:340, 200:260] = True
+    chart = load_map(saved(tmp_path / "m.png", mask))
+    middle = LatLon(50.0 - 319.5e-5, 10.0 + 229.5e-5)
+    assert chart.obstruction(chart.frame.to_local(middle)) is None
+    centroid = chart.frame.to_local(middle)
+    assert (chart.water.centroid.x, chart.water.centroid.y) == pytest.approx(
+        (centroid.east_m, centroid.north_m), abs=0.05
+    )
+
+
+def test_a_shore_of_too_many_edges_is_refused_before_it_is_contoured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every other row is water, too narrow to remain: 500 edges between two rows."""
+    stripes = np.zeros((502, 500), bool)
+    stripes[::2] = True
+    assert "no water in it" in refusal(saved(tmp_path / "m.png", stripes[:501]))
+    monkeypatch.delattr(mask_format, "outlines")
+    said = refusal(saved(tmp_path / "m.png", stripes))
+    assert (
+        "a shore of 250500 pixel edges: at most 250000; remove its specks, crop it or scale it down" in said
+    )
+
+
+def test_too_many_specks_are_refused(tmp_path: Path) -> None:
+    specks = np.zeros((200, 202), bool)
+    specks[::2, ::2] = True
+    wet = np.flatnonzero(specks)
+    specks.ravel()[wet[5_001:]] = False
+    assert "5001 outlines of water and islands: at most 5000; remove its specks" in refusal(
+        saved(tmp_path / "m.png", specks)
+    )
+    specks.ravel()[wet[5_000]] = False
+    assert "no water in it" in refusal(saved(tmp_path / "m.png", specks))
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [((0.0, 1.0, 2.0), "more than two different values"), ((np.nan, np.inf), "no values: a mask has two")],
+)
+def test_a_mask_of_other_numbers_has_two_values(tmp_path: Path, values: tuple[float, ...], said: str) -> None:
+    path = saved(tmp_path / "m.tif", np.zeros((2, 2), bool))
+    Image.fromarray(np.resize(np.array(values, np.float32), (20, 20))).save(path)
+    assert said in refusal(path)
