@@ -54,6 +54,7 @@ class Report:
     """The results so far, also of a job that fails."""
 
     planned: PlannedMission | None = None
+    area_notes: tuple[str, ...] = ()  # on the files of fence and rally points
     budget: "Budget | None" = None
     link: str = ""
     vehicle_id: int | None = None
@@ -83,6 +84,7 @@ def run(request: Request, report: Report, say: Printer) -> None:
         if getattr(request, option) is not None and getattr(request, f"{option}_from_map"):
             raise UsageError(f"--{option} and --{option}-from-map exclude each other")
     areas = open_areas(request.fence, request.rally)
+    report.area_notes = areas.notes
     source = None
     if request.source is None:
         _check_areas_alone(request, areas)
@@ -93,7 +95,8 @@ def run(request: Request, report: Report, say: Printer) -> None:
 
         run_session(request, link, source, areas, report, say)
     elif source is None:
-        say(str(areas))
+        for line in areas.lines():
+            say(line)
     else:
         planned = source.prepare()
         planned = take_planned(planned, request, report, say)

@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias
 
-from shapely.geometry import MultiPolygon, Polygon
-
 from companion.core.geo import LatLon, Point
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Source, load_source
-from mission_tools.maps.fenced import fence_area
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.mission.areas import parse_areas
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.plan_options import PlanOptions, Via
 from mission_tools.mission.planned_mission import MapSource, PlannedMission
-from mission_tools.mission.planned_task import WHOLE_WATER
+from mission_tools.mission.planned_task import WHOLE_WATER, SurveyArea, survey_area
 from mission_tools.route_plan import RoutePlan, picture
 
 Place: TypeAlias = LatLon | tuple[float, float]
@@ -142,8 +139,10 @@ class WaterMap:
             clearance_m=clearance_m,
             speed_m_s=speed_m_s,
         )
-        shape = self._area(area) if isinstance(area, Mapping) else None
-        return self._planned(options, shape)
+        if not isinstance(area, Mapping):
+            return self._planned(options)
+        name = "the area"
+        return self._planned(options, survey_area(self.source.chart, parse_areas(area, name), name))
 
     def follow_shore(
         self,
@@ -179,12 +178,7 @@ class WaterMap:
         assert at is not None  # noqa: S101  a place was given
         return self.source.chart.frame.to_local(at)
 
-    def _area(self, tree: Mapping[str, Any]) -> Polygon | MultiPolygon:
-        fence, _ = parse_areas(tree, "the area")
-        area = fence_area(self.source.chart, fence, "the area")
-        return area if isinstance(area, Polygon | MultiPolygon) else MultiPolygon()
-
-    def _planned(self, options: PlanOptions, area: Polygon | MultiPolygon | None = None) -> RoutePlan:
+    def _planned(self, options: PlanOptions, area: SurveyArea | None = None) -> RoutePlan:
         return RoutePlan(MapSource(self.name, self.source, options, area=area).prepare())
 
     def _repr_png_(self) -> bytes:

@@ -26,7 +26,7 @@ def as_json(report: Report) -> dict[str, Any]:
         "task": _task(planned) if planned and planned.task else None,
         "budget": _budget(report.budget) if report.budget else None,
         "upload": None if report.vehicle_id is None else _upload(report),
-        "notes": list(planned.notes) if planned else [],
+        "notes": list(planned.notes if planned else report.area_notes),
         "started": report.started,
         "voyage": _voyage(report.monitor) if report.monitor else None,
         "saved": str(report.saved) if report.saved else None,

@@ -15,19 +15,19 @@ everything solid and everything to keep out of are exclusions. Landmarks do not 
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import shapely
 from shapely.geometry import Polygon
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError, PlanFileError
-from mission_tools.maps.assemble import classified
+from mission_tools.maps.assemble import Classified, classified
 from mission_tools.maps.catalogue import FEATURE_SUFFIXES, read_features
-from mission_tools.maps.chart import KEPT_OUT, SOLID, Feature
+from mission_tools.maps.chart import KEPT_OUT, SOLID
 from mission_tools.maps.geojson import (
     feature_entries,
     labelled,
@@ -61,12 +61,13 @@ ROUTE_KINDS = ("route", "waypoint")  # of a mission that was saved as GeoJSON: n
 class Areas:
     """What an upload says about fence and rally points: None nothing, empty that there are to be none.
 
-    fence_name: the fence's file, for messages.
+    fence_name: the fence's file, for messages. notes: what was repaired or skipped in the files.
     """
 
     fence: Fence | None = None
     rally: tuple[Rally, ...] | None = None
     fence_name: str = ""
+    notes: tuple[str, ...] = ()
 
     def over(self, mission: Mission) -> Mission:
         """The mission with these instead of its own."""
@@ -81,6 +82,10 @@ class Areas:
             said.append(counted(len(self.rally), "rally point"))
         return ", ".join(said)
 
+    def lines(self) -> list[str]:
+        """For the user."""
+        return [str(self), *(f"note: {note}" for note in self.notes)]
+
     def wire_lists(self) -> dict[MissionType, tuple[MissionItem, ...]]:
         """The lists that are to be as they are here, empty ones too."""
         lists: dict[MissionType, tuple[MissionItem, ...]] = {}
@@ -94,54 +99,66 @@ class Areas:
 NO_AREAS = Areas()
 
 
+class FileAreas(NamedTuple):
+    """The fence and the rally points of one file. notes: what was repaired or skipped in it."""
+
+    fence: Fence
+    rally: tuple[Rally, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
 def open_areas(fence: str | None, rally: str | None) -> Areas:
     """Read what --fence and --rally name: a file, `none`, or nothing.
 
     Raises:
         PlanFileError, MapError: one line that names the file and what is wrong in it.
     """
+    cleared = FileAreas(Fence())
+    fences = None if fence is None else cleared if fence == NONE else load_fence(Path(fence))
+    points = None if rally is None else cleared if rally == NONE else load_rally(Path(rally))
     return Areas(
+        fence=fences and fences.fence,
+        rally=None if points is None else points.rally,
         fence_name=fence or "",
-        fence=None if fence is None else Fence() if fence == NONE else load_fence(Path(fence)),
-        rally=None if rally is None else () if rally == NONE else load_rally(Path(rally)),
+        notes=tuple(dict.fromkeys(note for areas in (fences, points) if areas for note in areas.notes)),
     )
 
 
-def load_fence(path: Path) -> Fence:
+def load_fence(path: Path) -> FileAreas:
     """The fence of a `.plan` or `.geojson` file.
 
     Raises:
         PlanFileError, MapError: cannot be read, or there is no fence in it.
     """
-    fence, _ = _load(path)
-    if not (fence.polygons or fence.circles):
+    areas = _load(path)
+    if not (areas.fence.polygons or areas.fence.circles):
         raise PlanFileError(f"{path}: no fence in it: expected a polygon or a circle (--fence none clears)")
-    return fence
+    return areas
 
 
-def load_rally(path: Path) -> tuple[Rally, ...]:
+def load_rally(path: Path) -> FileAreas:
     """The rally points of a `.plan` or `.geojson` file.
 
     Raises:
         PlanFileError, MapError: cannot be read, or there are none in it.
     """
-    _, rally = _load(path)
-    if not rally:
+    areas = _load(path)
+    if not areas.rally:
         raise PlanFileError(f"{path}: no rally point in it: expected points (--rally none clears)")
-    return rally
+    return areas
 
 
-def _load(path: Path) -> tuple[Fence, tuple[Rally, ...]]:
+def _load(path: Path) -> FileAreas:
     suffix = path.suffix.lower()
     if suffix in (".geojson", ".json"):
         return parse_areas(read_json(path), str(path))
     if suffix in FEATURE_SUFFIXES:
-        return _fence_of_map(classified(read_features(path)).features, str(path)), ()
+        return _fence_of_map(classified(read_features(path)), str(path))
     mission = load_mission(path)
-    return mission.fence, mission.rally
+    return FileAreas(mission.fence, mission.rally)
 
 
-def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
+def parse_areas(tree: object, source: str) -> FileAreas:
     """Fence and rally points of decoded GeoJSON; `source` stands before every error message.
 
     Raises:
@@ -151,7 +168,7 @@ def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
     returns: list[LatLon] = []
     entries = feature_entries(tree, source)
     if any(_is_of_a_map(entry, f"{source}: feature {n}") for n, entry in enumerate(entries, start=1)):
-        return _fence_of_map(classified(raw_map(entries, source)).features, source), ()
+        return _fence_of_map(classified(raw_map(entries, source)), source)
     for number, entry in enumerate(entries, start=1):
         where = f"{source}: feature {number}"
         for part in _parts(entry, where):
@@ -166,7 +183,7 @@ def parse_areas(tree: object, source: str) -> tuple[Fence, tuple[Rally, ...]]:
         circles=tuple(part for part in found if isinstance(part, FenceCircle)),
         return_point=returns[0] if returns else None,
     )
-    return fence, tuple(part for part in found if isinstance(part, Rally))
+    return FileAreas(fence, tuple(part for part in found if isinstance(part, Rally)))
 
 
 def _is_of_a_map(entry: object, where: str) -> bool:
@@ -179,12 +196,13 @@ def _is_of_a_map(entry: object, where: str) -> bool:
     return geometry.get("type") != "Point" and tagged_kind(properties) is not None
 
 
-def _fence_of_map(features: Sequence[Feature], source: str) -> Fence:
+def _fence_of_map(found: Classified, source: str) -> FileAreas:
     """The water's outline, without its islands and whatever else is no water to sail on.
 
     Raises:
         MapError: no water, or several pieces of it, while a boat must be inside of all inclusions.
     """
+    features, notes = found
     water = shapely.union_all([feature.shape for feature in features if feature.kind == "water"])
     pieces = [part for part in shapely.get_parts(water) if isinstance(part, Polygon)]
     if len(pieces) != 1:
@@ -196,7 +214,8 @@ def _fence_of_map(features: Sequence[Feature], source: str) -> Fence:
     parts = [part for shape in closed for part in shapely.get_parts(shape)]
     exclusions = [*pieces[0].interiors, *(part.exterior for part in parts)]
     outline = _polygon(pieces[0].exterior, is_inclusion=True)
-    return Fence(polygons=(outline, *(_polygon(ring, is_inclusion=False) for ring in exclusions)))
+    fence = Fence(polygons=(outline, *(_polygon(ring, is_inclusion=False) for ring in exclusions)))
+    return FileAreas(fence, notes=notes)
 
 
 def _parts(entry: object, where: str) -> Iterator[FencePolygon | FenceCircle | Rally | LatLon]:

@@ -4,8 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapely.geometry import MultiPolygon, Polygon
-
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.errors import UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
@@ -16,7 +14,7 @@ from mission_tools.mission.check import in_the_way
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.plan_options import PlanOptions, flags
-from mission_tools.mission.planned_task import check_task, shore_of, survey_area, survey_of
+from mission_tools.mission.planned_task import SurveyArea, check_task, named_survey_area, shore_of, survey_of
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.mission.zone_speeds import mission_in_zones
 from mission_tools.planning.planner import Plan, PlanSettings, plan
@@ -96,7 +94,8 @@ class MissionFile:
         origin = next(iter(mission.places), mission.home or here or LatLon(0.0, 0.0))
         chart = _within(build_chart(self._name, LocalFrame(origin), None, ()), self._areas)
         leaves = () if chart.is_open and not chart.features else in_the_way(mission, chart, 0.0)
-        return PlannedMission(self._name, mission, chart, notes=tuple(map(str, leaves)))
+        notes = (*self._areas.notes, *map(str, leaves))
+        return PlannedMission(self._name, mission, chart, notes=notes)
 
 
 class MapSource:
@@ -108,10 +107,11 @@ class MapSource:
         source: Source,
         options: PlanOptions,
         areas: Areas = NO_AREAS,
-        area: Polygon | MultiPolygon | None = None,
+        area: SurveyArea | None = None,
     ) -> None:
         self._survey_area = area
         self._chart = _within(_for_draught(source.chart, options.draught_m), areas)
+        self._notes = tuple(dict.fromkeys((*self._chart.notes, *areas.notes)))
         self._areas = areas
         self._wishes = options
         self._settings = PlanSettings.from_route(
@@ -154,7 +154,7 @@ class MapSource:
         if task is not None:
             mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
             return PlannedMission(
-                chart.name, mission, chart, None, task, clearance_m, (*chart.notes, *task.notes), survey
+                chart.name, mission, chart, None, task, clearance_m, (*self._notes, *task.notes), survey
             )
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
@@ -168,7 +168,7 @@ class MapSource:
         slowed = mission_in_zones(chart.frame, found.points, zones, speed_m_s) if zones else None
         mission = self._areas.over(slowed or mission_along(places, speed_m_s))
         return PlannedMission(
-            chart.name, mission, chart, found, None, clearance_m, (*chart.notes, *found.notes)
+            chart.name, mission, chart, found, None, clearance_m, (*self._notes, *found.notes)
         )
 
     @property
@@ -180,7 +180,7 @@ class MapSource:
         """The survey, if one is asked for."""
         if self._wishes.survey is None:
             return None
-        area = self._survey_area or survey_area(self._chart, self._wishes.survey)
+        area = self._survey_area or named_survey_area(self._chart, self._wishes.survey)
         return survey_of(self._chart, start, self._wishes, self._settings, area)
 
     def _task(self, start: Point | None) -> TaskRoute | None:

@@ -4,16 +4,15 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
-import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from companion.core.geo import LatLon, Point
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.fenced import fence_area
-from mission_tools.mission.areas import load_fence
+from mission_tools.mission.areas import FileAreas, load_fence
 from mission_tools.mission.plan_options import PlanOptions, flags
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.task_route import TaskRoute
@@ -26,6 +25,13 @@ WHOLE_WATER = "all"
 _OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass", "turn_radius_m")
 _OF_SHORES = ("distance_m", "shore_to", "first", "last")
 _OF_TOURS = ("goal", "via", "any_order", "hold_s")
+
+
+class SurveyArea(NamedTuple):
+    """Where to survey, in the chart's frame; None for the whole water. notes: repairs in the area's file."""
+
+    shape: Polygon | MultiPolygon | None
+    notes: tuple[str, ...] = ()
 
 
 def check_task(options: PlanOptions) -> None:
@@ -89,9 +95,9 @@ def survey_of(
     start: Point | None,
     options: PlanOptions,
     settings: PlanSettings,
-    area: Polygon | MultiPolygon | None,
+    area: SurveyArea,
 ) -> "Survey":
-    """The survey of an area, of the whole water where it is None.
+    """The survey of an area.
 
     Raises:
         NoRouteError: no water in it that is wide enough.
@@ -114,9 +120,9 @@ def survey_of(
             turn_radius_m=_turn_radius_m(options),
             is_return=options.is_return,
         ),
-        area,
+        area.shape,
     )
-    route = TaskRoute(found.route.legs, (*found.route.notes, described(found)))
+    route = TaskRoute(found.route.legs, (*area.notes, *found.route.notes, described(found)))
     return replace(found, route=route)
 
 
@@ -136,16 +142,23 @@ def _turn_radius_m(options: PlanOptions) -> float:
     return turn_radius_m(speed_m_s, boat.turn_rate_rad_s, boat.corner_accel_m_s2)
 
 
-def survey_area(chart: Chart, name: str) -> Polygon | MultiPolygon | None:
-    """The area that a file names, in the chart's frame; None for the whole water.
+def survey_area(chart: Chart, areas: FileAreas, name: str) -> SurveyArea:
+    """The area inside a fence; `name` begins what is said about it.
+
+    Raises:
+        MapError: an area that is no area, or far from the chart.
+    """
+    area = fence_area(chart, areas.fence, name)
+    return SurveyArea(area if isinstance(area, Polygon | MultiPolygon) else MultiPolygon(), areas.notes)
+
+
+def named_survey_area(chart: Chart, name: str) -> SurveyArea:
+    """The area in a file.
 
     Raises:
         MapError, PlanFileError: the file.
     """
-    if name == WHOLE_WATER:
-        return None
-    area = fence_area(chart, load_fence(Path(name)), name)
-    return area if isinstance(area, Polygon | MultiPolygon) else shapely.MultiPolygon()
+    return SurveyArea(None) if name == WHOLE_WATER else survey_area(chart, load_fence(Path(name)), name)
 
 
 def described(found: "Survey") -> str:

@@ -53,7 +53,8 @@ class _Session:
 
     async def upload_areas(self, areas: Areas) -> None:
         """Fence and rally points alone."""
-        self._say(str(areas))
+        for line in areas.lines():
+            self._say(line)
         async with AsyncExitStack() as stack:
             await self._send(await self._connected(stack), areas.wire_lists())
 

@@ -78,7 +78,7 @@ def test_a_mission_is_planned_and_sailed_inside_a_fence_that_goes_along(
     report = json.loads(ended.out)
     assert report["upload"]["lists"] == {"mission": len(report["waypoints"]) + 1, "fence": 13, "rally": 1}
     assert report["upload"]["read_back_equal"] is True
-    water = fenced(load_source("lake").chart, load_fence(Path(FENCE)), FENCE)
+    water = fenced(load_source("lake").chart, load_fence(Path(FENCE)).fence, FENCE)
     off = [water.obstruction(water.frame.to_local(LatLon(*place))) for _, *place in report["voyage"]["track"]]
     assert set(off) == {None}
     assert open_station(boat.port).mode() == LOITER

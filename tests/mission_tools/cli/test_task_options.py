@@ -9,6 +9,7 @@ import pytest
 from companion.core.geo import LatLon, LocalFrame, distance_m
 from mission_tools.cli.check import run_program as run_check
 from mission_tools.cli.plan import run_program as run_plan
+from mission_tools.cli.upload import run_program as run_upload
 from mission_tools.mission.plan_file import load_mission
 
 SOUTH_WEST, SOUTH_EAST = "50.0002,-1.1998", "50.0002,-1.1982"
@@ -244,3 +245,50 @@ def test_fence_and_rally_points_of_the_map_go_into_the_file(plan: Any, capsys: A
     for arguments in (["pond.geojson", "--fence", "none", "--contract"], ["out.plan", "--contract"]):
         assert run_plan(arguments) == 2
     assert "--fence and --fence-from-map exclude each other" in capsys.readouterr().err
+
+
+# The west as a map whose line runs out to the north and back
+CROSSING = [[-1.2, 50.0], [-1.1994, 50.0], [-1.1994, 50.0021], [-1.1994, 50.002], [-1.2, 50.002]]
+
+
+@pytest.fixture
+def crossing(pond: None) -> None:
+    """A map that has to be repaired, in the working folder."""
+    water = {
+        "type": "Feature",
+        "properties": {"kind": "water"},
+        "geometry": {"type": "Polygon", "coordinates": [[*CROSSING, CROSSING[0]]]},
+    }
+    Path("loop.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [water]}))
+
+
+def repairs(notes: list[str]) -> list[str]:
+    return [note for note in notes if "loop.geojson" in note]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--survey", "loop.geojson", "--spacing", "8"),
+        ("--fence", "loop.geojson", "--goal", "50.0018,-1.1997"),
+        ("--fence", "loop.geojson", "--survey", "loop.geojson", "--spacing", "8"),
+    ],
+)
+def test_the_repairs_of_a_fence_and_of_a_surveyed_area_are_reported(
+    plan: Any,  # noqa: ANN401
+    crossing: None,
+    arguments: tuple[str, ...],
+) -> None:
+    notes = repairs(plan(*arguments)["notes"])
+    assert notes
+    assert all("crosses or touches itself" in note for note in notes)
+
+
+def test_the_repairs_of_a_fence_alone_are_reported(
+    crossing: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_upload(["--fence", "loop.geojson", "--dry-run"]) == 0
+    assert "note: loop.geojson: feature 1" in capsys.readouterr().out
+    assert run_upload(["--fence", "loop.geojson", "--dry-run", "--json"]) == 0
+    (note,) = json.loads(capsys.readouterr().out)["notes"]
+    assert "crosses or touches itself" in note

@@ -131,8 +131,8 @@ def test_geojson_is_as_rfc_7946_has_it_and_its_fence_and_rally_points_are_read_b
         assert set(feature) == {"type", "properties", "geometry"}
     route = tree["features"][0]
     assert route["properties"]["length_m"] == pytest.approx(289.1, abs=0.5)
-    assert load_fence(path) == FENCE
-    assert load_rally(path) == MISSION.rally
+    assert load_fence(path).fence == FENCE
+    assert load_rally(path).rally == MISSION.rally
 
 
 def test_circles_in_kml_and_gpx_are_never_on_the_wrong_side() -> None:

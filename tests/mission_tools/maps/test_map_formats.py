@@ -511,7 +511,7 @@ def test_a_lake_at_the_origin_of_the_frame_is_where_its_corners_say(tmp_path: Pa
 def test_a_map_of_any_format_is_a_fence(tmp_path: Path) -> None:
     path = tmp_path / "lake.kml"
     path.write_bytes(ISLES["extended data"])
-    outline, island = load_fence(path).polygons
+    outline, island = load_fence(path).fence.polygons
     assert (outline.inclusion, island.inclusion) == (True, False)
     assert {(c.lat_deg, c.lon_deg) for c in outline.corners} == {
         (lat, lon) for lon, lat in LAKE.exterior.coords

@@ -191,7 +191,7 @@ def test_a_grid_whose_numbers_look_like_degrees_is_not_taken_for_degrees() -> No
 
 
 def test_a_fence_in_another_reference_system_is_transformed_too() -> None:
-    fence, _ = parse_areas(collection(feature([mercator(*c) for c in LAKE]), **named("EPSG:3857")), "f")
+    fence, *_ = parse_areas(collection(feature([mercator(*c) for c in LAKE]), **named("EPSG:3857")), "f")
     (polygon,) = fence.polygons
     assert polygon.corners[0].lat_deg == pytest.approx(LAKE[0][1], abs=1e-9)
 
@@ -226,7 +226,7 @@ def test_a_map_is_a_fence_outline_inside_islands_and_keep_outs_outside(lake: Jso
         {"type": "Feature", "properties": {"kind": "landmark", "name": "Mill"},
          "geometry": {"type": "Point", "coordinates": place(0, 120)}},
     )  # fmt: skip
-    fence, rally = parse_areas(tree, "f")
+    fence, rally, _ = parse_areas(tree, "f")
     assert rally == ()
     assert [polygon.inclusion for polygon in fence.polygons] == [True, False, False, False]
     assert fence.circles == ()
@@ -239,7 +239,7 @@ def test_a_map_is_a_fence_outline_inside_islands_and_keep_outs_outside(lake: Jso
 
 
 def test_the_map_that_comes_along_is_a_fence() -> None:
-    fence, _ = parse_areas(json.loads(POND.read_text(encoding="utf-8")), "f")
+    fence, *_ = parse_areas(json.loads(POND.read_text(encoding="utf-8")), "f")
     frame = LocalFrame(LatLon(50.0, -1.2))
     outline, *closed = fence.polygons
     assert outline.inclusion
@@ -250,7 +250,7 @@ def test_the_map_that_comes_along_is_a_fence() -> None:
 
 def test_pieces_of_one_water_are_joined_and_two_waters_are_no_fence() -> None:
     joined = collection(feature(LAKE, kind="water"), feature(rectangle(150, -50, 350, 50), kind="water"))
-    fence, _ = parse_areas(joined, "f")
+    fence, *_ = parse_areas(joined, "f")
     (outline,) = fence.polygons
     assert holds(outline, at(-150, 0))
     assert holds(outline, at(300, 0))

@@ -45,7 +45,7 @@ def collection(*features: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_a_bare_polygon_is_an_inclusion() -> None:
-    assert parse_areas(polygon(RING), "f") == (Fence((FencePolygon(CORNERS, inclusion=True),)), ())
+    assert parse_areas(polygon(RING), "f") == (Fence((FencePolygon(CORNERS, inclusion=True),)), (), ())
 
 
 def test_kinds_shapes_and_points_become_what_they_say() -> None:
@@ -57,7 +57,7 @@ def test_kinds_shapes_and_points_become_what_they_say() -> None:
         feature(point(50.0005), kind="rally"),
         feature(point(50.0007)),
     )
-    fence, rally = parse_areas(tree, "f")
+    fence, rally, _ = parse_areas(tree, "f")
     assert fence.polygons == (FencePolygon(CORNERS, inclusion=False),)
     assert fence.circles == (FenceCircle(PLACE, 12.5, inclusion=False), FenceCircle(PLACE, 400.0))
     assert fence.return_point == LatLon(50.0015, -1.199)
@@ -65,7 +65,7 @@ def test_kinds_shapes_and_points_become_what_they_say() -> None:
 
 
 def test_the_holes_of_an_inclusion_are_kept_out_of() -> None:
-    fence, _ = parse_areas(feature(polygon(RING, HOLE)), "f")
+    fence, *_ = parse_areas(feature(polygon(RING, HOLE)), "f")
     assert [area.inclusion for area in fence.polygons] == [True, False]
     assert fence.polygons[1].corners[0] == LatLon(50.0004, -1.1986)
 
@@ -118,7 +118,7 @@ def test_any_json_gives_areas_or_an_error_that_names_the_file(geometry: Any, pro
     fence, said = Fence(), "f: "
     rally: tuple[Rally, ...] = ()
     try:
-        fence, rally = parse_areas(feature(geometry, **properties), "f")
+        fence, rally, _ = parse_areas(feature(geometry, **properties), "f")
     except MapError as error:
         said = str(error)
     assert said.startswith("f: ")
@@ -130,7 +130,7 @@ def test_a_plan_s_fence_and_rally_points_are_taken_without_its_mission(tmp_path:
     mission = Mission((MissionItem.at(PLACE),), PLACE, fence=fence, rally=(Rally(PLACE, 3.0),))
     save_mission(mission, tmp_path / "pond.plan")
     name = str(tmp_path / "pond.plan")
-    assert load_fence(Path(name)) == fence
+    assert load_fence(Path(name)).fence == fence
     assert open_areas(name, name) == Areas(fence, (Rally(PLACE, 3.0),), name)
 
 

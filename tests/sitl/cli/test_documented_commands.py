@@ -113,7 +113,7 @@ def test_the_places_to_click_are_on_open_water_inside_the_fence(page: str) -> No
     ]
     assert len(places) == 3
     lake = load_source("lake")
-    chart = fenced(lake.chart, load_fence(FENCE), "fence")
+    chart = fenced(lake.chart, load_fence(FENCE).fence, "fence")
     assert lake.route.start is not None
     home = chart.frame.to_global(lake.route.start)
     mission = Mission(tuple(MissionItem.at(place) for place in places), home)
@@ -126,5 +126,5 @@ def test_the_planner_of_the_first_steps_stays_inside_the_fence_that_they_upload(
     page.write_text(section, encoding="utf-8")
     (planning,) = [command for command in commands(page) if command.startswith("mission-upload lake")]
     assert upload_cli.run_program([*shlex.split(planning)[1:], "--dry-run", "--save", "five.plan"]) == 0
-    chart = fenced(load_source("lake").chart, load_fence(FENCE), "fence")
+    chart = fenced(load_source("lake").chart, load_fence(FENCE).fence, "fence")
     assert check_mission(load_mission(clone / "five.plan"), chart, 0.0) == []
