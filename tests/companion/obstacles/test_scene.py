@@ -338,3 +338,11 @@ def test_a_new_goal_clears_the_history() -> None:
     history.detour_length_m = 9.0
     history.forget()
     assert (history.last_side, history.detour_length_m, history.has_tried(PORT)) == (0, 0.0, False)
+
+
+@pytest.mark.parametrize(("north_m", "east_m"), [(30.0, -20.0), (-7.0, 12.0)])
+def test_the_nearest_obstacle_is_nearest_to_where_the_boat_is(north_m: float, east_m: float) -> None:
+    """And not to where its frame begins."""
+    ahead = Point(north_m + 3.0, east_m + 1.0), Point(north_m + 8.0, east_m)
+    scene = scene_of(*ahead, nav=nav_at(north_m, east_m))
+    assert scene.nearest_m(0.0) == pytest.approx(math.sqrt(10.0))
