@@ -23,6 +23,7 @@ from mission_tools.maps.projection import LONG_EDGE_M, MOST_PIECES
 # PROJ's stated accuracy: NAD83 and GDA94 to WGS 84 have 3 to 4 m, NAD27 without its grid files has 7 to 10 m,
 # which is more than a boat's usual clearance
 WORST_ACCURACY_M = 5.0
+MOST_LENGTH_M = 5e8  # of all lines, twelve times round the Earth: each kilometre becomes a corner
 _WGS84 = "EPSG:4326"
 _SAME = ("OGC:CRS84", _WGS84)
 _ADVICE = "convert the file to WGS 84, as by ogr2ogr -t_srs EPSG:4326 OUT.geojson IN.geojson"
@@ -67,6 +68,12 @@ def shapes_to_wgs84(shapes: Sequence[BaseGeometry], name: str, source: str) -> l
         return list(shapes)
     if crs.is_projected:
         unit_m = crs.axis_info[0].unit_conversion_factor or 1.0
+        length_m = unit_m * sum(shape.length for shape in shapes)
+        if length_m > MOST_LENGTH_M:
+            raise MapError(
+                f"{source}: its lines are {length_m / 1000:.3g} km long in crs {crs.name}: "
+                f"at most {MOST_LENGTH_M / 1000:g} km; cut out what matters"
+            )
         shapes = [shapely.segmentize(shape, LONG_EDGE_M / unit_m) for shape in shapes]
     xy = shapely.get_coordinates(shapes)
     where = f"{source}: crs {crs.name}"

@@ -113,3 +113,12 @@ def test_a_mask_of_other_numbers_has_two_values(tmp_path: Path, values: tuple[fl
     path = saved(tmp_path / "m.tif", np.zeros((2, 2), bool))
     Image.fromarray(np.resize(np.array(values, np.float32), (20, 20))).save(path)
     assert said in refusal(path)
+
+
+@pytest.mark.parametrize(("pixel", "is_refused"), [("9.0e5", False), ("1.1e6", True), ("1e30", True)])
+def test_lines_far_longer_than_the_earth_are_refused(tmp_path: Path, pixel: str, is_refused: bool) -> None:
+    """The outline of 120 pixels by 120, drawn inwards, is 472 pixels long: 4.2e8 m and 5.2e8 m."""
+    path = saved(tmp_path / "m.png", np.ones((120, 120), bool))
+    path.with_suffix(".wld").write_text(f"{pixel}\n0\n0\n-{pixel}\n0\n0\n", encoding="ascii")
+    path.with_suffix(".prj").write_text("EPSG:3857", encoding="ascii")
+    assert ("km long in crs WGS 84 / Pseudo-Mercator: at most 500000 km" in refusal(path)) == is_refused
