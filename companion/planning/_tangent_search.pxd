@@ -23,8 +23,14 @@ cdef class TangentSearch:
     cdef double goal_x, goal_y, bound_at
     cdef Fan start
 
-    @cython.locals(node=cython.longlong, label=cython.longlong, left_at=double, found=list)
-    cpdef search(self, double start_x, double start_y, double goal_x, double goal_y)
+    @cython.locals(node=cython.longlong)
+    cpdef begin(self, double start_x, double start_y, double goal_x, double goal_y)
+
+    @cython.locals(last=cython.longlong)
+    cpdef bint is_done(self, long long tangents) except -1
+
+    @cython.locals(label=cython.longlong, left_at=double, found=list)
+    cpdef arcs(self)
 
     @cython.locals(label=cython.longlong, radius=double, fan=Fan, t=Tangents, k=cython.longlong, walk=double, g=double, other=cython.longlong, dx=double, dy=double, f=double)
     cdef _add_arrival(self, long long node, double at, double cost, long long parent, double left_at)

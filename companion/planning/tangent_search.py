@@ -62,24 +62,33 @@ class TangentSearch:
         self.expanded = 0
         self.start = self.tangents.fan_of(-1, 0.0, 0.0)
 
-    def search(
-        self, start_x: float, start_y: float, goal_x: float, goal_y: float
-    ) -> list[tuple[int, float, float]]:
-        """The shortest way as its arcs in order: node, position of arrival, position of departure.
-
-        Its length is `bound`: infinite where there is no way. A straight way has no arcs.
-        """
+    def begin(self, start_x: float, start_y: float, goal_x: float, goal_y: float) -> None:
+        """Start a search."""
         for node in range(2 * self.tangents.count):
             self.best[node] = inf
         self.arrivals = self.entries = self.heap_size = 0
         self.goal_x, self.goal_y = goal_x, goal_y
         self.bound = inf
         self.bound_from = 0
+        self.expanded = 0
         if self.start.x != start_x or self.start.y != start_y:
             self.start = self.tangents.fan_of(-1, start_x, start_y)
         self._add_arrival(-1, 0.0, 0.0, -1, 0.0)
+
+    def is_done(self, tangents: int) -> bool:
+        """Follow so many more tangents, fewer at the end of the search. Whether it has ended."""
+        last = self.expanded + tangents
         while self.heap_size > 0 and self.heap_f[0] < self.bound:
+            if self.expanded >= last:
+                return False
             self._arrive(self._pop())
+        return True
+
+    def arcs(self) -> list[tuple[int, float, float]]:
+        """The shortest way as its arcs in order: node, position of arrival, position of departure.
+
+        Its length is `bound`: infinite where there is no way. A straight way has no arcs.
+        """
         found = []
         label, left_at = self.bound_from, self.bound_at
         while label > 0:

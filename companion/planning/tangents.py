@@ -20,6 +20,7 @@ ARC_STEP_RAD = pi / 90.0
 """An arc is sailed as circumscribed legs that turn by at most this: step²/12, 0.01 % longer than the arc."""
 SIEVE_M = 1e-5  # by which a tangent is surely none; more than GRAZE_M
 BURIED_STEP_RAD = pi / 12.0
+BLOCK = 16  # successive arcs that are sieved together
 FAN_FIELDS = 5  # position of departure, length, position of arrival, point of arrival
 
 
@@ -76,10 +77,23 @@ class Tangents:
                 self._add_arc(k, following[k], -1.0)
         self.scratch_data = _doubles(2 * FAN_FIELDS * self.count + 1)
         self.scratch_target = _integers(2 * self.count + 1)
-        self.scratch_data = _doubles(2 * FAN_FIELDS * self.count + 1)
-        self.scratch_target = _integers(2 * self.count + 1)
         self.joined = 0  # tangents collected there
+        blocks = self.count // BLOCK + 1
+        self.mid_x, self.mid_y = _doubles(blocks), _doubles(blocks)  # of the centres of a block of arcs
+        self.spread = _doubles(blocks)  # the farthest centre of a block from its middle
+        self._set_blocks()
         self.fans: list[Fan | None] = [None] * (2 * self.count)
+
+    def _set_blocks(self) -> None:
+        """Set the middle and the spread of each block of arcs."""
+        for i in range(self.count):
+            block = i // BLOCK
+            middle = min(block * BLOCK + BLOCK // 2, self.count - 1)
+            self.mid_x[block], self.mid_y[block] = self.x[middle], self.y[middle]
+            dx = self.x[i] - self.x[middle]
+            dy = self.y[i] - self.y[middle]
+            away = math.sqrt(dx * dx + dy * dy)
+            self.spread[block] = max(self.spread[block], away)
 
     def _add_arc(self, k: int, after: int, side: float) -> None:
         """Add the arc about the corner between two segments, if land is convex there and it is not buried."""
@@ -174,22 +188,32 @@ class Tangents:
         a_x = a_y = b_x = b_y = 0.0
         if node >= 0:
             a_x, a_y, b_x, b_y = self.a_x[i], self.a_y[i], self.b_x[i], self.b_y[i]
-        for j in range(self.count):
-            dx = self.x[j] - x
-            dy = self.y[j] - y
-            a = -self.a_x[j] * dx - self.a_y[j] * dy
-            b = -self.b_x[j] * dx - self.b_y[j] * dy
-            if (a > most and b > most) or (a < least and b < least):
-                continue
+        for block in range(self.count // BLOCK + 1):
             if node >= 0:
+                dx = self.mid_x[block] - x
+                dy = self.mid_y[block] - y
                 a = a_x * dx + a_y * dy
                 b = b_x * dx + b_y * dy
+                high = most + self.spread[block]
+                low = least - self.spread[block]
+                if (a > high and b > high) or (a < low and b < low):
+                    continue
+            for j in range(block * BLOCK, min(block * BLOCK + BLOCK, self.count)):
+                dx = self.x[j] - x
+                dy = self.y[j] - y
+                a = -self.a_x[j] * dx - self.a_y[j] * dy
+                b = -self.b_x[j] * dx - self.b_y[j] * dy
                 if (a > most and b > most) or (a < least and b < least):
                     continue
-            d2 = dx * dx + dy * dy
-            if d2 > 0.0:
-                self._join(node, dx, dy, d2, 2 * j)
-                self._join(node, dx, dy, d2, 2 * j + 1)
+                if node >= 0:
+                    a = a_x * dx + a_y * dy
+                    b = b_x * dx + b_y * dy
+                    if (a > most and b > most) or (a < least and b < least):
+                        continue
+                d2 = dx * dx + dy * dy
+                if d2 > 0.0:
+                    self._join(node, dx, dy, d2, 2 * j)
+                    self._join(node, dx, dy, d2, 2 * j + 1)
         found = Fan(x, y, self.joined)
         found.fill(self.scratch_data, self.scratch_target)
         return found

@@ -24,6 +24,9 @@ MAX_EXCESS = 5e-5
 """Half of the 0.01 % that a route may be longer than with true arcs; where there is no room for large steps
 the arcs are followed in the kernel's, which are 0.01 % longer than the arc alone."""
 MAX_STEP_RAD = math.radians(30.0)
+TURN, TURN_BACK = 64, 8
+"""Tangents that the searches from the start and from the goal follow by turns: an eighth for what is found
+only where no route joins them."""
 
 _tangents = kernels.load("_tangents", "tangents")
 _tangent_search = kernels.load("_tangent_search", "tangent_search")
@@ -64,7 +67,7 @@ class Routes:
         self._limit2 = array("d", [(value - ROUNDING_M) ** 2 for value in limit])
         self._reach_m = max(limit, default=0.0)
         self._graph: Tangents | None = None
-        self._searcher: TangentSearch | None = None
+        self._searches: tuple[TangentSearch, TangentSearch] | None = None
 
     def is_clear(self, start: Point, end: Point) -> bool:
         """Whether a straight leg keeps its clearance from every shore."""
@@ -118,24 +121,39 @@ class Routes:
                 yield candidate
 
     def _search(self, start: Point, goal: Point) -> Route:
-        if self._graph is None or self._searcher is None:
-            self._graph = _tangents.Tangents(self._segments, *self._given)
-            self._searcher = _tangent_search.TangentSearch(self._graph)
-        graph, searcher = self._graph, self._searcher
-        before = searcher.expanded
-        arcs = searcher.search(start.east_m, start.north_m, goal.east_m, goal.north_m)
-        if math.isinf(searcher.bound):
-            raise NoWay("unconnected")
-        turned_m = sum(graph.radius[node >> 1] * (left_at - at) for node, at, left_at in arcs)
-        step_rad = MAX_STEP_RAD
-        if turned_m > 0.0:  # a circumscribed step is step²/12 longer than its arc
-            step_rad = min(step_rad, math.sqrt(12.0 * MAX_EXCESS * searcher.bound / turned_m))
-        points = [start]
-        for node, at, left_at in arcs:
-            points += _corners(graph, node, at, left_at, step_rad)
-        points.append(goal)
-        length_m = path_length_m(points)
-        return Route(tuple(points), length_m, searcher.expanded - before)
+        """The shortest route by a search from the start and a slower one from the goal, whichever ends first.
+
+        A goal in water of its own, as a rule a small cove, is found unconnected without a search of the lake.
+        """
+        if self._graph is None or self._searches is None:
+            graph = self._graph = _tangents.Tangents(self._segments, *self._given)
+            self._searches = (_tangent_search.TangentSearch(graph), _tangent_search.TangentSearch(graph))
+        search, back = self._searches
+        search.begin(start.east_m, start.north_m, goal.east_m, goal.north_m)
+        if search.is_done(TURN):
+            return _route(self._graph, search, start, goal)
+        back.begin(goal.east_m, goal.north_m, start.east_m, start.north_m)
+        while not back.is_done(TURN_BACK):
+            if search.is_done(TURN):
+                return _route(self._graph, search, start, goal)
+        there = _route(self._graph, back, goal, start)
+        return there._replace(points=there.points[::-1])
+
+
+def _route(graph: "Tangents", search: "TangentSearch", start: Point, goal: Point) -> Route:
+    """What a search has found, as legs."""
+    if math.isinf(search.bound):
+        raise NoWay("unconnected")
+    arcs = search.arcs()
+    turned_m = sum(graph.radius[node >> 1] * (left_at - at) for node, at, left_at in arcs)
+    step_rad = MAX_STEP_RAD
+    if turned_m > 0.0:  # a circumscribed step is step²/12 longer than its arc
+        step_rad = min(step_rad, math.sqrt(12.0 * MAX_EXCESS * search.bound / turned_m))
+    points = [start]
+    for node, at, left_at in arcs:
+        points += _corners(graph, node, at, left_at, step_rad)
+    points.append(goal)
+    return Route(tuple(points), path_length_m(points), search.expanded)
 
 
 def _corners(graph: "Tangents", node: int, at: float, left_at: float, step_rad: float) -> list[Point]:

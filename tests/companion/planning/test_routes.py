@@ -9,6 +9,7 @@ import shapely
 
 from benchmarks.planning import route_oracle as oracle
 from companion.core.geo import Point, distance_m, path_length_m
+from companion.planning import visibility
 from companion.planning.visibility import NoWay
 from companion.planning.water import Shore, Water
 
@@ -68,6 +69,46 @@ def test_queries_do_not_depend_on_those_before_them() -> None:
                 shared.route(a, b)
         else:
             assert shared.route(a, b).points == fresh.points
+
+
+def test_a_search_from_the_goal_that_ends_first_finds_the_same_route(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for seed in range(20):
+        drawn = blocked_pair(seed)
+        if drawn is None:
+            continue
+        lake, clearance_m, a, b = drawn
+        lengths_m = []
+        for turn, turn_back in ((64, 8), (1, 10_000)):
+            monkeypatch.setattr(visibility, "TURN", turn)
+            monkeypatch.setattr(visibility, "TURN_BACK", turn_back)
+            try:
+                route = Water(oracle.shores_of(lake)).routes(clearance_m).route(a, b)
+            except NoWay:
+                lengths_m.append(math.inf)
+            else:
+                assert (route.points[0], route.points[-1]) == (a, b)
+                assert oracle.clearance_m(lake, route.points) >= clearance_m
+                lengths_m.append(route.length_m)
+        # legs about an arc are halved where there is no room, which differs from end to end
+        assert lengths_m[0] == pytest.approx(lengths_m[1], rel=1e-4), f"seed {seed}"
+
+
+def test_a_closed_cove_is_found_unconnected_without_a_search_of_the_lake() -> None:
+    lake = [Point(0.0, 0.0), Point(0.0, 400.0), Point(400.0, 400.0), Point(400.0, 0.0)]
+    cove = [Point(450.0, 450.0), Point(450.0, 480.0), Point(480.0, 480.0), Point(480.0, 450.0)]
+    islands = [
+        [Point(north_m + n, east_m + e) for n, e in ((0, 0), (9, 0), (9, 9), (0, 9))]
+        for north_m in range(20, 380, 20)
+        for east_m in range(20, 380, 20)
+    ]
+    routes = Water([Shore(ring) for ring in (lake, cove, *islands)]).routes(1.0)
+    for ends in ((Point(10.0, 10.0), Point(465.0, 465.0)), (Point(465.0, 465.0), Point(10.0, 10.0))):
+        with pytest.raises(NoWay, match="unconnected"):
+            routes.route(*ends)
+        assert routes._searches is not None
+        assert sum(search.expanded for search in routes._searches) <= 100
 
 
 def test_lengths_are_those_of_the_routes() -> None:
