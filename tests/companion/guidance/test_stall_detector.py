@@ -249,3 +249,9 @@ def test_open_loops_are_judged_to_make_way() -> None:
     assert judged(headway, STILL, 2.0 * STALL_S) is StallVerdict.STUCK
     assert headway.update(None, STOPPED, STILL, CONFIG, DT) is StallVerdict.MAKING_WAY
     assert headway.update(NORTH, FULL, None, CONFIG, DT) is StallVerdict.MAKING_WAY
+
+
+def test_a_boat_aground_is_told_to_whoever_asks_each_tick() -> None:
+    headway = StallDetector()
+    assert held(headway, TURNING, 1.1 * HELD_S) is StallVerdict.AGROUND
+    assert headway.update(NO_WAY, TURNING, STILL, CONFIG, DT, is_at_line=True) is StallVerdict.AGROUND

@@ -241,3 +241,11 @@ def test_costs_that_cannot_be_used_are_named() -> None:
 
 def test_a_step_costs_what_the_paper_s_search_takes() -> None:
     assert (expansion.STRAIGHT, expansion.DIAGONAL) == (STRAIGHT, DIAGONAL)
+
+
+def test_a_cell_is_counted_row_by_row_and_only_on_the_map() -> None:
+    grid = grid_of("...", "...")
+    assert [grid.cell_at(column, row) for row in range(2) for column in range(3)] == list(range(6))
+    for column, row in ((-1, 0), (3, 0), (0, -1), (0, 2)):
+        with pytest.raises(GridInputError, match="outside the map of 3 × 2 cells"):
+            grid.cell_at(column, row)

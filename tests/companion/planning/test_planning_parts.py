@@ -82,3 +82,26 @@ def test_the_open_list_gives_its_entries_in_the_order_of_their_cost() -> None:
         assert (entry, search.entry_from[entry], search.entry_edge[entry]) == (least, least, least + 1)
         costs[least] = math.inf
     assert min(costs) == math.inf
+
+
+@pytest.mark.parametrize("turned", [0.0, 1.0, -2.0])
+def test_an_arc_ends_where_another_shore_buries_it(turned: float) -> None:
+    """Two squares of land 2 m apart, with a clearance of 2 m: the arcs between them are buried in part."""
+    c, s = math.cos(turned), math.sin(turned)
+    rings = [[(x, y), (x + 10.0, y), (x + 10.0, y + 10.0), (x, y + 10.0)] for x, y in ((0, 0), (12.0, 0.0))]
+    rings = [[(x * c - y * s, x * s + y * c) for x, y in ring] for ring in rings]
+    sides = [(*ring[at], *ring[(at + 1) % 4]) for ring in rings for at in range(4)]
+    segments = Segments(*(array("d", values) for values in zip(*sides, strict=True)))
+    following = array("q", [4 * (k // 4) + (k + 1) % 4 for k in range(8)])
+    graph = Tangents(segments, following, array("q", (-1,) * 8), array("d", (2.0,) * 8))
+    assert graph.count == 8
+    for i in range(8):
+        a_x, a_y, b_x, b_y = graph.a_x[i], graph.a_y[i], graph.b_x[i], graph.b_y[i]
+        assert math.hypot(a_x, a_y) == pytest.approx(1.0)
+        assert math.hypot(b_x, b_y) == pytest.approx(1.0)
+        assert math.atan2(a_x * b_y - a_y * b_x, a_x * b_x + a_y * b_y) == pytest.approx(graph.width[i])
+    # Two circles of 2 m whose centres are 2 m apart: 60° of a right angle are within the other one. What
+    # is buried is looked for in pieces of at most 15°, and a piece that is free in part stays.
+    widths = sorted(math.degrees(width) for width in graph.width[:8])
+    assert all(30.0 <= width < 45.0 for width in widths[:4])
+    assert widths[4:] == pytest.approx([90.0] * 4)
