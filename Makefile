@@ -12,7 +12,10 @@ help:  ## list the targets
 
 setup: $(STAMP)  ## create .venv with the tested set of packages
 
-$(STAMP): pyproject.toml setup.py constraints.txt requirements-peers.txt
+# A kernel that is older than its source would give other results than its twin in Python
+KERNELS := $(wildcard companion/planning/*.py companion/planning/*.pyx companion/planning/*.pxd)
+
+$(STAMP): pyproject.toml setup.py constraints.txt requirements-peers.txt $(KERNELS)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "mavboat needs Python 3.11 or later; '$(PYTHON)' is older: call make PYTHON=python3.11"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
