@@ -90,7 +90,7 @@ def test_a_service_that_fails_is_counted_and_the_motors_go_off_by_the_time_out(
         raise ZeroDivisionError
 
     sail_by_hand(pinned)
-    monkeypatch.setattr(ManualControlService, "on_rc_override", fail)
+    monkeypatch.setattr(ManualControlService, "_may_steer", fail)
     for _ in range(SILENCE_TICKS):
         pinned.steer(1900, 1500)
         pinned.step()
