@@ -21,6 +21,7 @@ from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.costs.travel import Floats, Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
+from mission_tools.planning.exact_planner import water_of
 from mission_tools.planning.grid import Grid
 from mission_tools.planning.inflate import occupancy
 
@@ -87,10 +88,10 @@ def cheapest_route(
     found = _search(grid, travel, points[0], points[-1], polish.is_clear)
     if found is not None:
         candidates.append(found)
-    if not candidates:
+    improved = [path for path in map(polish.improved, candidates) if polish.is_sailable(path)]
+    if not improved and not math.isfinite(shortest_cost):
         raise NoRoute(_swept(chart, travel, points))
-    best = min((polish.improved(path) for path in candidates), key=polish.cost)
-    best = min(best, points, key=polish.cost)
+    best = min((*improved, points), key=polish.cost)
     return CheapestRoute((*way_out, *best), polish.cost(best), shortest_cost)
 
 
@@ -163,11 +164,16 @@ class _Polish:
     """Fewer and better placed corners for a path, by cost."""
 
     def __init__(self, chart: Chart, clearance_m: float, travel: Travel, cell_m: float) -> None:
-        self._chart, self._clearance_m, self._travel, self._cell_m = chart, clearance_m, travel, cell_m
+        self._routes = water_of(chart).routes(clearance_m)
+        self._travel, self._cell_m = travel, cell_m
 
     def is_clear(self, start: Point, end: Point) -> bool:
         """Whether a leg may be sailed."""
-        return bool(self._are_clear(start, [end])[0])
+        return self._routes.is_clear(start, end)
+
+    def is_sailable(self, path: Sequence[Point]) -> bool:
+        """Whether every leg may be sailed: the lattice knows no clearance that a feature asks for itself."""
+        return all(self.is_clear(a, b) for a, b in pairwise(path))
 
     def cost(self, points: Sequence[Point]) -> float:
         """Of a whole path."""
@@ -176,7 +182,7 @@ class _Polish:
     def improved(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
         """The same way with straight legs and better corners."""
         most = _MOST_POINTS
-        while not all(self.is_clear(a, b) for a, b in pairwise(_thinned(path, most))) and most < len(path):
+        while not self.is_sailable(_thinned(path, most)) and most < len(path):
             most *= 2
         best = self._laid(_thinned(path, most))
         for halving in range(_PASSES):
@@ -187,10 +193,7 @@ class _Polish:
         return _leg_costs(self._travel, starts, ends, self._cell_m)
 
     def _are_clear(self, start: Point, ends: Sequence[Point]) -> NDArray[np.bool_]:
-        corners = np.array([[start[::-1], end[::-1]] for end in ends], dtype=np.float64).reshape(-1, 2, 2)
-        legs = shapely.linestrings(corners)
-        near: NDArray[np.bool_] = shapely.dwithin(self._chart.shores, legs, self._clearance_m)
-        return ~near
+        return np.array([self.is_clear(start, end) for end in ends], dtype=np.bool_)
 
     def _laid(self, path: Sequence[Point]) -> tuple[Point, ...]:
         """The cheapest chain of clear legs through some of the path's points; each leg more has to pay."""

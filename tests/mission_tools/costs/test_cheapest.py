@@ -121,6 +121,16 @@ def test_open_water_is_preferred_where_it_is_near() -> None:
     assert path_length_m(found.points) < 1.05 * 200.0
 
 
+def test_what_asks_for_more_clearance_is_given_it_in_a_current_too() -> None:
+    beach = Feature("beach", "keep_out", shapely.box(180.0, 0.0, 220.0, 6.0), {"clearance_m": 15.0})
+    chart = build_chart("river", FRAME, shapely.box(0.0, 0.0, 400.0, 60.0), [beach])
+    low_bank = River((Point(45.0, 0.0), Point(45.0, 400.0)), 60.0, 1.0)  # none at the beach's side
+    direct = shortest(chart, Point(10.0, 380.0), Point(10.0, 20.0))
+    found = cheapest_route(chart, direct, CLEARANCE_M, TravelTime(BoatSpeed(1.5, 1.6), low_bank))
+    line = shapely.LineString([(p.east_m, p.north_m) for p in found.points])
+    assert line.distance(beach.shape) >= 15.0 - 1e-6
+
+
 def test_a_start_at_the_jetty_keeps_its_way_out() -> None:
     chart, jetty = channel(), Point(1.0, 200.0)
     direct = shortest(chart, jetty, Point(30.0, 20.0))
