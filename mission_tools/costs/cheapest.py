@@ -21,7 +21,7 @@ from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.costs.travel import Floats, Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.exact_planner import water_of
+from mission_tools.planning.exact_planner import own_clearances, water_of
 from mission_tools.planning.grid import Grid
 from mission_tools.planning.inflate import occupancy
 
@@ -109,7 +109,16 @@ def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float) -> Grid:
     cell_m = max(math.sqrt((east - west) * (north - south) / LATTICE_CELLS), 0.25)
     # `occupancy` allows for steps of √2 cells; these are longer
     longer = math.sqrt(clearance_m**2 + 0.25 * (_FARTHEST_STEP_CELLS**2 - 2.0) * cell_m**2)
-    return occupancy(chart, (west, south, east, north), cell_m, longer)
+    grid = occupancy(chart, (west, south, east, north), cell_m, longer)
+    step_m = _FARTHEST_STEP_CELLS * cell_m
+    easts_m, norths_m = grid.centres()
+    for shape, own_m in own_clearances(chart):
+        if own_m > clearance_m:
+            row, column = np.nonzero(grid.free)
+            off_m = shapely.distance(shapely.points(easts_m[column], norths_m[row]), shape)
+            near = off_m < math.hypot(own_m, 0.5 * step_m)
+            grid.free[row[near], column[near]] = False
+    return grid
 
 
 def _search(

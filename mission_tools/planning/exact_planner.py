@@ -41,12 +41,7 @@ def water_of(chart: Chart) -> Water:
         for ring in (part.exterior, *part.interiors)
         if not (chart.is_open and _bounds_open_water(ring))
     ]
-    asking = [
-        (feature.shape, clearance_m)
-        for feature in chart.features
-        if feature.kind in SOLID | KEPT_OUT
-        and (clearance_m := property_number(feature, CLEARANCE)) is not None
-    ]
+    asking = own_clearances(chart)
     own_m = [_own_clearance_m(ring, asking) for ring in rings]
     water = Water(
         [Shore(_corners(ring), own) for ring, own in zip(rings, own_m, strict=True)], is_open=chart.is_open
@@ -60,6 +55,16 @@ def water_of(chart: Chart) -> Water:
             for part in shapely.get_parts(shape)
         ]
     )
+
+
+def own_clearances(chart: Chart) -> list[tuple[BaseGeometry, float]]:
+    """The shapes that ask for a clearance of their own, in metres."""
+    return [
+        (feature.shape, clearance_m)
+        for feature in chart.features
+        if feature.kind in SOLID | KEPT_OUT
+        and (clearance_m := property_number(feature, CLEARANCE)) is not None
+    ]
 
 
 def _bounds_open_water(ring: LinearRing) -> bool:
