@@ -1,4 +1,4 @@
-"""The motors' end of the data flow: the latest command, stopping, and the watchdog's trips."""
+"""The motors' and the rudder's end of the data flow: the latest command, stopping, the watchdog's trips."""
 
 from companion.config.thrusters import Thrusters
 from companion.control.allocation import motor_pwm
@@ -15,14 +15,18 @@ class MotorOutput:
         self._trips = 0  # of the cutoff, as far as the operator knows
 
     def write(self, command: MotorCommand, motors: MotorStates, setting: Thrusters) -> None:
-        """Drive the motors."""
+        """Drive the motors and set the rudder."""
         self.command = command
         self._hardware.motors.write(*motor_pwm(command, motors, setting))
+        if self._hardware.rudder is not None:
+            self._hardware.rudder.write(command.rudder)
 
     def stop(self) -> None:
-        """Motors off, at once. Raises what the driver raises."""
+        """Motors off, at once, then the rudder amidships. Raises what the drivers raise."""
         self.command = STOPPED
         self._hardware.motors.stop()
+        if self._hardware.rudder is not None:
+            self._hardware.rudder.write(0.0)
 
     def trip_text(self, timeout_s: float) -> str:
         """A message once the cutoff has stopped the motors of a stalled program; empty otherwise."""

@@ -14,6 +14,7 @@ import msgspec
 from msgspec import Meta
 
 from companion.config.avoidance import AvoidanceSetting
+from companion.config.drive import DriveSetting
 from companion.config.estimation import Estimation
 from companion.config.failsafe import Failsafe
 from companion.config.fence import FenceSetting
@@ -228,6 +229,7 @@ class BoatConfig(Section, frozen=True):
     heading: Heading = Heading()
     speed: Speed = Speed()
     motors: MotorLimits = MotorLimits()
+    drive: DriveSetting = DriveSetting()
     thrusters: Thrusters = Thrusters()
     guidance: Guidance = Guidance()
     handling: Handling = Handling()

@@ -3,6 +3,9 @@
 Everything must say go: armed, a fresh command, finite numbers, and a fresh estimate where the command was
 computed from one. Anything else is zero at once, with the reason. What passes is limited in slew, goes
 through zero on its way from ahead to astern, and is dropped inside the dead band.
+
+A stop centres the rudder as well: the boat then coasts straight on instead of circling, and starts straight
+ahead when the motors run again.
 """
 
 import math
@@ -19,6 +22,7 @@ class Gate:
     def __init__(self) -> None:
         self._left = 0.0
         self._right = 0.0
+        self._rudder = 0.0
 
     def check(
         self,
@@ -32,8 +36,9 @@ class Gate:
         dt_s: float,
         needs_position: bool = True,
         estimate_age_s: float = 0.0,
+        rudder_slew_per_s: float = 0.0,
     ) -> MotorCommand:
-        """What the motors may do for the next dt_s.
+        """What motors and rudder may do for the next dt_s.
 
         command_age_s: how long ago the command was decided; a negative age is as bad as a stale one, for a
         clock that runs wrong would otherwise keep the motors running. needs_estimate: whether the command
@@ -44,7 +49,7 @@ class Gate:
         age_s = estimate_age_s if needs_estimate else 0.0
         reason = _objection(thrust, armed, command_age_s, estimate, setting, needs_position, age_s)
         if reason:
-            self._left = self._right = 0.0
+            self._left = self._right = self._rudder = 0.0
             return MotorCommand(0.0, 0.0, reason)
         step = setting.slew_per_s * dt_s
         if not step > 0.0:
@@ -52,7 +57,12 @@ class Gate:
         deadband = setting.deadband
         self._left = left = _approach(self._left, thrust.left, step, deadband)
         self._right = right = _approach(self._right, thrust.right, step, deadband)
-        return MotorCommand(left if abs(left) >= deadband else 0.0, right if abs(right) >= deadband else 0.0)
+        step = rudder_slew_per_s * dt_s
+        if not step > 0.0:
+            step = 0.0
+        self._rudder = clamp(clamp(thrust.rudder, -1.0, 1.0), self._rudder - step, self._rudder + step)
+        left, right = left if abs(left) >= deadband else 0.0, right if abs(right) >= deadband else 0.0
+        return MotorCommand(left, right, "", self._rudder)
 
 
 _FINE = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -72,7 +82,7 @@ def _objection(
         return "disarmed"
     if not 0.0 <= command_age_s <= setting.command_timeout_s:
         return "command is stale"
-    if not math.isfinite(thrust.left + thrust.right):
+    if not math.isfinite(thrust.left + thrust.right + thrust.rudder):
         return "thrust is not a number"
     if nav is None:
         return "no estimate"

@@ -89,18 +89,22 @@ class PidOutput(Struct, frozen=True, gc=False):
 
 
 class Thrust(Struct, frozen=True, gc=False):
-    """Shares of full drive per side, −1..1, before the gate."""
+    """Shares of full drive per side and of full rudder, −1..1, before the gate. A positive rudder turns the
+    bow to starboard under way ahead. A boat with one motor has equal sides.
+    """
 
     left: float
     right: float
+    rudder: float = 0.0
 
 
 class MotorCommand(Struct, frozen=True, gc=False):
-    """Output of the gate to the motors, −1..1 per side."""
+    """Output of the gate to motors and rudder, as in Thrust."""
 
     left: float
     right: float
     reason: str = ""  # why the gate stopped the motors; empty while they run
+    rudder: float = 0.0
 
 
 STOPPED = MotorCommand(0.0, 0.0)

@@ -131,6 +131,7 @@ class GuidancePipeline:
             dt_s=dt_s,
             needs_position=status.needs_position,
             estimate_age_s=now_s - nav.time_s if nav is not None else 0.0,
+            rudder_slew_per_s=config.drive.slew_per_s,
         )
         if command.reason:
             self.helm.reset()
@@ -150,4 +151,5 @@ class GuidancePipeline:
             needs_estimate=False,
             setting=config.motors,
             dt_s=dt_s,
+            rudder_slew_per_s=config.drive.slew_per_s,
         )

@@ -35,6 +35,18 @@ class Motors(Protocol):
         """Stop, then release the part. May be called twice."""
 
 
+class Rudder(Protocol):
+    """A rudder, set by a servo."""
+
+    def write(self, share: float) -> None:
+        """Turn to a share of the full angle, −1 to 1, positive turns the bow to starboard; a non-finite value
+        centres it.
+        """
+
+    def close(self) -> None:
+        """Release the part. May be called twice."""
+
+
 class MotorCutoff(Protocol):
     """Stops motors without a recent command, independently of the control loop."""
 
@@ -152,10 +164,12 @@ class Hardware:
     hull: Hull | None = None
     rc: RcReceiver | None = None
     cutoff: MotorCutoff | None = None
+    rudder: Rudder | None = None
 
     def close(self) -> None:
         """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
-            for part in (self.rc, self.hull, self.battery, self.sonar, self.compass, self.gnss, self.motors):
+            parts = (self.rc, self.hull, self.battery, self.sonar, self.compass, self.gnss)
+            for part in (*parts, self.rudder, self.motors):
                 if part is not None:
                     rest.callback(part.close)  # called in reverse order
