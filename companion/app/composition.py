@@ -1,29 +1,21 @@
-"""The composition root: the only file of the companion that picks concrete drivers."""
+"""The composition root: puts the boat together, and runs it."""
 
 import logging
 import os
 from collections.abc import Callable, Collection, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from pathlib import Path
 
 from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
+from companion.app.parts import open_hardware
 from companion.app.runner import Runner
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, LinkConfig
-from companion.config.parts import CompassPart
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
-from companion.hal.bno055 import open_bno055
-from companion.hal.hull import open_hull
-from companion.hal.ina219 import open_ina219
-from companion.hal.interfaces import Compass, Gnss, Hardware, Port
-from companion.hal.l298n import open_l298n
-from companion.hal.nmea import open_nmea_compass, open_nmea_gnss
-from companion.hal.rc_receiver import open_rc_receiver
-from companion.hal.ultrasonic import open_ultrasonic
-from companion.hal.watched_motors import WatchedMotors
+from companion.hal.interfaces import Hardware, Port
 from companion.links.port_url import open_port, parse_port_url
 from companion.log.logbook import Logbook, open_logbook
 from companion.mavlink.framing import begins_with_frame
@@ -110,59 +102,6 @@ def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
             undo.callback(ports[-1].close)
         undo.pop_all()
     return ports
-
-
-class _Absent:
-    """A receiver or compass that is not fitted: readings come over MAVLink instead."""
-
-    def read(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
-
-
-def open_hardware(config: BoatConfig, now: Now) -> Hardware:
-    """Open every part that the configuration names; the motors first, so that they are off from the start.
-
-    Raises:
-        HardwareError: names the part that does not answer; those already open are closed again.
-    """
-    parts = config.parts
-    with ExitStack() as undo:
-        motors = WatchedMotors(open_l298n(parts.motors, now), now, config.motors.command_timeout_s)
-        undo.callback(motors.close)
-        motors.start()
-        gnss: Gnss = _Absent() if parts.gnss.driver == "none" else open_nmea_gnss(parts.gnss, now)
-        undo.callback(gnss.close)
-        compass = open_compass(parts.compass, now)
-        undo.callback(compass.close)
-        sonar = battery = hull = rc = None
-        if parts.sonar.driver != "none":
-            sonar = undo.enter_context(closing(open_ultrasonic(parts.sonar, now)))
-        if parts.battery.driver != "none":
-            battery = undo.enter_context(closing(open_ina219(parts.battery, now)))
-        if parts.hull.driver != "none":
-            hull = undo.enter_context(closing(open_hull(parts.hull, now)))
-        if config.rc.driver != "none":
-            rc = open_rc_receiver(config.rc, now)
-        undo.pop_all()
-    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors)
-
-
-def open_compass(part: CompassPart, now: Now) -> Compass:
-    """Open the heading sensor that the configuration names.
-
-    Raises:
-        HardwareError: it does not answer.
-    """
-    match part.driver:
-        case "bno055":
-            return open_bno055(part, now)
-        case "nmea":
-            return open_nmea_compass(part, now)
-        case "none":
-            return _Absent()
 
 
 def open_storage(folder: str) -> Storage:

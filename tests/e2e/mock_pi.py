@@ -9,7 +9,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parts import MotorsPart
 from companion.core.geo import LatLon
 from companion.hal.interfaces import Hardware
-from companion.hal.l298n import open_l298n
+from companion.hal.motors.l298n import open_l298n
 from companion.sensors.readings import GnssFix, HeadingReading
 
 PINS = MotorsPart(driver="l298n")

@@ -7,8 +7,8 @@ from mock_pi import PINS, MockPi
 
 from companion.boat import TICK_S
 from companion.hal.interfaces import Motors
-from companion.hal.l298n import L298N, open_l298n
-from companion.hal.watched_motors import WatchedMotors
+from companion.hal.motors.l298n import L298N, open_l298n
+from companion.hal.motors.watched_motors import WatchedMotors
 from companion.mavlink.dialect import dialect
 
 LOOK_S = 0.125  # how often the motors' watch looks: four times in its time-out of 0.5 s

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hardware_twins import HandClock
-from i2c_twins import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, Ina219Twin, plug_in
+from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, Ina219Twin, plug_in
+from twins.lines import HandClock
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.bno055 import Bno055, Bno055Compass, open_bno055
-from companion.hal.ina219 import CONFIGURATION, Ina219, Ina219Battery, open_ina219
+from companion.hal.battery.ina219 import CONFIGURATION, Ina219, Ina219Battery, open_ina219
+from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
 from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
 
 COMPASS, BATTERY = parts.CompassPart(driver="bno055"), parts.BatteryPart(driver="ina219")

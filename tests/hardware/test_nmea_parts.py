@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hardware_twins import HandClock, PtyLine, eventually
+from twins.lines import HandClock, PtyLine, eventually
 
 from companion.config import parts
 from companion.core.errors import LinkError

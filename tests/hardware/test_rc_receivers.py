@@ -7,7 +7,7 @@ import termios
 from pathlib import Path
 
 import pytest
-from hardware_twins import HandClock, PtyLine, eventually
+from twins.lines import HandClock, PtyLine, eventually
 
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError, LinkError

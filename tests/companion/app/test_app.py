@@ -9,19 +9,17 @@ from boat_rig import Rig
 
 from companion.app.composition import (
     check_config,
-    open_compass,
-    open_hardware,
     open_ports,
     open_storage,
     policy_of,
     run_boat,
 )
+from companion.app.parts import open_compass, open_hardware
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, LinkConfig, decode_config
-from companion.config.parts import CompassPart
 from companion.core.errors import ConfigError, HardwareError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
-from companion.hal.watched_motors import WatchedMotors
+from companion.hal.motors.watched_motors import WatchedMotors
 from companion.persistence.storage import MemoryStorage
 
 PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}
@@ -97,7 +95,7 @@ def test_a_boat_that_is_told_where_it_is_needs_neither_receiver_nor_compass() ->
 
 
 def test_a_heading_sensor_that_is_not_there_says_nothing() -> None:
-    assert open_compass(CompassPart(), lambda: 0.0).read() is None
+    assert open_compass(BoatConfig(), lambda: 0.0).read() is None
 
 
 def test_it_ends_when_a_station_asks_for_a_restart(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -167,9 +165,7 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     parts = Parts()
-    monkeypatch.setattr(
-        "companion.app.composition.open_l298n", lambda *_: parts.open(BoatConfig(), float).motors
-    )
+    monkeypatch.setattr("companion.app.parts.open_l298n", lambda *_: parts.open(BoatConfig(), float).motors)
     missing = str(tmp_path / "no-such-port")
     tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": missing}})
     with pytest.raises(HardwareError, match="no-such-port"):
@@ -178,9 +174,7 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
 
 
 def test_the_boat_can_see_how_often_its_motors_were_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "companion.app.composition.open_l298n", lambda *_: Parts().open(BoatConfig(), float).motors
-    )
+    monkeypatch.setattr("companion.app.parts.open_l298n", lambda *_: Parts().open(BoatConfig(), float).motors)
     parts = {"motors": {"driver": "l298n"}}
     hardware = open_hardware(config("udpin:127.0.0.1:0", parts=parts), lambda: 0.0)
     try:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from companion.config.boat_config import load_config
-from companion.hal.l298n import L298N
+from companion.hal.motors.l298n import L298N
 from sitl.scenarios.scenario import Scenario, load_scenario
 from sitl.world.drive.thruster import Thruster
 from sitl.world.world import World

@@ -1,9 +1,9 @@
 """Port urls in all their spellings."""
 
 import pytest
-from hardware_twins import HandClock
 from hypothesis import given
 from hypothesis import strategies as st
+from twins.lines import HandClock
 
 from companion.core.errors import ConfigError, LinkError
 from companion.links.port_url import PortUrl, open_port, parse_port_url

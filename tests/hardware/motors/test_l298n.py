@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import pytest
 from gpiozero.pins.mock import MockFactory, MockPWMPin
-from hardware_twins import HandClock
 from hypothesis import given
 from hypothesis import strategies as st
+from twins.lines import HandClock
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.l298n import L298N, HalfBridgePair, open_l298n
+from companion.hal.motors.l298n import L298N, HalfBridgePair, open_l298n
 
 PINS = parts.MotorsPart()
 LEGS = {PINS.left_forward: PINS.left_backward, PINS.right_forward: PINS.right_backward}

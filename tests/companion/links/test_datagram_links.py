@@ -4,10 +4,10 @@ import socket
 from collections.abc import Iterator
 
 import pytest
-from hardware_twins import HandClock, eventually, gather
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import MOMENT_S
+from twins.lines import HandClock, eventually, gather
 
 from companion.core.errors import LinkError
 from companion.hal.interfaces import Link

@@ -5,7 +5,7 @@ import threading
 import pytest
 from patience import MOMENT_S
 
-from companion.hal.watched_motors import WatchedMotors
+from companion.hal.motors.watched_motors import WatchedMotors
 
 
 class RecordingMotors:

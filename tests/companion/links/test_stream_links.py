@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hardware_twins import HandClock, PtyLine, eventually, gather
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import MOMENT_S
+from twins.lines import HandClock, PtyLine, eventually, gather
 
 from companion.core.errors import LinkError
 from companion.hal.interfaces import Link, Port

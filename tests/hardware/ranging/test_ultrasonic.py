@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 from gpiozero import GPIODevice, InputDevice
 from gpiozero.pins.mock import MockFactory, MockPWMPin
-from hardware_twins import HandClock, eventually
 from hypothesis import given
 from hypothesis import strategies as st
+from twins.lines import HandClock, eventually
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.ultrasonic import (
+from companion.hal.ranging.ultrasonic import (
     PING_PERIOD_S,
     HcSr04,
     Ultrasonic,

@@ -1,0 +1,98 @@
+"""The parts of the boat: one function opens each kind, with the driver that the configuration names.
+
+Raises of each: HardwareError, which names the part that does not answer.
+"""
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+
+from companion.config.boat_config import BoatConfig
+from companion.hal.battery.ina219 import open_ina219
+from companion.hal.heading.bno055 import open_bno055
+from companion.hal.hull import open_hull
+from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, RcReceiver, Sonar
+from companion.hal.motors.l298n import open_l298n
+from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.nmea import open_nmea_compass, open_nmea_gnss
+from companion.hal.ranging.ultrasonic import open_ultrasonic
+from companion.hal.rc_receiver import open_rc_receiver
+
+Now = Callable[[], float]
+
+
+class _Absent:
+    """A receiver or compass that is not fitted: readings come over MAVLink instead."""
+
+    def read(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
+    """The motors, with their watchdog, which is not started yet."""
+    return WatchedMotors(open_l298n(config.parts.motors, now), now, config.motors.command_timeout_s)
+
+
+def open_gnss(config: BoatConfig, now: Now) -> Gnss:
+    """The GNSS receiver; a silent one where none is fitted."""
+    part = config.parts.gnss
+    return _Absent() if part.driver == "none" else open_nmea_gnss(part, now)
+
+
+def open_compass(config: BoatConfig, now: Now) -> Compass:
+    """The heading sensor; a silent one where none is fitted."""
+    part = config.parts.compass
+    match part.driver:
+        case "bno055":
+            return open_bno055(part, now)
+        case "nmea":
+            return open_nmea_compass(part, now)
+        case "none":
+            return _Absent()
+
+
+def open_sonar(config: BoatConfig, now: Now) -> Sonar | None:
+    """The ranger."""
+    part = config.parts.sonar
+    return None if part.driver == "none" else open_ultrasonic(part, now)
+
+
+def open_battery(config: BoatConfig, now: Now) -> Battery | None:
+    """The battery monitor."""
+    part = config.parts.battery
+    return None if part.driver == "none" else open_ina219(part, now)
+
+
+def open_hull_sensor(config: BoatConfig, now: Now) -> Hull | None:
+    """The sensors inside the hull."""
+    part = config.parts.hull
+    return None if part.driver == "none" else open_hull(part, now)
+
+
+def open_rc(config: BoatConfig, now: Now) -> RcReceiver | None:
+    """The RC receiver."""
+    return None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
+
+
+def open_hardware(config: BoatConfig, now: Now) -> Hardware:
+    """Open every part that the configuration names; the motors first, so that they are off from the start.
+
+    Raises:
+        HardwareError: names the part that does not answer; those already open are closed again.
+    """
+    with ExitStack() as undo:
+        motors = undo.enter_context(closing(open_motors(config, now)))
+        motors.start()
+        gnss = undo.enter_context(closing(open_gnss(config, now)))
+        compass = undo.enter_context(closing(open_compass(config, now)))
+        if (sonar := open_sonar(config, now)) is not None:
+            undo.callback(sonar.close)
+        if (battery := open_battery(config, now)) is not None:
+            undo.callback(battery.close)
+        if (hull := open_hull_sensor(config, now)) is not None:
+            undo.callback(hull.close)
+        rc = open_rc(config, now)
+        undo.pop_all()
+    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors)

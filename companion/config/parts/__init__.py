@@ -1,0 +1,22 @@
+"""Configuration of the hardware: drivers, pins and ports; one file a kind of part."""
+
+from companion.config.parts.battery import BatteryPart
+from companion.config.parts.gnss import GnssPart
+from companion.config.parts.heading import CompassPart
+from companion.config.parts.hull import HullPart
+from companion.config.parts.motors import MotorsPart
+from companion.config.parts.ranging import SonarPart
+from companion.config.section import Section
+
+__all__ = ["BatteryPart", "CompassPart", "GnssPart", "HullPart", "MotorsPart", "Parts", "SonarPart"]
+
+
+class Parts(Section, frozen=True):
+    """The hardware of the boat."""
+
+    motors: MotorsPart = MotorsPart()
+    gnss: GnssPart = GnssPart()
+    compass: CompassPart = CompassPart()
+    sonar: SonarPart = SonarPart()
+    battery: BatteryPart = BatteryPart()
+    hull: HullPart = HullPart()

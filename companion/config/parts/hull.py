@@ -1,0 +1,13 @@
+"""Configuration of the sensors inside the hull."""
+
+from typing import Literal
+
+from companion.config.section import Section
+
+
+class HullPart(Section, frozen=True):
+    """The computer's thermometer, and a leak switch that closes to ground."""
+
+    driver: Literal["host", "none"] = "none"
+    thermometer: str = "/sys/class/thermal/thermal_zone0/temp"
+    leak: int = -1  # the switch's pin; −1: none
