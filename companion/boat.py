@@ -107,6 +107,7 @@ class Boat:
         self.free_memory_bytes = 0  # of the computer; set by the program
         self.nav: NavState | None = None
         self._hardware = hardware
+        self._reporting = hardware.reporting_parts
         self._storage = storage
         self._logbook = logbook
         self._wall_time = WallTime(unix_offset_s)
@@ -164,6 +165,9 @@ class Boat:
         accepts_links = now_s >= self._links_due_s
         if accepts_links:
             self._links_due_s = now_s + _LINKS_S
+            for part in self._reporting:
+                for severity, told in part.take_texts():
+                    self.vehicle.notify(severity, told)
         self._receive(now_s, None, accepts_links=accepts_links)
         command = self._steer(now_s)
         is_bare = self.calibration.is_bare or self.motor_test.is_running

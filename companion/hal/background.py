@@ -2,10 +2,14 @@
 
 import logging
 import threading
+from collections import deque
 from collections.abc import Callable
 from typing import Generic, Self, TypeVar
 
+from companion.core.status_text import StatusText
 from companion.links.backoff import Backoff
+
+_MOST_TEXTS = 8  # kept until the boat takes them
 
 _log = logging.getLogger(__name__)
 Reading = TypeVar("Reading")
@@ -75,6 +79,7 @@ class BackgroundSensor(Generic[Reading]):
         """step: reads the part once, as for `Background`. release: releases the part, at every `close`."""
         self._now = now
         self._latest: Reading | None = None
+        self._texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
         self._background = Background(step, name)
         self._release = release
 
@@ -86,6 +91,14 @@ class BackgroundSensor(Generic[Reading]):
     def read(self) -> Reading | None:
         """The latest reading, None before the first."""
         return self._latest
+
+    def notify(self, severity: int, text: str) -> None:
+        """Tell the operator; called in the sensor's thread."""
+        self._texts.append(StatusText(severity, text))
+
+    def take_texts(self) -> list[StatusText]:
+        """The messages since the last call."""
+        return [self._texts.popleft() for _ in range(len(self._texts))]
 
     def close(self) -> None:
         """Stop the thread, then release the part. May be called twice."""

@@ -6,10 +6,11 @@ blocks: a driver that must wait keeps a thread and returns the latest reading, s
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from dataclasses import dataclass, fields
+from typing import Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
+from companion.core.status_text import StatusText
 from companion.sensors.readings import (
     BatteryReading,
     GnssFix,
@@ -63,6 +64,14 @@ class Sensor(Protocol[Reading_co]):
 
     def close(self) -> None:
         """Release the part. May be called twice."""
+
+
+@runtime_checkable
+class ReportingPart(Protocol):
+    """A part with messages to the operator, such as a failed set-up or a lost antenna."""
+
+    def take_texts(self) -> list[StatusText]:
+        """The messages since the last call, oldest first."""
 
 
 Gnss = Sensor[GnssFix]
@@ -165,6 +174,12 @@ class Hardware:
     rc: RcReceiver | None = None
     cutoff: MotorCutoff | None = None
     rudder: Rudder | None = None
+
+    @property
+    def reporting_parts(self) -> list[ReportingPart]:
+        """The parts with messages to the operator."""
+        parts = (getattr(self, field.name) for field in fields(self))
+        return [part for part in parts if isinstance(part, ReportingPart)]
 
     def close(self) -> None:
         """Stop the motors, then release all parts, even if one raises."""
