@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo survey pictures test check lint types contracts mutate bench fuzz fast slow clean
+.PHONY: help setup wheel demo survey pictures test check lint types contracts mutate bench fuzz fast slow clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -21,6 +21,10 @@ $(STAMP): pyproject.toml setup.py constraints.txt requirements-peers.txt $(KERNE
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements-peers.txt
 	@touch $@
+
+wheel: setup  ## one wheel for every machine, without compiled kernels, in out/wheel
+	rm -rf build/lib  # may hold files that were moved since
+	MAVBOAT_PURE=1 $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir out/wheel .
 
 demo: setup  ## plan, upload, sail, report; also MAP=… START=LAT,LON GOAL=LAT,LON
 	$(BIN)/python examples/demo.py --map '$(or $(MAP),lake)' $(if $(START),--start='$(START)') $(if $(GOAL),--goal='$(GOAL)') $(if $(CLEARANCE),--clearance='$(CLEARANCE)')

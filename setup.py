@@ -2,8 +2,10 @@
 
 A kernel that cannot be built is skipped: its twin in Python takes its place (companion/planning/kernels.py).
 A new `companion/planning/_NAME.pyx` is built without being listed here.
+With MAVBOAT_PURE=1 nothing is compiled, and the wheel is for every machine (`make wheel`).
 """
 
+import os
 from pathlib import Path
 
 from Cython.Build import cythonize
@@ -26,7 +28,9 @@ DIRECTIVES = {
 }
 
 kernels = cythonize(  # type: ignore[no-untyped-call, unused-ignore]
-    [
+    []
+    if os.environ.get("MAVBOAT_PURE")
+    else [
         Extension(f"companion.planning.{name}", [str(path)], extra_compile_args=FLAGS)
         for name, path in SOURCES.items()
     ],

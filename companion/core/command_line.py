@@ -11,8 +11,7 @@ import typer
 
 from companion import __version__
 from companion.core.errors import BoatError, LinkError
-from companion.core.interrupts import INTERRUPTED
-from companion.core.program_end import end, end_with
+from companion.core.program_end import INTERRUPTED, end, end_with
 
 HELP_NAMES = {"help_option_names": ["-h", "--help"]}
 

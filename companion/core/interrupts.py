@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-INTERRUPTED = 130  # 128 + SIGINT, as in shells
+from companion.core.extras import missing_extra
+from companion.core.program_end import INTERRUPTED, end
 
 Run = Callable[[list[str]], int]
 Handler = Callable[[int, FrameType | None], None]
@@ -25,7 +26,7 @@ def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
     load: does the slow imports and returns the program. Call it first, from the main thread.
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # started in the background by a script
-        return load()(sys.argv[1:])
+        return _loaded(name, load)(sys.argv[1:])
 
     def end_at_once(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
         os.write(2, f"{name}: interrupted\n".encode())
@@ -33,7 +34,7 @@ def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
 
     signal.signal(signal.SIGINT, end_at_once)
     _end_at_once[:] = [end_at_once]
-    run = load()
+    run = _loaded(name, load)
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         code = run(sys.argv[1:])
@@ -43,6 +44,17 @@ def run_interruptibly(name: str, load: Callable[[], Run]) -> int:
         sys.stderr.write(f"{name}: interrupted\n")
         return INTERRUPTED
     return code
+
+
+def _loaded(name: str, load: Callable[[], Run]) -> Run:
+    """The program; where its extra is not installed, one that says so."""
+    try:
+        return load()
+    except ModuleNotFoundError as error:
+        message = missing_extra(name, error)
+        if message is None or "--debug" in sys.argv:
+            raise
+        return lambda arguments: end(name, message, 2, is_json="--json" in arguments)
 
 
 @contextmanager

@@ -7,7 +7,9 @@ import json
 import sys
 from collections.abc import Sequence
 
-from companion.core.interrupts import INTERRUPTED
+from companion.core.extras import missing_extra
+
+INTERRUPTED = 130  # 128 + SIGINT, as in shells
 
 
 def end(name: str, message: str, code: int, *, is_json: bool) -> int:
@@ -32,6 +34,9 @@ def end_with(
         raise error
     if isinstance(error, expected):
         return end(name, str(error), getattr(error, "exit_code", 1), is_json=is_json)
+    missing = missing_extra(name, error)
+    if missing is not None:
+        return end(name, missing, 2, is_json=is_json)
     if isinstance(error, OSError) and isinstance(error.filename, str):
         return end(name, f"{error.filename}: {error.strerror}", 1, is_json=is_json)
     return end(name, f"unexpected {error!r}: please report it, with what --debug says", 1, is_json=is_json)

@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Protocol, TypeVar
 
 from companion.core.errors import HardwareError
+from companion.core.extras import how_to_install
 
 DEVICE = Path("/dev/i2c-1")  # on header pins 3 and 5 of every Pi with 40 pins
 _PIPE = ".lgd-nfy"  # created by lgpio in LG_WD or the working directory
@@ -26,13 +27,13 @@ def import_optional(module: str, part: str) -> ModuleType:
         return importlib.import_module(module)
     except ImportError as error:
         raise HardwareError(
-            f"{part}: the Python module {error.name or module!r} is missing; install mavboat[pi]"
+            f"{part}: the Python module {error.name or module!r} is missing; {how_to_install('pi')}"
         ) from None
     except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise HardwareError(
             f"{part}: the Python module {module!r} does not load on this machine ({reason}); "
-            "reinstall mavboat[pi], or set the part's driver to none"
+            "reinstall the extra pi, or set the part's driver to none"
         ) from error
 
 

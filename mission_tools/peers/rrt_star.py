@@ -7,6 +7,7 @@ the path. Legs are tested exactly, not by samples on them.
 
 from typing import Any
 
+from companion.core.extras import how_to_install
 from companion.core.geo import Point
 from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 
@@ -18,7 +19,7 @@ def rrt_star(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline)
     try:
         from ompl import base, geometric, util  # noqa: PLC0415  an optional peer
     except ImportError as error:
-        raise NoPath("OMPL is not installed: pip install 'mavboat[bench]'") from error
+        raise NoPath(f"OMPL is not installed: {how_to_install('bench')}") from error
 
     class ExactLegs(base.MotionValidator):  # type: ignore[misc]
         """Whether a leg keeps the clearance."""

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from itertools import islice
 
 from companion.core.errors import BoatError, ConfigError, LinkError
+from companion.core.extras import how_to_install
 from sitl.experiments.result_log import ResultLog
 from sitl.experiments.trial import Task, Trial, TrialResult, attempt
 from sitl.experiments.worker_processes import worker_pool
@@ -98,7 +99,7 @@ def cluster_pool(address: str) -> Iterator[TrialPool]:
     try:
         from distributed import Client  # noqa: PLC0415 (an extra)
     except ImportError:
-        raise ConfigError("--scheduler needs Dask: pip install 'mavboat[cluster]'") from None
+        raise ConfigError(f"--scheduler needs Dask: {how_to_install('cluster')}") from None
     try:
         client = Client(address, timeout="10s")
     except (OSError, TimeoutError, ValueError) as error:

@@ -15,12 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
+from companion.core.extras import how_to_install
 from mission_tools.errors import MapError
 from mission_tools.maps.assemble import MOST_FEATURES
 from mission_tools.maps.formats import s57
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
-NEEDS = "needs pyogrio, which is not installed: pip install 'mavboat[maps]'"
+NEEDS = f"needs pyogrio, which is not installed: {how_to_install('maps')}"
 _OSM = frozenset({".osm", ".pbf"})
 _OSM_LAYERS = ("multipolygons", "lines", "points")
 _HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')

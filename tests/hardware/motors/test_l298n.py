@@ -220,7 +220,7 @@ def test_a_machine_without_pins_is_told_in_one_line(
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "gpiozero", None)
     with pytest.raises(
-        HardwareError, match=r"L298N: the Python module 'gpiozero' is missing; install mavboat\[pi\]"
+        HardwareError, match=r"L298N: the Python module 'gpiozero' is missing; pip install '\.\[pi\]'"
     ):
         open_l298n(PINS, clock)
 

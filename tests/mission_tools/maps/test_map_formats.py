@@ -306,7 +306,7 @@ def test_gdal_formats_name_the_extra_where_it_is_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyogrio", None)
-    with pytest.raises(MapError, match=r"l.gpkg: needs pyogrio.*pip install 'mavboat\[maps\]'"):
+    with pytest.raises(MapError, match=r"l.gpkg: needs pyogrio.*pip install '\.\[maps\]'"):
         load_map(tmp_path / "l.gpkg")
 
 

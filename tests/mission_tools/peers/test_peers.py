@@ -37,7 +37,7 @@ WALL = shapely.box(-60.0, -2.0, 60.0, 2.0)
 
 def needs_ompl(name: str) -> None:
     if name == "RRT*" and find_spec("ompl") is None:
-        pytest.skip("OMPL is not installed: pip install 'mavboat[bench]'")
+        pytest.skip("OMPL is not installed: the extra `bench`")
 
 
 def least_distance_m(chart: Chart, points: Path) -> float:

@@ -1,0 +1,142 @@
+"""boat-companion needs only the base of pyproject.toml; the other programs name the extra that they need."""
+
+import ast
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from companion.core.extras import missing_extra
+
+ROOT = Path(__file__).parents[3]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
+MODULES = {"pillow": "PIL", "pyserial": "serial"}  # where the module is not named as its package
+BOAT = ROOT / "examples" / "configs" / "boat.toml"
+# Makes every module of the extras (argument 1) missing, then runs a module's main()
+WITHOUT = """
+import importlib, importlib.abc, sys
+class Missing(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in blocked:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+blocked = set(sys.argv[1].split(","))
+sys.meta_path.insert(0, Missing())
+module = sys.argv[2]
+sys.argv = sys.argv[3:]
+importlib.import_module(module).main()
+"""
+
+
+def packages(requirements: list[str]) -> set[str]:
+    names = {re.split(r"[\[><=; ]", requirement)[0] for requirement in requirements} - {"mavboat"}
+    return {MODULES.get(name, name) for name in names}
+
+
+BASE = packages(PROJECT["dependencies"])
+OF_EXTRAS = packages(
+    [one for name in EXTRAS["all"][0][len("mavboat[") : -1].split(",") for one in EXTRAS[name]]
+)
+
+
+def run_without_extras(module: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT, ",".join(sorted(OF_EXTRAS)), module, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+        cwd=ROOT,
+    )
+
+
+def imported_packages(folder: Path) -> Iterator[tuple[Path, str]]:
+    for path in folder.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                yield from ((path, name.name.partition(".")[0]) for name in node.names)
+            elif isinstance(node, ast.ImportFrom):
+                yield path, (node.module or "").partition(".")[0]
+
+
+def test_the_companion_imports_exactly_the_base() -> None:
+    """gpiozero, lgpio and smbus2 are loaded by name where a part needs them (`import_optional`)."""
+    found = {name for _, name in imported_packages(ROOT / "companion")}
+    assert found - set(sys.stdlib_module_names) - {"companion"} == BASE
+
+
+def test_all_contains_every_extra_that_is_not_for_development() -> None:
+    assert set(EXTRAS) - {"dev", "bench", "fuzz", "peers", "all"} == {
+        "pi",
+        "planner",
+        "sitl",
+        "cluster",
+        "maps",
+        "parquet",
+    }
+    assert EXTRAS["all"] == [
+        f"mavboat[{','.join(sorted(set(EXTRAS) - {'dev', 'bench', 'fuzz', 'peers', 'all'}))}]"
+    ]
+    assert "mavboat[all,peers]" in EXTRAS["dev"]
+
+
+def test_every_package_of_the_extras_is_pinned() -> None:
+    pinned = (ROOT / "constraints.txt").read_text(encoding="utf-8").lower()
+    names = {re.split(r"[\[><=; ]", one)[0] for group in EXTRAS.values() for one in group} - {"mavboat"}
+    names |= {re.split(r"[\[><=; ]", one)[0] for one in PROJECT["dependencies"]}
+    assert [name for name in sorted(names) if f"{name.replace('_', '-')}==" not in pinned] == []
+
+
+def test_the_companion_checks_a_configuration_without_the_extras() -> None:
+    done = run_without_extras("companion.__main__", "boat-companion", "check", "--config", str(BOAT))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"{BOAT}: fine")
+
+
+@pytest.mark.parametrize(
+    ("module", "extra", "arguments"),
+    [
+        ("sitl.__main__", "sitl", ("boat-sitl", "sail", "pool")),
+        ("mission_tools.cli.plan", "planner", ("mission-plan", "lake")),
+        ("mission_tools.cli.upload", "planner", ("mission-upload", "lake", "--dry-run")),
+        ("mission_tools.cli.download", "planner", ("mission-download", "aboard.plan")),
+        ("mission_tools.cli.check", "planner", ("mission-check", "lake.plan", "--map", "lake")),
+        (
+            "mission_tools.cli.trace",
+            "planner",
+            ("mission-trace", "pond.jpg", "--seed", "1,2", "--out", "p.geojson"),
+        ),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_a_program_without_its_extra_names_it_in_one_line(
+    module: str, extra: str, arguments: tuple[str, ...]
+) -> None:
+    done = run_without_extras(module, *arguments, "--json")
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"{arguments[0]}: needs the extra '{extra}' (no module ")
+    assert done.stderr.endswith(f"): pip install '.[{extra}]' in the folder of mavboat's sources\n")
+    assert done.stderr.count("\n") == 1
+    assert json.loads(done.stdout)["exit_code"] == 2
+
+
+def test_debug_keeps_the_traceback_of_a_missing_package() -> None:
+    done = run_without_extras("mission_tools.cli.plan", "mission-plan", "lake", "--debug")
+    assert done.returncode == 1
+    assert "Traceback" in done.stderr
+
+
+def test_a_missing_module_of_ours_is_a_fault_and_not_an_extra() -> None:
+    assert missing_extra("mission-plan", ModuleNotFoundError(name="mission_tools.nowhere")) is None
+    assert missing_extra("mission-plan", ImportError("cannot import name")) is None
+    assert missing_extra("mission-plan", ValueError("other")) is None
+
+
+def test_an_incomplete_base_says_how_to_install_it() -> None:
+    text = missing_extra("boat-companion", ModuleNotFoundError(name="serial.tools"))
+    assert text == "the Python module 'serial' is missing: pip install . in the folder of mavboat's sources"
