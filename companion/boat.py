@@ -224,6 +224,8 @@ class Boat:
     def _sense(self, now_s: float) -> None:
         sensors, estimator = self.sensors, self.estimator
         sensors.read(self.parameters.config, now_s, self.command)
+        for severity, text in sensors.notices:
+            self.vehicle.notify(severity, text)
         self._origin.share_frame()
         self.nav = estimator.update(sensors.fix, sensors.heading, now_s, self.command)
         if far_m := self._origin.check(self.vehicle.armed, self.vehicle.notify):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 
 from companion.config.boat_config import BoatConfig
-from companion.hal.battery.ina219 import open_ina219
+from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.heading.bno055 import open_bno055
 from companion.hal.hull import open_hull
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, RcReceiver, Sonar
@@ -62,7 +62,7 @@ def open_sonar(config: BoatConfig, now: Now) -> Sonar | None:
 def open_battery(config: BoatConfig, now: Now) -> Battery | None:
     """The battery monitor."""
     part = config.parts.battery
-    return None if part.driver == "none" else open_ina219(part, now)
+    return None if part.driver == "none" else open_battery_monitor(part, now)
 
 
 def open_hull_sensor(config: BoatConfig, now: Now) -> Hull | None:

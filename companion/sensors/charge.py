@@ -17,6 +17,10 @@ _LIPO_CURVE = (
     (1.0, 4.2),
 )
 
+# A LiPo cell at rest: from empty, less a little for the load of the computer, to full
+_RESTING_V = (3.2, 4.25)
+_NOMINAL_V = 3.7
+
 _MAX_GAP_S = 2.0  # longer gaps between readings are skipped
 
 
@@ -47,3 +51,13 @@ def resting_share(cell_v: float) -> float:
         if cell_v < high_v:
             return clamp(low_share + (high_share - low_share) * (cell_v - low_v) / (high_v - low_v), 0.0, 1.0)
     return 1.0
+
+
+def cells_fault(voltage_v: float, cells: int) -> str:
+    """Why a resting pack cannot have this number of cells, "" if it can."""
+    low_v, high_v = _RESTING_V
+    if low_v <= voltage_v / cells <= high_v:
+        return ""
+    likely = round(voltage_v / _NOMINAL_V)
+    fits = likely > 0 and likely != cells and low_v <= voltage_v / likely <= high_v
+    return f"Battery: {voltage_v:.1f} V does not fit {cells} cells" + (f", but {likely}" if fits else "")

@@ -6,6 +6,8 @@ learned factors. A Kalman filter estimates both; Plett, "Battery Management Syst
 3, has such a model with a measured current.
 """
 
+import math
+
 from companion.config.boat_config import BatteryPack
 from companion.core.state import MotorCommand
 from companion.sensors.charge import ChargeCounter, resting_share
@@ -14,6 +16,8 @@ from companion.sensors.readings import BatteryReading
 # The shown value rises only if the estimate exceeds it by this share: relaxation after a load and errors of
 # the sag are about as large, and must not make it fluctuate
 _HYSTERESIS = 0.05
+_MEAN_S = 60.0  # the time left follows the draw of the last minute, not each wave
+_IDLE_A = 0.01  # without a draw to speak of the time left is unknown
 
 
 class FuelGauge:
@@ -24,6 +28,8 @@ class FuelGauge:
         self._sag = SagFilter()
         self._initial_share: float | None = None
         self._shown_share: float | None = None
+        self._mean_a: float | None = None
+        self._capacity_mah = 0.0
         self._last_s = 0.0
 
     @property
@@ -36,12 +42,21 @@ class FuelGauge:
         """Remaining charge in percent."""
         return -1 if self._shown_share is None else round(100.0 * self._shown_share)
 
+    @property
+    def time_left_s(self) -> float | None:
+        """Until the pack is empty at the mean current of the last minute; None if not known."""
+        if self._shown_share is None or self._mean_a is None or self._mean_a < _IDLE_A:
+            return None
+        return self._shown_share * self._capacity_mah * 3.6 / self._mean_a
+
     def update(self, reading: BatteryReading, battery: BatteryPack, command: MotorCommand) -> None:
         """Add a reading. command: motor command at its time."""
         self._counter.add(reading)
         dt_s, self._last_s = max(reading.time_s - self._last_s, 0.0), reading.time_s
         if self._initial_share is None:
             self._initial_share = resting_share(reading.voltage_v / battery.cells)
+        self._capacity_mah = battery.capacity_mah
+        self._follow_current(reading.current_a, dt_s)
         if reading.current_a is not None:
             share = max(self._initial_share - self.consumed_mah / battery.capacity_mah, 0.0)
         else:
@@ -51,6 +66,12 @@ class FuelGauge:
             self._shown_share = share
         else:
             self._shown_share = min(max(self._shown_share, share - _HYSTERESIS), share)
+
+    def _follow_current(self, current_a: float | None, dt_s: float) -> None:
+        if current_a is None or self._mean_a is None:
+            self._mean_a = current_a
+        else:
+            self._mean_a += (current_a - self._mean_a) * -math.expm1(-dt_s / _MEAN_S)
 
     def reset(self, share: float) -> None:
         """Set the state of charge of another or recharged pack."""

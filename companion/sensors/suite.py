@@ -2,9 +2,11 @@
 
 from companion.config.boat_config import BoatConfig, Trim
 from companion.core.state import STOPPED, MotorCommand
+from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import Hardware
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
+from companion.sensors.charge import cells_fault
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import (
@@ -15,6 +17,9 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
+from companion.sensors.silence import SilenceMonitor
+
+BATTERY_STALE_S = 3.0  # thirty readings of a monitor
 
 
 class SensorSuite:
@@ -33,6 +38,8 @@ class SensorSuite:
         self.hull: HullReading | None = None
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
+        self.notices: list[StatusText] = []  # of this tick, for the operator
+        self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
         self._hardware = hardware
         self._sector: Sector = ALL_ROUND
 
@@ -40,6 +47,11 @@ class SensorSuite:
     def consumed_mah(self) -> float:
         """Charge consumed since boot, or since the pack was changed."""
         return self.gauge.consumed_mah
+
+    def fresh_battery(self, now_s: float) -> BatteryReading | None:
+        """The latest reading of the battery monitor, None once it is silent."""
+        battery = self.battery
+        return None if battery is None or now_s - battery.time_s > BATTERY_STALE_S else battery
 
     def point_sonar(self, sector: Sector) -> None:
         """Set the sector of the boat's own ranger."""
@@ -50,16 +62,15 @@ class SensorSuite:
     def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
         """Read all sensors. command: the present motor command."""
         hardware, external = self._hardware, self.external
+        if self.notices:
+            self.notices.clear()
         own_fix = hardware.gnss.read()
         self.fix = external.choose_fix(own_fix, config.external, now_s)
         self.is_fix_own = self.fix is own_fix
         self.compass = hardware.compass.read()
         self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
         if hardware.battery is not None:
-            battery = hardware.battery.read()
-            if battery is not None and battery is not self.battery:
-                self.battery = battery
-                self.gauge.update(battery, config.battery, command)
+            self._read_battery(hardware.battery.read(), config, now_s, command)
         if hardware.hull is not None:
             self.hull = hardware.hull.read()
         if hardware.rc is not None:
@@ -75,6 +86,19 @@ class SensorSuite:
             ping, beam_rad = external.pings.popleft()
             self.sweep.add(ping, beam_rad)
             self.pings.append((ping, beam_rad))
+
+    def _read_battery(
+        self, battery: BatteryReading | None, config: BoatConfig, now_s: float, command: MotorCommand
+    ) -> None:
+        if battery is not None and battery is not self.battery:
+            fault = cells_fault(battery.voltage_v, config.battery.cells) if self.battery is None else ""
+            if fault:
+                self.notices.append(StatusText(Severity.WARNING, fault))
+            self.battery = battery
+            self.gauge.update(battery, config.battery, command)
+        notice = self._battery_silence.update(None if self.battery is None else self.battery.time_s, now_s)
+        if notice is not None:
+            self.notices.append(notice)
 
 
 def trimmed(reading: HeadingReading | None, trim: Trim) -> HeadingReading | None:

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, Ina219Twin, plug_in
+from twins.battery import Ina219Twin
+from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.battery.ina219 import CONFIGURATION, Ina219, Ina219Battery, open_ina219
+from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
 from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
 
@@ -24,13 +25,8 @@ def chip() -> Bno055Twin:
 
 
 @pytest.fixture
-def monitor() -> Ina219Twin:
-    return Ina219Twin()
-
-
-@pytest.fixture
-def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip: Bno055Twin, monitor: Ina219Twin) -> I2cDev:
-    return plug_in(monkeypatch, tmp_path, {0x28: chip, 0x40: monitor})
+def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip: Bno055Twin) -> I2cDev:
+    return plug_in(monkeypatch, tmp_path, {0x28: chip, 0x40: Ina219Twin(HandClock())})
 
 
 @pytest.fixture
@@ -142,51 +138,8 @@ def test_a_heading_off_the_scale_is_ignored(bus: I2cBus, chip: Bno055Twin) -> No
     assert compass.read() is before
 
 
-def test_the_packs_voltage_is_what_is_before_the_shunt(bus: I2cBus, clock: HandClock) -> None:
-    battery = Ina219Battery(Ina219(bus), clock)
-    assert battery.read() is None
-    battery.step()
-    reading = battery.read()
-    assert reading is not None
-    assert reading.time_s == clock()
-    assert reading.voltage_v == pytest.approx(11.15)
-    assert reading.current_a == pytest.approx(1.5)
-
-
-@pytest.mark.parametrize(
-    ("shunt_v", "shunt_ohm", "current_a"), [(-0.02, 0.1, -0.2), (0.31999, 0.1, 3.1999), (0.1, 0.01, 10.0)]
-)
-def test_current_is_signed_and_goes_by_the_shunt(
-    bus: I2cBus, monitor: Ina219Twin, shunt_v: float, shunt_ohm: float, current_a: float
-) -> None:
-    monitor.shunt_v = shunt_v
-    battery = Ina219Battery(Ina219(bus), HandClock(), shunt_ohm)
-    battery.step()
-    reading = battery.read()
-    assert reading is not None
-    assert reading.current_a == pytest.approx(current_a)
-
-
-@pytest.mark.parametrize("shunt_v", [0.32, 0.5, -0.4])
-def test_a_current_beyond_the_shunt_is_unknown(bus: I2cBus, monitor: Ina219Twin, shunt_v: float) -> None:
-    monitor.shunt_v = shunt_v
-    battery = Ina219Battery(Ina219(bus), HandClock())
-    battery.step()
-    reading = battery.read()
-    assert reading is not None
-    assert reading.current_a is None
-    assert reading.voltage_v == pytest.approx(11.0)
-
-
-def test_a_monitor_whose_supply_dipped_averages_again(bus: I2cBus, monitor: Ina219Twin) -> None:
-    part = Ina219(bus)
-    monitor.power_up()
-    assert part.read().bus_v == pytest.approx(11.0)
-    assert monitor.configuration == CONFIGURATION == 0x3F77
-
-
 def test_the_factories_find_both_parts_on_one_bus(dev: I2cDev) -> None:
-    compass, battery = open_bno055(COMPASS, HandClock()), open_ina219(BATTERY, HandClock())
+    compass, battery = open_bno055(COMPASS, HandClock()), open_battery_monitor(BATTERY, HandClock())
     for part in (compass, battery, compass, battery):
         part.close()
 
@@ -196,7 +149,7 @@ def test_a_part_that_does_not_answer_is_told_in_one_line(dev: I2cDev, address: i
     with pytest.raises(HardwareError, match=rf"BNO055: no answer at I²C address {address:#x}: .*121"):
         open_bno055(parts.CompassPart(address=address), HandClock())
     with pytest.raises(HardwareError, match=rf"INA219: no answer at I²C address {address:#x}: .*121"):
-        open_ina219(parts.BatteryPart(address=address), HandClock())
+        open_battery_monitor(parts.BatteryPart(driver="ina219", address=address), HandClock())
 
 
 def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
@@ -205,7 +158,7 @@ def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
         open_bno055(COMPASS, HandClock())
     dev.parts[0x40] = dev.parts[0x28]
     with pytest.raises(HardwareError, match="INA219: the part at I²C address 0x40 is not an INA219"):
-        open_ina219(BATTERY, HandClock())
+        open_battery_monitor(BATTERY, HandClock())
 
 
 def test_a_pi_without_i2c_is_told_how_to_switch_it_on(
@@ -222,7 +175,7 @@ def test_a_bus_that_this_user_may_not_open_names_the_group(monkeypatch: pytest.M
 
     monkeypatch.setattr("smbus2.SMBus", refuse)
     with pytest.raises(HardwareError, match=r"INA219: /dev/i2c-1 may not be opened; .* group i2c"):
-        open_ina219(BATTERY, HandClock())
+        open_battery_monitor(BATTERY, HandClock())
 
 
 def test_a_file_that_is_no_bus_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -74,38 +74,6 @@ class Bno055Twin:
                 self.power = value
 
 
-class Ina219Twin:
-    """Texas Instruments SBOS448G: six registers of two bytes, the higher one first."""
-
-    def __init__(self) -> None:
-        self.bus_v, self.shunt_v = 11.0, 0.15
-        self.power_up()
-
-    def power_up(self) -> None:
-        """As its supply comes on, or after a dip."""
-        self.configuration = 0x399F
-
-    def get(self, register: int, length: int) -> bytes:
-        assert length == 2
-        full_scale = 32000  # ±320 mV, where the PGA divides by 8
-        assert self.configuration & 0x1800 == 0x1800
-        assert self.configuration & 0x0007 == 0x0007, "it does not measure"
-        match register:
-            case 0:
-                return struct.pack(">H", self.configuration)
-            case 1:
-                return struct.pack(">h", min(max(round(self.shunt_v / 10e-6), -full_scale), full_scale))
-            case 2:
-                return struct.pack(">H", round(self.bus_v / 4e-3) << 3 | 0x2)  # CNVR: there is a new value
-            case _:
-                return bytes(2)
-
-    def put(self, register: int, data: bytes) -> None:
-        (value,) = struct.unpack(">H", data)
-        if register == 0:
-            self.configuration = value
-
-
 class I2cDev:
     """The kernel's side of /dev/i2c-1: parts by their address, and one address for each open file."""
 

@@ -49,7 +49,7 @@ def sys_status(now: Snapshot) -> Message:
     enabled |= fitted
     if not now.config.failsafe.rc_enabled:
         enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-    battery = now.sensors.battery
+    battery = now.sensors.fresh_battery(now.now_s)
     current_a = battery.current_a if battery is not None else None
     return dialect.MAVLink_sys_status_message(
         onboard_control_sensors_present=_PRESENT | fitted,
@@ -75,7 +75,7 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
         fitted |= dialect.MAV_SYS_STATUS_GEOFENCE
     if now.sensors.battery is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-        if not now.vehicle.failsafes.pack_is_low:
+        if now.sensors.fresh_battery(now.now_s) is not None and not now.vehicle.failsafes.pack_is_low:
             well |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
     if now.sensors.compass is not None and now.sensors.compass.yaw_rate_rad_s is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
@@ -94,22 +94,30 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
 
 
 def battery_status(now: Snapshot) -> Message | None:
-    """The pack; the total voltage is in the first cell's field."""
-    battery = now.sensors.battery
-    if battery is None:
+    """The pack; the total voltage is in the first cell's field. What a silent monitor measured is unknown."""
+    if now.sensors.battery is None:
         return None
+    battery = now.sensors.fresh_battery(now.now_s)
+    current_a = None if battery is None else battery.current_a
     is_low = now.vehicle.failsafes.pack_is_low
+    charge_state = dialect.MAV_BATTERY_CHARGE_STATE_OK
+    if is_low:
+        charge_state = dialect.MAV_BATTERY_CHARGE_STATE_LOW
+    elif battery is None:
+        charge_state = dialect.MAV_BATTERY_CHARGE_STATE_UNDEFINED
+    time_left_s = None if current_a is None else now.sensors.gauge.time_left_s
     return dialect.MAVLink_battery_status_message(
         id=0,
         battery_function=dialect.MAV_BATTERY_FUNCTION_ALL,
         type=dialect.MAV_BATTERY_TYPE_LIPO,
         temperature=0x7FFF,
-        voltages=[round(battery.voltage_v * 1e3)] + [0xFFFF] * 9,
-        current_battery=-1 if battery.current_a is None else round(battery.current_a * 100.0),
-        current_consumed=-1 if battery.current_a is None else round(now.sensors.consumed_mah),
+        voltages=[0xFFFF if battery is None else round(battery.voltage_v * 1e3)] + [0xFFFF] * 9,
+        current_battery=-1 if current_a is None else round(current_a * 100.0),
+        current_consumed=-1 if current_a is None else round(now.sensors.consumed_mah),
         energy_consumed=-1,
         battery_remaining=now.sensors.gauge.percent,
-        charge_state=dialect.MAV_BATTERY_CHARGE_STATE_LOW if is_low else dialect.MAV_BATTERY_CHARGE_STATE_OK,
+        time_remaining=0 if time_left_s is None else min(round(time_left_s), 0x7FFFFFFF),  # 0: not known
+        charge_state=charge_state,
     )
 
 

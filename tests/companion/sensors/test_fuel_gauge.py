@@ -156,3 +156,32 @@ def test_a_pack_is_not_reset_under_way() -> None:
     rig.arm()
     assert rig.ask(RESET, 1.0, 100.0) == REJECTED_FOR_NOW
     assert "Battery: disarm first" in rig.peer.texts
+
+
+def used(amperes: float, seconds: float, gauge: FuelGauge, began_s: float = 0.0) -> float | None:
+    """Draw a current from a full pack; the time left that the gauge says."""
+    for tenths in range(round(10.0 * seconds) + 1):
+        time_s = began_s + 0.1 * tenths
+        gauge.update(BatteryReading(time_s, 12.6, amperes), BatteryPack(capacity_mah=2000.0), STOPPED)
+    return gauge.time_left_s
+
+
+def test_the_time_left_is_the_charge_left_over_the_mean_current() -> None:
+    gauge = FuelGauge()
+    assert gauge.time_left_s is None
+    assert used(2.0, 360.0, gauge) == pytest.approx(0.9 * 3600.0, rel=0.001)  # a tenth of it is gone
+
+
+def test_the_time_left_follows_another_draw_within_minutes() -> None:
+    gauge = FuelGauge()
+    used(1.0, 10.0, gauge)
+    first_s = used(4.0, 60.0, gauge, 10.0)  # mean 1 + 3 (1 − 1/e) = 2.9 A
+    assert first_s == pytest.approx((2000.0 - 69.4) * 3.6 / 2.896, rel=0.01)
+    assert used(4.0, 240.0, gauge, 70.0) == pytest.approx((2000.0 - 336.0) * 3.6 / 3.98, rel=0.01)
+
+
+def test_without_a_current_or_a_draw_the_time_left_is_unknown() -> None:
+    gauge = FuelGauge()
+    gauge.update(BatteryReading(0.0, 12.6, None), BatteryPack(), STOPPED)
+    assert gauge.time_left_s is None
+    assert used(-1.0, 1.0, FuelGauge()) is None, "charging"

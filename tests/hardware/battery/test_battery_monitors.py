@@ -1,0 +1,256 @@
+"""The battery monitors by their registers, through the real smbus2."""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from twins.battery import Ads1115Twin, Ina219Twin, Ina226Twin, Ina228Twin, MonitorTwin
+from twins.i2c import Bno055Twin, I2cDev, plug_in
+from twins.lines import HandClock, eventually
+
+from companion.config import parts
+from companion.core.errors import HardwareError
+from companion.hal.ads1115 import Ads1115
+from companion.hal.battery.analog_monitor import AnalogMonitor
+from companion.hal.battery.battery_sensor import BatterySensor, open_battery_monitor
+from companion.hal.battery.shunt_monitor import INA219, INA226, INA228, ShuntChip, ShuntMonitor
+from companion.hal.raspberry_pi import I2cBus, open_i2c
+from companion.sensors.readings import BatteryReading
+
+CHIPS = {"ina219": (Ina219Twin, INA219), "ina226": (Ina226Twin, INA226), "ina228": (Ina228Twin, INA228)}
+ANALOG = parts.BatteryPart(driver="ads1115")
+
+
+@pytest.fixture
+def clock() -> HandClock:
+    return HandClock()
+
+
+@pytest.fixture
+def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> I2cDev:
+    return plug_in(monkeypatch, tmp_path, {})
+
+
+@pytest.fixture
+def bus(dev: I2cDev) -> Iterator[I2cBus]:
+    bus = open_i2c("test")
+    yield bus
+    bus.close()
+
+
+class Bench:
+    """A monitor with its twin on the bus."""
+
+    def __init__(self, twin: MonitorTwin, chip: ShuntChip, bus: I2cBus, clock: HandClock) -> None:
+        self.twin, self._chip, self._bus, self._clock = twin, chip, bus, clock
+
+    def sensor(self, shunt_ohm: float = 0.1) -> BatterySensor:
+        return BatterySensor(ShuntMonitor(self._chip, self._bus, 0x40, shunt_ohm), self._clock)
+
+    def step(self, sensor: BatterySensor) -> BatteryReading:
+        """Read until the part has had time to measure; the reading."""
+        for _ in range(2):
+            self._clock.advance(sensor.step())
+        reading = sensor.read()
+        assert reading is not None
+        return reading
+
+
+@pytest.fixture(params=CHIPS)
+def bench(request: pytest.FixtureRequest, dev: I2cDev, bus: I2cBus, clock: HandClock) -> Bench:
+    make, chip = CHIPS[request.param]
+    twin = make(clock)
+    dev.parts = {0x40: twin}
+    return Bench(twin, chip, bus, clock)
+
+
+def test_voltage_is_the_packs_and_current_that_of_the_shunt(bench: Bench) -> None:
+    bench.twin.pack_v, bench.twin.shunt_v = 11.15, 0.06
+    reading = bench.step(bench.sensor(0.01))
+    assert reading.voltage_v == pytest.approx(11.15, abs=0.003)
+    assert reading.current_a == pytest.approx(6.0, abs=1e-3)
+
+
+def test_charging_current_is_negative(bench: Bench) -> None:
+    bench.twin.shunt_v = -0.02
+    assert bench.step(bench.sensor(0.1)).current_a == pytest.approx(-0.2, abs=1e-3)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_current_beyond_the_shunt_is_unknown(bench: Bench, sign: float) -> None:
+    sensor = bench.sensor()
+    limit_v = {Ina219Twin: 0.32, Ina226Twin: 0.08192, Ina228Twin: 0.16384}[type(bench.twin)]
+    bench.twin.pack_v, bench.twin.shunt_v = 11.0, sign * 0.999 * limit_v
+    assert bench.step(sensor).current_a == pytest.approx(sign * 9.99 * limit_v, rel=1e-4)
+    bench.twin.shunt_v = sign * limit_v
+    reading = bench.step(sensor)
+    assert reading.current_a is None
+    assert reading.voltage_v == pytest.approx(11.0, abs=0.33)
+
+
+def test_nothing_is_read_before_the_part_has_measured(bench: Bench, clock: HandClock) -> None:
+    sensor = bench.sensor()
+    clock.advance(sensor.step())
+    assert sensor.read() is None
+    assert bench.step(sensor).voltage_v > 11.0
+
+
+def test_a_part_whose_supply_dipped_is_set_up_again_and_reads_no_zeros(
+    bench: Bench, clock: HandClock
+) -> None:
+    sensor = bench.sensor()
+    before = bench.step(sensor)
+    bench.twin.power_up()
+    seen = []
+    for _ in range(4):
+        clock.advance(sensor.step())
+        seen.append(sensor.read())
+    assert {reading.voltage_v for reading in seen if reading} == {before.voltage_v}
+    assert seen[0] is before
+    assert seen[-1] is not None
+    assert seen[-1].time_s > before.time_s
+
+
+def test_a_part_that_is_pulled_off_the_bus_is_read_again_when_it_is_back(
+    dev: I2cDev, clock: HandClock, caplog: pytest.LogCaptureFixture
+) -> None:
+    twin = Ina226Twin(clock)
+    dev.parts = {0x40: twin}
+    sensor = open_battery_monitor(parts.BatteryPart(driver="ina226"), clock)
+    try:
+        clock.advance(1.0)
+        eventually(sensor.read)
+        dev.parts = {}
+        eventually(lambda: "trying again" in caplog.text)
+        stale = sensor.read()
+        twin.power_up()
+        dev.parts = {0x40: twin}
+        clock.advance(1.0)
+        caplog.set_level("INFO")
+        eventually(lambda: sensor.read() is not stale)
+    finally:
+        sensor.close()
+
+
+@pytest.mark.parametrize("driver", CHIPS)
+def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev, clock: HandClock, driver: str) -> None:
+    dev.parts = {0x40: Bno055Twin()}
+    part = parts.BatteryPart(driver=driver)  # type: ignore[arg-type]
+    name = driver.upper()
+    with pytest.raises(HardwareError, match=f"{name}: the part at I²C address 0x40 is not an {name}"):
+        open_battery_monitor(part, clock)
+
+
+def test_an_ina226_is_not_taken_for_an_ina228_nor_written_to(dev: I2cDev, clock: HandClock) -> None:
+    twin = Ina226Twin(clock)
+    twin.put = pytest.fail  # type: ignore[method-assign,assignment]
+    dev.parts = {0x40: twin}
+    with pytest.raises(HardwareError, match="not an INA228"):
+        open_battery_monitor(parts.BatteryPart(driver="ina228"), clock)
+
+
+def test_every_revision_of_the_die_is_taken(dev: I2cDev, bus: I2cBus, clock: HandClock) -> None:
+    twin = Ina226Twin(clock)
+    twin.die_id = 0x2261
+    dev.parts = {0x40: twin}
+    ShuntMonitor(INA226, bus, 0x40, 0.1)
+
+
+# Divider and Hall sensor on an ADS1115
+
+
+@pytest.fixture
+def converter(dev: I2cDev, clock: HandClock) -> Ads1115Twin:
+    twin = Ads1115Twin(clock)
+    twin.inputs_v = [11.0 / 11.0, 1.65 + 5.0 * 0.0264, 0.0, 0.0]
+    dev.parts = {0x48: twin}
+    return twin
+
+
+@pytest.fixture
+def analog(
+    converter: Ads1115Twin, bus: I2cBus, clock: HandClock
+) -> Callable[[parts.BatteryPart], BatterySensor]:
+    return lambda part: BatterySensor(AnalogMonitor(Ads1115(bus, 0x48, clock.advance), part), clock)
+
+
+def read(sensor: BatterySensor) -> BatteryReading:
+    sensor.step()
+    reading = sensor.read()
+    assert reading is not None
+    return reading
+
+
+def test_divider_and_hall_sensor_give_volts_and_amperes(
+    analog: Callable[[parts.BatteryPart], BatterySensor],
+) -> None:
+    reading = read(analog(ANALOG))
+    assert reading.voltage_v == pytest.approx(11.0, abs=0.002)
+    assert reading.current_a == pytest.approx(5.0, abs=0.005)
+
+
+def test_a_sensor_that_is_mounted_the_other_way_round_has_a_negative_scale(
+    analog: Callable[[parts.BatteryPart], BatterySensor],
+) -> None:
+    part = parts.BatteryPart(driver="ads1115", volt_per_a=-0.0264)
+    assert read(analog(part)).current_a == pytest.approx(-5.0, abs=0.005)
+    with pytest.raises(ValueError, match="volt_per_a = 0"):
+        parts.BatteryPart(volt_per_a=0.0)
+
+
+def test_each_value_is_of_its_own_channel(
+    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor]
+) -> None:
+    converter.inputs_v = [0.5, 0.6, 1.2, 2.0]
+    part = parts.BatteryPart(driver="ads1115", voltage_channel=2, current_channel=3, divider=10.0)
+    reading = read(analog(part))
+    assert reading.voltage_v == pytest.approx(12.0, abs=0.002)
+    assert reading.current_a == pytest.approx((2.0 - 1.65) / 0.0264, abs=0.005)
+    part = parts.BatteryPart(driver="ads1115", current_channel=-1)
+    assert read(analog(part)).current_a is None
+
+
+@pytest.mark.parametrize("hall_v", [0.0, 0.09, 3.6])
+def test_a_broken_wire_at_the_hall_sensor_is_no_current(
+    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor], hall_v: float
+) -> None:
+    converter.supply_v = 5.0
+    converter.inputs_v[1] = hall_v if hall_v < 3.0 else 4.2  # beyond the input's range
+    reading = read(analog(ANALOG))
+    assert reading.current_a is None
+    assert reading.voltage_v == pytest.approx(11.0, abs=0.002)
+
+
+def test_a_divider_beyond_the_range_and_a_hung_converter_are_faults(
+    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor], clock: HandClock
+) -> None:
+    sensor = analog(ANALOG)
+    converter.supply_v, converter.inputs_v[0] = 5.0, 4.5
+    with pytest.raises(HardwareError, match="beyond the input's range"):
+        sensor.step()
+    converter.inputs_v[0] = 1.0
+    converter.is_hung = True
+    began_s = clock()
+    with pytest.raises(HardwareError, match="a conversion does not end"):
+        sensor.step()
+    assert clock() - began_s < 0.05
+    converter.is_hung = False
+    converter.power_up()
+    assert read(sensor).voltage_v == pytest.approx(11.0, abs=0.002)
+
+
+def test_a_part_that_is_no_converter_is_told_in_one_line(dev: I2cDev, clock: HandClock) -> None:
+    dev.parts = {0x48: Bno055Twin()}
+    with pytest.raises(HardwareError, match="ADS1115: the part at I²C address 0x48 is not an ADS1115"):
+        open_battery_monitor(ANALOG, clock)
+    with pytest.raises(HardwareError, match="ADS1115: no answer at I²C address 0x49"):
+        open_battery_monitor(parts.BatteryPart(driver="ads1115", address=0x49), clock)
+
+
+def test_no_number_of_the_converter_is_not_finite(
+    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor]
+) -> None:
+    for volt in (-0.3, 0.0, 1.0, 3.3):
+        converter.inputs_v[0] = volt
+        assert math.isfinite(read(analog(ANALOG)).voltage_v)
