@@ -17,8 +17,6 @@ from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
 
 PERIOD_S = 1.0
-RUNTIME_DIRECTORY = Path("/run/mavboat")  # of the installed unit
-_NAME = "status.json"
 
 
 class BoatStatus(msgspec.Struct, frozen=True):
@@ -66,30 +64,23 @@ class StatusFile:
 
 
 def status_path(config: BoatConfig) -> Path | None:
-    """Where a boat of this configuration writes its status; None if it writes none.
-
-    Its unit's runtime directory is in memory, which reduces writes to the card.
-    """
+    """Where a boat of this configuration writes its status; None if it writes none."""
     storage = config.storage
     if storage.status_file:
         return Path(storage.status_file).expanduser()
-    if runtime := os.environ.get("RUNTIME_DIRECTORY"):
-        return Path(runtime) / _NAME
-    return Path(storage.folder).expanduser() / _NAME if storage.folder else None
+    return Path(storage.folder).expanduser() / "status.json" if storage.folder else None
 
 
-def find_status(config: BoatConfig, runtime: Path = RUNTIME_DIRECTORY) -> Path:
-    """The same for a program outside the unit, which does not know the unit's runtime directory.
+def find_status(config: BoatConfig) -> Path:
+    """The same, for who wants to read it.
 
     Raises:
         ConfigError: it writes none.
     """
-    own, of_unit = status_path(config), runtime / _NAME
-    if not config.storage.status_file and of_unit.exists():
-        return of_unit
-    if own is None:
+    path = status_path(config)
+    if path is None:
         raise ConfigError("storage.folder: the boat keeps no status; set it, or storage.status_file")
-    return own
+    return path
 
 
 def read_status(path: Path) -> BoatStatus:

@@ -1,7 +1,7 @@
 """The helm: closes the heading and speed loops, or lets the operator's hand through."""
 
 from companion.config.boat_config import BoatConfig
-from companion.control.allocation import allocate
+from companion.control.allocation import Effort, allocate, by_hand
 from companion.control.heading import gain_schedule, heading_effort
 from companion.control.pid import Pid
 from companion.control.single_thruster import SingleThrusterController
@@ -48,8 +48,9 @@ class Helm:
         if self.heading_pid is not None:
             self.reset()
         if isinstance(demand, Demand) and nav is not None:
-            return allocate(*self._single.update(demand, nav, motors, config.speed.max_throttle), motors)
-        return allocate(demand.throttle, demand.steering) if isinstance(demand, Drive) else _NO_THRUST
+            surge, yaw = self._single.update(demand, nav, motors, config.speed.max_throttle)
+            return allocate(Effort(surge, yaw), config, motors)
+        return by_hand(demand.throttle, demand.steering, config) if isinstance(demand, Drive) else _NO_THRUST
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
         turn = demand.yaw_rate_rad_s
@@ -65,9 +66,10 @@ class Helm:
             turn / config.handling.turn_rate_rad_s if turn else 0.0,
             gain_schedule(nav.surge_m_s - current_along, config.speed.cruise_m_s, config.heading.slow_gain),
         )
-        room = 1.0 - abs(heading.total)
+        # Two motors that steer leave the rest to the speed loop; a rudder leaves all.
+        room = 1.0 if not config.drive.has_pair else 1.0 - abs(heading.total)
         speed = speed_effort(
             self._speed, demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, current_along
         )
         self.heading_pid, self.speed_pid = heading, speed
-        return allocate(speed.total, heading.total)
+        return allocate(Effort(speed.total, heading.total, nav.surge_m_s - current_along), config)

@@ -39,7 +39,9 @@ class TuneError(BoatError):
 
 
 def tune(
-    boat: Annotated[str, typer.Argument(metavar="BOAT", help="lake, pool, kit, or a boat's .toml file")],
+    boat: Annotated[
+        str, typer.Argument(metavar="BOAT", help="lake, pool, kit, catamaran, rudder, or a boat's .toml file")
+    ],
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="DIR", help="where results go [out/tune-BOAT]")
     ] = None,

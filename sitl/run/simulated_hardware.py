@@ -28,3 +28,18 @@ class SimMotors:
     def close(self) -> None:
         """Stop."""
         self.stop()
+
+
+class SimRudder:
+    """The input of a rudder's servo, which keeps the last command."""
+
+    def __init__(self) -> None:
+        self.share = 0.0
+
+    def write(self, share: float) -> None:
+        """Take a command, −1..1; a value that is not finite centres the rudder."""
+        self.share = clamp(share, -1.0, 1.0) if math.isfinite(share) else 0.0
+
+    def close(self) -> None:
+        """Centre it."""
+        self.share = 0.0

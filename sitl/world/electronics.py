@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 
 from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
-from sitl.run.simulated_hardware import SimMotors
+from sitl.run.simulated_hardware import SimMotors, SimRudder
 from sitl.scenarios.scenario import Scenario
 from sitl.world.computer import Clocked, Computer
+from sitl.world.drive.rudder import Rudder
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import (
     LeakPart,
@@ -15,6 +16,7 @@ from sitl.world.faults.parts import (
     Shaft,
     computer_parts,
     motor_part,
+    rudder_part,
     sensor_part,
     thermometer_part,
 )
@@ -44,10 +46,12 @@ class Electronics:
         left: Shaft,
         right: Shaft,
         parameter_hooks: Sequence[ParameterHook] = (),
+        rudder: Rudder | None = None,
     ) -> None:
         """left and right: the thrusters. parameter_hooks: further simulation parameters."""
         sensors, seed = scenario.sensors, scenario.seed
         self.motors = SimMotors()
+        self.rudder = None if rudder is None else SimRudder()
         fitted = scenario.vehicle.parts
         self._gnss = SimGnss(sensors.gnss, scenario.frame, seed, shore, fitted.gnss.latency_s)
         self._compass = SimCompass(sensors.compass, seed, fitted.compass.correction_rad)
@@ -75,6 +79,8 @@ class Electronics:
             "motor_right": motor_part(right),
             **computer_parts(self.computer, self.motors),
         }
+        if rudder is not None:
+            parts["rudder"] = rudder_part(rudder)
         if self._sonar is not None:
             parts["sonar"] = sensor_part(self._sonar, seed)
         if self.rc is not None:
@@ -100,6 +106,7 @@ class Electronics:
             ),
             hull=self._hull,
             rc=self.rc,
+            rudder=self.rudder,
         )
 
     def sample(self, truth: "Truth", wave_m: float = 0.0) -> None:

@@ -15,6 +15,7 @@ from companion.core.errors import ConfigError
 from companion.core.units import wrap_pi
 from sitl.scenarios.scenario import Scenario
 from sitl.world.contact import Contact, Pose, Velocity
+from sitl.world.drive.rudder import Rudder
 from sitl.world.drive.thruster import Thrusters
 from sitl.world.electronics import Electronics
 from sitl.world.environment.current import Current
@@ -90,7 +91,10 @@ class World:
         )
         self._hull = Hull(hull, start.north_m, start.east_m, scenario.heading_rad)
         self._windage = Windage(hull.windage, hull.length_m)
-        self._thrusters = Thrusters(scenario.thrusters)
+        drive = scenario.thrusters
+        self._thrusters, self._rudder = Thrusters(drive), None
+        if drive.rudder is not None:
+            self._rudder = Rudder(drive.rudder, 0.25 * math.pi * drive.propeller.diameter_m**2)
         self._pack = Pack(scenario.battery)
         self._brownout_v, self._dark_until_s = scenario.battery.brownout_v, -math.inf
         self.movers = Movers(scenario.movers)
@@ -105,6 +109,7 @@ class World:
                 *wind_hooks(scenario.environment, self.wind),
                 *tide_hooks(self._current, self._turn_tide),
             ),
+            self._rudder,
         )
         self.hardware = self.electronics.hardware
         self._motors = self.electronics.motors
@@ -126,6 +131,11 @@ class World:
     def used_mah(self) -> float:
         """Charge taken from the pack since it was full."""
         return self._pack.used_mah
+
+    @property
+    def rudder_rad(self) -> float:
+        """Angle of the rudder, positive turns the bow to starboard; 0 without one."""
+        return 0.0 if self._rudder is None else self._rudder.angle_rad
 
     def hold_position(self) -> None:
         """Hold the boat at rest over ground; time, water, wind and sensors continue."""
@@ -157,12 +167,22 @@ class World:
         )
         pack.step(self._thrusters.current_a, dt_s)
         sway_n = 0.0
+        if self._rudder is not None and self.electronics.rudder is not None:
+            ahead_n, sway_n, turning_nm = self._rudder.step(
+                self.electronics.rudder.share,
+                self._thrusters.left.thrust_n,
+                hull.surge_m_s,
+                hull.sway_m_s,
+                hull.yaw_rate_rad_s,
+                dt_s,
+            )
+            surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
         if self._is_open:
             yaw_nm += self._flow(dt_s)
         if not self.wind.is_calm:
             self.wind.step(self.time_s)
-            ahead_n, sway_n, turning_nm = self._wind_force()
-            surge_n, yaw_nm = surge_n + ahead_n, yaw_nm + turning_nm
+            ahead_n, aside_n, turning_nm = self._wind_force()
+            surge_n, sway_n, yaw_nm = surge_n + ahead_n, sway_n + aside_n, yaw_nm + turning_nm
         if self._is_moored:
             hull.hold(self._flow_n, self._flow_e)
         else:

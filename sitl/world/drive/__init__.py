@@ -1,1 +1,1 @@
-"""The drive: two thrusters side by side, each a bridge, a brushed motor and a propeller."""
+"""The drive: one or two thrusters, each a bridge or speed controller, a motor and a propeller; a rudder."""

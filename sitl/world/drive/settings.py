@@ -1,7 +1,8 @@
 """The drive's settings: a table of a boat's file."""
 
-from companion.config.section import NonNegative, Positive, Section
+from companion.config.section import NonNegative, Positive, Section, Share
 from sitl.world.drive.propeller import PropellerSettings
+from sitl.world.drive.rudder import RudderSettings
 
 
 class BridgeSettings(Section, frozen=True):
@@ -23,6 +24,18 @@ class BridgeSettings(Section, frozen=True):
     brake: bool = True
 
 
+class EscSettings(Section, frozen=True):
+    """An electronic speed controller with reverse, seen from its brushless motor as a voltage source.
+
+    Within dead_band of neutral it opens its switches, and the motor coasts. Beyond, the voltage grows evenly
+    to the pack's. Blue Robotics' Basic ESC has ±25 µs of 400 (its data sheet), hobby controllers up to twice
+    that.
+    """
+
+    dead_band: Share = 0.0625
+    resistance_ohm: NonNegative = 0.01
+
+
 class MotorSettings(Section, frozen=True):
     """A permanent-magnet motor: E = k ω, torque k I, both with the same k in V s/rad = N m/A.
 
@@ -40,9 +53,15 @@ class MotorSettings(Section, frozen=True):
 
 
 class ThrusterSettings(Section, frozen=True):
-    """A pair of equal thrusters; apart_m is the distance between the two shafts."""
+    """Equal thrusters. apart_m is the distance between the two shafts; 0: one shaft, on the left channel.
 
-    apart_m: Positive
+    esc takes the bridge's place. A brushless motor behind it is described as a permanent-magnet motor with
+    the constant 60 / (2 π Kv) and the resistance between two terminals.
+    """
+
+    apart_m: NonNegative
     motor: MotorSettings
     propeller: PropellerSettings
     bridge: BridgeSettings = BridgeSettings()
+    esc: EscSettings | None = None
+    rudder: RudderSettings | None = None

@@ -1,10 +1,11 @@
-"""One thruster: a bridge, a brushed motor and a propeller, from command to thrust and current.
+"""One thruster: a bridge or speed controller, a motor and a propeller, from command to thrust and current.
 
 With d the command's share, V the pack's voltage, k the motor's constant, ω the shaft's speed, R the
 resistance of winding and bridge and V_b the bridge's drop, the current averaged over a pulse is
 
     bridge that brakes:     I = (d V − V_b − k ω) / R, none between there and −V_b, braking beyond
     bridge that opens:      I = d (V − V_b − k ω) / R, never negative
+    speed controller:       as a bridge that brakes, without a drop; none within its dead band
 
 and the shaft follows
 
@@ -19,7 +20,7 @@ Commands are shares of full drive, −1..1, positive ahead.
 """
 
 from sitl.world.drive.propeller import Propeller
-from sitl.world.drive.settings import ThrusterSettings
+from sitl.world.drive.settings import BridgeSettings, ThrusterSettings
 
 _WEED_TORQUE = 1.1  # of the stall torque, for a propeller that is wholly overgrown
 
@@ -34,7 +35,11 @@ class Thruster:
     """
 
     def __init__(self, parameters: ThrusterSettings) -> None:
-        motor, bridge = parameters.motor, parameters.bridge
+        motor, bridge, esc = parameters.motor, parameters.bridge, parameters.esc
+        self._dead_band = 0.0
+        if esc is not None:
+            bridge = BridgeSettings(drop_v=0.0, resistance_ohm=esc.resistance_ohm)
+            self._dead_band = esc.dead_band
         conductance = 1.0 / (motor.resistance_ohm + bridge.resistance_ohm)
         self._brake, self._propeller = bridge.brake, Propeller(parameters.propeller)
         self._friction_nm = motor.back_emf_v_s * motor.no_load_a
@@ -49,7 +54,7 @@ class Thruster:
 
     def step(self, command: float, supply_v: float, advance_m_s: float, dt_s: float) -> None:
         """Hold a command for dt_s, at the pack's voltage, in water that comes from ahead with advance_m_s."""
-        speed, share, water_m_s = self.speed_rad_s, command * self.gain, advance_m_s
+        speed, share, water_m_s = self.speed_rad_s, self._driven(command), advance_m_s
         if share == 0.0 and speed == 0.0:
             self.motor_a = self.current_a = 0.0
             return
@@ -60,7 +65,7 @@ class Thruster:
         grip = self.grip
 
         # The current, and how its torque falls as the shaft speeds up.
-        if self._brake:
+        if self._brake and (share > 0.0 or self._dead_band == 0.0):
             over_v = share * supply_v - back_emf * speed
             if over_v > drop_v:
                 over_v -= drop_v
@@ -105,6 +110,14 @@ class Thruster:
             thrust_n = speed * (propeller.thrust_nu * advance_m_s - propeller.astern_nn * speed)
         self.thrust_n = thrust_n * grip * (1.0 - self.weed)
 
+    def _driven(self, command: float) -> float:
+        """The share of the pack's voltage for a command."""
+        share = command * self.gain
+        if self._dead_band == 0.0:
+            return share
+        beyond = max(abs(share) - self._dead_band, 0.0) / (1.0 - self._dead_band)
+        return beyond if share > 0.0 else -beyond
+
     def torque_nm(self, advance_m_s: float) -> float:
         """What the propeller takes from the shaft as it turns now."""
         speed, propeller = self.speed_rad_s, self._propeller
@@ -112,10 +125,11 @@ class Thruster:
 
 
 class Thrusters:
-    """The pair."""
+    """The pair, or the left one alone on the centre line."""
 
     def __init__(self, parameters: ThrusterSettings) -> None:
         self._arm_m = 0.5 * parameters.apart_m
+        self._has_right = parameters.apart_m > 0.0
         self._depth_m, self._tip_m = parameters.propeller.depth_m, 0.5 * parameters.propeller.diameter_m
         self.left = Thruster(parameters)
         self.right = Thruster(parameters)
@@ -127,7 +141,7 @@ class Thrusters:
         arm_m = self._arm_m
         turn_m_s = arm_m * yaw_rate_rad_s  # clockwise, the port shaft goes faster ahead
         self.left.step(left, supply_v, surge_m_s + turn_m_s, dt_s)
-        self.right.step(right, supply_v, surge_m_s - turn_m_s, dt_s)
+        self.right.step(right if self._has_right else 0.0, supply_v, surge_m_s - turn_m_s, dt_s)
         port, starboard = self.left.thrust_n, self.right.thrust_n
         return port + starboard, (port - starboard) * arm_m
 

@@ -101,6 +101,11 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
     },
     "motor_left": _MOTOR,
     "motor_right": _MOTOR,
+    "rudder": {
+        "off": Effect(0.0, "the blade is lost, or trails freely"),
+        "stuck": Effect(0.0, "stands where it is"),
+        "wrong": Effect(10.0, "off by size degrees, positive to starboard", -45.0, 45.0),
+    },
     "link": {
         "off": Effect(0.0, "no frames in either direction"),
         "slow": Effect(300.0, "size bytes a second each way", 1.0),

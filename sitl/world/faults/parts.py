@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from sitl.radio.channel import WHOLE, Quality
 from sitl.run.simulated_hardware import SimMotors
 from sitl.world.computer import Computer
+from sitl.world.drive.rudder import Rudder
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
@@ -93,6 +94,18 @@ def motor_part(shaft: Shaft) -> Part:
                 shaft.gain = fault.amount
             case _:
                 shaft.weed = fault.amount
+
+    return apply
+
+
+def rudder_part(rudder: Rudder) -> Part:
+    """The rudder's blade, linkage and servo."""
+
+    def apply(fault: FaultSetting | None, now_s: float) -> None:  # noqa: ARG001
+        kind, size = ("", 0.0) if fault is None else (fault.kind, fault.amount)
+        rudder.fitted = 0.0 if kind == "off" else 1.0
+        rudder.is_stuck = kind == "stuck"
+        rudder.offset_rad = math.radians(size) if kind == "wrong" else 0.0
 
     return apply
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from companion.config.thrusters import Thrusters
 from companion.control.allocation import (
     FAINT,
-    allocate,
     from_pwm,
     motor_pwm,
+    pair_thrust,
     to_pwm,
 )
 from companion.core.state import HEALTHY_MOTORS, MotorCommand, MotorState, MotorStates, Thrust
@@ -39,13 +39,13 @@ STATES = st.builds(MotorStates, st.sampled_from(MotorState), st.sampled_from(Mot
     ],
 )
 def test_healthy_motors_are_mixed_as_in_a_table(surge: float, yaw: float, left: float, right: float) -> None:
-    thrust = allocate(surge, yaw)
+    thrust = pair_thrust(surge, yaw)
     assert (thrust.left, thrust.right) == pytest.approx((left, right))
 
 
 @given(SHARES, SHARES)
 def test_yaw_is_kept_and_nothing_saturates(surge: float, yaw: float) -> None:
-    thrust = allocate(surge, yaw)
+    thrust = pair_thrust(surge, yaw)
     assert thrust.left - thrust.right == pytest.approx(2.0 * yaw, abs=1e-12)
     assert max(abs(thrust.left), abs(thrust.right)) <= 1.0 + 1e-12
     mean = 0.5 * (thrust.left + thrust.right)
@@ -55,8 +55,8 @@ def test_yaw_is_kept_and_nothing_saturates(surge: float, yaw: float) -> None:
 
 @given(SHARES, SHARES)
 def test_mirrored_steering_swaps_the_sides(surge: float, yaw: float) -> None:
-    thrust = allocate(surge, yaw)
-    assert allocate(surge, -yaw) == Thrust(thrust.right, thrust.left)
+    thrust = pair_thrust(surge, yaw)
+    assert pair_thrust(surge, -yaw) == Thrust(thrust.right, thrust.left)
 
 
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), STATES)
@@ -65,7 +65,7 @@ def test_unsaturated_thrust_is_the_pseudo_inverse_of_the_motors_that_work(
 ) -> None:
     works = [motors.left is not FAILED, motors.right is not FAILED]
     effect = 0.5 * np.array([[1.0, 1.0], [1.0, -1.0]]) * works
-    thrust = allocate(surge, yaw, motors)
+    thrust = pair_thrust(surge, yaw, motors)
     assert [thrust.left, thrust.right] == pytest.approx(
         np.linalg.pinv(effect) @ np.array([surge, yaw]), abs=1e-12
     )
@@ -73,7 +73,7 @@ def test_unsaturated_thrust_is_the_pseudo_inverse_of_the_motors_that_work(
 
 @pytest.mark.parametrize(("surge", "yaw"), [(math.nan, 0.0), (0.0, math.nan)])
 def test_nan_reaches_the_gate(surge: float, yaw: float) -> None:
-    thrust = allocate(surge, yaw)
+    thrust = pair_thrust(surge, yaw)
     assert math.isnan(thrust.left)
     assert math.isnan(thrust.right)
 

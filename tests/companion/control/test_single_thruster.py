@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.control.allocation import allocate
+from companion.control.allocation import pair_thrust
 from companion.control.single_thruster import SingleThrusterController
 from companion.core.state import Demand, MotorState, MotorStates, NavState, Thrust
 
@@ -24,7 +24,7 @@ def nav_at(heading: float = 0.0, current_m_s: tuple[float, float] = (0.0, 0.0)) 
 def thrust_of(
     controller: SingleThrusterController, demand: Demand, nav: NavState, motors: MotorStates, most: float
 ) -> Thrust:
-    return allocate(*controller.update(demand, nav, motors, most), motors)
+    return pair_thrust(*controller.update(demand, nav, motors, most), motors)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.floats(-2.0, 2.0), st.booleans())

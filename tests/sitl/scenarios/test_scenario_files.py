@@ -158,7 +158,7 @@ def test_override_values_are_toml_or_else_words() -> None:
         ("[vehicle.speed]\ncruise_m_s = 0\n", "mine.toml: vehicle.speed.cruise_m_s: Expected float > 0.0"),
         (
             "[boat]\nmodel = 'canoe'\n",
-            "mine.toml: boat.model: no boat 'canoe': expected one of kit, lake, pool",
+            "mine.toml: boat.model: no boat 'canoe': expected one of catamaran, kit, lake, pool, rudder",
         ),
         ("[boat]\nmodel = 7\n", "mine.toml: boat.model: Expected str"),
         ("[boat]\nstart = [0]\n", "mine.toml: boat.start: "),
