@@ -10,6 +10,7 @@ from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
 from companion.app.parts import open_hardware
 from companion.app.runner import Runner
+from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, LinkConfig
@@ -162,6 +163,8 @@ def run_boat(
         status = StatusFile(path, boat.channels) if path is not None else None
         if status is not None:
             undo.callback(status.close)
+        notifier = ServiceNotifier(os.environ)
+        undo.callback(notifier.close)
 
         def step(number: int) -> None:
             boat.load = runner.load
@@ -171,6 +174,7 @@ def run_boat(
             boat.step(now_s)
             if status is not None:
                 status.tick(now_s, runner.ticks, runner.load)
+            notifier.tick(now_s, status_line(boat.vehicle.status))
 
         def receive(ready: Collection[int]) -> int:
             return boat.receive(clock.now_s(), ready)
@@ -186,6 +190,7 @@ def run_boat(
         if logbook is not None and logbook.onboard is not None:
             logbook.onboard.timing = runner.ticks
         garbage.settle()
+        undo.callback(lambda: notifier.restarting() if boat.wants_restart else notifier.stopping())
         runner.run(lambda: should_stop() or boat.wants_restart)
         ticks = runner.ticks
         logger.info("stopped after %d ticks, %d late, %d skipped", ticks.run, ticks.late, ticks.skipped)

@@ -8,12 +8,13 @@ from contextlib import ExitStack, closing
 
 from companion.config.boat_config import BoatConfig
 from companion.hal.battery.battery_sensor import open_battery_monitor
+from companion.hal.gnss.nmea import open_nmea_gnss
 from companion.hal.heading.bno055 import open_bno055
+from companion.hal.heading.nmea import open_nmea_compass
 from companion.hal.hull import open_hull
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, RcReceiver, Sonar
 from companion.hal.motors.l298n import open_l298n
 from companion.hal.motors.watched_motors import WatchedMotors
-from companion.hal.nmea import open_nmea_compass, open_nmea_gnss
 from companion.hal.ranging.ultrasonic import open_ultrasonic
 from companion.hal.rc_receiver import open_rc_receiver
 

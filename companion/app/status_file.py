@@ -17,6 +17,8 @@ from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
 
 PERIOD_S = 1.0
+RUNTIME_DIRECTORY = Path("/run/mavboat")  # of the installed unit
+_NAME = "status.json"
 
 
 class BoatStatus(msgspec.Struct, frozen=True):
@@ -64,23 +66,30 @@ class StatusFile:
 
 
 def status_path(config: BoatConfig) -> Path | None:
-    """Where a boat of this configuration writes its status; None if it writes none."""
+    """Where a boat of this configuration writes its status; None if it writes none.
+
+    Its unit's runtime directory is in memory, which reduces writes to the card.
+    """
     storage = config.storage
     if storage.status_file:
         return Path(storage.status_file).expanduser()
-    return Path(storage.folder).expanduser() / "status.json" if storage.folder else None
+    if runtime := os.environ.get("RUNTIME_DIRECTORY"):
+        return Path(runtime) / _NAME
+    return Path(storage.folder).expanduser() / _NAME if storage.folder else None
 
 
-def find_status(config: BoatConfig) -> Path:
-    """The same, for who wants to read it.
+def find_status(config: BoatConfig, runtime: Path = RUNTIME_DIRECTORY) -> Path:
+    """The same for a program outside the unit, which does not know the unit's runtime directory.
 
     Raises:
         ConfigError: it writes none.
     """
-    path = status_path(config)
-    if path is None:
+    own, of_unit = status_path(config), runtime / _NAME
+    if not config.storage.status_file and of_unit.exists():
+        return of_unit
+    if own is None:
         raise ConfigError("storage.folder: the boat keeps no status; set it, or storage.status_file")
-    return path
+    return own
 
 
 def read_status(path: Path) -> BoatStatus:

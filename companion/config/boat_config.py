@@ -200,7 +200,7 @@ class StorageSetting(Section, frozen=True):
     """Where missions and parameters are stored. An empty folder keeps them in memory only.
 
     status_file is read by `boat-companion links`; it is written once a second, best on a file system in
-    memory. Empty: status.json in the folder.
+    memory. Empty: status.json in the runtime directory of the boat's unit, without a unit in the folder.
     """
 
     folder: str = ""

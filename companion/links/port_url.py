@@ -91,6 +91,16 @@ def open_port(
     return TcpOutPort(parsed.place, parsed.number, now, **queue)
 
 
+def open_line(place: str, baud: float, now: Callable[[], float]) -> Port:
+    """Open a part's serial device at a baud rate, or any other port url.
+
+    Raises:
+        ConfigError: the url is invalid.
+        LinkError: the port cannot be opened.
+    """
+    return open_port(f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place, now)
+
+
 def _internet(url: str, kind: str, rest: str) -> PortUrl:
     host, colon, number = rest.rpartition(":")
     form = f"{kind}:HOST:PORT"

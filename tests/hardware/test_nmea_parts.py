@@ -9,7 +9,8 @@ from twins.lines import HandClock, PtyLine, eventually
 
 from companion.config import parts
 from companion.core.errors import LinkError
-from companion.hal.nmea import NmeaCompass, NmeaGnss, open_nmea_compass, open_nmea_gnss
+from companion.hal.gnss.nmea import NmeaGnss, open_nmea_gnss
+from companion.hal.heading.nmea import NmeaCompass, open_nmea_compass
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 
@@ -144,4 +145,4 @@ def test_a_receiver_may_also_be_on_the_network() -> None:
 def test_a_receiver_that_is_missing_is_named() -> None:
     with pytest.raises(LinkError, match="there is no device /dev/ttyNONE"):
         open_nmea_gnss(parts.GnssPart(driver="nmea", port="/dev/ttyNONE"), HandClock())
-    assert "companion.hal.nmea" in sys.modules
+    assert "companion.hal.gnss.nmea" in sys.modules
