@@ -48,6 +48,19 @@ class Rudder(Protocol):
         """Release the part. May be called twice."""
 
 
+class PulseOutput(Protocol):
+    """The signal of one servo or ESC."""
+
+    def write_us(self, width_us: float) -> None:
+        """Send pulses of this width, limited to the part's range; one that is not finite is its trim."""
+
+    def off(self) -> None:
+        """No more pulses."""
+
+    def close(self) -> None:
+        """No more pulses, then release the part. May be called twice."""
+
+
 class MotorCutoff(Protocol):
     """Stops motors without a recent command, independently of the control loop."""
 

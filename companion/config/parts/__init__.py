@@ -5,10 +5,21 @@ from companion.config.parts.gnss import GnssPart
 from companion.config.parts.heading import CompassPart
 from companion.config.parts.hull import HullPart
 from companion.config.parts.motors import MotorsPart
+from companion.config.parts.pulses import Pca9685Part, PulseOutputSetting
 from companion.config.parts.ranging import SonarPart
 from companion.config.section import Section
 
-__all__ = ["BatteryPart", "CompassPart", "GnssPart", "HullPart", "MotorsPart", "Parts", "SonarPart"]
+__all__ = [
+    "BatteryPart",
+    "CompassPart",
+    "GnssPart",
+    "HullPart",
+    "MotorsPart",
+    "Parts",
+    "Pca9685Part",
+    "PulseOutputSetting",
+    "SonarPart",
+]
 
 
 class Parts(Section, frozen=True):
@@ -20,3 +31,4 @@ class Parts(Section, frozen=True):
     sonar: SonarPart = SonarPart()
     battery: BatteryPart = BatteryPart()
     hull: HullPart = HullPart()
+    pca9685: Pca9685Part = Pca9685Part()

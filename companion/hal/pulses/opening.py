@@ -1,0 +1,22 @@
+"""Opens a servo signal, whatever makes it."""
+
+from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.hal.interfaces import PulseOutput
+from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses
+from companion.hal.pulses.pca9685 import open_pca9685_pulses
+from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
+
+
+def open_pulse_output(setting: PulseOutputSetting, chip: Pca9685Part) -> PulseOutput:
+    """Open a servo signal, without pulses until the first write.
+
+    Raises:
+        HardwareError: it cannot be opened; the message says what to do.
+    """
+    match setting.output:
+        case "hardware":
+            return open_sysfs_pulses(setting)
+        case "software":
+            return open_lgpio_pulses(setting)
+        case "pca9685":
+            return open_pca9685_pulses(setting, chip)

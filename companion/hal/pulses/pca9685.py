@@ -1,0 +1,260 @@
+"""PCA9685: 16 servo signals on I²C, from its data sheet (NXP PCA9685, Rev. 4, 16 April 2015).
+
+The chip makes the pulses by itself, also when the program is killed, until `companion.app.motors_off` ends
+them. All channels have one frequency. A thread writes the registers, so no caller waits for the bus; one chip
+is shared by all its channels.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.core.errors import HardwareError
+from companion.hal.background import Background
+from companion.hal.raspberry_pi import I2cBus, open_i2c_part
+
+_log = logging.getLogger(__name__)
+
+MODE1: Final = 0x00
+MODE2: Final = 0x01
+LED0: Final = 0x06  # four bytes a channel: ON low and high, OFF low and high
+ALL_LED_OFF_H: Final = 0xFD
+PRE_SCALE: Final = 0xFE
+SLEEP: Final = 0x10
+AUTO_INCREMENT: Final = 0x20
+TOTEM_POLE: Final = 0x04  # MODE2: outputs change on the stop condition, and are low while OE is high
+FULL_OFF: Final = 0x10  # in OFF high; wins over everything else (7.3.3)
+_STEPS: Final = 4096
+_OSCILLATOR_STARTS_S: Final = 0.0005  # 7.3.1.1
+_LOOK_S: Final = 0.25  # between two looks at the registers
+_RETRY_S: Final = 0.02
+_FAILURES: Final = 3  # in a row, before the users are told: one lost byte is none of their business
+
+
+class Pca9685:
+    """Registers of the chip at one bus address."""
+
+    def __init__(self, bus: I2cBus, part: Pca9685Part, wait: Callable[[float], None] = time.sleep) -> None:
+        """Raises:
+        HardwareError: the part does not keep its registers, so it is not a PCA9685.
+        OSError: it does not answer.
+        """
+        self.bus = bus
+        self._address = part.address
+        self._wait = wait
+        self._pre_scale = pre_scale(part.oscillator_hz, part.frequency_hz)
+        self._step_us = 1e6 * (self._pre_scale + 1) / part.oscillator_hz
+        self.set_up()
+        if not self.is_set_up():
+            raise HardwareError(f"PCA9685: the part at I²C address {part.address:#x} is not a PCA9685")
+
+    def set_up(self) -> None:
+        """All channels off, the frequency, and awake. PRE_SCALE can be written only in sleep (7.3.5)."""
+        self.all_off()
+        self._write(MODE1, SLEEP | AUTO_INCREMENT)
+        self._write(PRE_SCALE, self._pre_scale)
+        self._write(MODE2, TOTEM_POLE)
+        self._write(MODE1, AUTO_INCREMENT)
+        self._wait(_OSCILLATOR_STARTS_S)
+
+    def is_set_up(self) -> bool:
+        """False after a dip of its supply, which puts it to sleep with all channels off (7.3.1, table 4)."""
+        expected = ((MODE1, AUTO_INCREMENT), (MODE2, TOTEM_POLE), (PRE_SCALE, self._pre_scale))
+        return all(
+            self.bus.read_i2c_block_data(self._address, register, 1) == [value]
+            for register, value in expected
+        )
+
+    def write(self, channel: int, width_us: float) -> None:
+        """Pulses of this width on a channel; 0 for none."""
+        steps = min(round(width_us / self._step_us), _STEPS - 1)
+        off = (steps & 0xFF, steps >> 8) if steps else (0, FULL_OFF)
+        self.bus.write_i2c_block_data(self._address, LED0 + 4 * channel, [0, 0, *off])
+
+    def all_off(self) -> None:
+        """No pulses on any channel."""
+        self._write(ALL_LED_OFF_H, FULL_OFF)
+
+    def _write(self, register: int, value: int) -> None:
+        self.bus.write_i2c_block_data(self._address, register, [value])
+
+
+def pre_scale(oscillator_hz: float, frequency_hz: float) -> int:
+    """Equation 1 of the data sheet (7.3.5)."""
+    return round(oscillator_hz / (_STEPS * frequency_hz)) - 1
+
+
+class Pca9685Board:
+    """A chip, and the thread that writes to it. `step` is one turn of the thread."""
+
+    def __init__(self, chip: Pca9685, name: str = "PCA9685") -> None:
+        self.dips = 0  # number of times that it had to be set up again
+        self.fault = ""  # why it does not answer; empty while it does
+        self.users = 0
+        self._chip = chip
+        self._name = name
+        self._lock = threading.Lock()
+        self._changed = threading.Event()
+        self._wanted: dict[int, float] = {}  # widths to be written, by channel
+        self._failures = 0
+        self._background = Background(self._run, name, retry_s=_RETRY_S)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._background.start()
+
+    def put(self, channel: int, width_us: float) -> None:
+        """Have a width written soon; 0: no pulses."""
+        with self._lock:
+            self._wanted[channel] = width_us
+        self._changed.set()
+
+    def step(self) -> None:
+        """Set the chip up again if its supply has dipped, then write what is wanted; failures are counted."""
+        try:
+            if not self._chip.is_set_up():
+                self._chip.set_up()
+                with self._lock:
+                    self._wanted.clear()  # the users are told, and begin anew
+                    self.dips += 1
+                _log.error(
+                    "%s: its supply dipped; all its signals are off until they are set again", self._name
+                )
+            while (change := self._next()) is not None:
+                try:
+                    self._chip.write(*change)
+                except OSError:
+                    with self._lock:
+                        self._wanted.setdefault(*change)
+                    raise
+        except OSError as error:
+            self._failures += 1
+            if self._failures == _FAILURES:
+                self.fault = f"{self._name}: no answer on the I²C bus: {error}"
+                _log.error("%s", self.fault)
+            return
+        if self.fault:
+            _log.info("%s: answers again", self._name)
+        self._failures, self.fault = 0, ""
+
+    def close(self) -> None:
+        """Stop the thread, then all pulses, then release the bus."""
+        self._changed.set()
+        self._background.close()
+        try:
+            self._chip.all_off()
+        except OSError as error:
+            raise HardwareError(f"{self._name}: its pulses could not be ended: {error}") from error
+        finally:
+            self._chip.bus.close()
+
+    def _run(self) -> float:
+        self.step()
+        if self._failures:
+            return _RETRY_S
+        self._changed.wait(_LOOK_S)
+        self._changed.clear()
+        return 0.0
+
+    def _next(self) -> tuple[int, float] | None:
+        with self._lock:
+            return self._wanted.popitem() if self._wanted else None
+
+
+class Pca9685Pulses:
+    """Satisfies `companion.hal.interfaces.PulseOutput` with one channel.
+
+    A chip that does not answer, or had to be set up again, is an error of the next write: the boat stops its
+    motors and says so.
+    """
+
+    def __init__(
+        self, board: Pca9685Board, setting: PulseOutputSetting, release: Callable[[], None] = lambda: None
+    ) -> None:
+        """release: called once, at `close`."""
+        self._board = board
+        self._setting = setting
+        self._release = release
+        self._width_us = 0.0  # 0: no pulses
+        self._dips = board.dips
+        self._is_closed = False
+
+    def write_us(self, width_us: float) -> None:
+        """Send pulses of this width, limited to the setting's.
+
+        Raises:
+            HardwareError: closed, no answer, or the chip lost its settings in a dip of its supply.
+        """
+        if self._is_closed:
+            raise HardwareError(f"PCA9685 channel {self._setting.channel}: written to after close")
+        width_us = self._setting.limited_us(width_us)
+        self._put(width_us)
+        if self._board.fault:
+            raise HardwareError(self._board.fault)
+
+    def off(self) -> None:
+        """No more pulses."""
+        if not self._is_closed:
+            self._put(0.0)
+
+    def close(self) -> None:
+        """No more pulses, then release the channel. May be called twice."""
+        if self._is_closed:
+            return
+        self.off()
+        self._is_closed = True
+        self._release()
+
+    def _put(self, width_us: float) -> None:
+        has_dipped, self._dips = self._dips != self._board.dips, self._board.dips
+        if has_dipped and width_us:
+            self._width_us = 0.0
+            raise HardwareError(f"PCA9685 channel {self._setting.channel}: its supply dipped")
+        if has_dipped or width_us != self._width_us:
+            self._board.put(self._setting.channel, width_us)
+            self._width_us = width_us
+
+
+_boards: dict[int, Pca9685Board] = {}  # open chips by address
+_opening = threading.Lock()
+
+
+def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca9685Pulses:
+    """Open a channel, without pulses. Its first channel opens the chip, its last closes it.
+
+    Raises:
+        HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
+    """
+    with _opening:
+        board = _boards.get(part.address)
+        if board is None:
+            board = open_i2c_part("PCA9685", part.address, lambda bus: Pca9685Board(Pca9685(bus, part)))
+            board.start()
+            _boards[part.address] = board
+        board.users += 1
+
+    def release() -> None:
+        with _opening:
+            board.users -= 1
+            if not board.users:
+                del _boards[part.address]
+                board.close()
+
+    return Pca9685Pulses(board, setting, release)
+
+
+def stop_pca9685(part: Pca9685Part) -> None:
+    """From outside the program: no more pulses on any channel.
+
+    Raises:
+        HardwareError: there is no bus, or nothing answers at the address.
+    """
+
+    def all_off(bus: I2cBus) -> None:
+        bus.write_i2c_block_data(part.address, ALL_LED_OFF_H, [FULL_OFF])
+        bus.close()
+
+    open_i2c_part("PCA9685", part.address, all_off)

@@ -1,0 +1,201 @@
+"""PCA9685 by its registers, through the real smbus2."""
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from twins.i2c import Bno055Twin, I2cDev, plug_in
+from twins.lines import eventually
+from twins.pulses import Pca9685Twin
+
+from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.core.errors import HardwareError
+from companion.hal.pulses.pca9685 import (
+    Pca9685,
+    Pca9685Board,
+    Pca9685Pulses,
+    open_pca9685_pulses,
+    pre_scale,
+    stop_pca9685,
+)
+from companion.hal.raspberry_pi import I2cBus, open_i2c
+
+PART = Pca9685Part()
+LEFT = PulseOutputSetting(output="pca9685", channel=0)
+RIGHT = PulseOutputSetting(output="pca9685", channel=15)
+
+
+@pytest.fixture
+def chip() -> Pca9685Twin:
+    return Pca9685Twin()
+
+
+@pytest.fixture
+def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip: Pca9685Twin) -> I2cDev:
+    return plug_in(monkeypatch, tmp_path, {0x41: chip})
+
+
+@pytest.fixture
+def bus(dev: I2cDev) -> Iterator[I2cBus]:
+    bus = open_i2c("test")
+    yield bus
+    bus.close()
+
+
+@pytest.fixture
+def board(bus: I2cBus) -> Pca9685Board:
+    return Pca9685Board(Pca9685(bus, PART))
+
+
+def test_the_pre_scale_is_that_of_the_data_sheets_example() -> None:
+    assert pre_scale(25e6, 200.0) == 30  # 7.3.5
+    assert pre_scale(25e6, 50.0) == 121
+
+
+def test_it_is_awake_with_every_output_off_and_at_the_frequency(bus: I2cBus, chip: Pca9685Twin) -> None:
+    chip.put(0x00, b"\x21")  # another program has left pulses on
+    chip.put(0x06, bytes([0, 0, 0x40, 0x01]))
+    assert chip.width_us(0)
+    Pca9685(bus, PART)
+    assert chip.registers[0x00] == 0x20  # awake, no all-call
+    assert chip.frequency_hz == pytest.approx(50.0, rel=0.005)
+    assert not any(chip.width_us(channel) for channel in range(16))
+
+
+@pytest.mark.parametrize("frequency_hz", [50, 200, 400])
+@pytest.mark.parametrize("oscillator_hz", [23.5e6, 25e6, 26.5e6])
+@pytest.mark.parametrize("width_us", [1000.0, 1500.0, 1900.0])
+def test_a_width_is_right_to_a_step_once_the_oscillator_is_known(
+    bus: I2cBus, chip: Pca9685Twin, frequency_hz: int, oscillator_hz: float, width_us: float
+) -> None:
+    chip.oscillator_hz = oscillator_hz
+    part = Pca9685Part(frequency_hz=frequency_hz, oscillator_hz=oscillator_hz)
+    Pca9685(bus, part).write(3, width_us)
+    assert chip.width_us(3) == pytest.approx(width_us, abs=0.51e6 / (4096 * chip.frequency_hz))
+
+
+def test_outputs_share_one_chip_and_close_it_with_the_last(dev: I2cDev, chip: Pca9685Twin) -> None:
+    left, right = open_pca9685_pulses(LEFT, PART), open_pca9685_pulses(RIGHT, PART)
+    left.write_us(1200.0)
+    right.write_us(1800.0)
+    eventually(lambda: chip.width_us(0) and chip.width_us(15))
+    assert chip.width_us(0) == pytest.approx(1200.0, abs=3.0)
+    left.close()
+    left.close()
+    eventually(lambda: not chip.width_us(0))
+    assert chip.width_us(15) == pytest.approx(1800.0, abs=3.0)
+    right.close()
+    assert not chip.width_us(15)
+    assert "PCA9685" not in {thread.name for thread in threading.enumerate()}
+    with pytest.raises(HardwareError, match="channel 15: written to after close"):
+        right.write_us(1500.0)
+    again = open_pca9685_pulses(RIGHT, PART)
+    again.close()
+
+
+def test_only_changes_are_written_and_widths_are_limited(board: Pca9685Board, chip: Pca9685Twin) -> None:
+    output = Pca9685Pulses(board, LEFT)
+    for width_us in (1500.0, 1500.0, 400.0, 9999.0, float("nan")):
+        output.write_us(width_us)
+        board.step()
+    assert [round(signal.width_us, -1) for signal in chip.history] == [1500.0, 1100.0, 1900.0, 1500.0]
+    output.off()
+    board.step()
+    assert chip.width_us(0) == 0.0
+
+
+def test_a_byte_that_is_lost_is_sent_again_and_nobody_is_told(board: Pca9685Board, chip: Pca9685Twin) -> None:
+    output = Pca9685Pulses(board, LEFT)
+    output.write_us(1500.0)
+    chip.lost = 2
+    for _ in range(2):
+        board.step()
+        output.write_us(1500.0)
+    board.step()
+    assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
+
+
+def test_a_write_that_is_lost_does_not_replace_a_later_one(board: Pca9685Board, chip: Pca9685Twin) -> None:
+    output = Pca9685Pulses(board, LEFT)
+    output.write_us(1500.0)
+    chip.put = lambda register, data: _fail_once(chip, output)  # type: ignore[method-assign]
+    board.step()
+    board.step()
+    assert chip.width_us(0) == pytest.approx(1100.0, abs=3.0)
+
+
+def _fail_once(chip: Pca9685Twin, output: Pca9685Pulses) -> None:
+    del chip.put
+    output.write_us(1100.0)  # the boat, while the thread waits for the bus
+    raise OSError(121, "Remote I/O error")
+
+
+def test_a_chip_that_does_not_answer_is_an_error_of_every_write_until_it_does(
+    board: Pca9685Board, chip: Pca9685Twin, caplog: pytest.LogCaptureFixture
+) -> None:
+    output = Pca9685Pulses(board, LEFT)
+    output.write_us(1500.0)
+    chip.lost = 9
+    for _ in range(9):
+        board.step()
+    for width_us in (1500.0, 1200.0):
+        with pytest.raises(HardwareError, match=r"PCA9685: no answer on the I²C bus: .*121"):
+            output.write_us(width_us)
+    board.step()
+    output.write_us(1200.0)
+    assert chip.width_us(0) == pytest.approx(1200.0, abs=3.0)
+    assert len([line for line in caplog.messages if "no answer" in line]) == 1
+
+
+def test_a_dip_of_the_supply_leaves_it_off_until_its_users_were_told(
+    board: Pca9685Board, chip: Pca9685Twin, caplog: pytest.LogCaptureFixture
+) -> None:
+    left, right = Pca9685Pulses(board, LEFT), Pca9685Pulses(board, RIGHT)
+    left.write_us(1900.0)
+    right.write_us(1900.0)
+    board.step()
+    chip.power_up()
+    board.step()
+    assert chip.frequency_hz == pytest.approx(50.0, rel=0.005)
+    assert not chip.width_us(0)
+    for output in (left, right):
+        with pytest.raises(HardwareError, match="its supply dipped"):
+            output.write_us(1900.0)
+        output.write_us(1500.0)
+    board.step()
+    assert chip.width_us(0) == chip.width_us(15) == pytest.approx(1500.0, abs=3.0)
+    assert "PCA9685: its supply dipped; all its signals are off until they are set again" in caplog.messages
+
+
+def test_the_thread_finds_a_dip_by_itself(dev: I2cDev, chip: Pca9685Twin) -> None:
+    output = open_pca9685_pulses(LEFT, PART)
+    chip.power_up()
+    eventually(lambda: chip.registers[0x00] == 0x20)
+    output.close()
+
+
+def test_nothing_at_the_address_and_another_part_are_told_in_one_line(dev: I2cDev) -> None:
+    with pytest.raises(HardwareError, match=r"PCA9685: no answer at I²C address 0x40: .*121"):
+        open_pca9685_pulses(LEFT, Pca9685Part(address=0x40))
+    dev.parts[0x40] = Bno055Twin()
+    with pytest.raises(HardwareError, match="the part at I²C address 0x40 is not a PCA9685"):
+        open_pca9685_pulses(LEFT, Pca9685Part(address=0x40))
+
+
+def test_pulses_that_cannot_be_ended_are_an_error_of_close(dev: I2cDev, chip: Pca9685Twin) -> None:
+    output = open_pca9685_pulses(LEFT, PART)
+    chip.lost = 10**6
+    with pytest.raises(HardwareError, match="PCA9685: its pulses could not be ended"):
+        output.close()
+    chip.lost = 0
+    open_pca9685_pulses(LEFT, PART).close()
+
+
+def test_all_pulses_are_stopped_from_outside(dev: I2cDev, chip: Pca9685Twin) -> None:
+    output = open_pca9685_pulses(LEFT, PART)
+    output.write_us(1700.0)
+    eventually(lambda: chip.width_us(0))
+    stop_pca9685(PART)
+    assert not chip.width_us(0)
+    output.close()
