@@ -10,6 +10,7 @@ from companion.config.boat_config import BoatConfig
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.gnss.nmea import open_nmea_gnss
 from companion.hal.heading.bno055 import open_bno055
+from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.heading.nmea import open_nmea_compass
 from companion.hal.hull import open_hull
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, RcReceiver, Sonar
@@ -17,6 +18,7 @@ from companion.hal.motors.l298n import open_l298n
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.ranging.ultrasonic import open_ultrasonic
 from companion.hal.rc_receiver import open_rc_receiver
+from companion.sensors.magnetic_field import FieldCorrector
 
 Now = Callable[[], float]
 
@@ -42,12 +44,14 @@ def open_gnss(config: BoatConfig, now: Now) -> Gnss:
     return _Absent() if part.driver == "none" else open_nmea_gnss(part, now)
 
 
-def open_compass(config: BoatConfig, now: Now) -> Compass:
-    """The heading sensor; a silent one where none is fitted."""
+def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = None) -> Compass:
+    """The heading sensor; a silent one where none is fitted. field: the live correction of a magnetometer."""
     part = config.parts.compass
     match part.driver:
         case "bno055":
             return open_bno055(part, now)
+        case "qmc5883l" | "hmc5883l" | "lis3mdl":
+            return open_magnetic_compass(part, now, field or FieldCorrector())
         case "nmea":
             return open_nmea_compass(part, now)
         case "none":
@@ -87,7 +91,8 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         motors = undo.enter_context(closing(open_motors(config, now)))
         motors.start()
         gnss = undo.enter_context(closing(open_gnss(config, now)))
-        compass = undo.enter_context(closing(open_compass(config, now)))
+        field = FieldCorrector() if config.parts.compass.is_magnetometer else None
+        compass = undo.enter_context(closing(open_compass(config, now, field)))
         if (sonar := open_sonar(config, now)) is not None:
             undo.callback(sonar.close)
         if (battery := open_battery(config, now)) is not None:
@@ -96,4 +101,4 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(hull.close)
         rc = open_rc(config, now)
         undo.pop_all()
-    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors)
+    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors, field=field)

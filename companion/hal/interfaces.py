@@ -11,6 +11,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
 from companion.core.status_text import StatusText
+from companion.sensors.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
     GnssFix,
@@ -187,6 +188,7 @@ class Hardware:
     rc: RcReceiver | None = None
     cutoff: MotorCutoff | None = None
     rudder: Rudder | None = None
+    field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
 
     @property
     def reporting_parts(self) -> list[ReportingPart]:

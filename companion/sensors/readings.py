@@ -3,6 +3,7 @@
 from msgspec import Struct
 
 from companion.core.geo import LatLon
+from companion.core.vectors import Vector
 
 
 class GnssFix(Struct, frozen=True, gc=False):
@@ -29,9 +30,11 @@ class GnssFix(Struct, frozen=True, gc=False):
 
 
 class HeadingReading(Struct, frozen=True, gc=False):
-    """True heading in radians, clockwise; the yaw rate if there is a gyro.
+    """Heading in radians, clockwise from true or (is_magnetic) magnetic north; the yaw rate if there is a
+    gyro.
 
-    roll_rad (positive to starboard) and pitch_rad (bow up) if measured.
+    roll_rad (positive to starboard) and pitch_rad (bow up) if measured. field_mg: the magnetic field in body
+    axes, in mG, before any correction, if the part is a magnetometer.
     """
 
     time_s: float
@@ -39,6 +42,8 @@ class HeadingReading(Struct, frozen=True, gc=False):
     yaw_rate_rad_s: float | None = None
     roll_rad: float | None = None
     pitch_rad: float | None = None
+    field_mg: Vector | None = None
+    is_magnetic: bool = False
 
 
 class SonarReading(Struct, frozen=True, gc=False):

@@ -2,7 +2,7 @@
 
 from companion.config.parts.battery import BatteryPart
 from companion.config.parts.gnss import GnssPart
-from companion.config.parts.heading import CompassPart
+from companion.config.parts.heading import CompassPart, Mounting
 from companion.config.parts.hull import HullPart
 from companion.config.parts.motors import MotorsPart
 from companion.config.parts.pulses import Pca9685Part, PulseOutputSetting
@@ -15,6 +15,7 @@ __all__ = [
     "GnssPart",
     "HullPart",
     "MotorsPart",
+    "Mounting",
     "Parts",
     "Pca9685Part",
     "PulseOutputSetting",

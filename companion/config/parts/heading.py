@@ -1,17 +1,48 @@
 """Configuration of the heading sensor."""
 
+import math
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
 from companion.config.section import Positive, Section
 
+QuarterTurn = Literal[0, 90, 180, 270]
+BusAddress = Annotated[int, Meta(ge=0, le=0x77)]
+
+
+class Mounting(Section, frozen=True):
+    """How a board is turned from its usual position: flat, component side up, its x arrow to the bow.
+
+    The board is rolled about its x axis, then pitched, then yawed, clockwise seen along the axis (x ahead, y
+    to starboard, z down): with yaw_deg = 90 its arrow points to starboard; with roll_deg = 180 it is upside
+    down.
+    """
+
+    roll_deg: QuarterTurn = 0
+    pitch_deg: QuarterTurn = 0
+    yaw_deg: QuarterTurn = 0
+
 
 class CompassPart(Section, frozen=True):
-    """A heading sensor: NMEA 0183, or a BNO055 on I²C. The correction is added to its heading."""
+    """A heading sensor: NMEA 0183, a BNO055 or BNO085, or a magnetometer on I²C.
 
-    driver: Literal["nmea", "bno055", "none"] = "none"
+    correction_rad is added to its heading. The declination is added too where the part's north is magnetic.
+    """
+
+    driver: Literal["nmea", "bno055", "qmc5883l", "hmc5883l", "lis3mdl", "none"] = "none"
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0
-    address: Annotated[int, Meta(ge=0x08, le=0x77)] = 0x28  # of the BNO055; 0x29 where its COM3 pin is high
+    address: BusAddress = 0  # on I²C; 0: the part's usual one
+    mounting: Mounting = Mounting()  # of the magnetometer
+    imu: Literal["mpu6050", "lsm6ds", "none"] = "none"  # gyro and accelerometer beside a magnetometer
+    imu_address: BusAddress = 0
+    imu_mounting: Mounting = Mounting()
+    auto_declination: bool = False  # from the world magnetic model
+    declination_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0  # east positive; without the model
+
+    @property
+    def is_magnetometer(self) -> bool:
+        """Whether the boat calibrates the part, which does not calibrate itself."""
+        return self.driver in ("qmc5883l", "hmc5883l", "lis3mdl")

@@ -126,7 +126,9 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
             heading_rad = wrap_pi(math.radians(sample.heading_deg) + self._correction_rad)
             roll_rad, pitch_rad = math.radians(sample.roll_deg), math.radians(sample.pitch_deg)
             rate_rad_s = -sample.yaw_rate_rad_s
-            self._latest = HeadingReading(self._now(), heading_rad, rate_rad_s, roll_rad, pitch_rad)
+            self._latest = HeadingReading(
+                self._now(), heading_rad, rate_rad_s, roll_rad, pitch_rad, is_magnetic=True
+            )
         return _PERIOD_S
 
 
@@ -136,6 +138,7 @@ def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Comp
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
+    address = part.address or ADDRESS
     return open_i2c_part(
-        "BNO055", part.address, lambda bus: Bno055Compass(Bno055(bus, part.address), now, part.correction_rad)
+        "BNO055", address, lambda bus: Bno055Compass(Bno055(bus, address), now, part.correction_rad)
     ).start()

@@ -1,0 +1,97 @@
+"""Gyros with accelerometers on I²C, in their board axes.
+
+MPU-6050: InvenSense PS-MPU-6000A-00 and RM-MPU-6000A-00, revisions 3.4 and 4.2, August 2013. MPU-6500 and
+MPU-9250 have the same registers. LSM6DS3, LSM6DSO and LSM6DSOX: ST DocID026899 revision 10 and DS12814
+revision 3.
+"""
+
+import math
+import struct
+from typing import Final
+
+from companion.core.vectors import Vector
+from companion.hal.heading.registers import Motion, Registers
+from companion.hal.raspberry_pi import I2cBus
+from companion.sensors.attitude import GRAVITY_M_S2
+
+
+def _scaled(values: tuple[int, ...], factor: float) -> Vector:
+    x, y, z = values
+    return x * factor, y * factor, z * factor
+
+
+class Mpu6050:
+    """MPU-6050 and its successors. Its auxiliary bus is connected through: boards such as the GY-87 have
+    their magnetometer there.
+    """
+
+    name = "MPU-6050"
+    ADDRESS: Final = 0x68  # 0x69 where its AD0 pin is high
+    IDS: Final = (0x68, 0x70, 0x71)  # MPU-6050, MPU-6500, MPU-9250
+    RATE: Final = math.radians(1.0 / 65.5)  # ±500 °/s (6.1)
+    FORCE: Final = GRAVITY_M_S2 / 8192.0  # ±4 g (6.2)
+    _DIVIDER_AT, _BYPASS_AT, _STATUS_AT, _USER_AT, _POWER_AT, _ID_AT = 0x19, 0x37, 0x3A, 0x6A, 0x6B, 0x75
+    # From SMPLRT_DIV: 1 kHz / 10; low-pass 44 Hz, against motors and propellers; ±500 °/s; ±4 g
+    SET_UP: Final = (9, 0x03, 0x08, 0x08)
+    _READY: Final = 0x01
+    _DATA: Final = struct.Struct(">3hh3h")  # ACCEL, TEMP, GYRO
+
+    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+
+    def identify(self) -> str:
+        """What answers instead."""
+        (found,) = self._registers.read(self._ID_AT, 1)
+        return "" if found in self.IDS else f"{found:#x}, not {self.IDS[0]:#x}"
+
+    def set_up(self) -> None:
+        """Wake it up, clocked by its gyro, and start measuring."""
+        self._registers.write(self._POWER_AT, 0x01)
+        self._registers.write(self._DIVIDER_AT, *self.SET_UP)
+        self._registers.write(self._USER_AT, 0x00)
+        self._registers.write(self._BYPASS_AT, 0x02, 0x01)  # and the next, INT_ENABLE: data ready
+
+    def read(self) -> Motion | None:
+        """A new sample."""
+        data = self._registers.read(self._STATUS_AT, 1 + self._DATA.size)  # the data follow the status
+        if not data[0] & self._READY:
+            return None
+        values = self._DATA.unpack_from(data, 1)
+        return Motion(_scaled(values[4:], self.RATE), _scaled(values[:3], self.FORCE))
+
+
+class Lsm6ds:
+    """LSM6DS3, LSM6DS3TR-C, LSM6DSO, LSM6DSOX."""
+
+    name = "LSM6DS"
+    ADDRESS: Final = 0x6A  # 0x6B where its SA0 pin is high
+    IDS: Final = (0x69, 0x6A, 0x6C)  # LSM6DS3, LSM6DS3TR-C, LSM6DSO and LSM6DSOX
+    RATE: Final = math.radians(17.5e-3)  # ±500 °/s
+    FORCE: Final = 0.122e-3 * GRAVITY_M_S2  # ±4 g
+    _ID_AT, _CONTROL_AT, _STATUS_AT, _DATA_AT = 0x0F, 0x10, 0x1E, 0x22
+    # CTRL1_XL to CTRL3_C: 104 Hz, ±4 g; 104 Hz, ±500 °/s; block data update, address increment
+    SET_UP: Final = (0x48, 0x44, 0x44)
+    _READY: Final = 0x03  # both
+    _DATA: Final = struct.Struct("<6h")  # gyro, accelerometer
+
+    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+
+    def identify(self) -> str:
+        """What answers instead."""
+        (found,) = self._registers.read(self._ID_AT, 1)
+        return "" if found in self.IDS else f"{found:#x}, not {self.IDS[0]:#x}"
+
+    def set_up(self) -> None:
+        """Start measuring."""
+        self._registers.write(self._CONTROL_AT, *self.SET_UP)
+
+    def read(self) -> Motion | None:
+        """A new sample."""
+        (status,) = self._registers.read(self._STATUS_AT, 1)
+        if status & self._READY != self._READY:
+            return None
+        values = self._DATA.unpack(self._registers.read(self._DATA_AT, self._DATA.size))
+        return Motion(_scaled(values[:3], self.RATE), _scaled(values[3:], self.FORCE))

@@ -1,0 +1,171 @@
+"""A compass of a magnetometer and, where fitted, a gyro with accelerometer, read by one thread."""
+
+import logging
+import math
+from collections.abc import Callable
+from typing import Final
+
+from companion.config import parts
+from companion.core.errors import HardwareError
+from companion.core.units import wrap_pi
+from companion.core.vectors import Vector, times
+from companion.hal.background import BackgroundSensor
+from companion.hal.heading.inertial import Lsm6ds, Mpu6050
+from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l
+from companion.hal.heading.registers import InertialSensor, Magnetometer, board_to_body
+from companion.hal.raspberry_pi import open_i2c
+from companion.sensors.attitude import AttitudeFilter, magnetic_heading
+from companion.sensors.magnetic_field import FieldCorrector
+from companion.sensors.readings import HeadingReading
+
+_log = logging.getLogger(__name__)
+
+PERIOD_S: Final = 0.02
+SILENT_S: Final = 0.5  # without a new sample a part is set up again: after a supply dip it does not measure
+STUCK: Final = 50  # equal samples, a second of them: a working part has a noise of more than one count
+LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
+_LEVEL: Final = (0.0, 0.0, 1.0)
+_MAGNETOMETERS: Final[dict[str, type[Qmc5883l] | type[Hmc5883l] | type[Lis3mdl]]] = {
+    "qmc5883l": Qmc5883l,
+    "hmc5883l": Hmc5883l,
+    "lis3mdl": Lis3mdl,
+}
+_INERTIAL: Final[dict[str, type[Mpu6050] | type[Lsm6ds]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
+
+
+class _Supervisor:
+    """Sets a part up again when it has been silent or stuck."""
+
+    def __init__(self, part: Magnetometer | InertialSensor) -> None:
+        self._part = part
+        self._heard_s = -math.inf
+        self._last: object = None
+        self._equal = 0
+
+    def is_fresh(self, sample: object, now_s: float) -> bool:
+        """Whether a sample may be used. Raises OSError."""
+        self._equal = self._equal + 1 if sample is not None and sample == self._last else 0
+        if sample is not None:
+            self._last = sample
+            if self._equal < STUCK:
+                self._heard_s = now_s
+        if now_s - self._heard_s > SILENT_S:
+            if math.isfinite(self._heard_s):
+                _log.warning("%s: no new measurements; it is set up again", self._part.name)
+            self._heard_s = now_s
+            self._part.set_up()
+            return False
+        return sample is not None and self._equal < STUCK
+
+
+class MagneticCompass(BackgroundSensor[HeadingReading]):
+    """Satisfies `companion.hal.interfaces.Compass`.
+
+    Its north is magnetic. Without a gyro and accelerometer the boat is taken to be level, and no yaw rate is
+    reported. The readings contain the field before correction, for the calibration.
+    """
+
+    def __init__(
+        self,
+        magnetometer: Magnetometer,
+        inertial: InertialSensor | None,
+        part: parts.CompassPart,
+        now: Callable[[], float],
+        corrector: FieldCorrector,
+        release: Callable[[], None] = lambda: None,
+    ) -> None:
+        """corrector: the live correction of the field."""
+        super().__init__(self.step, "compass", now, release)
+        self._magnetometer, self._inertial = magnetometer, inertial
+        self._watched_field = _Supervisor(magnetometer)
+        self._watched_motion = None if inertial is None else _Supervisor(inertial)
+        self._field_axes = board_to_body(part.mounting)
+        self._motion_axes = board_to_body(part.imu_mounting)
+        self._correction_rad = part.correction_rad
+        self._corrector = corrector
+        self._filter = AttitudeFilter()
+        self._field: Vector = (0.0, 0.0, 0.0)
+        self._field_s = -math.inf
+
+    def step(self) -> float:
+        """Read the parts once; returns the seconds to wait before the next reading."""
+        began_s = self._now()
+        has_moved = self._turn(began_s)
+        has_field = self._point(began_s)
+        if has_moved or (has_field and self._inertial is None):
+            self._publish(began_s)
+        return max(0.0, PERIOD_S - (self._now() - began_s))
+
+    def _turn(self, now_s: float) -> bool:
+        if self._inertial is None or self._watched_motion is None:
+            return False
+        motion = self._inertial.read()
+        if not self._watched_motion.is_fresh(motion, now_s) or motion is None:
+            return False
+        axes = self._motion_axes
+        self._filter.turn(times(axes, motion.rate), times(axes, motion.force), now_s)
+        return True
+
+    def _point(self, now_s: float) -> bool:
+        field = self._magnetometer.read()
+        if not self._watched_field.is_fresh(field, now_s) or field is None:
+            return False
+        self._field, self._field_s = times(self._field_axes, field), now_s
+        if self._inertial is not None:
+            self._filter.point(self._corrector.correct(self._field), now_s)
+        return True
+
+    def _publish(self, now_s: float) -> None:
+        if now_s - self._field_s > LOST_S:
+            return
+        if self._inertial is None:
+            heading_rad = magnetic_heading(self._corrector.correct(self._field), _LEVEL)
+            if heading_rad is not None:
+                self._latest = HeadingReading(
+                    now_s,
+                    wrap_pi(heading_rad + self._correction_rad),
+                    field_mg=self._field,
+                    is_magnetic=True,
+                )
+        elif (attitude := self._filter.attitude) is not None:
+            self._latest = HeadingReading(
+                now_s,
+                wrap_pi(attitude.heading_rad + self._correction_rad),
+                attitude.yaw_rate_rad_s,
+                attitude.roll_rad,
+                attitude.pitch_rad,
+                self._field,
+                is_magnetic=True,
+            )
+
+
+def open_magnetic_compass(
+    part: parts.CompassPart, now: Callable[[], float], corrector: FieldCorrector
+) -> MagneticCompass:
+    """Open the parts on the Pi's I²C bus and start reading.
+
+    Raises:
+        HardwareError: smbus2 is missing, there is no bus, or a part does not answer.
+    """
+    name = _MAGNETOMETERS[part.driver].name
+    bus = open_i2c(name)
+    try:
+        inertial: InertialSensor | None = None
+        if part.imu != "none":  # first: it connects its auxiliary bus through
+            inertial = _INERTIAL[part.imu](bus, part.imu_address)
+            _start(inertial)
+        magnetometer: Magnetometer = _MAGNETOMETERS[part.driver](bus, part.address)
+        _start(magnetometer)
+    except HardwareError:
+        bus.close()
+        raise
+    return MagneticCompass(magnetometer, inertial, part, now, corrector, bus.close).start()
+
+
+def _start(part: Magnetometer | InertialSensor) -> None:
+    try:
+        if found := part.identify():
+            raise HardwareError(f"{part.name}: the part at I²C address {part.address:#x} says {found}")
+        part.set_up()
+    except OSError as error:
+        raise HardwareError(f"{part.name}: no answer at I²C address {part.address:#x}: {error}") from error

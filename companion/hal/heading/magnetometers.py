@@ -1,0 +1,131 @@
+"""Magnetometers on I²C, in their board axes.
+
+QMC5883L: QST 13-52-04, revision 1.0, February 2016. HMC5883L: Honeywell 900405, revision E, February 2013.
+LIS3MDL: ST DocID024204, revision 6, May 2017. All measure continuously in a range of several gauss, as steel
+near the compass can be stronger than the earth's half gauss.
+
+After a supply dip a part is back in its power-up state and does not measure. The driver of the compass then
+sets it up again.
+"""
+
+import struct
+from typing import Final
+
+from companion.core.vectors import Vector
+from companion.hal.heading.registers import Registers
+from companion.hal.raspberry_pi import I2cBus
+
+_LITTLE: Final = struct.Struct("<3h")
+_BIG: Final = struct.Struct(">3h")
+
+
+class Qmc5883l:
+    """QMC5883L. Boards sold as HMC5883L mostly carry this part, at its own address."""
+
+    name = "QMC5883L"
+    ADDRESS: Final = 0x0D
+    # Control 1 (9.2.4): oversampling 512, ±8 G, 50 Hz, continuous
+    CONTROL: Final = 0x00 | 0x10 | 0x04 | 0x01
+    MG: Final = 1000.0 / 3000.0  # table 2, ±8 G
+    _DATA_AT, _CONTROL_1_AT, _CONTROL_2_AT, _PERIOD_AT, _ID_AT = 0x00, 0x09, 0x0A, 0x0B, 0x0D
+    _ID: Final = 0xFF
+    _RESET: Final = 0x80
+    _STATUS_AT: Final = 0x06
+    _READY, _OVERFLOW = 0x01, 0x02  # 9.2.2; reading the data clears the first
+
+    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+
+    def identify(self) -> str:
+        """What answers instead."""
+        (found,) = self._registers.read(self._ID_AT, 1)
+        return "" if found == self._ID else f"{found:#x}, not {self._ID:#x}"
+
+    def set_up(self) -> None:
+        """Start measuring."""
+        self._registers.write(self._CONTROL_2_AT, self._RESET)
+        self._registers.write(self._PERIOD_AT, 0x01)  # recommended (9.2.6)
+        self._registers.write(self._CONTROL_1_AT, self.CONTROL)
+
+    def read(self) -> Vector | None:
+        """A new field."""
+        (status,) = self._registers.read(self._STATUS_AT, 1)
+        if not status & self._READY:
+            return None
+        x, y, z = _LITTLE.unpack(self._registers.read(self._DATA_AT, _LITTLE.size))
+        if status & self._OVERFLOW:
+            return None
+        return x * self.MG, y * self.MG, z * self.MG
+
+
+class Hmc5883l:
+    """HMC5883L."""
+
+    name = "HMC5883L"
+    ADDRESS: Final = 0x1E
+    SET_UP: Final = (0x78, 0x40, 0x00)  # A: mean of 8, 75 Hz; B: ±1.9 G; mode: continuous (tables 3 to 12)
+    MG: Final = 1000.0 / 820.0  # table 9, gain 2
+    _DATA_AT, _STATUS_AT, _ID_AT = 0x03, 0x09, 0x0A
+    _ID: Final = b"H43"
+    _READY: Final = 0x01
+    _OVERFLOW: Final = -4096
+
+    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+
+    def identify(self) -> str:
+        """What answers instead."""
+        found = self._registers.read(self._ID_AT, len(self._ID))
+        return "" if found == self._ID else f"{found!r}, not {self._ID!r}"
+
+    def set_up(self) -> None:
+        """Start measuring."""
+        self._registers.write(0x00, *self.SET_UP)
+
+    def read(self) -> Vector | None:
+        """A new field. The registers are in the order x, z, y."""
+        (status,) = self._registers.read(self._STATUS_AT, 1)
+        if not status & self._READY:
+            return None
+        x, z, y = _BIG.unpack(self._registers.read(self._DATA_AT, _BIG.size))
+        if self._OVERFLOW in (x, y, z):
+            return None
+        return x * self.MG, y * self.MG, z * self.MG
+
+
+class Lis3mdl:
+    """LIS3MDL."""
+
+    name = "LIS3MDL"
+    ADDRESS: Final = 0x1C  # 0x1E where its SDO/SA1 pin is high
+    # CTRL_REG1 to 5: ultra-high performance, 80 Hz; ±8 G; continuous; z the same; block data update
+    SET_UP: Final = (0x7C, 0x20, 0x00, 0x0C, 0x40)
+    MG: Final = 1000.0 / 3421.0  # table 3, ±8 G
+    _ID_AT, _CONTROL_AT, _STATUS_AT = 0x0F, 0x20, 0x27
+    _ID: Final = 0x3D
+    _FURTHER: Final = 0x80  # bit of a register address: go on to the next one (5.1.1)
+    _READY: Final = 0x08
+    _LIMIT: Final = 0x7FFF  # the part has no overflow flag: it stays at its limit
+
+    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+
+    def identify(self) -> str:
+        """What answers instead."""
+        (found,) = self._registers.read(self._ID_AT, 1)
+        return "" if found == self._ID else f"{found:#x}, not {self._ID:#x}"
+
+    def set_up(self) -> None:
+        """Start measuring."""
+        self._registers.write(self._CONTROL_AT | self._FURTHER, *self.SET_UP)
+
+    def read(self) -> Vector | None:
+        """A new field."""
+        data = self._registers.read(self._STATUS_AT | self._FURTHER, 1 + _LITTLE.size)
+        x, y, z = _LITTLE.unpack_from(data, 1)
+        if not data[0] & self._READY or max(abs(x), abs(y), abs(z)) >= self._LIMIT:
+            return None
+        return x * self.MG, y * self.MG, z * self.MG

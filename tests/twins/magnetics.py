@@ -1,0 +1,297 @@
+"""Twins of magnetometers and inertial sensors, by their data sheets, in a common scene.
+
+QMC5883L: QST 13-52-04 revision 1.0. HMC5883L: Honeywell 900405 revision E. LIS3MDL: ST DocID024204
+revision 6. MPU-6050: InvenSense PS- and RM-MPU-6000A-00. LSM6DSOX: ST DS12814 revision 3.
+"""
+
+import math
+import random
+import struct
+from collections.abc import Callable, Sequence
+
+Triple = tuple[float, float, float]
+
+
+class Scene:
+    """The boat that carries the boards: its attitude, the earth's field and its own iron.
+
+    Angles in degrees; north_mg and down_mg: the earth's field; iron_mg: added in body axes (ahead, starboard,
+    down). Boards lie flat with x ahead, y to port and z up, unless `turned`: board axes to usual board axes.
+    """
+
+    def __init__(self, now: Callable[[], float], seed: int = 1) -> None:
+        self.now = now
+        self.heading_deg = self.roll_deg = self.pitch_deg = 0.0
+        self.yaw_rate_deg_s = 0.0
+        self.north_mg, self.down_mg = 200.0, 440.0
+        self.iron_mg: Triple = (0.0, 0.0, 0.0)
+        self.gyro_bias_deg_s: Triple = (0.0, 0.0, 0.0)  # of the board
+        self.acceleration_m_s2: Triple = (0.0, 0.0, 0.0)  # of the boat, in body axes
+        self.noise_mg = 1.5
+        self.random = random.Random(seed)
+
+    def turn(self, dt_s: float) -> None:
+        """Turn at the yaw rate."""
+        self.heading_deg = (self.heading_deg + self.yaw_rate_deg_s * dt_s) % 360.0
+
+    def to_body(self, north: float, east: float, down: float) -> Triple:
+        """A vector of the world in body axes: yaw, then pitch, then roll (Fossen 2011, 2.2.1)."""
+        psi, theta, phi = (math.radians(a) for a in (self.heading_deg, self.pitch_deg, self.roll_deg))
+        x = north * math.cos(psi) + east * math.sin(psi)
+        y = -north * math.sin(psi) + east * math.cos(psi)
+        x, z = x * math.cos(theta) - down * math.sin(theta), x * math.sin(theta) + down * math.cos(theta)
+        y, z = y * math.cos(phi) + z * math.sin(phi), -y * math.sin(phi) + z * math.cos(phi)
+        return x, y, z
+
+    def field_mg(self) -> Triple:
+        """The field at the board, in body axes."""
+        x, y, z = self.to_body(self.north_mg, 0.0, self.down_mg)
+        noise = [self.random.gauss(0.0, self.noise_mg) for _ in range(3)]
+        return (
+            x + self.iron_mg[0] + noise[0],
+            y + self.iron_mg[1] + noise[1],
+            z + self.iron_mg[2] + noise[2],
+        )
+
+    def force_g(self) -> Triple:
+        """What an accelerometer feels, in body axes: it pushes up at rest."""
+        x, y, z = self.to_body(0.0, 0.0, -1.0)
+        a, b, c = (one / 9.80665 + self.random.gauss(0.0, 0.003) for one in self.acceleration_m_s2)
+        return x + a, y + b, z + c
+
+    def rate_deg_s(self) -> Triple:
+        """The boat's rate in body axes."""
+        x, y, z = self.to_body(0.0, 0.0, self.yaw_rate_deg_s)
+        noise = [self.random.gauss(0.0, 0.05) for _ in range(3)]
+        return x + noise[0], y + noise[1], z + noise[2]
+
+
+def _board(body: Triple) -> Triple:
+    """Body axes to those of a board that lies flat, its arrow to the bow: x ahead, y to port, z up."""
+    return body[0], -body[1], -body[2]
+
+
+def _counts(values: Sequence[float], limit: int = 32767) -> list[int]:
+    return [max(-limit - 1, min(limit, round(value))) for value in values]
+
+
+class MeasuringTwin:
+    """A part with a byte map that measures at a rate while it is set up to."""
+
+    address = 0
+
+    def __init__(self, scene: Scene, turned: Callable[[Triple], Triple] = lambda axes: axes) -> None:
+        """turned: from the axes of a board in its usual position to those of this one."""
+        self.scene = scene
+        self.turned = turned
+        self.is_stuck = False
+        self.resets = -1
+        self.setups = 0
+        self.power_up()
+
+    def power_up(self) -> None:
+        """As its supply comes on, or after a dip."""
+        self.resets += 1
+        self.map = bytearray(0x100)
+        self.measured_s = -1.0
+        self.held: tuple[Triple, ...] | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """The registers' initial values."""
+
+    def rate_hz(self) -> float:
+        """0: it does not measure."""
+        raise NotImplementedError
+
+    def has_new(self) -> bool:
+        """Whether a new measurement is due since the data were last read."""
+        rate_hz = self.rate_hz()
+        return rate_hz > 0.0 and self.scene.now() - self.measured_s >= 0.999 / rate_hz
+
+    def sample(self, vectors: tuple[Triple, ...]) -> tuple[Triple, ...]:
+        """Measure, or repeat what it is stuck at."""
+        self.measured_s = self.scene.now()
+        if not self.is_stuck or self.held is None:
+            self.held = tuple(self.turned(_board(one)) for one in vectors)
+        return self.held
+
+    def get(self, register: int, length: int) -> bytes:
+        raise NotImplementedError
+
+    def put(self, register: int, data: bytes) -> None:
+        for offset, value in enumerate(data):
+            self.map[register + offset] = value
+
+
+class Qmc5883lTwin(MeasuringTwin):
+    """Reading the data clears DRDY (9.2.2); standby keeps the last values."""
+
+    address = 0x0D
+    RATES_HZ = (10.0, 50.0, 100.0, 200.0)
+
+    def reset(self) -> None:
+        self.map[0x0D] = 0xFF
+
+    def rate_hz(self) -> float:
+        control = self.map[0x09]
+        return self.RATES_HZ[control >> 2 & 3] if control & 3 == 1 else 0.0
+
+    def get(self, register: int, length: int) -> bytes:
+        per_gauss, limit = (3000, 32767) if self.map[0x09] & 0x30 == 0x10 else (12000, 32767)
+        if register == 0x06:
+            field = self.turned(_board(self.scene.field_mg()))
+            is_over = any(abs(one) / 1000.0 * per_gauss > limit for one in field)
+            return bytes([int(self.has_new()) | int(is_over) << 1])
+        if register == 0x00 and self.has_new():
+            assert self.map[0x0B] == 0x01, "9.2.6: the recommended period"
+            (field,) = self.sample((self.scene.field_mg(),))
+            self.map[0:6] = struct.pack("<3h", *_counts([one * per_gauss / 1000.0 for one in field]))
+        return bytes(self.map[register : register + length])
+
+    def put(self, register: int, data: bytes) -> None:
+        if register == 0x0A and data[0] & 0x80:
+            self.map = bytearray(0x100)
+            self.reset()
+            self.setups += 1
+            return
+        super().put(register, data)
+
+
+class Hmc5883lTwin(MeasuringTwin):
+    """Data in the order x, z, y, the higher byte first; −4096 out of range. The pointer turns back after 0x08
+    to 0x03, so the status is not behind the data.
+    """
+
+    address = 0x1E
+    PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # table 9
+    RATES_HZ = (0.75, 1.5, 3.0, 7.5, 15.0, 30.0, 75.0)
+
+    def reset(self) -> None:
+        self.map[0:3] = bytes([0x10, 0x20, 0x01])
+        self.map[0x0A:0x0D] = b"H43"
+
+    def rate_hz(self) -> float:
+        return self.RATES_HZ[self.map[0] >> 2 & 7] if self.map[2] & 3 == 0 else 0.0
+
+    def get(self, register: int, length: int) -> bytes:
+        if register == 0x09:
+            return bytes([int(self.has_new())])
+        if register == 0x03:
+            assert length == 6
+            if self.has_new():
+                (field,) = self.sample((self.scene.field_mg(),))
+                counts = [one * self.PER_GAUSS[self.map[1] >> 5] / 1000.0 for one in field]
+                x, y, z = (round(one) if abs(one) <= 2047 else -4096 for one in counts)
+                self.map[3:9] = struct.pack(">3h", x, z, y)
+        return bytes(self.map[register : register + length])
+
+    def put(self, register: int, data: bytes) -> None:
+        self.setups += register == 0
+        super().put(register, data)
+
+
+class Lis3mdlTwin(MeasuringTwin):
+    """Without bit 7 of the register's address every byte is that of one register (5.1.1)."""
+
+    address = 0x1C
+    PER_GAUSS = (6842, 3421, 2281, 1711)  # table 3
+
+    def reset(self) -> None:
+        self.map[0x0F] = 0x3D
+        self.map[0x20:0x25] = bytes([0x10, 0x00, 0x03, 0x00, 0x00])
+
+    def rate_hz(self) -> float:
+        return (0.625, 1.25, 2.5, 5.0, 10.0, 20.0, 40.0, 80.0)[self.map[0x20] >> 2 & 7] * (
+            self.map[0x22] & 3 == 0
+        )
+
+    def get(self, register: int, length: int) -> bytes:
+        first, goes_on = register & 0x7F, bool(register & 0x80)
+        if first == 0x27:
+            self.map[0x27] = 0x08 if self.has_new() else 0x00
+        if first in (0x27, 0x28) and first + length > 0x28 and self.has_new():
+            (field,) = self.sample((self.scene.field_mg(),))
+            per_gauss = self.PER_GAUSS[self.map[0x21] >> 5 & 3]
+            self.map[0x28:0x2E] = struct.pack("<3h", *_counts([one * per_gauss / 1000.0 for one in field]))
+        return (
+            bytes(self.map[first : first + length])
+            if goes_on
+            else bytes(self.map[first : first + 1]) * length
+        )
+
+    def put(self, register: int, data: bytes) -> None:
+        first, goes_on = register & 0x7F, bool(register & 0x80)
+        self.setups += first == 0x20
+        for offset, value in enumerate(data):
+            self.map[first + (offset if goes_on else 0)] = value
+
+
+class Mpu6050Twin(MeasuringTwin):
+    """It sleeps after power-up. Reading INT_STATUS clears it. A magnetometer on its auxiliary bus (`behind`)
+    answers only in bypass.
+    """
+
+    address = 0x68
+    chip_id = 0x68
+
+    def reset(self) -> None:
+        self.map[0x6B], self.map[0x75] = 0x40, self.chip_id
+
+    def rate_hz(self) -> float:
+        if self.map[0x6B] & 0x40 or not self.map[0x38] & 1:
+            return 0.0
+        clock_hz = 8000.0 if self.map[0x1A] & 7 in (0, 7) else 1000.0
+        return clock_hz / (1 + self.map[0x19])
+
+    @property
+    def is_bypassed(self) -> bool:
+        return bool(self.map[0x37] & 2) and not self.map[0x6A] & 0x20
+
+    def get(self, register: int, length: int) -> bytes:
+        if register == 0x3A:
+            is_new = self.has_new()
+            self.map[0x3A] = int(is_new)
+            if is_new:
+                rate, force = self.sample((self.scene.rate_deg_s(), self.scene.force_g()))
+                per_g = (16384, 8192, 4096, 2048)[self.map[0x1C] >> 3 & 3]
+                per_rate = (131.0, 65.5, 32.8, 16.4)[self.map[0x1B] >> 3 & 3]
+                heard = [a + b for a, b in zip(rate, self.scene.gyro_bias_deg_s, strict=True)]
+                self.map[0x3B:0x41] = struct.pack(">3h", *_counts([one * per_g for one in force]))
+                self.map[0x41:0x43] = struct.pack(">h", round((25.0 - 36.53) * 340.0))
+                self.map[0x43:0x49] = struct.pack(">3h", *_counts([one * per_rate for one in heard]))
+        return bytes(self.map[register : register + length])
+
+    def put(self, register: int, data: bytes) -> None:
+        self.setups += register == 0x6B
+        super().put(register, data)
+
+
+class Lsm6dsTwin(MeasuringTwin):
+    """Powered down until its control registers are written."""
+
+    address = 0x6A
+    chip_id = 0x6C
+
+    def reset(self) -> None:
+        self.map[0x0F], self.map[0x12] = self.chip_id, 0x04
+
+    def rate_hz(self) -> float:
+        gyro, force = self.map[0x11] >> 4, self.map[0x10] >> 4
+        return 13.0 * 2 ** (min(gyro, force) - 1) if gyro and force else 0.0
+
+    def get(self, register: int, length: int) -> bytes:
+        if register == 0x1E:
+            return bytes([0x03 if self.has_new() else 0x00])
+        if register == 0x22 and self.has_new():
+            rate, force = self.sample((self.scene.rate_deg_s(), self.scene.force_g()))
+            mg = (0.061, 0.488, 0.122, 0.244)[self.map[0x10] >> 2 & 3]
+            mdps = (8.75, 17.5, 35.0, 70.0)[self.map[0x11] >> 2 & 3]
+            heard = [a + b for a, b in zip(rate, self.scene.gyro_bias_deg_s, strict=True)]
+            self.map[0x22:0x28] = struct.pack("<3h", *_counts([one * 1000.0 / mdps for one in heard]))
+            self.map[0x28:0x2E] = struct.pack("<3h", *_counts([one * 1000.0 / mg for one in force]))
+        return bytes(self.map[register : register + length])
+
+    def put(self, register: int, data: bytes) -> None:
+        self.setups += register == 0x10
+        super().put(register, data)
