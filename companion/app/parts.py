@@ -16,7 +16,7 @@ from companion.hal.hull import open_hull
 from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, RcReceiver, Sonar
 from companion.hal.motors.l298n import open_l298n
 from companion.hal.motors.watched_motors import WatchedMotors
-from companion.hal.ranging.ultrasonic import open_ultrasonic
+from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
 from companion.sensors.magnetic_field import FieldCorrector
 
@@ -61,7 +61,7 @@ def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = No
 def open_sonar(config: BoatConfig, now: Now) -> Sonar | None:
     """The ranger."""
     part = config.parts.sonar
-    return None if part.driver == "none" else open_ultrasonic(part, now)
+    return None if part.driver == "none" else open_ranger(part, now)
 
 
 def open_battery(config: BoatConfig, now: Now) -> Battery | None:

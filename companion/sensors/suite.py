@@ -20,6 +20,7 @@ from companion.sensors.readings import (
 from companion.sensors.silence import SilenceMonitor
 
 BATTERY_STALE_S = 3.0  # thirty readings of a monitor
+SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
 
 class SensorSuite:
@@ -39,6 +40,7 @@ class SensorSuite:
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
+        self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
         self._hardware = hardware
         self._sector: Sector = ALL_ROUND
@@ -77,11 +79,13 @@ class SensorSuite:
             self.rc = hardware.rc.read()
         if self.pings:
             self.pings.clear()
-        if hardware.sonar is not None and (pings := hardware.sonar.read()):
-            self.sonar = pings[-1]
-            for ping in pings:
-                self.sweep.add(ping)
-                self.pings.append((ping, None))
+        if hardware.sonar is not None:
+            if pings := hardware.sonar.read():
+                self.sonar = pings[-1]
+                for ping in pings:
+                    self.sweep.add(ping)
+                    self.pings.append((ping, None))
+            self._tell(self._sonar_silence.update(None if self.sonar is None else now_s, now_s))
         while external.pings:
             ping, beam_rad = external.pings.popleft()
             self.sweep.add(ping, beam_rad)
@@ -96,7 +100,9 @@ class SensorSuite:
                 self.notices.append(StatusText(Severity.WARNING, fault))
             self.battery = battery
             self.gauge.update(battery, config.battery, command)
-        notice = self._battery_silence.update(None if self.battery is None else self.battery.time_s, now_s)
+        self._tell(self._battery_silence.update(None if self.battery is None else self.battery.time_s, now_s))
+
+    def _tell(self, notice: StatusText | None) -> None:
         if notice is not None:
             self.notices.append(notice)
 

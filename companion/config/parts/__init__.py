@@ -6,7 +6,7 @@ from companion.config.parts.heading import CompassPart, Mounting
 from companion.config.parts.hull import HullPart
 from companion.config.parts.motors import MotorsPart
 from companion.config.parts.pulses import Pca9685Part, PulseOutputSetting
-from companion.config.parts.ranging import SonarPart
+from companion.config.parts.ranging import RangerPart
 from companion.config.section import Section
 
 __all__ = [
@@ -19,7 +19,7 @@ __all__ = [
     "Parts",
     "Pca9685Part",
     "PulseOutputSetting",
-    "SonarPart",
+    "RangerPart",
 ]
 
 
@@ -29,7 +29,7 @@ class Parts(Section, frozen=True):
     motors: MotorsPart = MotorsPart()
     gnss: GnssPart = GnssPart()
     compass: CompassPart = CompassPart()
-    sonar: SonarPart = SonarPart()
+    sonar: RangerPart = RangerPart()
     battery: BatteryPart = BatteryPart()
     hull: HullPart = HullPart()
     pca9685: Pca9685Part = Pca9685Part()

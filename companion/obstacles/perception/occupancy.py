@@ -38,10 +38,10 @@ class Cell:
 class Beam:
     """One ping: position, bearing from north, beam width and range.
 
-    range_m: to the nearest echo, infinite without one within reach_m.
+    range_m: to the nearest echo, infinite without one within reach_m. blind_m: nothing closer is seen.
     """
 
-    __slots__ = ("bearing_rad", "east_m", "north_m", "range_m", "reach_m", "time_s", "width_rad")
+    __slots__ = ("bearing_rad", "blind_m", "east_m", "north_m", "range_m", "reach_m", "time_s", "width_rad")
 
     def __init__(
         self,
@@ -51,6 +51,7 @@ class Beam:
         width_rad: float,
         range_m: float,
         reach_m: float,
+        blind_m: float = 0.0,
     ) -> None:
         self.time_s = time_s
         self.north_m, self.east_m = at
@@ -58,6 +59,7 @@ class Beam:
         self.width_rad = width_rad
         self.range_m = range_m
         self.reach_m = reach_m
+        self.blind_m = blind_m
 
     @property
     def is_echo(self) -> bool:
@@ -150,7 +152,8 @@ class Occupancy:
         return max(cell.evidence - leaked, 0.0) if cell.evidence > 0.0 else min(cell.evidence + leaked, 0.0)
 
     def _clear_beam(self, beam: Beam) -> None:
-        """Reduce the evidence of the cells in the core of the beam, well before the echo.
+        """Reduce the evidence of the cells in the core of the beam, well before the echo. What the ranger is
+        blind to stays as it was.
 
         Where no cell is solid, a cell counts as in the core if a corner is: a single echo marks every cell
         that its arc touches, and a second look at the same place must clear them all. Beside solid cells it
@@ -174,7 +177,7 @@ class Occupancy:
                 across = abs(north * ahead_e - east * ahead_n)
                 is_single = is_open and across < sine * distance + beside_m
                 is_through = is_single or along > edge * distance
-                if distance < clear_m and is_through:
+                if beam.blind_m <= distance < clear_m and is_through:
                     cell.evidence = max(self._decayed(cell, beam.time_s) - taken, _DOUBTS)
                     cell.seen_s = beam.time_s
                     self.version += 1

@@ -165,6 +165,7 @@ def _beam(
         return None
     at = Point(nav.north_m - nav.north_m_s * age_s, nav.east_m - nav.east_m_s * age_s)
     heading_rad = nav.heading_rad - nav.yaw_rate_rad_s * age_s
+    blind_m = ping.min_range_m
     return Beam(
-        ping.time_s, at, heading_rad + ping.bearing_rad, width_rad, max(range_m, ping.min_range_m), reach_m
+        ping.time_s, at, heading_rad + ping.bearing_rad, width_rad, max(range_m, blind_m), reach_m, blind_m
     )

@@ -36,7 +36,8 @@ class SonarScan:
     def distances_cm(self, now_s: float) -> tuple[list[int], int]:
         """Distances for OBSTACLE_DISTANCE, and the maximum distance.
 
-        Maximum + 1: no obstacle within it; UNKNOWN_CM: not measured, or not that far.
+        Maximum + 1: no obstacle within it; UNKNOWN_CM: not measured, or not that far. An echo closer than the
+        ranger can see is at its least range: stations ignore what is below that.
         """
         oldest_s = now_s - STALE_S
         fresh = [ping if ping is not None and ping.time_s >= oldest_s else None for ping in self._pings]
@@ -49,5 +50,5 @@ def _distance_cm(ping: SonarReading | None, reach_m: float, farthest_cm: int) ->
     if ping is None:
         return UNKNOWN_CM
     if ping.range_m is not None:
-        return min(round(100.0 * ping.range_m), farthest_cm + 1)
+        return min(round(100.0 * max(ping.range_m, ping.min_range_m)), farthest_cm + 1)
     return farthest_cm + 1 if ping.max_range_m >= reach_m else UNKNOWN_CM

@@ -192,15 +192,21 @@ def distance_sensor(now: Snapshot) -> Message | None:
         min_distance=round(ping.min_range_m * 100.0),
         max_distance=round(ping.max_range_m * 100.0),
         current_distance=round(clamp(range_m * 100.0, 0.0, 65535.0)),
-        type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        type=_sensor_type(now),
         id=0,
         orientation=_orientation(ping.bearing_rad),
         covariance=0xFF,
-        horizontal_fov=math.radians(15.0),
-        vertical_fov=math.radians(15.0),
+        horizontal_fov=now.config.avoidance.beam_rad,
+        vertical_fov=now.config.avoidance.beam_rad,
         quaternion=[math.cos(half_yaw_rad), 0.0, 0.0, math.sin(half_yaw_rad)],
         signal_quality=0,
     )
+
+
+def _sensor_type(now: Snapshot) -> int:
+    is_laser = now.config.parts.sonar.is_laser
+    kind: int = dialect.MAV_DISTANCE_SENSOR_LASER if is_laser else dialect.MAV_DISTANCE_SENSOR_ULTRASOUND
+    return kind
 
 
 def _orientation(bearing_rad: float) -> int:

@@ -47,6 +47,22 @@ def test_an_echo_lies_somewhere_on_the_arc_across_the_beam() -> None:
     assert all(abs(math.atan2(thing.east_m, thing.north_m)) < WIDTH_RAD for thing in arc)
 
 
+@pytest.mark.parametrize("range_m", [3.5, math.inf])
+def test_what_is_closer_than_the_ranger_sees_stays(range_m: float) -> None:
+    seen = water()
+    for distance in (1.1, 0.5):
+        for time_s in (0.0, 0.7):
+            seen.add(look(distance, time_s))
+    before = seen.evidence_at(Point(0.5, 0.01), 1.4)
+    for time_s in (1.4, 2.1, 2.8):
+        seen.add(Beam(time_s, HERE, 0.0, WIDTH_RAD, range_m, 4.0, 0.6))
+    after = seen.evidence_at(Point(0.5, 0.01), 2.8)
+    assert before is not None
+    assert after is not None
+    assert after > before - 0.2, "only faded"
+    assert all(thing.north_m < 0.7 for thing in seen.obstacles(2.8, SUSPECT) if thing.north_m < 3.0)
+
+
 def test_what_a_beam_reaches_beyond_is_gone() -> None:
     seen = water()
     for time_s in (0.0, 0.7):

@@ -58,6 +58,7 @@ def test_the_reach_is_the_rangers_up_to_the_lookahead_and_an_echo_is_no_nearer_t
     assert beams_of(SonarReading(NOW_S, 0.0, 3.0, 0.2, 9.0))[0].reach_m == SETTING.lookahead_m == 6.0
     assert beams_of(SonarReading(NOW_S, 0.0, 0.1, 0.2, 9.0))[0].range_m == 0.2
     assert beams_of(SonarReading(NOW_S, 0.0, 0.3, 0.2, 9.0))[0].range_m == 0.3
+    assert beams_of(SonarReading(NOW_S, 0.0, 5.0, 0.2, 9.0))[0].blind_m == 0.2
 
 
 def test_the_boats_own_ranger_has_the_configured_width() -> None:

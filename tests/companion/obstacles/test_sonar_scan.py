@@ -71,3 +71,9 @@ def test_the_sector_that_a_ping_points_at_always_has_it(ping: SonarReading, beam
     sweep.add(ping, beam_rad)
     sector = round(ping.bearing_rad / SECTOR_RAD) % SECTORS
     assert sweep.distances_cm(ping.time_s)[0][sector] != UNKNOWN_CM
+
+
+def test_an_echo_in_the_blind_range_is_at_its_end() -> None:
+    sweep = SonarScan()
+    sweep.add(SonarReading(1.0, 0.0, 0.1, 0.25, 4.5))
+    assert sweep.distances_cm(1.0)[0][0] == 25

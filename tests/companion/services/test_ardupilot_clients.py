@@ -5,10 +5,13 @@ Measured at ArduPilot Rover, or written in MAVLink's common set.
 
 import math
 import types
+from typing import Any
 
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
 
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import Parts, RangerPart
 from companion.core.geo import LatLon
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
@@ -185,10 +188,27 @@ def bytes_of(message: Message | None) -> bytes:
 
 def test_a_ping_is_told_after_fifty_days_too() -> None:
     ping = SonarReading(50.0 * 86400.0, 0.5, 2.0)
-    message = distance_sensor(types.SimpleNamespace(sensors=types.SimpleNamespace(sonar=ping)))  # type: ignore[arg-type]
+    message = distance_sensor(ranger_at(ping))
     assert bytes_of(message)
     assert message is not None
     assert message.time_boot_ms == 50 * 86_400_000 - 2**32
+
+
+def ranger_at(ping: SonarReading, **part: object) -> Any:  # noqa: ANN401 — stands for a Snapshot
+    config = BoatConfig(parts=Parts(sonar=RangerPart(**part)))  # type: ignore[arg-type]
+    return types.SimpleNamespace(sensors=types.SimpleNamespace(sonar=ping), config=config)
+
+
+def test_a_ranger_tells_its_kind_and_its_least_range() -> None:
+    ping = SonarReading(1.0, 0.0, 0.2, 0.25, 4.5)
+    message = distance_sensor(ranger_at(ping, driver="jsnsr04t"))
+    assert message is not None
+    assert (message.min_distance, message.max_distance, message.current_distance) == (25, 450, 20)
+    assert message.type == dialect.MAV_DISTANCE_SENSOR_ULTRASOUND
+    assert message.horizontal_fov == pytest.approx(math.radians(15.0))
+    message = distance_sensor(ranger_at(ping, driver="tfmini"))
+    assert message is not None
+    assert message.type == dialect.MAV_DISTANCE_SENSOR_LASER
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import itertools
 import math
 import threading
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from gpiozero import GPIODevice, InputDevice
@@ -15,17 +15,11 @@ from twins.lines import HandClock, eventually
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.ranging.ultrasonic import (
-    PING_PERIOD_S,
-    HcSr04,
-    Ultrasonic,
-    open_ultrasonic,
-    speed_of_sound_m_s,
-    sweep_bearings_rad,
-)
+from companion.hal.ranging.echo_pins import JSNSR04T, EchoPinRanger, speed_of_sound_m_s
+from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, sweep_bearings_rad
 from companion.sensors.readings import SonarReading
 
-PART = parts.SonarPart(driver="hcsr04")
+PART = parts.RangerPart(driver="hcsr04")
 SOUND_M_S = speed_of_sound_m_s(15.0)
 
 
@@ -73,10 +67,10 @@ class Bench:
         self.twin: Any = self.factory.pin(PART.trigger, pin_class=SonarTwin)
         self.twin.echo = self.echo
 
-    def ranger(self, max_range_m: float = 4.0) -> HcSr04:
+    def ranger(self, max_range_m: float = 4.0) -> EchoPinRanger:
         trigger = GPIODevice(PART.trigger, pin_factory=self.factory)
         echo = InputDevice(PART.echo, pin_factory=self.factory)
-        return HcSr04(trigger, echo, self.factory.ticks_diff, max_range_m, 15.0)
+        return EchoPinRanger(trigger, echo, self.factory.ticks_diff, max_range_m, 15.0)
 
 
 @pytest.fixture
@@ -141,15 +135,48 @@ def test_the_late_end_of_a_ping_that_was_given_up_does_not_end_the_next_one(benc
     assert ranger.ping_m() == pytest.approx(0.5 * SOUND_M_S * 0.01)
 
 
+def test_a_jsn_sr04t_without_an_echo_holds_its_pin_for_60_ms_and_pings_more_slowly(bench: Bench) -> None:
+    trigger = GPIODevice(PART.trigger, pin_factory=bench.factory)
+    echo = InputDevice(PART.echo, pin_factory=bench.factory)
+    ranger = EchoPinRanger(trigger, echo, bench.factory.ticks_diff, 4.5, 15.0, JSNSR04T)
+    bench.twin.echo_s = 0.060
+    assert ranger.ping_m() is None
+    bench.twin.echo_s = 2.0 * 4.4 / SOUND_M_S
+    assert ranger.ping_m() == pytest.approx(4.4)
+    assert MountedRanger(FakeRanger(1.0), HandClock()).step() == 0.05
+    ranger.forget()
+    assert MountedRanger(ranger, HandClock(), range_m=(0.25, 4.5)).step() == 0.1
+
+
+@pytest.mark.parametrize(
+    ("driver", "least_m", "greatest_m"),
+    [("hcsr04", 0.02, 4.0), ("jsnsr04t", 0.25, 4.5), ("a02yyuw", 0.03, 4.5), ("tfmini", 0.1, 12.0)],
+)
+def test_the_range_is_that_of_the_data_sheet_unless_configured(
+    driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini"], least_m: float, greatest_m: float
+) -> None:
+    assert parts.RangerPart(driver=driver).range_m == (least_m, greatest_m)
+    assert parts.RangerPart(driver=driver, min_range_m=0.5, max_range_m=3.0).range_m == (0.5, 3.0)
+    with pytest.raises(ValueError, match=r"min_range_m = 0\.5: expected less than the greatest range, 0\.4"):
+        parts.RangerPart(driver=driver, min_range_m=0.5, max_range_m=0.4)
+
+
 class FakeRanger:
     """Hands out the ranges that it is given."""
+
+    period_s = 0.05
 
     def __init__(self, *ranges_m: float | None) -> None:
         self._ranges_m = iter(ranges_m)
         self.closes = 0
+        self.done = list[str]()
 
     def ping_m(self) -> float | None:
+        self.done.append("ping")
         return next(self._ranges_m)
+
+    def forget(self) -> None:
+        self.done.append("forget")
 
     def close(self) -> None:
         self.closes += 1
@@ -158,16 +185,18 @@ class FakeRanger:
 def test_every_ping_is_handed_over_once_with_its_time_and_bearing() -> None:
     clock, turned = HandClock(), list[float]()
     ranger = FakeRanger(1.0, None, 3.0, 1.5)
-    sonar = Ultrasonic(ranger, clock, (-0.5, 0.0, 0.5), turned.append)
+    sonar = MountedRanger(ranger, clock, (-0.5, 0.0, 0.5), turned.append, (0.25, 4.5))
     assert sonar.read() == []
     for _ in range(4):
-        assert sonar.step() == PING_PERIOD_S
+        assert sonar.step() == 0.06
         clock.advance(0.06)
     readings = sonar.read()
     assert [reading.bearing_rad for reading in readings] == [-0.5, 0.0, 0.5, 0.0]
     assert [reading.range_m for reading in readings] == [1.0, None, 3.0, 1.5]
     assert [reading.time_s for reading in readings] == pytest.approx([100.0, 100.06, 100.12, 100.18])
+    assert {(reading.min_range_m, reading.max_range_m) for reading in readings} == {(0.25, 4.5)}
     assert turned == [-0.5, 0.0, 0.5, 0.0, -0.5]
+    assert ranger.done == 4 * ["forget", "ping"], "no range of before the turn"
     assert sonar.read() == []
     sonar.close()
     sonar.close()
@@ -194,10 +223,10 @@ def test_the_default_sweep_covers_half_the_horizon_in_thirteen_directions() -> N
 
 @pytest.mark.realtime
 def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Bench) -> None:
-    part = parts.SonarPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
+    part = parts.RangerPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
     servo: Any = bench.factory.pin(18)
     bench.twin.echo_s = 2.0 * 2.0 / SOUND_M_S
-    sonar = open_ultrasonic(part, HandClock(), bench.factory)
+    sonar = open_ranger(part, HandClock(), bench.factory)
     readings: list[SonarReading] = []
 
     def has_pinged() -> bool:
@@ -216,7 +245,7 @@ def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Ben
 
 
 def test_pins_that_cannot_be_opened_are_given_back(bench: Bench) -> None:
-    clash = parts.SonarPart(driver="hcsr04", servo=PART.trigger)
+    clash = parts.RangerPart(driver="hcsr04", servo=PART.trigger)
     with pytest.raises(HardwareError, match="sonar: the pins cannot be opened"):
-        open_ultrasonic(clash, HandClock(), bench.factory)
-    open_ultrasonic(PART, HandClock(), bench.factory).close()
+        open_ranger(clash, HandClock(), bench.factory)
+    open_ranger(PART, HandClock(), bench.factory).close()

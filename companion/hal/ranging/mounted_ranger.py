@@ -1,0 +1,189 @@
+"""A ranger on its mount: fixed ahead, or swept by a servo over up to 180°."""
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from functools import partial
+from typing import Any, Final, Protocol
+
+from companion.config.parts.ranging import RangerPart
+from companion.hal.background import Background
+from companion.hal.ranging import serial_frames
+from companion.hal.ranging.echo_pins import HCSR04, JSNSR04T, EchoPinRanger
+from companion.hal.ranging.serial_ranger import SerialRanger
+from companion.hal.raspberry_pi import opening_pins
+from companion.links.port_url import open_line
+from companion.obstacles.perception.servo_scan import ServoScan
+from companion.sensors.readings import SonarReading
+
+_SERVO_STEP_S: Final = 0.06  # a micro servo turns 15° in 30 ms and settles
+_SERVO_SETTLES_S: Final = 0.5  # from any position to the first bearing
+_READINGS: Final = 256
+_WATER_AIR_C: Final = 15.0
+_ECHO_CHIPS: Final = {"hcsr04": HCSR04, "jsnsr04t": JSNSR04T}
+
+
+def sweep_bearings_rad(sweep_rad: float, step_rad: float) -> tuple[float, ...]:
+    """One sweep from port to starboard and back, evenly spaced at step_rad or less.
+
+    The ends occur once and all others twice, so the tuple can be repeated. A sweep of zero looks ahead.
+    """
+    if sweep_rad <= 0.0:
+        return (0.0,)
+    count = max(1, math.ceil(sweep_rad / step_rad - 1e-9))
+    across = [sweep_rad * (index / count - 0.5) for index in range(count + 1)]
+    return (*across, *across[-2:0:-1])
+
+
+class Ranger(Protocol):
+    """Measures ranges in the direction that it is turned to. period_s: between two of them, at least."""
+
+    period_s: float
+
+    def ping_m(self) -> float | None:
+        """Range of the nearest echo, None without one in range.
+
+        Raises:
+            HardwareError: the part does not respond.
+        """
+
+    def forget(self) -> None:
+        """Drop what was measured before: it has been turned since."""
+
+    def close(self) -> None:
+        """Release its pins or port. May be called twice."""
+
+
+class MountedRanger:
+    """Satisfies `companion.hal.interfaces.Sonar`: pings along a sweep.
+
+    turn: called with the next bearing, rad from the bow, clockwise; None for a fixed ranger. range_m: least
+    and greatest range. `step` is one ping; `start` runs it in a thread.
+    """
+
+    def __init__(
+        self,
+        ranger: Ranger,
+        now: Callable[[], float],
+        bearings_rad: Sequence[float] = (0.0,),
+        turn: Callable[[float], None] | None = None,
+        range_m: tuple[float, float] = (0.02, 4.0),
+        release: Callable[[], None] | None = None,
+    ) -> None:
+        self._ranger = ranger
+        self._now = now
+        self._scan = ServoScan(bearings_rad)
+        self._turn = turn
+        self._release = release
+        self._min_range_m, self._max_range_m = range_m
+        self._period_s = ranger.period_s if turn is None else max(ranger.period_s, _SERVO_STEP_S)
+        self._readings: deque[SonarReading] = deque(maxlen=_READINGS)
+        self._background = Background(
+            self.step, "sonar", first_wait_s=0.0 if turn is None else _SERVO_SETTLES_S
+        )
+        self._is_closed = False
+        if turn is not None:
+            turn(self._scan.bearing_rad)
+
+    def start(self) -> None:
+        """Start pinging."""
+        self._background.start()
+
+    def step(self) -> float:
+        """Ping once, turn to the next bearing, and return the seconds to the next ping.
+
+        Raises:
+            HardwareError: the part does not respond.
+        """
+        bearing_rad = self._scan.bearing_rad
+        if self._turn is not None:
+            self._ranger.forget()
+        range_m = self._ranger.ping_m()
+        self._readings.append(
+            SonarReading(self._now(), bearing_rad, range_m, self._min_range_m, self._max_range_m)
+        )
+        if self._turn is not None:
+            self._turn(self._scan.turn())
+        return self._period_s
+
+    def read(self) -> Sequence[SonarReading]:
+        """The pings since the last call, oldest first."""
+        readings: list[SonarReading] = []
+        while self._readings:
+            readings.append(self._readings.popleft())
+        return readings
+
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
+        """Sweep between these bearings."""
+        self._scan.set_sector(port_rad, starboard_rad)
+
+    def close(self) -> None:
+        """Stop the thread and release the pins. May be called twice."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self._background.close()
+        self._ranger.close()
+        if self._release is not None:
+            self._release()
+
+
+def open_ranger(part: RangerPart, now: Callable[[], float], pin_factory: object = None) -> MountedRanger:
+    """Open the ranger, and its servo if configured, and start pinging.
+
+    Raises:
+        ConfigError: the port url is invalid.
+        HardwareError: gpiozero is missing, there are no pins, or one is in use.
+        LinkError: the port cannot be opened.
+    """
+    with ExitStack() as undo:
+        ranger = _open_bare(part, now, pin_factory)
+        undo.callback(ranger.close)
+        if part.servo < 0:
+            sonar = MountedRanger(ranger, now, range_m=part.range_m)
+        else:
+            servo = _open_servo(part.servo, pin_factory)
+            undo.callback(servo.close)
+
+            def turn(bearing_rad: float) -> None:
+                servo.angle = math.degrees(bearing_rad)
+
+            bearings_rad = sweep_bearings_rad(part.sweep_rad, part.step_rad)
+            sonar = MountedRanger(ranger, now, bearings_rad, turn, part.range_m, servo.close)
+        undo.pop_all()
+    sonar.start()
+    return sonar
+
+
+def _open_bare(part: RangerPart, now: Callable[[], float], pin_factory: object) -> Ranger:
+    max_range_m = part.range_m[1]
+    match part.driver:
+        case "a02yyuw":
+            kind, decode = serial_frames.A02YYUW, serial_frames.a02yyuw_range_m
+        case "tfmini":
+            kind = serial_frames.TFMINI
+            decode = partial(serial_frames.tfmini_range_m, min_strength=part.min_strength)
+        case _:
+            with opening_pins("sonar") as gpiozero, ExitStack() as undo:
+                trigger = undo.enter_context(gpiozero.GPIODevice(part.trigger, pin_factory=pin_factory))
+                echo = undo.enter_context(gpiozero.InputDevice(part.echo, pin_factory=pin_factory))
+                chip = _ECHO_CHIPS[part.driver]
+                ticks_to_s = echo.pin_factory.ticks_diff
+                ranger = EchoPinRanger(trigger, echo, ticks_to_s, max_range_m, _WATER_AIR_C, chip)
+                undo.pop_all()
+            return ranger
+    return SerialRanger(open_line(part.port, kind.baud, now), kind, decode, max_range_m)
+
+
+def _open_servo(pin: int, pin_factory: object) -> Any:  # noqa: ANN401 — gpiozero's AngularServo, without types
+    # A longer pulse turns a servo counter-clockwise seen from above: −90° is the longest.
+    with opening_pins("sonar") as gpiozero:
+        return gpiozero.AngularServo(
+            pin,
+            min_angle=90,
+            max_angle=-90,
+            min_pulse_width=0.0005,
+            max_pulse_width=0.0025,
+            pin_factory=pin_factory,
+        )
