@@ -24,6 +24,7 @@ from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
 from companion.obstacles.planning.avoidance import Stage
+from companion.payload.control import PayloadControl
 from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import Storage
 from companion.rc.rc_control import RcControl
@@ -67,6 +68,7 @@ class Boat:
         self.motors = MotorOutput(hardware)
         self.motor_test = MotorTest()
         self.calibration = CalibrationRunner()
+        self.payload = PayloadControl(self.parameters.config, hardware.payload, self.vehicle)
         self.rc_control = RcControl()
         self.vehicle.manual_input.rc.is_fitted = hardware.rc is not None
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
@@ -90,10 +92,11 @@ class Boat:
             gauge=self.sensors.gauge,
             faults=hardware.faults,
             take_snapshot=self.take_snapshot,
+            payload=self.payload,
         )
         if logbook is not None:
             logbook.onboard = OnboardLog(
-                logbook.sink, self.parameters, self.endpoint.mission_items, self.vehicle
+                logbook.sink, self.parameters, self.endpoint.mission_items, self.vehicle, self.payload
             )
         self._links = StationLinks(self.channels, self.endpoint, logbook)
         self.channels.wanted = self.endpoint.message_ids
@@ -173,6 +176,7 @@ class Boat:
         is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
         self.motors.write(command, self.vehicle.status.motors, setting)
+        self.payload.tick(now_s)
         if self._logbook is not None:
             self._logbook.tick(now_s, self.take_snapshot, self.channels)
         self.endpoint.tick(now_s, self._wall_time.own_unix_s(now_s), self.sensors.compass, self.load)
@@ -303,4 +307,5 @@ class Boat:
             self.command,
             self.load,
             self.free_memory_bytes,
+            self.payload,
         )

@@ -14,12 +14,14 @@ import msgspec
 from msgspec import Meta
 
 from companion.config.avoidance import AvoidanceSetting
+from companion.config.camera import CameraSetting
 from companion.config.drive import DriveSetting
 from companion.config.estimation import Estimation
 from companion.config.failsafe import Failsafe
 from companion.config.fence import FenceSetting
 from companion.config.handling import Handling
 from companion.config.parts import Parts
+from companion.config.payload import PayloadSetting, check_payloads
 from companion.config.rc import Rc
 from companion.config.section import NonNegative, Positive, Section, Share, SystemId, replaced
 from companion.config.thrusters import Thrusters
@@ -115,6 +117,7 @@ class Mission(Section, frozen=True):
     max_rally_items: Annotated[int, Meta(ge=1, le=65535)] = 250
     rtl_speed_m_s: NonNegative = 0.0  # 0: cruise speed
     done_behave: Annotated[int, Meta(ge=0, le=1)] = 1  # after the last item: 0 HOLD, 1 LOITER, as in Rover
+    absent_payload: Literal["refuse", "skip"] = "refuse"  # an item for a payload that is not fitted
 
 
 class Modes(Section, frozen=True):
@@ -249,6 +252,12 @@ class BoatConfig(Section, frozen=True):
     storage: StorageSetting = StorageSetting()
     log: Log = Log()
     parts: Parts = Parts()
+    payload: tuple[PayloadSetting, ...] = ()
+    camera: CameraSetting = CameraSetting()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_payloads(self.payload)
 
     @property
     def link_settings(self) -> tuple[LinkConfig, ...]:

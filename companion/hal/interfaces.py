@@ -11,6 +11,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
 from companion.core.status_text import StatusText
+from companion.hal.payload.interfaces import PayloadParts
 from companion.sensors.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
@@ -189,6 +190,7 @@ class Hardware:
     cutoff: MotorCutoff | None = None
     rudder: Rudder | None = None
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
+    payload: PayloadParts | None = None
 
     @property
     def reporting_parts(self) -> list[ReportingPart]:
@@ -200,6 +202,6 @@ class Hardware:
         """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
             parts = (self.rc, self.hull, self.battery, self.sonar, self.compass, self.gnss)
-            for part in (*parts, self.rudder, self.motors):
+            for part in (self.payload, *parts, self.rudder, self.motors):
                 if part is not None:
                     rest.callback(part.close)  # called in reverse order

@@ -22,6 +22,7 @@ from companion.log.linear_frame import LinearFrame
 from companion.log.samples import time_us
 from companion.log.sink import Sink
 from companion.mavlink.items import MissionItem
+from companion.payload.control import PayloadControl
 from companion.router.channels import Channels
 from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
 from companion.services.telemetry.snapshot import Snapshot
@@ -49,6 +50,7 @@ class OnboardLog:
         parameters: Parameters,
         items: Callable[[], Sequence[MissionItem]],
         vehicle: Vehicle,
+        payload: PayloadControl | None = None,
     ) -> None:
         """items: the stored mission."""
         self.is_writing = False
@@ -59,6 +61,7 @@ class OnboardLog:
         self._parameters = parameters
         self._items = items
         self._vehicle = vehicle
+        self._payload = payload
         self._status_texts: list[StatusText] = []
         self._early_texts: deque[tuple[int, str]] = deque(maxlen=_LINES_BEFORE)
         self._has_failed = False  # no new attempt until the next arming
@@ -132,6 +135,8 @@ class OnboardLog:
             self._begin()
         if self._watch.has_news(vehicle):
             self._add(self._watch.changes(take_snapshot(), self._items))
+        if self._payload is not None and self._payload.has_news:
+            self._add(samples.payload(take_snapshot()))
         if now_s >= self._due_s:
             self._do_due(take_snapshot(), channels)
 

@@ -71,6 +71,11 @@ PARM: Final = RecordKind(38, "PARM", "QNff", "TimeUS,Name,Value,Default", "s---"
 VER: Final = RecordKind(
     39, "VER", "QBHBBBBIZHB", "TimeUS,BT,BST,Maj,Min,Pat,FWT,GH,FWS,APJ,BU", "s----------", "F----------"
 )  # fmt: skip
+PAYL: Final = RecordKind(43, "PAYL", "QNfLL", "TimeUS,Name,Val,Lat,Lng", "s--DU", "F--GG")
+CAM: Final = RecordKind(
+    44, "CAM", "QBHIHLLeeeccC", "TimeUS,I,Img,GPSTime,GPSWeek,Lat,Lng,Alt,RelAlt,GPSAlt,R,P,Y",
+    "s#---DUmmmddd", "F----GGBBBBBB",
+)  # fmt: skip
 
 # Computer
 PM: Final = RecordKind(
@@ -84,6 +89,6 @@ DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv",
 
 KINDS: Final = (
     ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, BAT, RCIN, RSSI,
-    MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PM, MAV, DSF,
+    MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PAYL, CAM, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

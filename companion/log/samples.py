@@ -34,8 +34,10 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     """Motion and steering. linear: for the present frame, None without one."""
     us, nav, demand, command = time_us(now.now_s), now.vehicle.nav, now.guidance.demand, now.command
     left, right = command.left, command.right
-    pulses = round(1500.0 + 500.0 * left), round(1500.0 + 500.0 * right)
-    yield r.RCOU.pack(us, pulses[0], 0, pulses[1], 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+    pulses = [round(1500.0 + 500.0 * left), 0, round(1500.0 + 500.0 * right), *[0] * 13]
+    for channel, width_us in now.payload.units.servo_us():
+        pulses[channel - 1] = width_us
+    yield r.RCOU.pack(us, *pulses[:_LOGGED_CHANNELS])
     if nav is None:
         return
     yaw_deg = _degrees(nav.heading_rad)
@@ -61,6 +63,24 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.THR.pack(us, 0, 50.0 * (left + right), wanted_m_s, nav.surge_m_s, _NAN)
     if demand is not None:
         yield from _loops(now, us, nav, demand, centideg)
+
+
+def payload(now: Snapshot) -> Iterator[bytes]:
+    """Values given to the payload in this tick, and images taken, with the place."""
+    us, here = time_us(now.now_s), now.payload.position
+    lat_e7, lon_e7 = (0, 0) if here is None else (deg_to_e7(here.lat_deg), deg_to_e7(here.lon_deg))
+    for title, value in now.payload.written:
+        yield r.PAYL.pack(us, title.encode()[:16], value, lat_e7, lon_e7)
+    for image in now.payload.images:
+        if image.fault:
+            continue
+        place, yaw = image.position, image.heading_rad
+        yield r.CAM.pack(
+            time_us(image.time_s), 0, image.index & 0xFFFF, 0, 0,
+            0 if place is None else deg_to_e7(place.lat_deg),
+            0 if place is None else deg_to_e7(place.lon_deg),
+            0, 0, 0, 0, 0, 0 if math.isnan(yaw) else round(_degrees(yaw) * 100.0) % 36000,
+        )  # fmt: skip
 
 
 def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:

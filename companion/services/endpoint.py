@@ -16,6 +16,7 @@ from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
+from companion.payload.control import PayloadControl
 from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import FolderStorage, Storage
 from companion.router.channel import Channel
@@ -82,6 +83,7 @@ class Endpoint:
         external: ExternalSensors,
         gauge: FuelGauge,
         take_snapshot: TakeSnapshot,
+        payload: PayloadControl,
         faults: FaultInjector | None = None,  # failed handlers: our defects, see the log
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers are always sent. take_snapshot: the
@@ -116,12 +118,15 @@ class Endpoint:
             self._pose,
             calibration,
             gauge,
+            payload,
             faults,
         )
         self._access = AccessService(
             parameters, self._listings, self._commands.questions, self.outbox, self.texts
         )
-        self._missions = MissionService(own, vehicle, parameters.config, storage, self.outbox, self.texts)
+        self._missions = MissionService(
+            own, vehicle, parameters.config, storage, self.outbox, self.texts, payload.fitted
+        )
         self._manual = ManualControlService(vehicle, self.texts)
         self._guided = GuidedService(vehicle, self.texts)
         self._other_vehicles = OtherVehicleService(vehicle)

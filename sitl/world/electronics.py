@@ -23,6 +23,7 @@ from sitl.world.faults.parts import (
 from sitl.world.faults.schedule import Faults
 from sitl.world.movers import Movers
 from sitl.world.parameters import fault_hooks, hull_hooks
+from sitl.world.payload import SimPayload
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss
@@ -60,6 +61,7 @@ class Electronics:
             self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
         start = scenario.start
         self.rc = SimRc(sensors.rc, seed, *start) if sensors.rc.fitted else None
+        self.payload = SimPayload(scenario.vehicle)
         self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
         self._hull = SimHullSensor(sensors.hull) if sensors.hull.fitted else None
         drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
@@ -107,12 +109,14 @@ class Electronics:
             hull=self._hull,
             rc=self.rc,
             rudder=self.rudder,
+            payload=self.payload.parts,
         )
 
     def sample(self, truth: "Truth", wave_m: float = 0.0) -> None:
         """Apply faults that are due, then sample sensors that are due. wave_m: the waves' height."""
         now_s = truth.time_s
         self.faults.now_s = now_s
+        self.payload.step(now_s)
         if now_s >= self.faults.due_s:
             self.faults.step()
         if now_s >= self._compass.due_s:

@@ -11,6 +11,7 @@ from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
+from companion.payload.control import PayloadControl
 from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.commands.battery import reset_battery
@@ -27,6 +28,8 @@ from companion.services.commands.command import (
 from companion.services.commands.faults import inject_fault
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
+from companion.services.commands.payload import NOT_TWICE as _PAYLOAD_NOT_TWICE
+from companion.services.commands.payload import payload_commands
 from companion.services.commands.vehicle import VehicleCommands
 from companion.services.external_pose import ExternalPoseService
 from companion.services.outbox import Origin, Outbox
@@ -45,6 +48,7 @@ _NOT_TWICE = frozenset(
         dialect.MAV_CMD_DO_PAUSE_CONTINUE,
         dialect.MAV_CMD_DO_SET_MISSION_CURRENT,
         dialect.MAV_CMD_MISSION_START,
+        *_PAYLOAD_NOT_TWICE,
     )
 )
 
@@ -65,6 +69,7 @@ class CommandService:
         pose: ExternalPoseService,
         calibration: CalibrationRunner,
         gauge: FuelGauge,
+        payload: PayloadControl,
         faults: FaultInjector | None = None,
     ) -> None:
         self._vehicle = vehicle
@@ -80,6 +85,7 @@ class CommandService:
             dialect.MAV_CMD_BATTERY_RESET: lambda command: reset_battery(command, vehicle, gauge, texts),
             **self._calibration.table,
             **VehicleCommands(vehicle, parameters, texts).table,
+            **payload_commands(payload, texts),
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
         if faults is not None:

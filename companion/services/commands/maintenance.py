@@ -67,8 +67,6 @@ class MaintenanceCommands:
             dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
             dialect.MAV_CMD_DO_MOTOR_TEST: self._test_motor,
             dialect.MAV_CMD_DO_SEND_BANNER: self._send_banner,
-            dialect.MAV_CMD_DO_SET_RELAY: lambda _: self._has_no("Relay"),
-            dialect.MAV_CMD_DO_SET_SERVO: lambda _: self._has_no("Servo"),
             dialect.MAV_CMD_FIXED_MAG_CAL_YAW: self._trim_compass,
             dialect.MAV_CMD_PREFLIGHT_CALIBRATION: self._calibrate,
             dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._restart,
@@ -125,9 +123,6 @@ class MaintenanceCommands:
     def _report(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
         self._texts.notify(severity, text)
         return result
-
-    def _has_no(self, part: str) -> int:
-        return self._report(UNSUPPORTED, f"{part}: not fitted")
 
     def _test_motor(self, command: Command) -> int:
         motor, kind = command.whole(0), command.whole(1)

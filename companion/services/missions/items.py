@@ -7,8 +7,12 @@ from companion.core.geo import LatLon, Point
 from companion.core.units import e7_to_deg
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, MissionResult
+from companion.payload.actions import ActionFault
+from companion.payload.fitted import CAMERA, FittedPayload
+from companion.services.payload.rows import ROWS, read_action
 from companion.vehicle.mission.places import Offset, Place
 from companion.vehicle.mission.steps import (
+    Act,
     AfterDelay,
     GoRound,
     HandOver,
@@ -27,9 +31,10 @@ from companion.vehicle.mission.steps import (
 )
 
 HIGHEST_M = 83_000.0  # ArduPilot's limit: 24 bits of centimetres
+_NONE = FittedPayload()
 _LOCAL_SCALE = 1e-4  # x and y of a local frame are in tenths of a millimetre
 
-# Camera, mount and markers are skipped, with a report to the operator
+# Mount and markers are skipped, with a report to the operator; so are cameras on a boat without one
 IGNORED = frozenset(
     {
         dialect.MAV_CMD_DO_LAND_START,
@@ -40,27 +45,17 @@ IGNORED = frozenset(
         dialect.MAV_CMD_DO_CONTROL_VIDEO,
         dialect.MAV_CMD_DO_SET_ROI,
         dialect.MAV_CMD_DO_DIGICAM_CONFIGURE,
-        dialect.MAV_CMD_DO_DIGICAM_CONTROL,
         dialect.MAV_CMD_DO_MOUNT_CONFIGURE,
         dialect.MAV_CMD_DO_MOUNT_CONTROL,
-        dialect.MAV_CMD_DO_SET_CAM_TRIGG_DIST,
         dialect.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
         dialect.MAV_CMD_SET_CAMERA_MODE,
-        dialect.MAV_CMD_IMAGE_START_CAPTURE,
-        dialect.MAV_CMD_IMAGE_STOP_CAPTURE,
         dialect.MAV_CMD_VIDEO_START_CAPTURE,
         dialect.MAV_CMD_VIDEO_STOP_CAPTURE,
     }
 )
 
 # Refused explicitly, as the operator may rely on them
-_REFUSED = {
-    dialect.MAV_CMD_DO_SET_REVERSE: "this boat does not sail its legs astern",
-    dialect.MAV_CMD_DO_SET_RELAY: "there is no relay",
-    dialect.MAV_CMD_DO_REPEAT_RELAY: "there is no relay",
-    dialect.MAV_CMD_DO_SET_SERVO: "there is no servo to set",
-    dialect.MAV_CMD_DO_REPEAT_SERVO: "there is no servo to set",
-}
+_REFUSED = {dialect.MAV_CMD_DO_SET_REVERSE: "this boat does not sail its legs astern"}
 
 
 def command_name(command: int) -> str:
@@ -69,17 +64,35 @@ def command_name(command: int) -> str:
     return f"command {command}" + (f" ({entry.name.removeprefix('MAV_CMD_')})" if entry else "")
 
 
-def to_step(seq: int, item: MissionItem) -> Step | ItemFault:
-    """A mission item as a step, or the reason for its refusal. Sequence 0 is home."""
+def to_step(seq: int, item: MissionItem, fitted: FittedPayload = _NONE) -> Step | ItemFault:
+    """A mission item as a step, or the reason for its refusal. Sequence 0 is home.
+
+    fitted: the boat's payload.
+    """
     if seq == 0:
         return Home()
     if item.command in IGNORED:
         return Skip()
+    if item.command in ROWS:
+        return _act(item, fitted)
     translate = _TABLE.get(item.command)
     if translate is None:
         why = _REFUSED.get(item.command, "not supported")
         return ItemFault(MissionResult.UNSUPPORTED, f"{command_name(item.command)}: {why}")
     return translate(item)
+
+
+def _act(item: MissionItem, fitted: FittedPayload) -> Step | ItemFault:
+    p = (item.param1, item.param2, item.param3, item.param4, float(item.x), float(item.y), item.z)
+    action = read_action(item.command, p, fitted)
+    if not isinstance(action, ActionFault):
+        return Act(action)
+    if action.is_absent and (fitted.is_skipped or ROWS[item.command].payload == CAMERA):
+        return Skip()
+    result = MissionResult.UNSUPPORTED
+    if action.parameter:
+        result = MissionResult(MissionResult.INVALID_PARAM1 + action.parameter - 1)
+    return ItemFault(result, f"{command_name(item.command)}: {action.text}")
 
 
 def check_jumps(steps: Sequence[Step]) -> ItemFault | None:

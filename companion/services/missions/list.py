@@ -13,6 +13,7 @@ from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed
 from companion.mavlink.transfer_table import TransferState
+from companion.payload.fitted import FittedPayload
 from companion.persistence.mission_store import encode_item, load_items, save_lines
 from companion.persistence.storage import Saving, Storage
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
@@ -41,7 +42,14 @@ class Part(NamedTuple):
 class MissionList:
     """Its items are replaced as a whole, once the new ones are stored."""
 
-    def __init__(self, own: Address, mission_type: MissionType, config: BoatConfig, storage: Storage) -> None:
+    def __init__(
+        self,
+        own: Address,
+        mission_type: MissionType,
+        config: BoatConfig,
+        storage: Storage,
+        fitted: FittedPayload,
+    ) -> None:
         self.type = mission_type
         self.entries: tuple[ListEntry, ...] = ()
         self.steps: tuple[Step, ...] = ()  # the mission steps
@@ -53,6 +61,7 @@ class MissionList:
         self.home: Callable[[], LatLon | None] = lambda: None  # set by the owner
         self._own = own
         self._storage = storage
+        self._fitted = fitted
         self._arriving: list[ListEntry] = []
         self._arrived: tuple[ListEntry, ...] = ()
         self.most = {
@@ -138,7 +147,7 @@ class MissionList:
         """Check and keep an item on arrival."""
         step: Step | ItemFault = Home()
         if self.type is MissionType.MISSION:
-            step = to_step(seq, item)
+            step = to_step(seq, item, self._fitted)
         else:
             check = check_fence_item if self.type is MissionType.FENCE else check_rally_item
             step = check(item) or step

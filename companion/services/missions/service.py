@@ -15,6 +15,7 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Transfer
 from companion.mavlink.transfer_table import TransferState
+from companion.payload.fitted import FittedPayload
 from companion.persistence.storage import Saving, Storage
 from companion.services.guided import on_guided_item
 from companion.services.missions.area_items import fence_areas, rally_points
@@ -63,6 +64,7 @@ class MissionService:
         storage: Storage,
         outbox: Outbox,
         texts: StatusTextService,
+        fitted: FittedPayload,
     ) -> None:
         self._own = own
         self._vehicle = vehicle
@@ -70,7 +72,7 @@ class MissionService:
         self._texts = texts
         self._clearing: tuple[Origin, list[Saving]] | None = None  # of all lists, for a station
         self._reported_seq = 0
-        self._lists = {kind: MissionList(own, kind, config, storage) for kind in MissionType}
+        self._lists = {kind: MissionList(own, kind, config, storage, fitted) for kind in MissionType}
         for one in self._lists.values():
             if one.loss:
                 name = one.type.name.lower()

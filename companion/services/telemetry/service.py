@@ -10,6 +10,7 @@ from companion.services.telemetry import available_modes as modes
 from companion.services.telemetry import estimate_messages as estimate
 from companion.services.telemetry import motion_messages as motion
 from companion.services.telemetry import obstacle_messages as obstacle
+from companion.services.telemetry import payload_messages as payload
 from companion.services.telemetry import sensor_messages as sensor
 from companion.services.telemetry import status_messages as status
 from companion.services.telemetry.snapshot import Snapshot
@@ -27,6 +28,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
     _ID.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
     _ID.MAVLINK_MSG_ID_RC_CHANNELS: sensor.rc_channels,
+    _ID.MAVLINK_MSG_ID_RELAY_STATUS: payload.relay_status,
     _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
     _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
     _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_current,
@@ -51,6 +53,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
     _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
     _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
+    _ID.MAVLINK_MSG_ID_WINCH_STATUS: payload.winch_status,
 }
 
 # Sent only on request, with REQUEST_MESSAGE's second parameter

@@ -5,6 +5,7 @@ from msgspec import Struct
 from companion.config.boat_config import BoatConfig
 from companion.core.state import MotorCommand
 from companion.guidance.pipeline import GuidancePipeline
+from companion.payload.control import PayloadControl
 from companion.sensors.suite import SensorSuite
 from companion.vehicle.vehicle import Vehicle
 
@@ -23,6 +24,7 @@ class Snapshot(Struct, frozen=True):
     command: MotorCommand
     load: float
     free_memory_bytes: int  # of the computer, 0 if unknown
+    payload: PayloadControl
 
     @property
     def boot_ms(self) -> int:

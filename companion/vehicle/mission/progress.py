@@ -11,11 +11,13 @@ from companion.core.geo import LatLon, Line, LocalFrame, Point
 from companion.core.intent import Intent, KeepStation
 from companion.core.state import NavState
 from companion.guidance.leg import Leg
+from companion.payload.actions import PayloadAction
 from companion.vehicle.mission.conditions import ConditionalCommand
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.route import MissionRoute
 from companion.vehicle.mission.stationary_items import StationaryItem, StationaryStep
 from companion.vehicle.mission.steps import (
+    Act,
     AfterDelay,
     Done,
     GoRound,
@@ -50,6 +52,7 @@ class MissionProgress:
         self.reached: list[int] = []  # sequences reached since the owner last took them
         self.speed_m_s: float | None = None  # None: cruise speed
         self.homes: list[LatLon | None] = []  # asked for since the owner last took them; None is here
+        self.actions: list[PayloadAction] = []  # asked for since the owner last took them
         self.jumps: dict[int, int] = {}  # how often each was made
         self._leg_start: Point | None = None
         self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
@@ -152,6 +155,11 @@ class MissionProgress:
         """Homes asked for since the last call."""
         homes, self.homes = self.homes, []
         return homes
+
+    def take_actions(self) -> list[PayloadAction]:
+        """Actions of the payload asked for since the last call."""
+        actions, self.actions = self.actions, []
+        return actions
 
     def update(self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float) -> Intent:
         """Advance, and return the intent. After the last item, keep station there."""
@@ -258,6 +266,8 @@ class MissionProgress:
                 self.homes.append(position)
             case LimitHandOver():
                 self._stationary.limit = step
+            case Act(action):
+                self.actions.append(action)
 
     # Sequence
 

@@ -9,6 +9,7 @@ happens as the next leg begins; a `Condition` makes what is done after it wait, 
 from dataclasses import dataclass
 
 from companion.core.geo import LatLon
+from companion.payload.actions import PayloadAction
 from companion.vehicle.mission.places import Place
 
 
@@ -86,6 +87,13 @@ class LimitHandOver:
 
 
 @dataclass(frozen=True, slots=True)
+class Act:
+    """Let a payload do something."""
+
+    action: PayloadAction
+
+
+@dataclass(frozen=True, slots=True)
 class Skip:
     """An item without meaning on this boat."""
 
@@ -113,7 +121,7 @@ class Jump:
 
 
 Sailed = Waypoint | GoRound | Wait | Turn | HandOver | ReturnHome
-Done = SetSpeed | MoveHome | LimitHandOver | Skip
+Done = SetSpeed | MoveHome | LimitHandOver | Act | Skip
 Condition = AfterDelay | WithinDistance
 Step = Home | Sailed | Done | Condition | Jump
 Mission = tuple[Step, ...]

@@ -250,7 +250,7 @@ def test_flight_termination_disarms(rig: Rig) -> None:
 
 def test_what_the_boat_does_not_have_is_refused_in_words(rig: Rig) -> None:
     rig.ask(CMD.MAV_CMD_DO_SET_SERVO, 1, 1500)
-    assert "Servo: not fitted" in rig.peer.texts
+    assert "DO_SET_SERVO: this boat has no servo" in rig.peer.texts
 
 
 def test_pause_keeps_station_and_continue_goes_on_with_what_was_paused(rig: Rig) -> None:

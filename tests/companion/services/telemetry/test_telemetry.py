@@ -59,12 +59,14 @@ def test_battery_and_home_come_often_enough_unasked() -> None:
 def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
     rig.boat.free_memory_bytes = 1 << 30
     rig.step()
-    # Open water has nothing to echo, the lake boat's sonar may not be fitted, and there is no fence
+    # Open water has nothing to echo, the lake boat's sonar may not be fitted; there is no fence, no payload
     silent = (
         dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
         dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,
         dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE_3D,
         dialect.MAVLINK_MSG_ID_FENCE_STATUS,
+        dialect.MAVLINK_MSG_ID_RELAY_STATUS,
+        dialect.MAVLINK_MSG_ID_WINCH_STATUS,
     )
     for message_id, builder in BUILDERS.items():
         if message_id in silent:

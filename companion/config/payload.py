@@ -1,0 +1,159 @@
+"""Configuration of the payload: `[[payload]]` tables, told apart by their `kind`.
+
+Numbers are ArduPilot's: servo channels from 1, relays from 0; lights and horns count as relays. A safe state
+is what a payload does when the program starts, the boat disarms, the operator is lost, or the program ends;
+"keep" changes nothing.
+"""
+
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from companion.config.section import NonNegative, Positive, Section
+
+Pin = Annotated[int, Meta(ge=0, le=27)]  # of the 40-pin header, in BCM numbers
+Width = Annotated[int, Meta(ge=500, le=2500)]
+Number = Annotated[int, Meta(ge=1, le=6)]  # MAVLink's instances of grippers and winches
+Switch = Literal["on", "off", "keep"]
+
+FIRST_FREE_SERVO = 5  # 1 to 4 belong to motors and rudder
+
+
+class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
+    """name: in messages; otherwise the kind with its number."""
+
+    number: int
+    name: str = ""
+
+    @property
+    def kind(self) -> str:
+        """The table's kind."""
+        return str(self.__struct_config__.tag)
+
+    @property
+    def title(self) -> str:
+        """For messages."""
+        known_as = f"{self.kind} {self.number}"
+        return f"{known_as} ({self.name})" if self.name else known_as
+
+
+class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
+    """A pin that switches something. max_on_s: it switches off after this time; 0: never."""
+
+    number: Annotated[int, Meta(ge=0, le=15)]
+    pin: Pin
+    active_low: bool = False
+    max_on_s: NonNegative = 0.0
+    start: Literal["on", "off"] = "off"
+    on_disarm: Switch = "keep"
+    on_link_loss: Switch = "keep"
+    at_end: Literal["on", "off"] = "off"
+
+
+class LightPayload(RelayPayload, frozen=True, kw_only=True, tag="light"):
+    """A light: a relay that also obeys ILLUMINATOR_ON_OFF."""
+
+
+class HornPayload(RelayPayload, frozen=True, kw_only=True, tag="horn"):
+    """A horn: a relay that does not stay on."""
+
+    max_on_s: Annotated[float, Meta(gt=0.0, le=60.0)] = 5.0
+    on_disarm: Switch = "off"
+    on_link_loss: Switch = "off"
+
+
+class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
+    """A servo channel. "off": no pulses, so that the servo is limp. trim_us: its rest in DO_REPEAT_SERVO."""
+
+    number: Annotated[int, Meta(ge=FIRST_FREE_SERVO, le=16)]
+    min_us: Width = 1000
+    max_us: Width = 2000
+    trim_us: Width = 1500
+    start: Literal["off"] | Width = "off"
+    on_disarm: Literal["off", "keep"] | Width = "keep"
+    on_link_loss: Literal["off", "keep"] | Width = "keep"
+    at_end: Literal["off"] | Width = "off"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for key in ("trim_us", "start", "on_disarm", "on_link_loss", "at_end"):
+            width_us = getattr(self, key)
+            if isinstance(width_us, int) and not self.min_us <= width_us <= self.max_us:
+                raise ValueError(f"{key} = {width_us}: expected {self.min_us} to {self.max_us}")
+
+
+class GripperPayload(_Payload, frozen=True, kw_only=True, tag="gripper"):
+    """A gripper: a servo, or a pin that is on while it is closed."""
+
+    number: Number = 1
+    pin: Pin | None = None
+    active_low: bool = False
+    open_us: Width = 1900
+    closed_us: Width = 1100
+    start: Literal["open", "closed", "keep"] = "keep"  # keep: no signal until the first command
+    on_disarm: Literal["open", "closed", "keep"] = "keep"
+    on_link_loss: Literal["open", "closed", "keep"] = "keep"
+
+
+class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
+    """A winch: a servo for continuous rotation, or the two inputs of a bridge. All safe states stop it.
+
+    The line is measured by time, or by the pulses of a switch on count_pin.
+    """
+
+    number: Number = 1
+    out_pin: Pin | None = None
+    in_pin: Pin | None = None
+    stop_us: Width = 1500
+    out_us: Width = 1900  # full speed out
+    in_us: Width = 1100
+    line_m: Positive = 10.0  # the whole line
+    speed_m_s: Positive = 0.2  # of the line at full speed
+    count_pin: Pin | None = None
+    pulse_m: Positive = 0.1  # line for each pulse
+    stall_s: Positive = 3.0  # without a pulse: stop
+
+
+class CommandPayload(_Payload, frozen=True, kw_only=True, tag="command"):
+    """A program of the owner's, started by DO_SEND_SCRIPT_MESSAGE. run: the program and its arguments,
+    without a shell.
+    """
+
+    number: Annotated[int, Meta(ge=0, le=65535)]
+    run: Annotated[tuple[str, ...], Meta(min_length=1)]
+    timeout_s: Annotated[float, Meta(gt=0.0, le=86400.0)] = 60.0
+    folder: str = ""  # its working directory; otherwise the boat's
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.run[0].startswith("/"):
+            raise ValueError(f"run[0] = {self.run[0]!r}: expected an absolute path")
+
+
+PayloadSetting = (
+    RelayPayload | LightPayload | HornPayload | ServoPayload | GripperPayload | WinchPayload | CommandPayload
+)
+
+_PINS = ("pin", "out_pin", "in_pin", "count_pin")
+
+
+def check_payloads(payloads: Iterable[PayloadSetting]) -> None:
+    """No two with one number or on one pin, and each with its output.
+
+    Raises:
+        ValueError: names the table and the key.
+    """
+    numbers: dict[tuple[str, int], str] = {}
+    pins: dict[int, str] = {}
+    for index, one in enumerate(payloads):
+        key = f"payload[{index}]"
+        group = "relay" if isinstance(one, RelayPayload) else one.kind
+        if (other := numbers.setdefault((group, one.number), key)) != key:
+            raise ValueError(f"{key}.number = {one.number}: expected another than {other}")
+        if isinstance(one, WinchPayload) and (one.out_pin is None) is not (one.in_pin is None):
+            raise ValueError(f"{key}: expected both out_pin and in_pin, or neither")
+        for name in _PINS:
+            pin = getattr(one, name, None)
+            if pin is not None and (other := pins.setdefault(pin, f"{key}.{name}")) != f"{key}.{name}":
+                raise ValueError(f"{key}.{name} = {pin}: expected another pin than {other}")

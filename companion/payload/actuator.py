@@ -1,0 +1,71 @@
+"""One output of the payload: values written to it now and later, counted by the boat's clock."""
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from companion.core.errors import HardwareError
+from companion.hal.payload.interfaces import PayloadOutput
+
+_RETRY_S = 1.0
+
+
+class TimedWrite(NamedTuple):
+    """A value, and how long until the next one."""
+
+    value: float
+    hold_s: float = math.inf
+
+
+class Actuator:
+    """Writes a plan of values. value: the latest one; NaN before the first.
+
+    fault: why the output did not take it, empty if it did; it is written again every second.
+    """
+
+    def __init__(self, output: PayloadOutput) -> None:
+        self.value = math.nan
+        self.fault = ""
+        self._output = output
+        self._plan: Iterator[TimedWrite] = iter(())
+        self._due_s = math.inf
+        self._retry_s = math.inf
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether more values follow."""
+        return math.isfinite(self._due_s)
+
+    def run(self, plan: Iterable[TimedWrite], now_s: float) -> None:
+        """Replace the plan, and write its first value."""
+        self._plan, self._due_s = iter(plan), now_s
+        self.tick(now_s)
+
+    def tick(self, now_s: float) -> None:
+        """Write what is due, one value at most."""
+        if now_s >= self._due_s:
+            write = next(self._plan, None)
+            if write is None:
+                self._due_s = math.inf
+            else:
+                self._due_s += write.hold_s
+                self._write(write.value, now_s)
+                return
+        if now_s >= self._retry_s:
+            self._write(self.value, now_s)
+
+    def _write(self, value: float, now_s: float) -> None:
+        self.value = value
+        try:
+            self._output.write(value)
+        except HardwareError as error:
+            self.fault, self._retry_s = str(error), now_s + _RETRY_S
+        else:
+            self.fault, self._retry_s = "", math.inf
+
+
+def alternate(first: float, second: float, count: int, period_s: float) -> Iterator[TimedWrite]:
+    """First and second value for half a period each, count times."""
+    for _ in range(count):
+        yield TimedWrite(first, 0.5 * period_s)
+        yield TimedWrite(second, 0.5 * period_s)

@@ -1,0 +1,49 @@
+"""Payload commands by hand: the actions of mission items, at once."""
+
+from collections.abc import Callable
+
+from companion.core.status_text import Severity
+from companion.mavlink.dialect import dialect
+from companion.payload.actions import ActionFault
+from companion.payload.control import PayloadControl
+from companion.services.commands.command import (
+    ACCEPTED,
+    DENIED,
+    REJECTED_FOR_NOW,
+    UNSUPPORTED,
+    Command,
+)
+from companion.services.payload.rows import ROWS, read_action
+from companion.services.telemetry.statustext import StatusTextService
+
+# Not idempotent
+NOT_TWICE = (
+    dialect.MAV_CMD_DO_REPEAT_SERVO,
+    dialect.MAV_CMD_DO_REPEAT_RELAY,
+    dialect.MAV_CMD_DO_WINCH,
+    dialect.MAV_CMD_DO_SEND_SCRIPT_MESSAGE,
+    dialect.MAV_CMD_DO_DIGICAM_CONTROL,
+    dialect.MAV_CMD_IMAGE_START_CAPTURE,
+)
+
+
+def payload_commands(
+    payload: PayloadControl, texts: StatusTextService
+) -> dict[int, Callable[[Command], int]]:
+    """The table of handlers."""
+    return dict.fromkeys(ROWS, lambda command: act(command, payload, texts))
+
+
+def act(command: Command, payload: PayloadControl, texts: StatusTextService) -> int:
+    """Carry out a payload command, or say why not."""
+    p = (*command.p, command.fifth, command.sixth, command.altitude_m)
+    action = read_action(command.number, p, payload.fitted)
+    if isinstance(action, ActionFault):
+        fault, result = action.text, DENIED if action.parameter else UNSUPPORTED
+    else:
+        fault, result = payload.perform(action, command.now_s), REJECTED_FOR_NOW
+    if not fault:
+        return ACCEPTED
+    name = dialect.enums["MAV_CMD"][command.number].name.removeprefix("MAV_CMD_")
+    texts.notify(Severity.ERROR, f"{name}: {fault}")
+    return result
