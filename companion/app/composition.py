@@ -50,6 +50,10 @@ def check_config(config: BoatConfig) -> None:
     parts, external = config.parts, config.external
     if parts.motors.driver == "none":
         raise ConfigError("parts.motors.driver: the boat cannot sail without; expected a driver")
+    if config.drive.has_rudder is not (parts.rudder.driver != "none"):
+        raise ConfigError(
+            f"parts.rudder.driver: drive.layout is {config.drive.layout!r}; expected a rudder in both or none"
+        )
     for name, driver, use in (
         ("gnss", parts.gnss.driver, external.position),
         ("compass", parts.compass.driver, external.heading),

@@ -7,15 +7,19 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 
 from companion.config.boat_config import BoatConfig
+from companion.core.errors import HardwareError
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.gnss.nmea import open_nmea_gnss
 from companion.hal.heading.bno055 import open_bno055
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.heading.nmea import open_nmea_compass
 from companion.hal.hull import open_hull
-from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, RcReceiver, Sonar
-from companion.hal.motors.l298n import open_l298n
+from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, Motors, RcReceiver, Rudder, Sonar
+from companion.hal.motors.bridges import open_bridges
+from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.pulses.opening import open_pulse_output
+from companion.hal.pulses.rudder_servo import RudderServo
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
 from companion.sensors.magnetic_field import FieldCorrector
@@ -35,7 +39,31 @@ class _Absent:
 
 def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
     """The motors, with their watchdog, which is not started yet."""
-    return WatchedMotors(open_l298n(config.parts.motors, now), now, config.motors.command_timeout_s)
+    part, has_right = config.parts.motors, config.drive.has_pair
+    motors: Motors
+    match part.driver:
+        case "none":
+            raise HardwareError("motors: no driver is configured")
+        case "esc":
+            signals = (part.left, part.right) if has_right else (part.left,)
+            motors = open_escs(
+                signals,
+                part.dead_time_s,
+                part.arming_s,
+                now,
+                lambda signal: open_pulse_output(signal, config.parts.pca9685),
+            )
+        case _:
+            motors = open_bridges(part, now, has_right=has_right)
+    return WatchedMotors(motors, now, config.motors.command_timeout_s)
+
+
+def open_rudder(config: BoatConfig) -> Rudder | None:
+    """The rudder, amidships."""
+    part = config.parts.rudder
+    if part.driver == "none":
+        return None
+    return RudderServo(open_pulse_output(part.signal, config.parts.pca9685), part.signal)
 
 
 def open_gnss(config: BoatConfig, now: Now) -> Gnss:
@@ -90,6 +118,8 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
     with ExitStack() as undo:
         motors = undo.enter_context(closing(open_motors(config, now)))
         motors.start()
+        if (rudder := open_rudder(config)) is not None:
+            undo.callback(rudder.close)
         gnss = undo.enter_context(closing(open_gnss(config, now)))
         field = FieldCorrector() if config.parts.compass.is_magnetometer else None
         compass = undo.enter_context(closing(open_compass(config, now, field)))
@@ -101,4 +131,6 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(hull.close)
         rc = open_rc(config, now)
         undo.pop_all()
-    return Hardware(motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors, field=field)
+    return Hardware(
+        motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors, field=field, rudder=rudder
+    )

@@ -9,7 +9,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parts import MotorsPart
 from companion.core.geo import LatLon
 from companion.hal.interfaces import Hardware
-from companion.hal.motors.l298n import open_l298n
+from companion.hal.motors.bridges import open_bridges
 from companion.sensors.readings import GnssFix, HeadingReading
 
 PINS = MotorsPart(driver="l298n")
@@ -73,7 +73,7 @@ class MockPi:
         self, config: BoatConfig, now: Callable[[], float], on_read: Callable[[], Any] = lambda: None
     ) -> Hardware:
         """A boat's hardware on these pins. on_read is called at every reading of the compass, once a tick."""
-        motors = open_l298n(config.parts.motors, now, self.factory)
+        motors = open_bridges(config.parts.motors, now, self.factory)
         return Hardware(motors, SteadyGnss(now), SteadyCompass(now, on_read))
 
 

@@ -7,7 +7,7 @@ from mock_pi import PINS, MockPi
 
 from companion.boat import TICK_S
 from companion.hal.interfaces import Motors
-from companion.hal.motors.l298n import L298N, open_l298n
+from companion.hal.motors.bridges import BridgeMotors, open_bridges
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.mavlink.dialect import dialect
 
@@ -26,7 +26,7 @@ class Bridge:
         self.breaks: set[str] = set()  # which of write, stop and close raise before they reach a pin
         self.turning: Motors | None = None
         self.closed_s: float | None = None
-        self._driver: L298N = open_l298n(PINS, lambda: self.now_s, pi.factory)
+        self._driver: BridgeMotors = open_bridges(PINS, lambda: self.now_s, pi.factory)
 
     def write(self, left: float, right: float) -> None:
         self._break("write")

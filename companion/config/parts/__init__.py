@@ -7,6 +7,7 @@ from companion.config.parts.hull import HullPart
 from companion.config.parts.motors import MotorsPart
 from companion.config.parts.pulses import Pca9685Part, PulseOutputSetting
 from companion.config.parts.ranging import RangerPart
+from companion.config.parts.rudder import RudderPart
 from companion.config.section import Section
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "Pca9685Part",
     "PulseOutputSetting",
     "RangerPart",
+    "RudderPart",
 ]
 
 
@@ -27,6 +29,7 @@ class Parts(Section, frozen=True):
     """The hardware of the boat."""
 
     motors: MotorsPart = MotorsPart()
+    rudder: RudderPart = RudderPart()
     gnss: GnssPart = GnssPart()
     compass: CompassPart = CompassPart()
     sonar: RangerPart = RangerPart()

@@ -4,13 +4,22 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.section import NonNegative, Section
+
+_PULLED_UP = range(
+    9
+)  # GPIO 0 to 8 are high from reset until a program sets them (BCM2835 data sheet, table 6-31)
 
 
 class MotorsPart(Section, frozen=True):
-    """The motor driver. Pins in BCM numbers."""
+    """The motor driver. Pins in BCM numbers.
 
-    driver: Literal["l298n", "none"] = "none"
+    Bridges have pins: forward, backward and enable ("l298n", "bts7960"), PWM as enable ("tb6612"), or forward
+    and backward only ("drv8833"). Speed controllers ("esc") have signals instead: left and right.
+    """
+
+    driver: Literal["l298n", "tb6612", "bts7960", "drv8833", "esc", "none"] = "none"
     left_forward: int = 5
     left_backward: int = 6
     left_enable: int = 12
@@ -21,3 +30,16 @@ class MotorsPart(Section, frozen=True):
     dead_time_s: NonNegative = 0.02
     left_reversed: bool = False
     right_reversed: bool = False
+    left: PulseOutputSetting = PulseOutputSetting(pin=12)
+    right: PulseOutputSetting = PulseOutputSetting(pin=13)
+    arming_s: NonNegative = 3.0  # neutral pulses before the first command; ESCs arm on them
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.driver == "drv8833":
+            for name in ("left_forward", "left_backward", "right_forward", "right_backward"):
+                if getattr(self, name) in _PULLED_UP:
+                    raise ValueError(
+                        f"{name} = {getattr(self, name)}: GPIO 0 to 8 are high at reset and would run the "
+                        "motor; expected another"
+                    )

@@ -165,7 +165,9 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     parts = Parts()
-    monkeypatch.setattr("companion.app.parts.open_l298n", lambda *_: parts.open(BoatConfig(), float).motors)
+    monkeypatch.setattr(
+        "companion.app.parts.open_bridges", lambda *_, **__: parts.open(BoatConfig(), float).motors
+    )
     missing = str(tmp_path / "no-such-port")
     tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": missing}})
     with pytest.raises(HardwareError, match="no-such-port"):
@@ -174,7 +176,9 @@ def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
 
 
 def test_the_boat_can_see_how_often_its_motors_were_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("companion.app.parts.open_l298n", lambda *_: Parts().open(BoatConfig(), float).motors)
+    monkeypatch.setattr(
+        "companion.app.parts.open_bridges", lambda *_, **__: Parts().open(BoatConfig(), float).motors
+    )
     parts = {"motors": {"driver": "l298n"}}
     hardware = open_hardware(config("udpin:127.0.0.1:0", parts=parts), lambda: 0.0)
     try:

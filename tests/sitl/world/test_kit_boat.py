@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from companion.config.boat_config import load_config
-from companion.hal.motors.l298n import L298N
+from companion.hal.motors.bridges import PLANS
 from sitl.scenarios.scenario import Scenario, load_scenario
 from sitl.world.drive.thruster import Thruster
 from sitl.world.world import World
@@ -71,7 +71,7 @@ def test_the_bridge_loses_what_an_l298n_loses(current_a: float) -> None:
     bridge = kit().thrusters.bridge
     least_v, most_v = DROP_V[current_a]
     assert least_v <= bridge.drop_v + current_a * bridge.resistance_ohm <= most_v
-    assert not bridge.brake, f"{L298N.__name__} pulses the enable pin, which opens the bridge"
+    assert bridge.brake is PLANS["l298n"].legs_pulsed, "pulses on the enable pin open the bridge"
 
 
 def test_a_motor_that_stalls_is_within_the_bridge() -> None:

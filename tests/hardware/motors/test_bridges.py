@@ -1,29 +1,18 @@
-"""The bridge over mock pins that record, in one list, every change of every pin."""
+"""The L298N over mock pins: which pin changes when, and pins that fail."""
 
 import contextlib
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
 
 import pytest
-from gpiozero.pins.mock import MockFactory, MockPWMPin
-from hypothesis import given
-from hypothesis import strategies as st
 from twins.lines import HandClock
+from twins.pins import L298N, PinBoard
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.motors.l298n import L298N, HalfBridgePair, open_l298n
+from companion.hal.motors.bridges import BridgeMotors, HalfBridgePair, open_bridges
 
-PINS = parts.MotorsPart()
-LEGS = {PINS.left_forward: PINS.left_backward, PINS.right_forward: PINS.right_backward}
-OPPOSITE = LEGS | {backward: forward for forward, backward in LEGS.items()}
-ENABLE = {
-    PINS.left_forward: PINS.left_enable,
-    PINS.left_backward: PINS.left_enable,
-    PINS.right_forward: PINS.right_enable,
-    PINS.right_backward: PINS.right_enable,
-}
+PINS = L298N
 
 
 @pytest.fixture
@@ -31,79 +20,20 @@ def clock() -> HandClock:
     return HandClock()
 
 
-class Change(NamedTuple):
-    """One pin took one value."""
-
-    time_s: float
-    pin: int
-    value: float
-
-
-class Board:
-    """A Pi with mock pins and a common record."""
-
-    def __init__(self) -> None:
-        self.clock = HandClock()
-        self.history: list[Change] = []
-        board = self
-
-        class RecordedPin(MockPWMPin):  # type: ignore[misc]
-            def _change_state(self, value: float) -> bool:
-                has_changed: bool = super()._change_state(value)
-                if has_changed:
-                    board.history.append(Change(board.clock(), int(self.info.name[4:]), float(value)))
-                return has_changed
-
-        self.factory = MockFactory(pin_class=RecordedPin)
-
-    def open(self, pins: parts.MotorsPart = PINS) -> L298N:
-        bridge = open_l298n(pins, self.clock, self.factory)
-        self.history.clear()
-        return bridge
-
-    def pin(self, number: int) -> Any:  # noqa: ANN401 — gpiozero has no types
-        return self.factory.pin(number)
-
-    def levels(self) -> dict[int, float]:
-        return {pin: float(self.pin(pin).state) for pin in {*OPPOSITE, *ENABLE.values()}}
-
-    def drain(self) -> list[tuple[int, float]]:
-        changes = [(change.pin, change.value) for change in self.history]
-        self.history.clear()
-        return changes
-
-
 @pytest.fixture
-def board() -> Iterator[Board]:
-    board = Board()
+def board() -> Iterator[PinBoard]:
+    board = PinBoard()
     yield board
     board.factory.reset()
 
 
-def assert_is_safe(history: list[Change], dead_time_s: float) -> None:
-    """Replay the record: whatever the commands were, these hold at every single change of a pin."""
-    level = dict.fromkeys({*OPPOSITE, *ENABLE.values()}, 0.0)
-    fell_s = dict.fromkeys(OPPOSITE, -math.inf)
-    for change in history:
-        level[change.pin] = change.value
-        if change.pin in OPPOSITE:
-            opposite = OPPOSITE[change.pin]
-            assert level[ENABLE[change.pin]] == 0.0, "a leg moved while its motor was enabled"
-            if change.value:
-                assert level[opposite] == 0.0, "both legs on"
-                assert change.time_s - fell_s[opposite] >= dead_time_s, "no dead time"
-            else:
-                fell_s[change.pin] = change.time_s
-        assert 0.0 <= change.value <= 1.0
-
-
-def test_forward_turns_the_leg_on_before_the_enable(board: Board) -> None:
+def test_forward_turns_the_leg_on_before_the_enable(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(0.5, 0.0)
     assert board.drain() == [(PINS.left_forward, 1.0), (PINS.left_enable, 0.5)]
 
 
-def test_each_side_and_direction_has_its_own_pins(board: Board) -> None:
+def test_each_side_and_direction_has_its_own_pins(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(-0.25, 1.0)
     assert board.drain() == [
@@ -114,8 +44,8 @@ def test_each_side_and_direction_has_its_own_pins(board: Board) -> None:
     ]
 
 
-def test_a_reversed_motor_swaps_its_legs_only(board: Board) -> None:
-    bridge = board.open(parts.MotorsPart(left_reversed=True))
+def test_a_reversed_motor_swaps_its_legs_only(board: PinBoard) -> None:
+    bridge = board.open(parts.MotorsPart(driver="l298n", left_reversed=True))
     bridge.write(0.5, 0.5)
     assert board.drain() == [
         (PINS.left_backward, 1.0),
@@ -125,7 +55,7 @@ def test_a_reversed_motor_swaps_its_legs_only(board: Board) -> None:
     ]
 
 
-def test_a_change_of_speed_touches_only_the_enable_pin(board: Board) -> None:
+def test_a_change_of_speed_touches_only_the_enable_pin(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(0.5, 0.0)
     board.drain()
@@ -133,14 +63,16 @@ def test_a_change_of_speed_touches_only_the_enable_pin(board: Board) -> None:
     assert board.drain() == [(PINS.left_enable, 0.75)]
 
 
-def test_the_pwm_frequency_is_the_configured_one(board: Board) -> None:
-    bridge = board.open(parts.MotorsPart(pwm_hz=400))
+def test_the_pwm_frequency_is_the_configured_one(board: PinBoard) -> None:
+    bridge = board.open(parts.MotorsPart(driver="l298n", pwm_hz=400))
     assert board.pin(PINS.left_enable).frequency == 400
     assert board.pin(PINS.right_enable).frequency == 400
     bridge.close()
 
 
-def test_reversal_drops_the_old_leg_at_once_and_drives_the_new_one_after_the_dead_time(board: Board) -> None:
+def test_reversal_drops_the_old_leg_at_once_and_drives_the_new_one_after_the_dead_time(
+    board: PinBoard,
+) -> None:
     bridge = board.open()
     bridge.write(1.0, 0.0)
     board.drain()
@@ -154,7 +86,7 @@ def test_reversal_drops_the_old_leg_at_once_and_drives_the_new_one_after_the_dea
     assert board.drain() == [(PINS.left_backward, 1.0), (PINS.left_enable, 1.0)]
 
 
-def test_a_stop_between_does_not_shorten_the_dead_time(board: Board) -> None:
+def test_a_stop_between_does_not_shorten_the_dead_time(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(1.0, 0.0)
     bridge.write(0.0, 0.0)
@@ -163,7 +95,7 @@ def test_a_stop_between_does_not_shorten_the_dead_time(board: Board) -> None:
     assert board.drain() == []
 
 
-def test_the_same_direction_needs_no_dead_time(board: Board) -> None:
+def test_the_same_direction_needs_no_dead_time(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(1.0, 0.0)
     bridge.write(0.0, 0.0)
@@ -173,14 +105,14 @@ def test_the_same_direction_needs_no_dead_time(board: Board) -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_a_value_that_is_not_finite_stops_both_motors(board: Board, bad: float) -> None:
+def test_a_value_that_is_not_finite_stops_both_motors(board: PinBoard, bad: float) -> None:
     bridge = board.open()
     bridge.write(1.0, -1.0)
     bridge.write(bad, 1.0)
     assert set(board.levels().values()) == {0.0}
 
 
-def test_values_beyond_full_drive_are_limited(board: Board) -> None:
+def test_values_beyond_full_drive_are_limited(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(7.0, -7.0)
     assert board.levels()[PINS.left_enable] == 1.0
@@ -188,14 +120,14 @@ def test_values_beyond_full_drive_are_limited(board: Board) -> None:
     assert board.levels()[PINS.right_backward] == 1.0
 
 
-def test_stop_leaves_every_pin_low(board: Board) -> None:
+def test_stop_leaves_every_pin_low(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(1.0, -1.0)
     bridge.stop()
     assert set(board.levels().values()) == {0.0}
 
 
-def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: Board) -> None:
+def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(1.0, -1.0)
     board.drain()
@@ -209,9 +141,11 @@ def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: Bo
         bridge.write(1.0, 1.0)
 
 
-def test_a_pin_that_is_taken_gives_the_others_back(board: Board) -> None:
+def test_a_pin_that_is_taken_gives_the_others_back(board: PinBoard) -> None:
     with pytest.raises(HardwareError, match="pins cannot be opened"):
-        open_l298n(parts.MotorsPart(right_backward=PINS.left_forward), board.clock, board.factory)
+        open_bridges(
+            parts.MotorsPart(driver="l298n", right_backward=PINS.left_forward), board.clock, board.factory
+        )
     board.open().close()
 
 
@@ -222,7 +156,7 @@ def test_a_machine_without_pins_is_told_in_one_line(
     with pytest.raises(
         HardwareError, match=r"L298N: the Python module 'gpiozero' is missing; pip install '\.\[pi\]'"
     ):
-        open_l298n(PINS, clock)
+        open_bridges(PINS, clock)
 
 
 class FakeLeg:
@@ -252,7 +186,7 @@ class FakeLeg:
         self.value = 0.0
 
 
-def fake_bridge(clock: HandClock) -> tuple[L298N, dict[str, float], set[str]]:
+def fake_bridge(clock: HandClock) -> tuple[BridgeMotors, dict[str, float], set[str]]:
     level: dict[str, float] = {}
     broken: set[str] = set()
 
@@ -262,7 +196,7 @@ def fake_bridge(clock: HandClock) -> tuple[L298N, dict[str, float], set[str]]:
         )
         return HalfBridgePair(forward, backward, enable, 0.02, clock)
 
-    return L298N(pair("left"), pair("right")), level, broken
+    return BridgeMotors("L298N", pair("left"), pair("right")), level, broken
 
 
 PIN_NAMES = [f"{side} {pin}" for side in ("left", "right") for pin in ("forward", "backward", "enable")]
@@ -325,50 +259,3 @@ def test_every_pin_is_switched_off_before_the_first_is_given_back(
         bridge.close()
     assert len(still_on) == len(PIN_NAMES)
     assert all(names <= {stuck} for names in still_on)
-
-
-shares = st.one_of(st.floats(-1.5, 1.5), st.sampled_from([0.0, -0.0, 1.0, -1.0, math.nan, math.inf, 1e-300]))
-commands = st.lists(
-    st.one_of(
-        st.tuples(st.just("write"), shares, shares),
-        st.tuples(st.just("advance"), st.sampled_from([0.0, 0.005, 0.02, 0.1])),
-        st.tuples(st.just("stop")),
-    ),
-    max_size=40,
-)
-
-
-@given(commands)
-def test_no_sequence_of_commands_ever_turns_both_legs_on(sequence: list[tuple[Any, ...]]) -> None:
-    board = Board()
-    bridge = board.open()
-    for verb, *arguments in sequence:
-        if verb == "advance":
-            board.clock.advance(*arguments)
-            continue
-        getattr(bridge, verb)(*arguments)
-        if verb == "stop" or not all(map(math.isfinite, arguments)):
-            assert set(board.levels().values()) == {0.0}
-    bridge.close()
-    assert set(board.levels().values()) == {0.0}
-    assert_is_safe(board.history, PINS.dead_time_s - 1e-9)
-
-
-@given(st.lists(st.tuples(shares, shares), min_size=1, max_size=20))
-def test_a_command_that_is_held_is_reached_after_the_dead_time(sequence: list[tuple[float, float]]) -> None:
-    board = Board()
-    bridge = board.open()
-    for left, right in sequence:
-        bridge.write(left, right)
-    left, right = sequence[-1]
-    board.clock.advance(1.0)
-    bridge.write(left, right)
-    is_finite = math.isfinite(left) and math.isfinite(right)
-    for share, forward, backward, enable in (
-        (left, PINS.left_forward, PINS.left_backward, PINS.left_enable),
-        (right, PINS.right_forward, PINS.right_backward, PINS.right_enable),
-    ):
-        wanted = max(-1.0, min(1.0, share)) if is_finite else 0.0
-        levels = board.levels()
-        assert levels[enable] == abs(wanted)
-        assert (levels[forward], levels[backward]) == (float(wanted > 0.0), float(wanted < 0.0))

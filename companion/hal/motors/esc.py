@@ -1,0 +1,148 @@
+"""Speed controllers (ESCs): one servo signal a motor.
+
+An ESC starts only after it has seen the pulse of stop for a time, and stops, at the latest after a second or
+two, when the pulses end; until then it goes on with the last one. So stop is a pulse, neutral, and is sent
+before the pulses end. (Manuals of BLHeli_S, "Arming sequence", and KAVAN, "Throttle signal loss protection".)
+"""
+
+import math
+import time
+from collections.abc import Callable
+
+from companion.config.parts import PulseOutputSetting
+from companion.core.errors import HardwareError
+from companion.core.units import clamp
+from companion.hal.interfaces import PulseOutput
+
+_LAST_PULSES = 3  # neutral ones, before the end
+
+
+class Esc:
+    """One speed controller. A reversal passes neutral for dead_time_s."""
+
+    def __init__(
+        self, output: PulseOutput, setting: PulseOutputSetting, dead_time_s: float, now: Callable[[], float]
+    ) -> None:
+        self.output = output
+        self.setting = setting
+        self._dead_time_s = dead_time_s
+        self._now = now
+        self._direction = 0  # driven last
+        self._driven_s = -math.inf
+
+    def drive(self, share: float) -> None:
+        """Drive at a share of full drive, −1..1."""
+        direction = (share > 0.0) - (share < 0.0)
+        now_s = self._now()
+        if direction and direction != self._direction and now_s - self._driven_s < self._dead_time_s:
+            share, direction = 0.0, 0
+        self.output.write_us(self.setting.width_us(share))
+        if direction:
+            self._direction, self._driven_s = direction, now_s
+
+
+class EscMotors:
+    """Satisfies `companion.hal.interfaces.Motors` with one or two speed controllers.
+
+    Neutral is sent from the start, and nothing else for arming_s; again so after a fault, when the ESCs may
+    have lost their signal. Without a right one, the left is the boat's only motor.
+    """
+
+    def __init__(
+        self,
+        sides: tuple[Esc, ...],
+        arming_s: float,
+        now: Callable[[], float],
+        wait: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._sides = sides
+        self._arming_s = arming_s
+        self._now = now
+        self._wait = wait
+        self._armed_s = now() + arming_s
+        self._is_closed = False
+        self.stop()
+
+    def write(self, left: float, right: float) -> None:
+        """Drive the motors, −1..1, limited; a non-finite value stops both, as does any while arming.
+
+        Raises:
+            HardwareError: closed, or a signal failed; the others are then neutral.
+        """
+        if self._is_closed:
+            raise HardwareError("ESC: written to after close")
+        if not (math.isfinite(left) and math.isfinite(right)) or self._now() < self._armed_s:
+            left = right = 0.0
+        try:
+            for side, share in zip(self._sides, (left, right), strict=False):
+                side.drive(clamp(share, -1.0, 1.0))
+        except BaseException as error:
+            self._neutral()
+            if isinstance(error, HardwareError):
+                self._armed_s = self._now() + self._arming_s
+            raise
+
+    def stop(self) -> None:
+        """Neutral on every signal.
+
+        Raises:
+            HardwareError: a signal failed; all others are neutral.
+        """
+        if not self._is_closed and (error := self._neutral()) is not None:
+            raise error
+
+    def close(self) -> None:
+        """Neutral for some pulses, then no more pulses. May be called twice.
+
+        Raises:
+            HardwareError: a signal failed; all others have ended.
+        """
+        if self._is_closed:
+            return
+        error = self._neutral()
+        self._is_closed = True
+        self._wait(max(_LAST_PULSES / side.setting.frequency_hz for side in self._sides))
+        for side in self._sides:
+            try:
+                side.output.close()
+            except HardwareError as failure:
+                error = error or failure
+        if error is not None:
+            raise error
+
+    def _neutral(self) -> HardwareError | None:
+        """Neutral on every signal; the first error, after which they arm anew."""
+        error: HardwareError | None = None
+        for side in self._sides:
+            try:
+                side.drive(0.0)
+            except HardwareError as failure:
+                error = error or failure
+        if error is not None:
+            self._armed_s = self._now() + self._arming_s
+        return error
+
+
+def open_escs(
+    settings: tuple[PulseOutputSetting, ...],
+    dead_time_s: float,
+    arming_s: float,
+    now: Callable[[], float],
+    open_output: Callable[[PulseOutputSetting], PulseOutput],
+) -> EscMotors:
+    """Open the signals, one a motor, left first, and send neutral.
+
+    Raises:
+        HardwareError: a signal cannot be opened; those already open are closed again.
+    """
+    outputs: list[PulseOutput] = []
+    try:
+        outputs.extend(open_output(setting) for setting in settings)
+        sides = zip(outputs, settings, strict=True)
+        return EscMotors(
+            tuple(Esc(output, setting, dead_time_s, now) for output, setting in sides), arming_s, now
+        )
+    except BaseException:
+        for output in outputs:
+            output.close()
+        raise

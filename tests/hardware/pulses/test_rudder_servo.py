@@ -1,0 +1,43 @@
+"""The rudder's servo over a twin of the kernel's PWM."""
+
+import math
+from pathlib import Path
+
+import pytest
+from twins.pulses import PI_4, plug_in_pwm
+
+from companion.app.composition import check_config
+from companion.app.parts import open_rudder
+from companion.config.boat_config import BoatConfig, decode_config
+from companion.core.errors import ConfigError
+
+
+def config(**tables: object) -> BoatConfig:
+    return decode_config({"links": ["udpin:127.0.0.1:0"], **tables}, "test")
+
+
+def test_a_positive_share_is_the_longer_pulse_and_zero_is_amidships(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+    signal = {"pin": 13, "min_us": 1000, "trim_us": 1480, "max_us": 2000}
+    rudder = open_rudder(config(parts={"rudder": {"driver": "servo", "signal": signal}}))
+    assert rudder is not None
+    for share in (0.5, -1.0, 2.0, math.nan):
+        rudder.write(share)
+    rudder.close()
+    rudder.close()
+    assert [one.width_us for one in kernel.history] == [1480.0, 1740.0, 1000.0, 2000.0, 1480.0, 0.0]
+
+
+def test_a_boat_without_a_rudder_opens_none() -> None:
+    assert open_rudder(config()) is None
+
+
+@pytest.mark.parametrize(
+    ("layout", "driver"), [("rudder", "none"), ("differential_rudder", "none"), ("differential", "servo")]
+)
+def test_the_layout_and_the_part_must_agree(layout: str, driver: str) -> None:
+    parts = {"motors": {"driver": "l298n"}, "rudder": {"driver": driver}}
+    with pytest.raises(ConfigError, match=rf"parts\.rudder\.driver: drive.layout is '{layout}'"):
+        check_config(config(drive={"layout": layout}, parts=parts))
