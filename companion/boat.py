@@ -30,6 +30,7 @@ from companion.persistence.storage import Storage
 from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.policy import ConfiguredPort
+from companion.sensors.compass_parameters import compass_hooks
 from companion.sensors.external import ExternalSensors
 from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite
@@ -62,7 +63,8 @@ class Boat:
         unix_offset_s: float = 0.0,
         logbook: Logbook | None = None,
     ) -> None:
-        self.parameters = Parameters(config, ROWS, storage, hardware.parameter_hooks)
+        hooks = [] if hardware.field is None else compass_hooks(hardware.field)
+        self.parameters = Parameters(config, ROWS, storage, (*hardware.parameter_hooks, *hooks))
         own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.motors = MotorOutput(hardware)
@@ -228,6 +230,7 @@ class Boat:
     def _sense(self, now_s: float) -> None:
         sensors, estimator = self.sensors, self.estimator
         sensors.read(self.parameters.config, now_s, self.command)
+        sensors.locate(self._wall_time.unix_s(now_s))
         for severity, text in sensors.notices:
             self.vehicle.notify(severity, text)
         self._origin.share_frame()

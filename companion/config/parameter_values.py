@@ -55,6 +55,7 @@ EXTERNAL_USES: Names = (
 OBSTACLE_USES: Names = ((0, "Ignored"), (1, "Added to the boat's own sonar"))
 LOG_BACKENDS: Names = ((0, "None"), (1, "File"))
 LOG_TIMES: Names = ((0, "While armed"), (1, "From boot"))
+MOTOR_SOURCES: Names = ((0, "Disabled"), (1, "Throttle"), (2, "Current"))
 MISSION_ENDS: Names = ((0, "HOLD"), (1, "LOITER"))
 OBSTACLE_ACTIONS: Names = ((0, "Stop before it"), (1, "Go around it"))
 OFFSET_AXES: Names = ((0, "North and east"), (1, "Ahead and to starboard"))

@@ -105,9 +105,10 @@ class Parameters:
         storage: Storage,
         parameter_hooks: Sequence[ParameterHook] = (),
     ) -> None:
-        """parameter_hooks: further parameters of the hardware."""
+        """parameter_hooks: further parameters of the hardware; they replace rows of the same name."""
         if parameter_hooks:
-            rows = tuple(sorted((*rows, *(hook.row for hook in parameter_hooks)), key=lambda row: row.name))
+            by_name = {row.name: row for row in (*rows, *(hook.row for hook in parameter_hooks))}
+            rows = tuple(sorted(by_name.values(), key=lambda row: row.name))
         self.config = config
         self.rows = rows
         self._hooks = {hook.row.name: hook.apply for hook in parameter_hooks}

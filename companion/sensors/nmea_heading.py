@@ -17,8 +17,8 @@ class HeadingAssembler:
     """Converts sentences to readings; correction_rad is added to every heading.
 
     HDT and THS are true headings. HDG is magnetic, with its own deviation and variation (east positive). HDM
-    is magnetic without them, as an HDG may be: then correction_rad must include the local variation. A better
-    kind suppresses a worse one for 2 s. ROT (°/min, positive to starboard) gives the yaw rate.
+    is magnetic without them, as an HDG may be: then the boat adds the declination. A better kind suppresses
+    a worse one for 2 s. ROT (°/min, positive to starboard) gives the yaw rate.
     """
 
     def __init__(self, correction_rad: float = 0.0) -> None:
@@ -40,7 +40,8 @@ class HeadingAssembler:
             return None
         self._rank, self._ranked_s = rank, time_s
         rate_rad_s = self._rate_rad_s if time_s - self._rate_s < _RATE_LIFE_S else None
-        return HeadingReading(time_s, wrap_pi(math.radians(heading_deg) + self._correction_rad), rate_rad_s)
+        heading_rad = wrap_pi(math.radians(heading_deg) + self._correction_rad)
+        return HeadingReading(time_s, heading_rad, rate_rad_s, is_magnetic=rank == _MAGNETIC)
 
 
 def _heading_deg(sentence: Sentence) -> tuple[float | None, int]:

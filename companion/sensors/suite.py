@@ -1,14 +1,17 @@
 """All sensors and their external substitutes, read once a tick."""
 
 from companion.config.boat_config import BoatConfig, Trim
+from companion.config.parts import CompassPart
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import Hardware
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
 from companion.sensors.charge import cells_fault
+from companion.sensors.earth_field import EarthFieldModel
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.magnetic_field import MotorLoad
 from companion.sensors.readings import (
     BatteryReading,
     GnssFix,
@@ -19,6 +22,7 @@ from companion.sensors.readings import (
 )
 from companion.sensors.silence import SilenceMonitor
 
+_FIX_2D = 2
 BATTERY_STALE_S = 3.0  # thirty readings of a monitor
 SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
@@ -40,6 +44,7 @@ class SensorSuite:
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
+        self.earth = EarthFieldModel()
         self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
         self._hardware = hardware
@@ -54,6 +59,18 @@ class SensorSuite:
         """The latest reading of the battery monitor, None once it is silent."""
         battery = self.battery
         return None if battery is None or now_s - battery.time_s > BATTERY_STALE_S else battery
+
+    def declination_rad(self, part: CompassPart) -> float:
+        """From true to magnetic north, east positive; 0 until the model has a position and a date."""
+        if not part.auto_declination:
+            return part.declination_rad
+        return 0.0 if self.earth.field is None else self.earth.field.declination_rad
+
+    def locate(self, unix_s: float) -> None:
+        """Find the earth's magnetic field at the fix, where it is used. unix_s: 0 if unknown."""
+        reading, fix = self.compass, self.fix
+        if reading is not None and reading.is_magnetic and fix is not None and fix.fix_type >= _FIX_2D:
+            self.notices += self.earth.update(fix.position, unix_s)
 
     def point_sonar(self, sector: Sector) -> None:
         """Set the sector of the boat's own ranger."""
@@ -70,9 +87,14 @@ class SensorSuite:
         self.fix = external.choose_fix(own_fix, config.external, now_s)
         self.is_fix_own = self.fix is own_fix
         self.compass = hardware.compass.read()
-        self.heading = external.choose_heading(trimmed(self.compass, config.trim), config.external, now_s)
+        own_heading = trimmed(self.compass, config.trim, self.declination_rad(config.parts.compass))
+        self.heading = external.choose_heading(own_heading, config.external, now_s)
         if hardware.battery is not None:
             self._read_battery(hardware.battery.read(), config, now_s, command)
+        if hardware.field is not None:
+            battery = self.fresh_battery(now_s)
+            throttle = 0.5 * (abs(command.left) + abs(command.right))
+            hardware.field.load = MotorLoad(throttle, None if battery is None else battery.current_a)
         if hardware.hull is not None:
             self.hull = hardware.hull.read()
         if hardware.rc is not None:
@@ -107,13 +129,18 @@ class SensorSuite:
             self.notices.append(notice)
 
 
-def trimmed(reading: HeadingReading | None, trim: Trim) -> HeadingReading | None:
-    """The reading with heading trim and gyro bias applied."""
-    if reading is None or (trim.heading_rad == 0.0 and trim.gyro_bias_rad_s == 0.0):
+def trimmed(
+    reading: HeadingReading | None, trim: Trim, declination_rad: float = 0.0
+) -> HeadingReading | None:
+    """The reading from true north, with heading trim and gyro bias applied."""
+    if reading is None:
+        return None
+    turn_rad = trim.heading_rad + declination_rad * reading.is_magnetic
+    if turn_rad == 0.0 and trim.gyro_bias_rad_s == 0.0:
         return reading
     rate = reading.yaw_rate_rad_s
     return HeadingReading(
         reading.time_s,
-        reading.heading_rad + trim.heading_rad,
+        reading.heading_rad + turn_rad,
         None if rate is None else rate - trim.gyro_bias_rad_s,
     )

@@ -12,7 +12,7 @@ from companion.sensors.readings import HeadingReading
 
 
 class NmeaCompass(NmeaSensor[HeadingReading]):
-    """Satisfies `companion.hal.interfaces.Compass`. For HDM, correction_rad includes the local variation."""
+    """Satisfies `companion.hal.interfaces.Compass`."""
 
     def __init__(self, port: Port, now: Callable[[], float], correction_rad: float = 0.0) -> None:
         super().__init__(port, now, HEADING_SENTENCES)
