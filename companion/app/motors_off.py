@@ -1,46 +1,100 @@
-"""Hold the motors' enable pins low, from outside the program: what its unit calls after it, however it ended.
+"""Stop the motors from outside the program: what its unit runs after it, however it ended.
 
     python -m companion.app.motors_off /etc/mavboat/boat.toml
 
-A bridge whose program was killed goes on with whatever its pins were at. This reads which pins they are, and
-loads nothing else: it has to be quick. A file that cannot be read stands for a boat with the default pins.
+A killed program leaves its pins and pulses as they were, and the motors run on: lgpio's PWM ends with the
+process and leaves its pin high or low, the Pi's PWM and a PCA9685 go on. Bridges get their enable pins low,
+or all inputs where they have none. Speed controllers get neutral for some pulses, since they run on for up to
+two seconds without, and then none; a software signal has ended with the program, its pin is driven low. This
+loads nothing but the configuration and the part that is needed: it has to be quick. A file that cannot be
+read stands for a boat with the default pins.
 """
 
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from time import sleep
 
-from companion.config.boat_config import load_config
-from companion.config.parts import MotorsPart
-from companion.core.errors import ConfigError
+from companion.config.boat_config import BoatConfig, load_config
+from companion.config.parts import MotorsPart, Parts, Pca9685Part, PulseOutputSetting
+from companion.core.errors import ConfigError, HardwareError
 
 _PINCTRL = "pinctrl"  # of Raspberry Pi OS; "op dl" is output, driven low
 _LONGEST_S = 5.0
+_LAST_PULSES = 3  # neutral ones, before the end
 
 
 def main(arguments: list[str]) -> int:
-    """The exit code: 0 done, 1 the pins could not be set, 2 the file cannot be used."""
+    """The exit code: 0 done, 1 a motor could not be stopped, 2 the file cannot be used."""
     if len(arguments) != 1:
         sys.stderr.write("motors_off: expected the boat's TOML file\n")
         return 2
-    code, motors = 0, MotorsPart(driver="l298n")
+    code, config = 0, BoatConfig(parts=Parts(motors=MotorsPart(driver="l298n")))
     try:
-        motors = load_config(Path(arguments[0])).parts.motors
+        config = load_config(Path(arguments[0]))
     except ConfigError as error:
         sys.stderr.write(f"motors_off: {error}; taking the default pins\n")
         code = 2
+    motors = config.parts.motors
     if motors.driver == "none":
         return code
-    program, pins = shutil.which(_PINCTRL), f"{motors.left_enable},{motors.right_enable}"
+    if motors.driver == "esc":
+        signals = (motors.left, motors.right) if config.drive.has_pair else (motors.left,)
+        stopped = _end_signals(signals, config.parts.pca9685)
+    else:
+        stopped = _drive_low(_pins(motors, config.drive.has_pair))
+    return code if stopped else 1
+
+
+def _pins(motors: MotorsPart, has_right: bool) -> list[int]:
+    """The pins that stop the motors when they are low. Others may belong to another part."""
+    names = ("forward", "backward") if motors.driver == "drv8833" else ("enable",)
+    return [
+        getattr(motors, f"{side}_{name}") for side in ("left", "right")[: 1 + has_right] for name in names
+    ]
+
+
+def _drive_low(pins: Iterable[int]) -> bool:
+    text = ",".join(map(str, pins))
     try:
+        program = shutil.which(_PINCTRL)
         if program is None:
             raise FileNotFoundError(f"{_PINCTRL} is not installed")
-        subprocess.run([program, "set", pins, "op", "dl"], check=True, timeout=_LONGEST_S)  # noqa: S603
+        subprocess.run([program, "set", text, "op", "dl"], check=True, timeout=_LONGEST_S)  # noqa: S603
     except (OSError, subprocess.SubprocessError) as error:
-        sys.stderr.write(f"motors_off: pins {pins}: {error}\n")
-        return 1
-    return code
+        sys.stderr.write(f"motors_off: pins {text}: {error}\n")
+        return False
+    return True
+
+
+def _end_signals(signals: Iterable[PulseOutputSetting], chip: Pca9685Part) -> bool:
+    """Neutral on all that still have pulses, then the end of the pulses."""
+    still = [signal for signal in signals if signal.output != "software"]
+    pins = [signal.pin for signal in signals if signal.output == "software"]
+    stopped = _drive_low(pins) if pins else True
+    for is_end in (False, True):
+        for signal in still:
+            try:
+                _replace(signal, 0.0 if is_end else signal.trim_us, chip)
+            except (OSError, HardwareError) as error:
+                sys.stderr.write(f"motors_off: {error}\n")
+                stopped = False
+        if still and not is_end:
+            sleep(_LAST_PULSES / min(chip.frequency_hz, *(signal.frequency_hz for signal in still)))
+    return stopped
+
+
+def _replace(signal: PulseOutputSetting, width_us: float, chip: Pca9685Part) -> None:
+    if signal.output == "hardware":
+        from companion.hal.pulses.sysfs_pwm import replace_sysfs_pulses  # noqa: PLC0415 — only what is needed
+
+        replace_sysfs_pulses(signal.pin, width_us)
+    else:
+        from companion.hal.pulses.pca9685 import replace_pca9685_pulses  # noqa: PLC0415
+
+        replace_pca9685_pulses(signal.channel, width_us, chip)
 
 
 if __name__ == "__main__":

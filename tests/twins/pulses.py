@@ -124,6 +124,7 @@ class Pca9685Twin:
         self.history: list[Signal] = []
         self.lost = 0  # transfers that are not acknowledged
         self._now = now
+        self._latest: dict[str, float] = {}
         self.power_up()
 
     def power_up(self) -> None:
@@ -189,10 +190,8 @@ class Pca9685Twin:
     def _record(self) -> None:
         for channel in range(16):
             output, width_us = f"channel {channel}", self.width_us(channel)
-            latest = next(
-                (signal.width_us for signal in reversed(self.history) if signal.output == output), 0.0
-            )
-            if width_us != latest:
+            if width_us != self._latest.get(output, 0.0):
+                self._latest[output] = width_us
                 self.history.append(Signal(self._now(), output, width_us))
 
 

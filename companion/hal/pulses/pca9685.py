@@ -37,18 +37,28 @@ _FAILURES: Final = 3  # in a row, before the users are told: one lost byte is no
 class Pca9685:
     """Registers of the chip at one bus address."""
 
-    def __init__(self, bus: I2cBus, part: Pca9685Part, wait: Callable[[float], None] = time.sleep) -> None:
-        """Raises:
-        HardwareError: the part does not keep its registers, so it is not a PCA9685.
-        OSError: it does not answer.
+    def __init__(
+        self,
+        bus: I2cBus,
+        part: Pca9685Part,
+        wait: Callable[[float], None] = time.sleep,
+        *,
+        sets_up: bool = True,
+    ) -> None:
+        """sets_up: False leaves the chip as it is.
+
+        Raises:
+            HardwareError: the part does not keep its registers, so it is not a PCA9685.
+            OSError: it does not answer.
         """
         self.bus = bus
         self._address = part.address
         self._wait = wait
         self._pre_scale = pre_scale(part.oscillator_hz, part.frequency_hz)
         self._step_us = 1e6 * (self._pre_scale + 1) / part.oscillator_hz
-        self.set_up()
-        if not self.is_set_up():
+        if sets_up:
+            self.set_up()
+        if sets_up and not self.is_set_up():
             raise HardwareError(f"PCA9685: the part at I²C address {part.address:#x} is not a PCA9685")
 
     def set_up(self) -> None:
@@ -246,15 +256,19 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
     return Pca9685Pulses(board, setting, release)
 
 
-def stop_pca9685(part: Pca9685Part) -> None:
-    """From outside the program: no more pulses on any channel.
+def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> None:
+    """From outside the program: give pulses another width; 0: end those of every channel.
 
     Raises:
         HardwareError: there is no bus, or nothing answers at the address.
     """
 
-    def all_off(bus: I2cBus) -> None:
-        bus.write_i2c_block_data(part.address, ALL_LED_OFF_H, [FULL_OFF])
+    def replace(bus: I2cBus) -> None:
+        chip = Pca9685(bus, part, sets_up=False)
+        if width_us:
+            chip.write(channel, width_us)
+        else:
+            chip.all_off()
         bus.close()
 
-    open_i2c_part("PCA9685", part.address, all_off)
+    open_i2c_part("PCA9685", part.address, replace)

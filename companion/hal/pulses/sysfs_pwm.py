@@ -6,7 +6,6 @@ models and kernels, so the chip is found by the name of its device. Pins and cha
 RP1, tables of alternate functions; the overlay `pwm-2chan` connects them.
 """
 
-import contextlib
 import errno
 import fcntl
 import os
@@ -160,18 +159,19 @@ def _export(chip: Path, channel: int) -> None:
             raise
 
 
-def stop_sysfs_pulses(pin: int) -> None:
-    """From outside the program: no more pulses on a pin; nothing if its channel is not exported.
+def replace_sysfs_pulses(pin: int, width_us: float) -> None:
+    """From outside the program: give pulses another width, if there are any; 0: end them.
 
     Raises:
         HardwareError, OSError: there is no such channel, or it cannot be written.
     """
     chip, channel = find_channel(pin)
     folder = chip / f"pwm{channel}"
-    with contextlib.suppress(FileNotFoundError):
-        if _get(folder / "period") != "0":
-            _put(folder / "duty_cycle", 0)
-            _put(folder / "enable", 0)
+    if not folder.exists() or _get(folder / "enable") == "0":
+        return
+    _put(folder / "duty_cycle", round(1e3 * width_us))
+    if not width_us:
+        _put(folder / "enable", 0)
 
 
 def _get(file: Path) -> str:

@@ -17,7 +17,7 @@ from companion.hal.pulses.pca9685 import (
     Pca9685Pulses,
     open_pca9685_pulses,
     pre_scale,
-    stop_pca9685,
+    replace_pca9685_pulses,
 )
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 
@@ -192,10 +192,14 @@ def test_pulses_that_cannot_be_ended_are_an_error_of_close(dev: I2cDev, chip: Pc
     open_pca9685_pulses(LEFT, PART).close()
 
 
-def test_all_pulses_are_stopped_from_outside(dev: I2cDev, chip: Pca9685Twin) -> None:
-    output = open_pca9685_pulses(LEFT, PART)
-    output.write_us(1700.0)
-    eventually(lambda: chip.width_us(0))
-    stop_pca9685(PART)
-    assert not chip.width_us(0)
-    output.close()
+def test_pulses_are_replaced_and_ended_from_outside(dev: I2cDev, chip: Pca9685Twin) -> None:
+    left, right = open_pca9685_pulses(LEFT, PART), open_pca9685_pulses(RIGHT, PART)
+    left.write_us(1700.0)
+    right.write_us(1700.0)
+    eventually(lambda: chip.width_us(0) and chip.width_us(15))
+    replace_pca9685_pulses(0, 1500.0, PART)
+    assert [round(chip.width_us(channel), -1) for channel in (0, 15)] == [1500.0, 1700.0]
+    replace_pca9685_pulses(0, 0.0, PART)
+    assert not any(chip.width_us(channel) for channel in range(16))
+    left.close()
+    right.close()

@@ -14,7 +14,7 @@ from companion.hal.pulses.sysfs_pwm import (
     SysfsPulses,
     find_channel,
     open_sysfs_pulses,
-    stop_sysfs_pulses,
+    replace_sysfs_pulses,
 )
 
 SETTING = PulseOutputSetting(pin=12)
@@ -164,12 +164,13 @@ def test_no_descriptor_is_left_open(kernel: KernelPwm) -> None:
     assert len(os.listdir("/proc/self/fd")) == before
 
 
-def test_pulses_are_stopped_from_outside(kernel: KernelPwm) -> None:
-    stop_sysfs_pulses(12)  # not exported: there are none
+def test_running_pulses_are_replaced_and_ended_from_outside(kernel: KernelPwm) -> None:
+    replace_sysfs_pulses(12, 1500.0)  # not exported: there are none
     output = open_sysfs_pulses(SETTING)
-    stop_sysfs_pulses(12)
+    replace_sysfs_pulses(12, 1500.0)
     output.write_us(1700.0)
-    stop_sysfs_pulses(12)
-    assert [signal.width_us for signal in kernel.history] == [1700.0, 0.0]
+    for width_us in (1500.0, 0.0, 1500.0):
+        replace_sysfs_pulses(12, width_us)
+    assert [signal.width_us for signal in kernel.history] == [1700.0, 1500.0, 0.0]
     assert kernel.channel(CHIP, 0)["enable"] == kernel.channel(CHIP, 0)["duty_cycle"] == "0"
     output.close()
