@@ -12,6 +12,7 @@ from rich.table import Table
 
 from companion import __version__
 from companion.app.composition import check_config, run_boat
+from companion.app.install.cli import install, uninstall
 from companion.app.links_view import watch
 from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
@@ -27,6 +28,8 @@ from companion.persistence.storage import MemoryStorage
 PROGRAM = "boat-companion"
 
 app = program_app("The vehicle: drives the boat and speaks MAVLink to every ground station.")
+app.command()(install)
+app.command()(uninstall)
 
 ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
 

@@ -1,0 +1,81 @@
+"""`boat-companion install` and `uninstall`."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.app.composition import check_config
+from companion.app.install.plan import install_steps, uninstall_steps
+from companion.app.install.service import UNIT
+from companion.app.install.steps import apply_steps, describe_steps
+from companion.app.install.target import InstallError, Target, is_readable_by_others
+from companion.app.install.unit import CONFIG, FILES, PROGRAMS
+from companion.config.boat_config import load_config
+
+Root = Annotated[Path, typer.Option("--root", help="Root folder of the system: / or that of an image.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be done, and do nothing.")]
+
+
+def install(
+    config: Annotated[
+        Path | None, typer.Option("--config", "-c", help="The boat's TOML file to copy.")
+    ] = None,
+    root: Root = Path("/"),
+    programs: Annotated[Path | None, typer.Option(help="Folder of boat-companion on that system.")] = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Install the boat as a service: user, folders, configuration, udev names, unit. Changes nothing twice.
+
+    A step that fails has the steps before it undone. The configuration is never overwritten.
+
+    Example:  sudo /opt/mavboat/.venv/bin/boat-companion install --config boat.toml
+    """
+    target = _target(root, needs_root=not dry_run)
+    if programs is None:
+        programs = Path(sys.executable).parent if target.is_this_machine else PROGRAMS
+    if config is not None:
+        check_config(load_config(config))
+    text = (config or FILES / "boat.toml").read_text(encoding="utf-8")
+    steps = install_steps(target, programs, text)
+    program = programs / "boat-companion"
+    if dry_run:
+        describe_steps(steps, typer.echo)
+        return
+    if target.is_this_machine and not is_readable_by_others(program):
+        raise InstallError(
+            f"{program}: not readable by the boat's user; make the environment in /opt/mavboat"
+        )
+    apply_steps(steps, typer.echo)
+    if not target.path(program).exists():
+        typer.echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
+    if target.is_this_machine:
+        typer.echo(f"Edit {CONFIG}, check it with `boat-companion doctor`, then: sudo systemctl start {UNIT}")
+
+
+def uninstall(
+    root: Root = Path("/"),
+    purge: Annotated[bool, typer.Option("--purge", help="Also configuration, missions and logs.")] = False,
+    dry_run: DryRun = False,
+) -> None:
+    """Stop the service and remove what `install` made. Shared groups stay.
+
+    Without --purge, the configuration, missions, logs and the user that owns them stay as well.
+    """
+    target = _target(root, needs_root=not dry_run)
+    steps = uninstall_steps(target, purge=purge)
+    if dry_run:
+        describe_steps(steps, typer.echo)
+    else:
+        apply_steps(steps, typer.echo)
+
+
+def _target(root: Path, *, needs_root: bool) -> Target:
+    target = Target(root.resolve())
+    if not target.root.is_dir():
+        raise InstallError(f"{root}: no such folder")
+    if target.is_this_machine and needs_root and os.geteuid() != 0:
+        raise InstallError("only root can install: start it with sudo")
+    return target

@@ -1,0 +1,58 @@
+"""What an installation consists of."""
+
+from pathlib import Path
+
+from companion.app.install.accounts import Group, NoUser, User
+from companion.app.install.files import FileText, Folder, NoFolder
+from companion.app.install.service import UNIT, Enabled, Reloaded
+from companion.app.install.steps import Step
+from companion.app.install.target import Target
+from companion.app.install.unit import CONFIG, FILES, unit_text
+
+USER = "mavboat"
+GROUPS = ("gpio", "i2c", "dialout", "video")
+STATE = Path("/var/lib/mavboat")
+
+_UNIT_FILE = Path("/etc/systemd/system") / UNIT
+_FILES = {
+    "60-mavboat.rules": (
+        Path("/etc/udev/rules.d/60-mavboat.rules"),
+        "names of USB parts, access to pins and PWM",
+    ),
+    "journald.conf": (
+        Path("/etc/systemd/journald.conf.d/mavboat.conf"),
+        "a journal on disk of at most 200 MB",
+    ),
+    "modules.conf": (Path("/etc/modules-load.d/mavboat.conf"), "drivers of I²C and USB ports loaded early"),
+}
+
+
+def install_steps(target: Target, programs: Path, config_text: str) -> list[Step]:
+    """The steps of an installation, in their order. programs: the folder of boat-companion on the target."""
+    steps: list[Step] = [Group(target, name) for name in GROUPS]
+    steps += [
+        User(target, USER, GROUPS, STATE),
+        Folder(target, CONFIG.parent),
+        Folder(target, STATE, USER),
+        FileText(target, CONFIG, config_text, "the boat's configuration", keeps=True),
+    ]
+    for name, (path, what) in _FILES.items():
+        text = (FILES / name).read_text(encoding="utf-8")
+        steps += [Folder(target, path.parent, mode=None), FileText(target, path, text, what)]
+    steps += [FileText(target, _UNIT_FILE, unit_text(programs), "the unit")]
+    if target.is_this_machine:
+        steps.append(Reloaded(target))
+    return [*steps, Enabled(target, is_wanted=True)]
+
+
+def uninstall_steps(target: Target, *, purge: bool) -> list[Step]:
+    """The steps that remove it again. purge: also configuration, missions, logs and their user."""
+    steps: list[Step] = [Enabled(target, is_wanted=False), FileText(target, _UNIT_FILE, None, "the unit")]
+    for path, what in reversed(_FILES.values()):
+        steps.append(FileText(target, path, None, what))
+    if target.is_this_machine:
+        steps.append(Reloaded(target))
+    if purge:
+        steps.append(NoUser(target, User(target, USER, GROUPS, STATE), USER))
+        steps += [NoFolder(target, path) for path in (CONFIG.parent, STATE)]
+    return steps

@@ -1,0 +1,201 @@
+"""`boat-companion install` and `uninstall` on the root folder of another system."""
+
+import os
+import shutil
+import stat
+from pathlib import Path
+
+import pytest
+
+from companion.app.cli import run_program
+from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
+from companion.app.install.steps import Step
+from companion.app.install.target import InstallError, Target, is_readable_by_others
+from companion.app.install.unit import FILES, PROGRAMS, unit_text
+from companion.config.boat_config import load_config
+
+PROJECT = Path(__file__).parents[4]
+needs_passwd = pytest.mark.skipif(
+    os.geteuid() != 0 or any(shutil.which(name) is None for name in ("useradd", "systemctl")),
+    reason="only root can make accounts, with useradd; and systemctl enables the unit",
+)
+ROOT_LINE = "root:x:0:0:root:/root:/bin/bash\n"
+GROUP = "root:x:0:\ndialout:x:20:\nvideo:x:44:skipper\n"
+FILES_MADE = {
+    "etc/mavboat/boat.toml",
+    "etc/udev/rules.d/60-mavboat.rules",
+    "etc/modules-load.d/mavboat.conf",
+    "etc/systemd/journald.conf.d/mavboat.conf",
+    "etc/systemd/system/mavboat.service",
+    "etc/systemd/system/multi-user.target.wants/mavboat.service",
+}
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """A system of a few files."""
+    root = tmp_path / "root"
+    for folder in ("etc/systemd/system", "etc/udev/rules.d", "var/lib", "run"):
+        (root / folder).mkdir(parents=True)
+    for name, text in {
+        "passwd": ROOT_LINE,
+        "group": GROUP,
+        "shadow": "root:*:19000::::::\n",
+        "gshadow": "",
+    }.items():
+        (root / "etc" / name).write_text(text, encoding="utf-8")
+    return root
+
+
+def snapshot(root: Path) -> dict[str, str]:
+    """Every path with its mode and content, without the copies that useradd keeps."""
+    found = {}
+    for path in sorted(root.rglob("*")):
+        name = str(path.relative_to(root))
+        if name.endswith(("-", ".lock")):
+            continue
+        status = path.lstat()
+        content = path.read_text(encoding="utf-8") if path.is_file() else ""
+        found[name] = f"{stat.filemode(status.st_mode)} {status.st_uid}:{status.st_gid} {content}"
+    return found
+
+
+def files(root: Path) -> set[str]:
+    return {name for name, what in snapshot(root).items() if what[0] in "-l"}
+
+
+@needs_passwd
+def test_everything_is_made_once(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = files(root)
+    assert run_program(["install", "--root", str(root)]) == 0
+    assert files(root) - before - {"etc/subuid", "etc/subgid"} == FILES_MADE
+    (user,) = [line for line in (root / "etc/passwd").read_text().splitlines() if line.startswith("mavboat:")]
+    assert user.endswith(":mavboat companion:/var/lib/mavboat:/usr/sbin/nologin")
+    groups = Target(root).groups()
+    assert [name for name in GROUPS if "mavboat" not in groups[name]] == []
+    assert groups["video"] == {"skipper", "mavboat"}
+    state = (root / "var/lib/mavboat").stat()
+    assert (state.st_uid, state.st_gid) == Target(root).ids("mavboat") != (0, 0)
+    assert load_config(root / "etc/mavboat/boat.toml").parts.motors.driver == "l298n"
+    said = capsys.readouterr().out
+    assert f"{PROGRAMS}/boat-companion is missing" in said
+
+    after = snapshot(root)
+    assert run_program(["install", "--root", str(root)]) == 0
+    assert snapshot(root) == after
+    assert "done" not in capsys.readouterr().out
+
+
+@needs_passwd
+def test_a_configuration_is_checked_and_copied_but_never_over_the_owners(root: Path, tmp_path: Path) -> None:
+    own = tmp_path / "own.toml"
+    own.write_text('links = ["tcpin:0.0.0.0:5760"]\nparts.motors.driver = "l298n"\n', encoding="utf-8")
+    assert run_program(["install", "--root", str(root), "--config", str(own)]) == 2, "no position, no heading"
+    own.write_text(own.read_text() + "external = { position = 2, heading = 2 }\n", encoding="utf-8")
+    assert run_program(["install", "--root", str(root), "--config", str(own)]) == 0
+    installed = root / "etc/mavboat/boat.toml"
+    assert installed.read_text() == own.read_text()
+    assert run_program(["install", "--root", str(root)]) == 0
+    assert installed.read_text() == own.read_text()
+
+
+@needs_passwd
+@pytest.mark.parametrize("number", range(len(install_steps(Target(Path("/image")), PROGRAMS, ""))))
+def test_whatever_step_fails_the_system_is_as_before(
+    root: Path, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    (root / "etc/subuid").touch()
+    (root / "etc/subgid").touch()
+    before = snapshot(root)
+
+    def fail(step: Step) -> None:
+        raise InstallError("no space left")
+
+    def patched(target: Target, programs: Path, text: str) -> list[Step]:
+        made = install_steps(target, programs, text)
+        monkeypatch.setattr(made[number], "apply", lambda: fail(made[number]))
+        monkeypatch.setattr(made[number], "is_done", lambda: False)
+        return made
+
+    monkeypatch.setattr("companion.app.install.cli.install_steps", patched)
+    assert run_program(["install", "--root", str(root)]) == 1
+    assert snapshot(root) == before
+
+
+@needs_passwd
+def test_an_existing_user_gets_its_groups_and_loses_them_again(root: Path) -> None:
+    assert run_program(["install", "--root", str(root)]) == 0
+    group = root / "etc/group"
+    group.write_text(group.read_text().replace("skipper,mavboat", "skipper"), encoding="utf-8")
+    (step,) = [one for one in install_steps(Target(root), PROGRAMS, "") if not one.is_done()]
+    assert step.describe() == "make the user mavboat, in the groups gpio, i2c, dialout, video"
+    step.apply()
+    assert "mavboat" in Target(root).groups()["video"]
+    step.undo()
+    assert Target(root).groups()["video"] == {"skipper"}
+    assert "mavboat" in Target(root).groups()["gpio"]
+
+
+@needs_passwd
+def test_uninstalling_keeps_what_is_the_owners_unless_told_otherwise(root: Path) -> None:
+    assert run_program(["install", "--root", str(root)]) == 0
+    mission = root / "var/lib/mavboat/mission.json"
+    mission.write_text("{}", encoding="utf-8")
+    assert run_program(["uninstall", "--root", str(root)]) == 0
+    assert files(root) & FILES_MADE == {"etc/mavboat/boat.toml"}
+    assert mission.exists()
+    assert "mavboat" in Target(root).users(), "its files would belong to nobody"
+    assert run_program(["uninstall", "--root", str(root), "--purge"]) == 0
+    assert files(root) & FILES_MADE == set()
+    assert not mission.exists()
+    assert "mavboat" not in Target(root).users()
+    assert Target(root).groups()["video"] == {"skipper"}, "shared groups stay"
+    assert "gpio" in Target(root).groups()
+    assert all(step.is_done() for step in uninstall_steps(Target(root), purge=True))
+
+
+@pytest.mark.parametrize("command", ["install", "uninstall"])
+def test_a_dry_run_changes_nothing(root: Path, command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    before = snapshot(root)
+    assert run_program([command, "--root", str(root), "--dry-run"]) == 0
+    assert snapshot(root) == before
+    if command == "install":
+        assert "  would do make the group gpio\n  would do make the group i2c\n" in capsys.readouterr().out
+
+
+def test_a_folder_that_is_no_system_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_program(["install", "--root", str(tmp_path / "missing")]) == 1
+    assert run_program(["install", "--root", str(tmp_path)]) == 1
+    assert "expected the root folder of a Linux system" in capsys.readouterr().err
+
+
+def test_nobody_but_root_installs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 1000)
+    assert run_program(["install"]) == 1
+    assert "start it with sudo" in capsys.readouterr().err
+
+
+def test_an_environment_in_a_closed_home_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "home" / "boat-companion"
+    program.parent.mkdir(mode=0o700)
+    program.touch(mode=0o755)
+    assert not is_readable_by_others(program)
+    assert is_readable_by_others(Path("/usr/bin/env"))
+    monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 0)
+    assert run_program(["install", "--programs", str(program.parent)]) == 1
+    assert "make the environment in /opt/mavboat" in capsys.readouterr().err
+
+
+def test_the_default_configuration_is_that_of_the_documented_boat() -> None:
+    example = PROJECT / "examples" / "configs" / "boat.toml"
+    assert (FILES / "boat.toml").read_text(encoding="utf-8") == example.read_text(encoding="utf-8")
+
+
+def test_the_unit_names_the_programs_of_the_environment() -> None:
+    unit = unit_text(Path("/srv/boat/bin"), Path("/srv/boat.toml"))
+    assert "ExecStart=/srv/boat/bin/boat-companion run --config /srv/boat.toml\n" in unit
+    assert "ExecStopPost=+/srv/boat/bin/python -I -m companion.app.motors_off /srv/boat.toml\n" in unit
