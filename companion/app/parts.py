@@ -6,10 +6,13 @@ Raises of each: HardwareError, which names the part that does not answer.
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, with_value
 from companion.core.errors import HardwareError
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.gnss.nmea import open_nmea_gnss
+from companion.hal.gnss.receiver import GnssReceiver
+from companion.hal.gnss.ubx import open_ubx_gnss
+from companion.hal.heading.antennas import AntennaCompass
 from companion.hal.heading.bno055 import open_bno055
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.heading.nmea import open_nmea_compass
@@ -22,6 +25,7 @@ from companion.hal.pulses.opening import open_pulse_output
 from companion.hal.pulses.rudder_servo import RudderServo
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
+from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.magnetic_field import FieldCorrector
 
 Now = Callable[[], float]
@@ -68,14 +72,34 @@ def open_rudder(config: BoatConfig) -> Rudder | None:
 
 def open_gnss(config: BoatConfig, now: Now) -> Gnss:
     """The GNSS receiver; a silent one where none is fitted."""
-    part = config.parts.gnss
-    return _Absent() if part.driver == "none" else open_nmea_gnss(part, now)
+    part, compass = config.parts.gnss, config.parts.compass
+    heading = None
+    if compass.driver == "gnss":
+        heading = GnssHeading(part.antenna_bearing_rad, part.baseline_m, part.latency_s, compass.fallback)
+    match part.driver:
+        case "nmea":
+            return open_nmea_gnss(part, now, heading)
+        case "ubx":
+            return open_ubx_gnss(part, now, heading)
+        case "none":
+            return _Absent()
 
 
-def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = None) -> Compass:
-    """The heading sensor; a silent one where none is fitted. field: the live correction of a magnetometer."""
+def open_compass(
+    config: BoatConfig, now: Now, field: FieldCorrector | None = None, gnss: Gnss | None = None
+) -> Compass:
+    """The heading sensor; a silent one where none is fitted. field: the live correction of a magnetometer.
+
+    gnss: the open receiver, where its antennas are the heading sensor.
+    """
     part = config.parts.compass
     match part.driver:
+        case "gnss":
+            receiver = gnss or open_gnss(config, now)
+            if not isinstance(receiver, GnssReceiver) or receiver.heading is None:
+                raise HardwareError("parts.compass.driver: parts.gnss.driver is not a receiver with antennas")
+            reserve = open_compass(with_value(config, "parts.compass.driver", part.fallback), now, field)
+            return AntennaCompass(receiver.heading, reserve, now, None if gnss else receiver)
         case "bno055":
             return open_bno055(part, now)
         case "qmc5883l" | "hmc5883l" | "lis3mdl":
@@ -122,7 +146,7 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(rudder.close)
         gnss = undo.enter_context(closing(open_gnss(config, now)))
         field = FieldCorrector() if config.parts.compass.is_magnetometer else None
-        compass = undo.enter_context(closing(open_compass(config, now, field)))
+        compass = undo.enter_context(closing(open_compass(config, now, field, gnss)))
         if (sonar := open_sonar(config, now)) is not None:
             undo.callback(sonar.close)
         if (battery := open_battery(config, now)) is not None:

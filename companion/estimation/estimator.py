@@ -146,7 +146,9 @@ class Estimator:
             self._far_heard_s = -math.inf
             sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m, MIN_SIGMA_M)
             sigma_m /= math.sqrt(2.0)
-            self.gnss.update(fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter)
+            self.gnss.update(
+                fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter, fix.speed_accuracy_m_s
+            )
         elif fix.time_s > self._far_heard_s:
             self._note_far_fix(fix.time_s, math.hypot(*at))
 

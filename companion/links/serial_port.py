@@ -55,6 +55,7 @@ class SerialPort:
         self._now = now
         self._queue_bytes = queue_bytes
         self.name = f"serial:{device}:{baud}"
+        self._serial: serial.Serial | None = None
         self._backoff = Backoff(longest_s=2.0)
         self._is_closed = False
         self._link = self._open()
@@ -74,6 +75,17 @@ class SerialPort:
                     self._fresh.append(self._link)
         fresh, self._fresh = self._fresh, []
         return fresh
+
+    def set_baud(self, baud: int) -> None:
+        """Change the baud rate, now and for each reconnection. A device that refuses it is closed."""
+        self._baud = baud
+        if self._serial is None or self._link.is_closed:
+            return
+        try:
+            self._serial.baudrate = baud
+            self._set_up(self._serial)
+        except _REFUSALS:
+            self._link.close()
 
     def fileno(self) -> int:
         """−1: `accept` polls for the device."""
@@ -103,6 +115,7 @@ class SerialPort:
                     line.close()
             raise LinkError(f"{self.name}: {self._reason(error)}") from None
         self._backoff.succeeded()
+        self._serial = line
         return StreamLink(self.name, descriptor, line.close, self._queue_bytes)
 
     def _set_up(self, line: serial.Serial) -> int:

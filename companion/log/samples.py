@@ -138,11 +138,13 @@ def gnss(fix: GnssFix) -> Iterator[bytes]:
     yield r.GPS.pack(
         us, 0, fix.fix_type, ms, week, min(fix.satellites, 255), _cents(fix.hdop, 32767),
         deg_to_e7(fix.position.lat_deg), deg_to_e7(fix.position.lon_deg), _cents(fix.altitude_m, 2**31 - 1),
-        speed_m_s, course_deg, 0.0, 0.0, 1,
+        speed_m_s, course_deg, 0.0, 0.0 if fix.heading_rad is None else _degrees(fix.heading_rad), 1,
     )  # fmt: skip
     if fix.horizontal_accuracy_m is not None:
-        accuracy = _cents(fix.horizontal_accuracy_m, 65535)
-        yield r.GPA.pack(us, 0, 0, accuracy, 0, 0, _NAN, 0, us // 1000 & 0xFFFFFFFF, 0, 0.0, 0)
+        accuracies = fix.horizontal_accuracy_m, fix.vertical_accuracy_m or 0.0, fix.speed_accuracy_m_s or 0.0
+        yaw_deg = _NAN if fix.heading_accuracy_rad is None else fix.heading_accuracy_rad * _DEG
+        limited = (_cents(one, 65535) for one in accuracies)
+        yield r.GPA.pack(us, 0, 0, *limited, yaw_deg, 0, us // 1000 & 0xFFFFFFFF, 0, 0.0, 0)
 
 
 def _cents(value: float, most: int) -> int:

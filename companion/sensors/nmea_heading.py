@@ -1,4 +1,7 @@
-"""Converts NMEA 0183 sentences of a compass to headings (v4.11: HDT, THS, HDG, HDM, ROT)."""
+"""Converts NMEA 0183 sentences to headings.
+
+Field meanings: v4.11 (HDT, THS, HDG, HDM, ROT); HPR is common among receivers with two antennas.
+"""
 
 import math
 
@@ -6,19 +9,22 @@ from companion.core.units import wrap_pi
 from companion.sensors.nmea import Sentence
 from companion.sensors.readings import HeadingReading
 
-HEADING_SENTENCES = frozenset({"HDT", "THS", "HDG", "HDM", "ROT"})
+TRUE_SENTENCES = frozenset({"HDT", "THS", "HPR", "ROT"})
+"""Those of a receiver with two antennas."""
+HEADING_SENTENCES = TRUE_SENTENCES | {"HDG", "HDM"}
 
 _PRECEDENCE_S = 2.0
 _RATE_LIFE_S = 1.0
+_FIXED = 4  # quality of an HPR, as of a GGA: carrier-phase ambiguities resolved
 _TRUE, _CORRECTED, _MAGNETIC = 3, 2, 1
 
 
 class HeadingAssembler:
     """Converts sentences to readings; correction_rad is added to every heading.
 
-    HDT and THS are true headings. HDG is magnetic, with its own deviation and variation (east positive). HDM
-    is magnetic without them, as an HDG may be: then the boat adds the declination. A better kind suppresses
-    a worse one for 2 s. ROT (°/min, positive to starboard) gives the yaw rate.
+    HDT, THS and HPR are true headings. HDG is magnetic, with its own deviation and variation (east
+    positive). HDM is magnetic without them, as an HDG may be: then the boat adds the declination. A better
+    kind suppresses a worse one for 2 s. ROT (°/min, positive to starboard) gives the yaw rate.
     """
 
     def __init__(self, correction_rad: float = 0.0) -> None:
@@ -50,6 +56,8 @@ def _heading_deg(sentence: Sentence) -> tuple[float | None, int]:
         return sentence.number("headingT"), _TRUE
     if sentence.kind == "THS":
         return (sentence.number("headt") if sentence.text("mi") == "A" else None), _TRUE
+    if sentence.kind == "HPR":
+        return (sentence.number("heading") if sentence.number("quality") == _FIXED else None), _TRUE
     magnetic_deg = sentence.number("headingM")
     if sentence.kind == "HDM" or magnetic_deg is None:
         return magnetic_deg, _MAGNETIC

@@ -12,7 +12,8 @@ class GnssFix(Struct, frozen=True, gc=False):
     fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float, 6 = RTK
     fixed. Velocity components are over ground, None if not reported. reset_counter changes when the source
     restarts and its positions may jump. time_of_day_s: time of the measurement by the receiver's clock (UTC
-    once it has a fix), None if not reported.
+    once it has a fix), None if not reported. speed_accuracy_m_s: of the velocity, three-dimensional.
+    heading_rad: by two antennas. correction_age_s: upper bound of the age of differential corrections.
     """
 
     time_s: float
@@ -27,6 +28,11 @@ class GnssFix(Struct, frozen=True, gc=False):
     unix_time_s: float | None = None
     reset_counter: int = 0
     time_of_day_s: float | None = None
+    vertical_accuracy_m: float | None = None
+    speed_accuracy_m_s: float | None = None
+    heading_rad: float | None = None
+    heading_accuracy_rad: float | None = None
+    correction_age_s: float | None = None
 
 
 class HeadingReading(Struct, frozen=True, gc=False):

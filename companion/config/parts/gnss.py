@@ -4,13 +4,22 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from companion.config.section import Positive, Section
+from companion.config.section import NonNegative, Section
 
 
 class GnssPart(Section, frozen=True):
-    """An NMEA 0183 receiver. latency_s: shortest time from measurement to first sentence."""
+    """A receiver with NMEA 0183 output, or a u-blox receiver (ubx), which is set up at start.
 
-    driver: Literal["nmea", "none"] = "none"
+    latency_s: shortest time from measurement to first sentence. rate_hz: to which a u-blox receiver is set.
+    With two antennas, baseline_m is their distance (0: any), and antenna_bearing_rad the direction from the
+    reference antenna to the receiver's own, clockwise from the bow.
+    """
+
+    driver: Literal["nmea", "ubx", "none"] = "none"
     port: str = "/dev/serial0"
-    baud: Positive = 9600
+    # 0: 9600 for nmea; for ubx the receiver is set to 115200, whatever its rate is at first
+    baud: NonNegative = 0.0
+    rate_hz: Annotated[float, Meta(ge=1.0, le=20.0)] = 5.0
+    baseline_m: NonNegative = 0.0
+    antenna_bearing_rad: float = 0.0
     latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1  # ArduPilot assumes 0.12 to 0.22 for u-blox

@@ -25,12 +25,14 @@ class Mounting(Section, frozen=True):
 
 
 class CompassPart(Section, frozen=True):
-    """A heading sensor: NMEA 0183, a BNO055 or BNO085, or a magnetometer on I²C.
+    """A heading sensor: NMEA 0183, a BNO055 or BNO085, a magnetometer on I²C, or the two antennas of the GNSS
+    receiver (gnss), with another driver for the time while these give no heading.
 
     correction_rad is added to its heading. The declination is added too where the part's north is magnetic.
     """
 
-    driver: Literal["nmea", "bno055", "qmc5883l", "hmc5883l", "lis3mdl", "none"] = "none"
+    driver: Literal["nmea", "bno055", "qmc5883l", "hmc5883l", "lis3mdl", "gnss", "none"] = "none"
+    fallback: Literal["nmea", "bno055", "qmc5883l", "hmc5883l", "lis3mdl", "none"] = "none"
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0
@@ -45,4 +47,5 @@ class CompassPart(Section, frozen=True):
     @property
     def is_magnetometer(self) -> bool:
         """Whether the boat calibrates the part, which does not calibrate itself."""
-        return self.driver in ("qmc5883l", "hmc5883l", "lis3mdl")
+        driver = self.fallback if self.driver == "gnss" else self.driver
+        return driver in ("qmc5883l", "hmc5883l", "lis3mdl")

@@ -3,36 +3,27 @@
 from collections.abc import Callable, Iterable
 
 from companion.config.parts import GnssPart
-from companion.hal.interfaces import Port
-from companion.hal.nmea_sensor import NmeaSensor
+from companion.hal.gnss.receiver import GnssReceiver
 from companion.links.port_url import open_line
-from companion.sensors.nmea import Sentence
-from companion.sensors.nmea_fix import GNSS_SENTENCES, FixAssembler
+from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.readings import GnssFix
-from companion.sensors.receiver_clock import ReceiverClock
+
+_BAUD = 9600  # of most receivers as delivered
 
 
-class NmeaGnss(NmeaSensor[GnssFix]):
-    """Satisfies `companion.hal.interfaces.Gnss`.
+class NmeaGnss(GnssReceiver):
+    """A receiver that is used as it is."""
 
-    Fixes are stamped with the time of measurement, from the receiver's time of day. latency_s: shortest time
-    from measurement to the arrival of the first sentence.
-    """
-
-    def __init__(self, port: Port, now: Callable[[], float], latency_s: float = 0.0) -> None:
-        super().__init__(port, now, GNSS_SENTENCES)
-        self._assembler = FixAssembler()
-        self._clock = ReceiverClock(latency_s)
-
-    def _assemble(self, sentence: Sentence, time_s: float) -> Iterable[GnssFix]:
-        return map(self._clock.stamp, self._assembler.feed(sentence, time_s))
+    def _decode(self, chunk: bytes, time_s: float) -> Iterable[GnssFix]:
+        return self._read_sentences(chunk, time_s)
 
 
-def open_nmea_gnss(part: GnssPart, now: Callable[[], float]) -> NmeaGnss:
-    """Open the receiver on its port and start reading.
+def open_nmea_gnss(part: GnssPart, now: Callable[[], float], heading: GnssHeading | None = None) -> NmeaGnss:
+    """Open the receiver on its port and start reading. heading: of its two antennas, if they are used.
 
     Raises:
         ConfigError: the port url is invalid.
         LinkError: the port cannot be opened.
     """
-    return NmeaGnss(open_line(part.port, part.baud, now), now, part.latency_s).start()
+    port = open_line(part.port, part.baud or _BAUD, now)
+    return NmeaGnss(port, now, part.latency_s, heading).start()

@@ -5,6 +5,7 @@ import math
 from companion.core.geo import LatLon, bearing_rad
 from companion.core.units import clamp, deg_to_e7, wrap_two_pi
 from companion.mavlink.dialect import Message, dialect
+from companion.sensors.readings import GnssFix
 from companion.services.telemetry.snapshot import Snapshot
 
 # POSITION_TARGET_TYPEMASK: height, vertical speed, accelerations and yaw rate mean nothing here
@@ -138,7 +139,6 @@ def gps_raw_int(now: Snapshot) -> Message | None:
     else:
         speed_cm_s = min(round(100.0 * math.hypot(fix.north_m_s, fix.east_m_s)), 0xFFFE)
         course_cdeg = _heading_cdeg(math.atan2(fix.east_m_s, fix.north_m_s))
-    accuracy_m = fix.horizontal_accuracy_m
     return dialect.MAVLink_gps_raw_int_message(
         time_usec=round(fix.time_s * 1e6),
         fix_type=fix.fix_type,
@@ -150,8 +150,28 @@ def gps_raw_int(now: Snapshot) -> Message | None:
         vel=speed_cm_s,
         cog=course_cdeg,
         satellites_visible=min(fix.satellites, 255),  # which is: not known
-        h_acc=0 if accuracy_m is None else round(clamp(accuracy_m * 1e3, 0.0, _UINT32_MAX)),
+        h_acc=_thousandths(fix.horizontal_accuracy_m),
+        v_acc=_thousandths(fix.vertical_accuracy_m),
+        vel_acc=_thousandths(fix.speed_accuracy_m_s),
+        hdg_acc=_e5_degrees(fix.heading_accuracy_rad),
+        yaw=_antenna_yaw_cdeg(fix, now.config.parts.compass.driver == "gnss"),
     )
+
+
+def _thousandths(value: float | None) -> int:
+    """0: not reported."""
+    return 0 if value is None else round(clamp(value * 1e3, 0.0, _UINT32_MAX))
+
+
+def _e5_degrees(angle_rad: float | None) -> int:
+    return 0 if angle_rad is None else round(clamp(math.degrees(angle_rad) * 1e5, 0.0, _UINT32_MAX))
+
+
+def _antenna_yaw_cdeg(fix: GnssFix, is_fitted: bool) -> int:
+    """GPS_RAW_INT.yaw: 0 without a second antenna, 65535 while there is no heading, 36000 for north."""
+    if fix.heading_rad is None:
+        return 0xFFFF if is_fitted else 0
+    return _heading_cdeg(fix.heading_rad) or 36000
 
 
 def nav_controller_output(now: Snapshot) -> Message | None:

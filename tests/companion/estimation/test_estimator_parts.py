@@ -3,6 +3,7 @@
 import cmath
 import math
 import random
+from unittest import mock
 
 import pytest
 from hypothesis import given
@@ -178,6 +179,20 @@ def fixed() -> GnssUpdate:
     for fix in range(50):
         fixing.update(DT * fix, 0j, 0j + 0.001 * (fix % 2), 0.1, 0)
     return fixing
+
+
+def test_a_velocity_weighs_less_the_worse_its_stated_accuracy_is() -> None:
+    def variance(stated_m_s: float | None, sigma_m: float = 1.0) -> float:
+        fixing = GnssUpdate(Model(Speed(), Estimation()), Estimation())
+        with mock.patch.object(fixing.position, "update_velocity") as update:
+            for fix in range(2):
+                fixing.update(DT * fix, 0j, 0.3 + 0j, sigma_m, 0, stated_m_s)
+        return float(update.call_args.args[1])
+
+    assert variance(None) == variance(0.1) == variance(0.25) == pytest.approx(0.05**2)
+    assert variance(0.5) == pytest.approx(0.1**2)
+    assert variance(2.0) == pytest.approx(0.4**2)
+    assert variance(0.25, sigma_m=0.01) == pytest.approx(0.05**2)  # an RTK position has no better Doppler
 
 
 def test_a_source_that_says_it_has_begun_anew_is_believed_at_once() -> None:

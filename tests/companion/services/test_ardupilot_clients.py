@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parts import Parts, RangerPart
 from companion.core.geo import LatLon
 from companion.mavlink.address import Address
@@ -216,11 +216,33 @@ def test_a_ranger_tells_its_kind_and_its_least_range() -> None:
 )
 def test_a_cold_receivers_numbers_fit_their_fields(altitude_m: float, accuracy_m: float) -> None:
     fix = GnssFix(1.0, LatLon(0.0, 0.0), 1, 0, 99.99, altitude_m=altitude_m, horizontal_accuracy_m=accuracy_m)
-    now = types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix), boot_us=0)
+    now = types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix), boot_us=0, config=BoatConfig())
     message = gps_raw_int(now)  # type: ignore[arg-type]
     assert bytes_of(message)
     assert message is not None
     assert message.h_acc == min(round(min(accuracy_m, 1e9) * 1e3), 0xFFFFFFFF)
+
+
+def gps_raw_of(fix: GnssFix, compass: str) -> Message:
+    config = with_value(BoatConfig(), "parts.compass.driver", compass)
+    now = types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix), boot_us=0, config=config)
+    message = gps_raw_int(now)  # type: ignore[arg-type]
+    assert message is not None
+    return message
+
+
+def test_a_receivers_accuracies_and_its_antennas_heading_are_sent() -> None:
+    place = LatLon(50.0, 1.0)
+    fix = GnssFix(
+        1.0, place, 6, 20, 0.6, horizontal_accuracy_m=0.014, vertical_accuracy_m=0.02,
+        speed_accuracy_m_s=0.12, heading_rad=math.radians(90.25), heading_accuracy_rad=math.radians(0.4),
+    )  # fmt: skip
+    message = gps_raw_of(fix, "gnss")
+    assert (message.fix_type, message.h_acc, message.v_acc, message.vel_acc) == (6, 14, 20, 120)
+    assert (message.yaw, message.hdg_acc) == (9025, 40_000)
+    assert gps_raw_of(GnssFix(1.0, place, 6, 20, 0.6, heading_rad=0.0), "gnss").yaw == 36000  # north; 0: none
+    assert gps_raw_of(GnssFix(1.0, place, 6, 20, 0.6), "gnss").yaw == 65535  # fitted, but no heading now
+    assert gps_raw_of(GnssFix(1.0, place, 6, 20, 0.6), "bno055").yaw == 0
 
 
 def test_an_answer_still_goes_to_the_asker_alone(rig: Rig) -> None:

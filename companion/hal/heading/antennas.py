@@ -1,0 +1,38 @@
+"""The two antennas of a GNSS receiver as a heading sensor, with a compass in reserve."""
+
+from collections.abc import Callable
+
+from companion.core.status_text import StatusText
+from companion.hal.interfaces import Compass, Gnss, ReportingPart
+from companion.sensors.gnss_heading import FRESH_S, GnssHeading
+from companion.sensors.readings import HeadingReading
+
+
+class AntennaCompass:
+    """Satisfies `companion.hal.interfaces.Compass`. Owns the compass in reserve."""
+
+    def __init__(
+        self, heading: GnssHeading, reserve: Compass, now: Callable[[], float], receiver: Gnss | None = None
+    ) -> None:
+        """receiver: None if it is not to be closed with this."""
+        self._heading = heading
+        self._reserve = reserve
+        self._now = now
+        self._receiver = receiver
+
+    def read(self) -> HeadingReading | None:
+        """The heading by the antennas; without a recent one, that of the compass in reserve."""
+        latest = self._heading.latest
+        if latest is not None and self._now() - latest.time_s <= FRESH_S:
+            return latest
+        return self._reserve.read() or latest
+
+    def take_texts(self) -> list[StatusText]:
+        """Those of the compass in reserve; the receiver reports its own."""
+        return self._reserve.take_texts() if isinstance(self._reserve, ReportingPart) else []
+
+    def close(self) -> None:
+        """Release the compass in reserve, and the receiver if it is owned. May be called twice."""
+        self._reserve.close()
+        if self._receiver is not None:
+            self._receiver.close()
