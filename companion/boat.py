@@ -103,7 +103,8 @@ class Boat:
         self._links = StationLinks(self.channels, self.endpoint, logbook)
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
-        self.estimator = Estimator(self.parameters.config.speed, self.parameters.config.estimation)
+        figures = self.parameters.config
+        self.estimator = Estimator(figures.speed, figures.estimation, figures.drive)
         self._origin = OriginMonitor(self.estimator, self.sensors.external)
         self.guidance = GuidancePipeline(config, self.vehicle.status_texts)
         self.net = SafetyNet()

@@ -25,6 +25,7 @@ def board_readings(
     return BoardReadings(
         left=command.left,
         right=command.right,
+        rudder=command.rudder,
         judges_motors=not (gives_way or is_held or is_calibrating),
         stall=guidance.headway.verdict,
         held_s=guidance.headway.held_s,

@@ -38,7 +38,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, Speed
+from companion.config.drive import DriveSetting
 from companion.config.thrusters import Thrusters
 from companion.core.state import HEALTHY_MOTORS, MotorCommand, MotorState, MotorStates, Thrust
 from companion.core.units import clamp
@@ -70,9 +71,8 @@ def by_hand(throttle: float, steering: float, config: BoatConfig) -> Thrust:
     return Thrust(left, right, clamp(steering, -1.0, 1.0) if drive.has_rudder else 0.0)
 
 
-def rudder_effect(throttle: float, water_m_s: float, config: BoatConfig) -> float:
+def rudder_effect(throttle: float, water_m_s: float, drive: DriveSetting, speed: Speed) -> float:
     """e above: the moment of full rudder relative to that at cruise, negative where its sign is opposite."""
-    drive, speed = config.drive, config.speed
     flow = (1.0 - drive.wash) * (water_m_s / speed.cruise_m_s) ** 2
     if water_m_s < 0.0:
         flow *= -drive.astern
@@ -107,11 +107,13 @@ def _rudder(effort: Effort, config: BoatConfig, motors: MotorStates) -> Thrust:
         throttle = max(throttle, min(kick, drive.kick_throttle) * (1.0 - water_m_s / drive.steerage_m_s))
     if motors.left is MotorState.FAILED:
         throttle = 0.0
-    return Thrust(throttle, throttle, _angle(effort.yaw, rudder_effect(throttle, water_m_s, config)))
+    return Thrust(
+        throttle, throttle, _angle(effort.yaw, rudder_effect(throttle, water_m_s, drive, config.speed))
+    )
 
 
 def _pair_and_rudder(effort: Effort, config: BoatConfig, motors: MotorStates) -> Thrust:
-    effect = rudder_effect(effort.surge, effort.water_m_s, config)
+    effect = rudder_effect(effort.surge, effort.water_m_s, config.drive, config.speed)
     taken = min(abs(effect), 1.0)
     pair = pair_thrust(effort.surge, (1.0 - taken) * effort.yaw, motors)
     return Thrust(pair.left, pair.right, _angle(taken * effort.yaw, effect))

@@ -16,6 +16,7 @@ import math
 from typing import Final
 
 from companion.config.boat_config import Speed
+from companion.config.drive import DIFFERENTIAL, DriveSetting
 from companion.config.estimation import Estimation
 from companion.core.geo import LocalFrame, Point
 from companion.core.state import EstimateFault, MotorCommand, NavState
@@ -50,8 +51,13 @@ class Estimator:
     for FAR_S; 0 otherwise. `reset_origin` then moves the origin.
     """
 
-    def __init__(self, speed: Speed | None = None, setting: Estimation | None = None) -> None:
-        """speed: the boat's speed figures; setting: the estimator's settings."""
+    def __init__(
+        self,
+        speed: Speed | None = None,
+        setting: Estimation | None = None,
+        drive: DriveSetting = DIFFERENTIAL,
+    ) -> None:
+        """speed: the boat's speed figures; setting: the estimator's settings; drive: motors and rudder."""
         self._setting = setting = setting or Estimation()
         self._health_due_s = 0.0
         self._sigma_m = self.far_m = 0.0
@@ -60,7 +66,7 @@ class Estimator:
         self.frame: LocalFrame | None = None
         # set before the first fix; None: the first good fix defines the frame
         self.preset_frame: LocalFrame | None = None
-        self.model = Model(speed or Speed(), setting)
+        self.model = Model(speed or Speed(), setting, drive)
         self.gnss = GnssUpdate(self.model, setting)
 
     def update(

@@ -64,9 +64,9 @@ class HeadingPropagation:
         if now_s - self._stamp_s > _SILENT_S:
             heading.add_process_noise(dt_s)
 
-    def steer(self, now_s: float, left: float, right: float) -> None:
-        """Advance the yaw model with the motor commands up to now."""
-        self.model.advance(now_s, left, right)
+    def steer(self, now_s: float, left: float, right: float, rudder: float = 0.0) -> None:
+        """Advance the yaw model with the motor commands and the rudder's moment up to now."""
+        self.model.advance(now_s, left, right, rudder)
         if self.latency.is_due(now_s):
             self.latency.add_expected(now_s, complex(self.model.rate_of(self.model.turning), 0.0))
 

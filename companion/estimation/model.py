@@ -5,7 +5,9 @@ import math
 from typing import Final
 
 from companion.config.boat_config import Speed
+from companion.config.drive import DIFFERENTIAL, DriveSetting
 from companion.config.estimation import Estimation
+from companion.control.allocation import rudder_effect
 from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.current import CurrentFilter
 from companion.estimation.heading_consistency import HeadingConsistencyMonitor, HeadingVerdict
@@ -48,7 +50,8 @@ class Model:
     motors.
     """
 
-    def __init__(self, speed: Speed, setting: Estimation) -> None:
+    def __init__(self, speed: Speed, setting: Estimation, drive: DriveSetting = DIFFERENTIAL) -> None:
+        self._speed, self._drive = speed, drive
         self.cruise_m_s, self._cruise_throttle = speed.cruise_m_s, speed.cruise_throttle
         self._surge_time_s = setting.surge_time_s
         self._compass_timeout_s = setting.compass_timeout_s
@@ -109,7 +112,10 @@ class Model:
             velocity = complex(water.surge_m_s, water.sway_m_s) * complex(math.cos(yaw), math.sin(yaw))
             if left or right:
                 self.idle_since_s = now_s
-            self.propagation.steer(now_s, left, right)
+            rudder = command.rudder
+            if rudder:
+                rudder *= rudder_effect(0.5 * (left + right), water.surge_m_s, self._drive, self._speed)
+            self.propagation.steer(now_s, left, right, rudder)
         heading.is_idle = now_s - self.idle_since_s > _IDLE_S
         self.history.advance(now_s, velocity)
 

@@ -3,11 +3,11 @@
 Nomoto's first-order model (T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed.
 2021, chapter 7) behind a motor lag, with thrust proportional to the square of the command:
 
-    T ṙ + r = K ½ (s_left |s_left| − s_right |s_right|) + r0
+    T ṙ + r = K (½ (s_left |s_left| − s_right |s_right|) + m) + r0
 
-K and the bias r0 (wind, unequal motors) are estimated from the gyro by a Kalman filter of two random walks
-(Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001,
-section 5.2).
+m is the rudder's moment, in shares of full steering. K and the bias r0 (wind, unequal motors) are estimated
+from the gyro by a Kalman filter of two random walks (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation
+with Applications to Tracking and Navigation*, 2001, section 5.2).
 """
 
 from typing import Final
@@ -32,7 +32,7 @@ class YawRateModel:
     def __init__(self) -> None:
         self.time_s = self.rate_rad_s = self.turned_rad = 0.0
         self._gain_rad_s, self._trim_rad_s = _GAIN_RAD_S, 0.0
-        self._left = self._right = 0.0  # at the shafts
+        self._left = self._right = self._rudder = 0.0  # at shafts and blade
         self.turning = 0.0
         self._p00, self._p01, self._p11 = _GAIN_RAD_S**2, 0.0, 0.04
         self._times_s = [-1.0] * LENGTH
@@ -40,15 +40,16 @@ class YawRateModel:
         self._turned = [0.0] * LENGTH
         self._next = 0
 
-    def advance(self, time_s: float, left: float, right: float) -> None:
-        """Advance to time_s with these commands, −1..1 per side."""
+    def advance(self, time_s: float, left: float, right: float, rudder: float = 0.0) -> None:
+        """Advance to time_s with these commands, −1..1 per side. rudder: m above."""
         dt = time_s - self.time_s
         self.time_s = time_s
         dt = min(dt, _MOTOR_S)  # the motion during a stall of the loop is unknown
         share = dt / _MOTOR_S
         left = self._left = self._left + share * (left - self._left)
         right = self._right = self._right + share * (right - self._right)
-        asked = 0.5 * (left * abs(left) - right * abs(right))
+        rudder = self._rudder = self._rudder + share * (rudder - self._rudder)
+        asked = 0.5 * (left * abs(left) - right * abs(right)) + rudder
         turning = self.turning = self.turning + dt / _HULL_S * (asked - self.turning)
         rate = self.rate_rad_s = self._gain_rad_s * turning + self._trim_rad_s
         turned = self.turned_rad = self.turned_rad + rate * dt

@@ -85,8 +85,10 @@ def motor_failing(inputs: FailsafeInputs) -> str:
 
 
 def steering_lost(inputs: FailsafeInputs) -> str:
-    """A motor turns the wrong way."""
+    """A motor turns the wrong way, or the rudder has no effect."""
     verdict = inputs.verdict
+    if inputs.rudder_fault:
+        return inputs.rudder_fault
     return verdict.text if verdict is not None and verdict.fault is Fault.REVERSED else ""
 
 

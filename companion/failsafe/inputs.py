@@ -18,14 +18,15 @@ from companion.sensors.readings import BatteryReading, HeadingReading, HullReadi
 class BoardReadings(Struct, frozen=True):
     """What the vehicle does not know itself: motors, senses and the computer.
 
-    left, right: what the motors are given. judges_motors: False where the hull does not move as the motors
-    push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore has held the
-    boat. load: share of the tick that the loop takes. sonar_s: time of the latest ping, NaN without a sonar.
-    storage_fault: why something could not be written, "".
+    left, right, rudder: what motors and rudder are given. judges_motors: False where the hull does not move
+    as the motors push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore
+    has held the boat. load: share of the tick that the loop takes. sonar_s: time of the latest ping, NaN
+    without a sonar. storage_fault: why something could not be written, "".
     """
 
     left: float = 0.0
     right: float = 0.0
+    rudder: float = 0.0
     judges_motors: bool = True
     stall: StallVerdict = StallVerdict.MAKING_WAY
     held_s: float = 0.0
@@ -45,7 +46,7 @@ class FailsafeInputs(Struct, frozen=True, kw_only=True):
     that has been heard. beyond_fence_m: 0 inside. station: where LOITER stays. range_fault: why the
     charge does not take the boat home. verdict: the motor fault inferred under way. needs_motor_check: only
     a check can tell. needs_motor_comparison: a propeller seems fouled. failed_motor: the one that a motor
-    check has found, in words.
+    check has found, in words. rudder_fault: why the rudder does not steer, in words.
     """
 
     now_s: float
@@ -70,4 +71,5 @@ class FailsafeInputs(Struct, frozen=True, kw_only=True):
     needs_motor_comparison: bool = False
     failed_motor: str = ""
     reversed_motor: bool = False
+    rudder_fault: str = ""
     recovery: State = State.IDLE

@@ -9,6 +9,7 @@ from companion.failsafe.actions import RECOVERIES, Action
 from companion.failsafe.endurance import Endurance
 from companion.failsafe.escalation import Change, Escalation
 from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.motors.rudder_watch import RudderWatch
 from companion.failsafe.motors.watch import MotorWatch
 from companion.failsafe.presence import Planner
 from companion.failsafe.recovery.transition_table import State
@@ -41,6 +42,7 @@ class Failsafes:
         self.sticks = sticks
         self.endurance = Endurance()
         self.motors = MotorWatch(config)
+        self.rudder = RudderWatch()
         self.fence = FenceMonitor()
         self._escalations = [Escalation(row) for row in rows]
         self._due_s = 0.0

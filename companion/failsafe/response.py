@@ -21,6 +21,7 @@ from companion.failsafe.guards import may_drift
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.monitor import Alarm
 from companion.failsafe.recovery.transition_table import TRANSITIONS, State, Trigger
+from companion.failsafe.table import Condition, Row
 
 # For how long a boat drifts that clears its propellers and checks its motors, twice over, and gets under way
 _CLEARING_DRIFT_S: Final = 60.0
@@ -31,7 +32,8 @@ _SLOW_SHARE: Final = 0.5  # of cruise speed: what a propeller with weed still ma
 
 def respond(alarm: Alarm, inputs: FailsafeInputs) -> list[Decision]:
     """What to do about an alarm."""
-    row, action = alarm.row, alarm.action
+    row = alarm.row
+    action = _suited(alarm.action, row, inputs)
     if alarm.change is Change.ENDS:
         return [Notify(Severity.NOTICE, f"Failsafe over: {row.over}")] if row.over else []
     is_driven = inputs.armed and inputs.mode is not Mode.HOLD
@@ -51,6 +53,21 @@ def respond(alarm: Alarm, inputs: FailsafeInputs) -> list[Decision]:
         return [told]
     limit = [LimitSpeed(_SLOW_SHARE)] if row.is_slow else []
     return [told, Retreat(MODES[action]), *limit]
+
+
+def _suited(action: Action, row: Row, inputs: FailsafeInputs) -> Action:
+    """The action that comes closest to this one on a boat with one motor and a rudder.
+
+    It has no second motor to test this one against: pulses astern wash weed off propeller and rudder. And
+    where it cannot steer, every mode that drives takes it away from its place: it drifts.
+    """
+    if inputs.config.drive.has_pair:
+        return action
+    if action is Action.CHECK_MOTORS:
+        return Action.CLEAR_PROPELLERS
+    if row.condition is Condition.STEERING_LOST and action in MODES:
+        return Action.HOLD
+    return action
 
 
 def _recover(action: Action, inputs: FailsafeInputs) -> list[Decision]:

@@ -49,7 +49,8 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
     """All that the failsafes look at. Made once a cycle: it also feeds what learns over cycles."""
     failsafes, config, mode, board = vehicle.failsafes, vehicle.config, vehicle.mode, vehicle.board
     nav, frame, battery = vehicle.nav, vehicle.frame, vehicle.battery
-    planner, sticks, motors = failsafes.planner, failsafes.sticks, failsafes.motors
+    planner, sticks = failsafes.planner, failsafes.sticks
+    motors, rudder = failsafes.motors, failsafes.rudder
     endurance, check = failsafes.endurance, vehicle.recovery.motor_check
     if endurance.is_due(now_s):
         home = None if vehicle.home is None or frame is None else frame.to_local(vehicle.home)
@@ -63,11 +64,20 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         sticks.stop_watching()
     if not vehicle.armed:
         motors.rearm()
+        rudder.rearm()
     # One motor alone moves the hull as no model says
     if vehicle.recovery.hides_motors or not board.judges_motors or check.motors.has_failed:
         motors.pause()
     else:
-        motors.update(board.left, board.right, nav, vehicle.fix, battery, config, now_s, PERIOD_S)
+        motors.update(
+            board.left, board.right, nav, vehicle.fix, battery, config, now_s, PERIOD_S, board.rudder
+        )
+    if vehicle.recovery.hides_motors:
+        rudder.rearm()  # judged anew afterwards
+    elif board.judges_motors:
+        rudder.update(0.5 * (board.left + board.right), board.rudder, nav, config, PERIOD_S)
+    else:
+        rudder.pause()
     station = vehicle.modes.loiter.destination
     return FailsafeInputs(
         now_s=now_s,
@@ -91,6 +101,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         needs_motor_check=motors.needs_check,
         needs_motor_comparison=motors.needs_comparison,
         failed_motor=check.fault(),
+        rudder_fault=rudder.fault,
         reversed_motor=check.motors.has_reversed,
         recovery=vehicle.recovery.state,
     )

@@ -152,10 +152,12 @@ class MotorEvidence:
         battery: BatteryReading | None,
         asymmetry: float,
         dt_s: float,
+        steered: float = 0.0,
     ) -> None:
         """Take the commands that have held for dt_s until now, and what has come of them.
 
-        asymmetry: by which commands astern are enlarged for the thrust that is lost there.
+        asymmetry: by which commands astern are enlarged for the thrust that is lost there. steered: the
+        rudder's moment, in shares of full steering.
         """
         self._spin(left, right, dt_s)
         water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
@@ -163,7 +165,8 @@ class MotorEvidence:
         self._water_north_m_s += share * (nav.current_north_m_s - self._water_north_m_s)
         self._water_east_m_s += share * (nav.current_east_m_s - self._water_east_m_s)
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
-        self._predict(water_m_s, astern, nav.heading_rad, nav.time_s, dt_s)
+        turning = steered * (1.0 + astern)  # two motors at full steering: one ahead, one astern
+        self._predict(water_m_s, astern, nav.heading_rad, nav.time_s, dt_s, turning)
         is_learning = max(self.against) < _LEARNING
         gained = [0.0] * len(HYPOTHESES)
         if nav.faults & _NO_COMPASS:
@@ -193,7 +196,7 @@ class MotorEvidence:
         return push if push > 0.0 else astern * push
 
     def _predict(
-        self, water_m_s: float, astern: float, heading_rad: float, now_s: float, dt_s: float
+        self, water_m_s: float, astern: float, heading_rad: float, now_s: float, dt_s: float, turning: float
     ) -> None:
         pushes = [self._push(shaft, water_m_s, astern) for shaft in self._shafts]
         for at, hypothesis in enumerate(HYPOTHESES):
@@ -207,7 +210,7 @@ class MotorEvidence:
         cruising = abs(water_m_s) / self._cruise_m_s
         turn_s = _RESTING_RATE_S + _CRUISING_RATE_S * cruising
         speed_s = _RESTING_SPEED_S + _CRUISING_SPEED_S * cruising
-        self._turn.predict(turn_s, pushes[0] - pushes[1], self._changes_turn, dt_s)
+        self._turn.predict(turn_s, pushes[0] - pushes[1] + turning, self._changes_turn, dt_s)
         self._pending.append(
             _Push(now_s, heading_rad, speed_s, pushes[0] + pushes[1], tuple(self._changes_ahead), dt_s)
         )

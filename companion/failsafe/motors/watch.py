@@ -4,6 +4,7 @@ import math
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
+from companion.control.allocation import rudder_effect
 from companion.core.state import NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
@@ -35,6 +36,9 @@ _WITHOUT_CURRENT: Final = (Fault.DEAD, Fault.REVERSED)
 
 class MotorWatch:
     """Which motor has failed, and how: decided by `MotorEvidence`.
+
+    It tells two motors apart by the turn. A boat with one motor gets no verdict: without thrust it makes no
+    headway, which guidance/stall_detector.py detects.
 
     verdict: the hypothesis that is proved, until evidence for healthy motors has outweighed it.
     needs_comparison: whether a propeller seems fouled: each motor alone would prove it, and tell which one.
@@ -101,12 +105,18 @@ class MotorWatch:
         config: BoatConfig,
         now_s: float,
         dt_s: float,
+        rudder: float = 0.0,
     ) -> None:
         """Take the commands of the last dt_s and what has come of them, and decide."""
-        if nav is None:
+        if nav is None or not config.drive.has_pair:
             return
         evidence = self._evidence
-        evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s)
+        steered = 0.0
+        if config.drive.has_rudder:
+            water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+            steered = rudder * rudder_effect(0.5 * (left + right), water_m_s, config.drive, config.speed)
+        battery = battery if config.drive.motors == "brushed" else None
+        evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s, steered)
         if now_s < self._cleared_until_s:
             evidence.acquit()
             self._helpless_s = 0.0

@@ -21,6 +21,10 @@ def config(layout: str = "rudder", **drive: float) -> BoatConfig:
     return decode_config({"drive": {"layout": layout, **figures}, "speed": speed}, "test")
 
 
+def effect_of(setting: BoatConfig, throttle: float, water_m_s: float) -> float:
+    return rudder_effect(throttle, water_m_s, setting.drive, setting.speed)
+
+
 @pytest.mark.parametrize(
     ("throttle", "water_m_s", "effect"),
     [
@@ -36,7 +40,7 @@ def config(layout: str = "rudder", **drive: float) -> BoatConfig:
 def test_the_rudders_effect_is_the_square_of_the_speed_at_the_blade(
     throttle: float, water_m_s: float, effect: float
 ) -> None:
-    assert rudder_effect(throttle, water_m_s, config()) == pytest.approx(effect)
+    assert effect_of(config(), throttle, water_m_s) == pytest.approx(effect)
 
 
 @pytest.mark.parametrize(
@@ -63,7 +67,7 @@ def test_within_its_limits_the_rudder_gives_exactly_the_moment(
 ) -> None:
     setting = config()
     thrust = allocate(Effort(surge, yaw, water_m_s), setting)
-    effect = rudder_effect(thrust.left, water_m_s, setting)
+    effect = effect_of(setting, thrust.left, water_m_s)
     assert abs(thrust.rudder) <= 1.0
     if abs(thrust.rudder) < 1.0 and abs(effect) > 0.05:
         assert thrust.rudder * effect == pytest.approx(yaw, abs=1e-9)
@@ -122,7 +126,7 @@ def test_two_motors_and_a_rudder_share_the_moment(
 def test_the_shares_add_up_to_the_whole(surge: float, yaw: float, water_m_s: float) -> None:
     setting = config("differential_rudder")
     thrust = allocate(Effort(surge, yaw, water_m_s), setting)
-    effect = rudder_effect(surge, water_m_s, setting)
+    effect = effect_of(setting, surge, water_m_s)
     if effect >= 0.05:
         assert 0.5 * (thrust.left - thrust.right) + effect * thrust.rudder == pytest.approx(yaw, abs=1e-9)
 
