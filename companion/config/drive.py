@@ -49,5 +49,10 @@ class DriveSetting(Section, frozen=True):
         """Whether the boat turns on the spot."""
         return self.layout != "rudder"
 
+    @property
+    def least_radius_m(self) -> float:
+        """The smallest turning radius: 0 on the spot."""
+        return 0.0 if self.can_pivot else self.turn_radius_m
+
 
 DIFFERENTIAL = DriveSetting()

@@ -1,5 +1,6 @@
 """Intents: the output of the modes, the input of guidance."""
 
+import math
 from dataclasses import dataclass, field
 
 from msgspec import Struct
@@ -67,10 +68,14 @@ class HoldCourse(Struct, frozen=True):
 
 
 class HoldHeading(Struct, frozen=True):
-    """Hold a heading at a speed along it, negative astern; the boat may drift sideways."""
+    """Hold a heading at a speed along it, negative astern; the boat may drift sideways.
+
+    turns_beyond_rad: with the heading farther off, a boat that cannot turn on the spot makes way ahead.
+    """
 
     heading_rad: float
     speed_m_s: float
+    turns_beyond_rad: float = math.inf
 
 
 class HoldTurn(Struct, frozen=True):

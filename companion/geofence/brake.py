@@ -8,7 +8,7 @@ from companion.core.geo import Point
 from companion.core.intent import Drive, FollowCircle, FollowLeg, HoldCourse, Intent, KeepStation, Stop
 from companion.core.state import Demand, NavState
 from companion.core.status_text import Severity, StatusText
-from companion.core.units import clamp
+from companion.core.units import clamp, wrap_pi
 from companion.geofence.fence import Fence
 from companion.guidance.speed_profile import REACTION_S, braking_speed_m_s
 
@@ -28,6 +28,9 @@ class FenceBrake:
     have no effect. An autonomous boat that was stopped keeps station until the intent changes, as it would
     otherwise drift over the line, and reports it in `status_texts`. Without a recent position nothing is
     limited.
+
+    A boat that cannot turn on the spot needs room ahead for its turn. With less it goes astern, its rudder
+    turning it on, until the room is there: it turns in several moves.
     """
 
     def __init__(self, status_texts: list[StatusText]) -> None:
@@ -114,6 +117,16 @@ class _Ahead:
         """The demand with less speed, or slightly astern if too near."""
         wanted = demand.speed_m_s
         speed = self._along(demand.heading_rad, wanted)
+        drive, setting, nav = self._config.drive, self._config.guidance, self._nav
+        off_rad = abs(wrap_pi(demand.heading_rad - nav.heading_rad))
+        if wanted > 0.0 and not drive.can_pivot and off_rad > 0.5 * setting.pivot_angle_rad:
+            c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+            room_m = drive.turn_radius_m * min(1.0 - math.cos(off_rad), 1.0)  # what the turn takes up ahead
+            ahead = self._towards(c, s, room_m)
+            if ahead < speed:
+                astern = self._towards(-c, -s)
+                speed = max(ahead, -min(setting.min_speed_m_s, max(astern, 0.0)))
+                self.is_slow = speed <= 0.0 and astern <= setting.min_speed_m_s
         if speed == wanted:
             return demand
         return Demand(
@@ -151,8 +164,11 @@ class _Ahead:
             allowed = -min(-allowed, max(self._towards(-side * c, -side * s), 0.0))
         return side * allowed
 
-    def _towards(self, north_m_s: float, east_m_s: float) -> float:
-        """The speed limit in a direction: infinite with no line ahead, negative if too near."""
+    def _towards(self, north_m_s: float, east_m_s: float, spare_m: float = 0.0) -> float:
+        """The speed limit in a direction: infinite with no line ahead, negative if too near.
+
+        spare_m: room to be left.
+        """
         room_m = self._fence.room_m(self._point, math.atan2(east_m_s, north_m_s), self._reach_m)
         if room_m >= self._reach_m:
             return math.inf
@@ -160,7 +176,7 @@ class _Ahead:
         speed_m_s = math.hypot(north_m_s, east_m_s)
         along = nav.current_north_m_s * north_m_s + nav.current_east_m_s * east_m_s
         current_m_s = along / max(speed_m_s, 1e-9)
-        room_m -= self._config.fence.margin_m + max(current_m_s, 0.0) * _CURRENT_S
+        room_m -= self._config.fence.margin_m + max(current_m_s, 0.0) * _CURRENT_S + spare_m
         if room_m < 0.0:
             return max(_BACK_PER_S * room_m, -setting.min_speed_m_s)
         return braking_speed_m_s(_GENTLE_SHARE * room_m, 0.0, setting)
@@ -169,4 +185,5 @@ class _Ahead:
 def _reach_m(speed_m_s: float, config: BoatConfig) -> float:
     """Distance at which the brake begins to act at this speed, with margin and current."""
     braking_m = speed_m_s * REACTION_S + speed_m_s * speed_m_s / (2.0 * config.guidance.accel_m_s2)
-    return config.fence.margin_m + speed_m_s * _CURRENT_S + braking_m / _GENTLE_SHARE
+    reach_m = config.fence.margin_m + speed_m_s * _CURRENT_S + braking_m / _GENTLE_SHARE
+    return reach_m + 2.0 * config.drive.least_radius_m

@@ -5,7 +5,8 @@ and C. A. Woolsey, "Minimum-time path planning for unmanned aerial vehicles in s
 of Guidance, Control, and Dynamics* 32, 2009). A fillet is therefore planned through the water: the yaw rate
 is a trapezoid (clothoid, arc, clothoid), and the speed through the water changes linearly from the first
 leg's to the second's. Adding the current gives the ground track, which is then placed to begin on the first
-leg and end on the second. By construction, no fillet exceeds the configured yaw rate or lateral acceleration.
+leg and end on the second. By construction, no fillet exceeds the configured yaw rate or lateral acceleration,
+nor, on a boat that cannot turn on the spot, its smallest turning radius through the water.
 
 Entry and exit speeds are chosen for the least time lost, where the squared distance from the legs, integrated
 over time, has a price. With one price for all corners, the sum of lost time is the least for the RMS
@@ -81,7 +82,7 @@ class Fillet(NamedTuple):
 
 
 def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
-    """The fillet of least cost; None: there is none, and the boat turns on the spot."""
+    """The fillet of least cost; None: there is none, and the boat turns on the spot, or behind the corner."""
     if not LEAST_TURN_RAD < abs(bend.turn_rad) < SHARPEST_RAD:
         return None
     reach_m = (1.0 if abs(bend.turn_rad) > SHARP_RAD else PASSED_RADII) * bend.radius_m
@@ -167,9 +168,10 @@ def fillet_between(
     crab1 = math.atan2(across1, ahead1)
     bow = bend.turn_rad + math.atan2(across2, ahead2) - crab1
     fastest = TURN_SHARE * config.handling.turn_rate_rad_s
-    rate, ramp_s, time_s = _trapezoid(
-        abs(bow), min(fastest, setting.corner_accel_m_s2 / max(water1, water2)), fastest / ramp_s
-    )
+    rate = min(fastest, setting.corner_accel_m_s2 / max(water1, water2))
+    if config.drive.least_radius_m > 0.0:
+        rate = min(rate, min(water1, water2) / config.drive.least_radius_m)
+    rate, ramp_s, time_s = _trapezoid(abs(bow), rate, fastest / ramp_s)
     if abs(water2 - water1) > setting.accel_m_s2 * time_s:
         return None
 

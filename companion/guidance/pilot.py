@@ -2,6 +2,8 @@
 
 import math
 
+from msgspec.structs import replace
+
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Line, Point, distance_m
 from companion.core.intent import (
@@ -80,6 +82,8 @@ class Pilot:
         if isinstance(intent, KeepStation):
             return self._keep_station(intent.point, nav, config, dt_s)
         if isinstance(intent, FollowCircle):
+            if not config.drive.can_pivot and intent.radius_m < config.drive.turn_radius_m:
+                intent = replace(intent, radius_m=config.drive.turn_radius_m)
             course, cross_track, turn = circle_course_rad(intent, nav, config)
             distance = distance_m(nav.point, intent.centre)
             speed = circle_speed_m_s(intent, config)
@@ -93,7 +97,10 @@ class Pilot:
             else self._turning.update(intent.yaw_rate_rad_s, nav, dt_s)
         )
         error = wrap_pi(heading - nav.heading_rad)
-        return Demand(heading, steered_speed_m_s(intent.speed_m_s, error, config.guidance))
+        speed = intent.speed_m_s
+        if isinstance(intent, HoldHeading) and abs(error) > intent.turns_beyond_rad:
+            speed = max(speed, 0.0 if config.drive.can_pivot else config.guidance.min_speed_m_s)
+        return Demand(heading, steered_speed_m_s(speed, error, config))
 
     def _make_good(
         self,
@@ -118,7 +125,7 @@ class Pilot:
             later, _ = course_to_steer(next_course_rad, next_speed_m_s, current_n, current_e, slow, top)
             yaw_rate = _yaw_rate_rad_s(heading, later, config)
         heading = wrap_pi(heading)
-        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config.guidance)
+        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config)
         speed = water + nav.current_along_m_s(nav.heading_rad)
         return Demand(heading, speed, cross_track_m, distance_m, yaw_rate)
 
@@ -135,7 +142,10 @@ class Pilot:
         to_go = line.length_m - along_line
         guide = self._path.update(leg, nav, config)
         speed = guide.speed_m_s
-        if leg.next_line is None or guide.stops:
+        stops = (
+            guide.stops and config.drive.can_pivot
+        )  # else it passes the corner slowly, and turns behind it
+        if leg.next_line is None or stops:
             carried = nav.current_along_m_s(line.course_rad)
             if carried > INTO_CURRENT_SHARE * config.guidance.min_speed_m_s:
                 # In a following current, turn around before the stop and drift onto it.
@@ -175,7 +185,7 @@ def _along_path(
     yaw_rate = _yaw_rate_rad_s(heading, later, config)
     heading = guide.tangent_rad + clamp(wrap_pi(heading - guide.tangent_rad), -_MOST_OFF_RAD, _MOST_OFF_RAD)
     error = wrap_pi(heading - nav.heading_rad)
-    steered = steered_speed_m_s(water, error, setting)
+    steered = steered_speed_m_s(water, error, config)
     current_m_s = math.hypot(current_n, current_e)
     if current_m_s > INTO_CURRENT_SHARE * slow and abs(error) < 0.5 * math.pi:
         steered = max(steered, min(current_m_s, water))

@@ -48,16 +48,17 @@ def leg_speed_m_s(leg_speed_m_s: float, distance_m: float, end_speed_m_s: float,
     return min(leg_speed_m_s, max(allowed, config.guidance.min_speed_m_s))
 
 
-def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, setting: Guidance) -> float:
+def steered_speed_m_s(speed_m_s: float, heading_error_rad: float, config: BoatConfig) -> float:
     """Speed limit with a heading error.
 
-    No limit up to half of pivot_angle_rad, then linear to min_speed_m_s at pivot_angle_rad, and zero beyond:
-    the boat turns on the spot.
+    No limit up to half of pivot_angle_rad, then linear to min_speed_m_s at pivot_angle_rad. Beyond, the boat
+    turns on the spot, at speed zero; one that cannot turns at min_speed_m_s.
     """
+    setting = config.guidance
     pivot = setting.pivot_angle_rad
     error = abs(heading_error_rad)
     if error > pivot:
-        return 0.0
+        return 0.0 if config.drive.can_pivot else min(speed_m_s, setting.min_speed_m_s)
     return min(speed_m_s, max(speed_m_s * 2.0 * (1.0 - error / pivot), setting.min_speed_m_s))
 
 

@@ -8,6 +8,11 @@ enough to drift onto it bow first.
 
 Without a current the boat keeps its heading, is idle within half the radius, and otherwise moves ahead or
 astern along a line through the point that turns slowly towards it.
+
+A boat that cannot turn on the spot keeps its bow into a current likewise, by way ahead. Without a current it
+drifts within the radius. Beyond, it sails ahead towards the point, and drifts again near it. A point within
+its turning circle cannot be turned to: it goes straight on until the circle has left the point. So it stays
+within station_radius_m and three turning radii of the point.
 """
 
 import math
@@ -31,22 +36,31 @@ NEAR_RADII = (
 EASE_SHARE = 0.3  # of the current: least speed against it, to keep the bow into it
 LEARNING_PER_S2 = 0.03  # integral gain, speed per metre and second
 MAX_LEARNED_SHARE = 0.5  # of min_speed_m_s
+_CLEAR_SHARE = 1.25  # of the turning circle: left so far, or the boat would turn and go straight by turns
+_DIRECT_RAD = 0.3  # off the bow: a point nearly ahead is sailed at
 
 
 class StationKeeping:
     """Keeps the direction of the line, None before the first update, and the integral in m/s."""
 
-    __slots__ = ("_is_into_current", "_learned_east", "_learned_north", "_line_rad")
+    __slots__ = (
+        "_is_into_current",
+        "_is_leaving",
+        "_is_returning",
+        "_learned_east",
+        "_learned_north",
+        "_line_rad",
+    )
 
     def __init__(self) -> None:
         self._line_rad: float | None = None
-        self._is_into_current = False
+        self._is_into_current = self._is_returning = self._is_leaving = False
         self._learned_north = self._learned_east = 0.0
 
     def reset(self) -> None:
         """Start again at the present heading."""
         self._line_rad = None
-        self._is_into_current = False
+        self._is_into_current = self._is_returning = self._is_leaving = False
         self._learned_north = self._learned_east = 0.0
 
     def update(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
@@ -62,8 +76,10 @@ class StationKeeping:
             if distance > near:
                 return self._approach(math.atan2(east, north), distance, nav, config)
             return self._hold_into_current(north, east, distance, current_m_s, nav, config, dt_s)
+        if not config.drive.can_pivot:
+            return self._circle_back(north, east, distance, nav, config)
         if distance > setting.station_radius_m:
-            return self._return(math.atan2(east, north), distance, nav, setting, config.speed.cruise_m_s)
+            return self._return(math.atan2(east, north), distance, nav, config)
         return self._stay(north, east, distance, nav, setting, dt_s)
 
     def _approach(self, bearing_rad: float, distance: float, nav: NavState, config: BoatConfig) -> Demand:
@@ -80,7 +96,7 @@ class StationKeeping:
         )
         heading = wrap_pi(heading)
         self._line_rad = heading
-        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), setting)
+        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config)
         return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
 
     def _hold_into_current(
@@ -114,27 +130,45 @@ class StationKeeping:
         # The part of the desired velocity through the water along the present heading.
         off = wrap_pi(nav.heading_rad - upstream)
         water = up * math.cos(off) + across * math.sin(off) if abs(off) < 0.5 * math.pi else 0.0
+        if not config.drive.can_pivot and abs(wrap_pi(heading - nav.heading_rad)) > setting.pivot_angle_rad:
+            water = max(water, slow)  # it turns under way
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
 
-    def _return(
-        self, bearing_rad: float, distance: float, nav: NavState, setting: Guidance, cruise_m_s: float
-    ) -> Demand:
+    def _return(self, bearing_rad: float, distance: float, nav: NavState, config: BoatConfig) -> Demand:
+        setting = config.guidance
         is_behind = math.cos(bearing_rad - nav.heading_rad) < -0.5
         if is_behind and distance < ASTERN_RADII * setting.station_radius_m:
             line = wrap_pi(bearing_rad + math.pi)
             speed = -min(CLOSING_RATE_PER_S * distance, setting.min_speed_m_s)
         else:
             line = bearing_rad
-            still = STILL_SHARE * setting.station_radius_m
-            speed = min(
-                cruise_m_s,
-                CLOSING_RATE_PER_S * (distance - still) + setting.min_speed_m_s,
-                braking_speed_m_s(distance - still, 0.0, setting),
-            )
-            speed = steered_speed_m_s(speed, wrap_pi(line - nav.heading_rad), setting)
+            speed = _closing_speed_m_s(distance, config)
+            speed = steered_speed_m_s(speed, wrap_pi(line - nav.heading_rad), config)
         self._line_rad = line
         return Demand(line, speed, 0.0, distance)
+
+    def _circle_back(
+        self, north: float, east: float, distance: float, nav: NavState, config: BoatConfig
+    ) -> Demand:
+        """Drift within the radius, sail back to the point from beyond it."""
+        setting, bearing = config.guidance, math.atan2(east, north)
+        still = STILL_SHARE * setting.station_radius_m
+        self._is_returning = distance > (still if self._is_returning else setting.station_radius_m)
+        self._line_rad = nav.heading_rad
+        if not self._is_returning:
+            return Demand(nav.heading_rad, 0.0, 0.0, distance)
+        off = abs(wrap_pi(bearing - nav.heading_rad))
+        slow = min(setting.min_speed_m_s, config.speed.cruise_m_s)
+        # A chord at the angle `off` from the bow leaves the turning circle at 2 R sin(off).
+        chord = 2.0 * config.drive.turn_radius_m * math.sin(off)
+        self._is_leaving = (
+            off > _DIRECT_RAD and distance < (_CLEAR_SHARE if self._is_leaving else 1.0) * chord
+        )
+        if self._is_leaving:
+            return Demand(nav.heading_rad, slow, 0.0, distance)
+        speed = max(steered_speed_m_s(_closing_speed_m_s(distance, config), off, config), slow)
+        return Demand(bearing, speed, 0.0, distance)
 
     def _stay(
         self, north: float, east: float, distance: float, nav: NavState, setting: Guidance, dt_s: float
@@ -152,6 +186,19 @@ class StationKeeping:
         return Demand(heading, speed, 0.0, distance)
 
 
+def _closing_speed_m_s(distance: float, config: BoatConfig) -> float:
+    """Speed towards a point from which the boat stops in time."""
+    still = STILL_SHARE * config.guidance.station_radius_m
+    return min(
+        config.speed.cruise_m_s,
+        CLOSING_RATE_PER_S * (distance - still) + config.guidance.min_speed_m_s,
+        braking_speed_m_s(distance - still, 0.0, config.guidance),
+    )
+
+
 def turning_s(config: BoatConfig) -> float:
     """Time to turn around."""
-    return math.pi / config.handling.turn_rate_rad_s + config.handling.yaw_time_s
+    fastest = config.handling.turn_rate_rad_s
+    if config.drive.least_radius_m > 0.0:
+        fastest = min(fastest, config.speed.cruise_m_s / config.drive.least_radius_m)
+    return math.pi / fastest + config.handling.yaw_time_s

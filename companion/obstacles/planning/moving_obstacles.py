@@ -180,6 +180,7 @@ def _predicted_track(scene: Scene, course_rad: float, speed_m_s: float) -> list[
     """Predicted positions relative to here, with the bow's direction, at each step up to the horizon."""
     nav, handling, guidance = scene.nav, scene.config.handling, scene.config.guidance
     heading, surge = nav.heading_rad, nav.surge_m_s
+    least_radius_m = scene.config.drive.least_radius_m
     fastest, turning = handling.turn_rate_rad_s, nav.yaw_rate_rad_s
     takes_up = 1.0 - math.exp(-_STEP_S / _TURN_LAG_S)
     gains, loses = _GAINS * guidance.accel_m_s2 * _STEP_S, _LOSES * guidance.accel_m_s2 * _STEP_S
@@ -191,9 +192,11 @@ def _predicted_track(scene: Scene, course_rad: float, speed_m_s: float) -> list[
     way: list[Pose] = []
     for step in range(round(HORIZON_S / _STEP_S)):
         error = wrap_pi(target - heading) if step else 0.0  # motor delay
+        if least_radius_m > 0.0:
+            fastest = min(handling.turn_rate_rad_s, abs(surge) / least_radius_m)
         turning += takes_up * (min(max(_TURN_GAIN * error, -fastest), fastest) - turning)
         heading += turning * _STEP_S
-        wanted = steered_speed_m_s(speed_m_s, error, guidance) if speed_m_s > 0.0 else speed_m_s
+        wanted = steered_speed_m_s(speed_m_s, error, scene.config) if speed_m_s > 0.0 else speed_m_s
         surge += min(max(wanted - surge, -loses), gains)
         ahead_n, ahead_e = math.cos(heading), math.sin(heading)
         aside = (

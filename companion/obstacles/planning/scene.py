@@ -102,13 +102,18 @@ class Scene:
     def must_stop_to_turn(self, heading_rad: float) -> bool:
         """Whether to stop first: turning on the spot leaves no thrust for braking."""
         nav, guidance = self.nav, self.config.guidance
+        if not self.config.drive.can_pivot:
+            return False  # it turns under way
         turn = abs(wrap_pi(heading_rad - nav.heading_rad))
         return turn > guidance.pivot_angle_rad and nav.surge_m_s > 0.5 * guidance.min_speed_m_s
 
     def stop(self) -> HoldHeading:
-        """Stop. In a current, the bow must point into it to hold against it."""
+        """Stop. In a current, the bow must point into it to hold against it; a boat that cannot turn on the
+        spot stays as it lies, as turning would take it ahead.
+        """
         nav, current_m_s = self.nav, math.hypot(self.nav.current_north_m_s, self.nav.current_east_m_s)
-        if current_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s:
+        is_still = current_m_s < _STILL_SHARE * self.config.guidance.min_speed_m_s
+        if is_still or not self.config.drive.can_pivot:
             return HoldHeading(nav.heading_rad, 0.0)
         return HoldHeading(math.atan2(-nav.current_east_m_s, -nav.current_north_m_s), 0.0)
 

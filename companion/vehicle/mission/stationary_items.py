@@ -44,7 +44,7 @@ class StationaryItem:
             case Turn():
                 off_rad = abs(wrap_pi(self._turn_to_rad - nav.heading_rad))
                 is_turning = off_rad > _TURNED_RAD and now_s < self._since_s + _TURN_LIMIT_S
-                return HoldHeading(self._turn_to_rad, 0.0) if is_turning else None
+                return HoldHeading(self._turn_to_rad, 0.0, _TURNED_RAD) if is_turning else None
             case HandOver(is_on):
                 limit = self.limit
                 in_time = limit.timeout_s == 0.0 or now_s < self._since_s + limit.timeout_s

@@ -18,6 +18,7 @@ _STOP = Stop()
 _AHEAD = Drive(0.5, 0.0)
 _DRIFT_M_S: Final = 0.3  # in a slower current a boat without a heading drifts
 _AHEAD_S, _PAUSE_S = 6.0, 10.0  # searching for the heading
+_ASTRAY_RAD: Final = 0.8  # from the current: from here on it carries the boat sideways as fast as astern
 _STILL_M_S: Final = 0.05  # a slower current has no direction
 
 
@@ -67,7 +68,8 @@ class LoiterMode(ModeController):
         if self._into_current is None:
             has_current = math.hypot(nav.current_north_m_s, nav.current_east_m_s) > _STILL_M_S
             upstream_rad = math.atan2(-nav.current_east_m_s, -nav.current_north_m_s)
-            self._into_current = HoldHeading(upstream_rad if has_current else nav.heading_rad, 0.0)
+            heading_rad = upstream_rad if has_current else nav.heading_rad
+            self._into_current = HoldHeading(heading_rad, 0.0, _ASTRAY_RAD)
         return self._into_current
 
     def _search_heading(self, inputs: ModeInputs) -> Intent:

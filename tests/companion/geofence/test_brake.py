@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 from test_fence_lines import globe, laid, square
 
-from companion.config.boat_config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.core.geo import Point
 from companion.core.intent import Drive, FollowCircle, FollowLeg, HoldCourse, Intent, KeepStation, Stop
 from companion.core.state import Demand, NavState
@@ -310,3 +310,36 @@ def test_at_rest_the_brake_begins_where_half_a_metre_a_second_more_could_just_be
     # 2 m and 2 s at 0.5 m/s, and twice the 0.5 m and 0.3125 m of reaction and braking: 4.625 m
     braked = limited(NORTHWARD, nav_at(50.0 - room_m))
     assert speed_of(braked) == pytest.approx(allowed_m_s(room_m - 2.0) if is_braked else 2.0, abs=1e-3)
+
+
+RUDDER = decode_config(
+    {"drive": {"layout": "rudder", "turn_radius_m": 3.0}}, "test"
+)  # cannot turn on the spot
+ASTERN = Demand(math.pi, 0.4)
+
+
+@pytest.mark.parametrize(
+    ("room_left_m", "off_rad", "expected"),
+    [
+        (5.0, math.pi, allowed_m_s(2.0)),  # a turn by a quarter circle or more takes up the radius ahead,
+        (5.0, math.pi / 3.0, allowed_m_s(3.5)),  # one by 60 degrees half of it
+        (5.0, 0.5, 0.4),  # a small error is no turn
+        (2.5, math.pi, -0.2),  # without the room it goes astern, 0.4 of what is missing a second
+        (1.0, math.pi, -0.4),
+    ],
+)
+def test_a_boat_that_cannot_turn_on_the_spot_keeps_room_ahead_for_its_turn(
+    room_left_m: float, off_rad: float, expected: float
+) -> None:
+    nav = nav_at(48.0 - room_left_m)
+    demand = Demand(off_rad, min(expected + 1.0, 2.0) if expected > 0.4 else 0.4)
+    assert speed_of(limited(demand, nav, config=RUDDER)) == pytest.approx(expected)
+    assert limited(Demand(math.pi, 0.4), nav) == Demand(math.pi, 0.4)  # two motors turn on the spot
+
+
+def test_with_a_line_astern_too_it_stops() -> None:
+    # Three metres to either line, of which two are the margin
+    assert speed_of(limited(ASTERN, nav_at(0.0), config=RUDDER, fence=laid(square(3.0)))) < 0.0
+    assert speed_of(limited(ASTERN, nav_at(-1.5), config=RUDDER, fence=laid(square(3.0)))) == pytest.approx(
+        0.0
+    )

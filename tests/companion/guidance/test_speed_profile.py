@@ -70,16 +70,16 @@ def test_no_leg_is_sailed_faster_than_it_says(speed: float, distance_m: float, e
 
 def test_the_boat_pivots_beyond_the_pivot_angle_only() -> None:
     pivot = SETTING.pivot_angle_rad
-    assert steered_speed_m_s(2.0, 0.5 * pivot, SETTING) == 2.0
-    assert steered_speed_m_s(2.0, -0.75 * pivot, SETTING) == pytest.approx(1.0)
-    assert steered_speed_m_s(2.0, pivot, SETTING) == SETTING.min_speed_m_s
-    assert steered_speed_m_s(2.0, math.nextafter(-pivot, -4.0), SETTING) == 0.0
+    assert steered_speed_m_s(2.0, 0.5 * pivot, CONFIG) == 2.0
+    assert steered_speed_m_s(2.0, -0.75 * pivot, CONFIG) == pytest.approx(1.0)
+    assert steered_speed_m_s(2.0, pivot, CONFIG) == SETTING.min_speed_m_s
+    assert steered_speed_m_s(2.0, math.nextafter(-pivot, -4.0), CONFIG) == 0.0
 
 
 @given(st.floats(0.0, 3.0), st.floats(0.0, math.pi), st.floats(0.0, math.pi))
 def test_a_worse_heading_is_never_sailed_faster(speed: float, one: float, other: float) -> None:
     near, far = sorted((one, other))
-    assert steered_speed_m_s(speed, far, SETTING) <= steered_speed_m_s(speed, near, SETTING) <= speed
+    assert steered_speed_m_s(speed, far, CONFIG) <= steered_speed_m_s(speed, near, CONFIG) <= speed
 
 
 def row(*stops: tuple[float, float]) -> list[Node]:

@@ -1,0 +1,192 @@
+"""Guidance for a boat that cannot turn on the spot: least radius, way while turning, room for the turn."""
+
+import math
+from itertools import pairwise
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from companion.config.boat_config import BoatConfig, decode_config
+from companion.core.geo import Point, distance_m
+from companion.core.intent import FollowCircle, FollowLeg, HoldHeading
+from companion.core.state import Demand, NavState
+from companion.core.units import wrap_pi
+from companion.guidance.fillet import Bend, best_fillet
+from companion.guidance.pilot import Pilot
+from companion.guidance.speed_profile import steered_speed_m_s
+from companion.guidance.station_keeping import StationKeeping, turning_s
+
+RADIUS_M = 3.0
+
+
+def config(layout: str = "rudder") -> BoatConfig:
+    """A boat that cruises at 1.2 m/s; least speed 0.4 m/s."""
+    tree = {
+        "drive": {"layout": layout, "turn_radius_m": RADIUS_M},
+        "speed": {"cruise_m_s": 1.2},
+        "handling": {"top_speed_m_s": 2.2, "turn_rate_rad_s": 0.8},
+        "guidance": {"station_radius_m": 1.5, "min_speed_m_s": 0.4, "corner_accel_m_s2": 5.0},
+    }
+    return decode_config(tree, "test")
+
+
+RUDDER, PAIR, BOTH = config(), config("differential"), config("differential_rudder")
+ORIGIN = Point(0.0, 0.0)
+STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
+
+
+@pytest.mark.parametrize(("setting", "speed_m_s"), [(RUDDER, 0.4), (PAIR, 0.0), (BOTH, 0.0)])
+def test_a_large_turn_takes_way_or_none(setting: BoatConfig, speed_m_s: float) -> None:
+    assert steered_speed_m_s(1.2, 2.0, setting) == speed_m_s
+    assert steered_speed_m_s(0.2, 2.0, setting) == min(speed_m_s, 0.2)
+    assert steered_speed_m_s(-0.4, 2.0, RUDDER) == -0.4
+    assert steered_speed_m_s(1.2, 0.2, setting) == 1.2
+
+
+@given(
+    st.floats(0.1, 2.3).flatmap(lambda size: st.sampled_from([size, -size])),
+    st.floats(0.0, 0.6),
+    st.floats(-math.pi, math.pi),
+)
+def test_no_fillet_is_tighter_than_the_least_radius_through_the_water(
+    turn_rad: float, current_m_s: float, to_rad: float
+) -> None:
+    north, east = current_m_s * math.cos(to_rad), current_m_s * math.sin(to_rad)
+    found = best_fillet(Bend(0.0, turn_rad, 25.0, 25.0, 4.0, 1.2, north, east, 50.0, 0.0), RUDDER)
+    assume(found is not None)
+    assert found is not None
+    step_s = found.time_s / (len(found.nodes) - 1)
+    through = []
+    for node in found.nodes:
+        ahead = node.speed_m_s * math.cos(node.turned_rad) - north
+        aside = node.speed_m_s * math.sin(node.turned_rad) - east
+        through.append((math.atan2(aside, ahead), math.hypot(ahead, aside)))
+    for (bow, speed), (later, later_speed) in pairwise(through):
+        turned = abs(wrap_pi(later - bow))
+        assert turned * RADIUS_M <= 1.02 * step_s * max(speed, later_speed) + 1e-3
+
+
+def test_a_right_angle_is_rounded_by_the_radius_where_a_pair_of_motors_cuts_it_finer() -> None:
+    bend = Bend(0.0, 0.5 * math.pi, 25.0, 25.0, 2.0, 1.2, 0.0, 0.0, 50.0, 0.0)
+    wide, tight = best_fillet(bend, RUDDER), best_fillet(bend, PAIR)
+    assert wide is not None
+    assert tight is not None
+    assert wide.cut_m >= 0.9 * (math.sqrt(2.0) - 1.0) * RADIUS_M
+    assert tight.cut_m < wide.cut_m
+
+
+def test_turning_around_takes_the_time_of_half_a_circle() -> None:
+    assert turning_s(RUDDER) == pytest.approx(math.pi * RADIUS_M / 1.2 + 0.6)
+    assert turning_s(PAIR) == pytest.approx(math.pi / 0.8 + 0.6)
+
+
+def follow(leg: FollowLeg, nav: NavState, setting: BoatConfig) -> Demand:
+    demand = Pilot().update(leg, nav, setting, 0.1)
+    assert isinstance(demand, Demand)
+    return demand
+
+
+def test_a_corner_too_sharp_for_a_fillet_is_passed_with_way_on() -> None:
+    leg = FollowLeg(ORIGIN, Point(30.0, 0.0), 1.2, next_end=Point(0.0, 1.0))
+    carried = replace(STILL, north_m=29.0, north_m_s=0.8, surge_m_s=0.8, current_north_m_s=0.4)
+    # Two motors turn around before the stop, and drift onto it; a rudder boat sails on
+    assert abs(wrap_pi(follow(leg, carried, PAIR).heading_rad)) > 1.0
+    assert follow(leg, carried, RUDDER).heading_rad == pytest.approx(0.0, abs=0.1)
+    assert follow(leg, carried, RUDDER).speed_m_s >= 0.4
+
+
+@pytest.mark.parametrize(("setting", "radius_m"), [(RUDDER, RADIUS_M), (PAIR, 1.0)])
+def test_no_circle_is_smaller_than_the_least_radius(setting: BoatConfig, radius_m: float) -> None:
+    circle = FollowCircle(Point(0.0, 5.0), 1.0, clockwise=True, speed_m_s=0.5)
+    demand = Pilot().update(circle, STILL, setting, 0.1)
+    assert isinstance(demand, Demand)
+    assert demand.cross_track_m == pytest.approx(radius_m - 5.0)
+
+
+@pytest.mark.parametrize(
+    ("setting", "error_rad", "speed_m_s"), [(RUDDER, 0.9, 0.4), (RUDDER, 0.7, 0.0), (PAIR, 0.9, 0.0)]
+)
+def test_a_heading_is_turned_to_under_way_where_the_intent_says_so(
+    setting: BoatConfig, error_rad: float, speed_m_s: float
+) -> None:
+    demand = Pilot().update(HoldHeading(error_rad, 0.0, 0.8), STILL, setting, 0.1)
+    assert isinstance(demand, Demand)
+    assert demand.speed_m_s == speed_m_s
+    plain = Pilot().update(HoldHeading(error_rad, 0.0), STILL, setting, 0.1)
+    assert isinstance(plain, Demand)
+    assert plain.speed_m_s == 0.0
+
+
+def station(north_m: float, east_m: float, heading_rad: float = 0.0) -> Demand:
+    nav = replace(STILL, north_m=north_m, east_m=east_m, heading_rad=heading_rad)
+    return StationKeeping().update(ORIGIN, nav, RUDDER, 0.1)
+
+
+def test_within_the_radius_the_rudder_boat_drifts() -> None:
+    assert station(1.4, 0.0, 0.8) == Demand(0.8, 0.0, 0.0, 1.4)
+
+
+def test_from_far_it_sails_ahead_to_the_point() -> None:
+    demand = station(-30.0, 0.0)
+    assert demand.heading_rad == pytest.approx(0.0)
+    assert demand.speed_m_s == 1.2
+
+
+def test_a_point_behind_is_turned_to_with_way_on() -> None:
+    demand = station(3.0, 0.0)
+    assert abs(demand.heading_rad) == pytest.approx(math.pi)
+    assert demand.speed_m_s >= 0.4
+
+
+@pytest.mark.parametrize(
+    ("east_m", "goes_straight"), [(-5.9, True), (-6.1, False), (5.9, True), (6.1, False)]
+)
+def test_a_point_within_the_turning_circle_is_left_behind_first(east_m: float, goes_straight: bool) -> None:
+    # Abeam, the circle of 3 m reaches 6 m
+    demand = station(0.0, east_m)
+    expected = 0.0 if goes_straight else -math.copysign(0.5 * math.pi, east_m)
+    assert demand.heading_rad == pytest.approx(expected)
+    assert demand.speed_m_s >= 0.4
+
+
+def test_it_sails_on_into_the_inner_half_of_the_radius_then_drifts() -> None:
+    keeping, speeds = StationKeeping(), []
+    for north_m in (-1.6, -1.0, -0.76, -0.74, -1.0, -1.49):
+        speeds.append(keeping.update(ORIGIN, replace(STILL, north_m=north_m), RUDDER, 0.1).speed_m_s)
+    assert [speed > 0.0 for speed in speeds] == [True, True, True, False, False, False]
+
+
+@pytest.mark.parametrize("bearing_deg", range(0, 360, 30))
+@pytest.mark.parametrize("away_m", [1.6, 3.0, 6.0])
+def test_it_comes_back_within_three_turning_radii(bearing_deg: int, away_m: float) -> None:
+    """A point that turns by no less than its radius, at the demanded speed."""
+    keeping, dt_s = StationKeeping(), 0.1
+    angle = math.radians(bearing_deg)
+    nav = replace(STILL, north_m=-away_m * math.cos(angle), east_m=-away_m * math.sin(angle))
+    farthest_m = away_m
+    for _ in range(1200):
+        demand = keeping.update(ORIGIN, nav, RUDDER, dt_s)
+        if demand.speed_m_s == 0.0:
+            break
+        step = demand.speed_m_s * dt_s
+        turn = wrap_pi(demand.heading_rad - nav.heading_rad)
+        heading = nav.heading_rad + math.copysign(min(abs(turn), step / RADIUS_M), turn)
+        nav = replace(
+            nav,
+            heading_rad=wrap_pi(heading),
+            north_m=nav.north_m + step * math.cos(heading),
+            east_m=nav.east_m + step * math.sin(heading),
+        )
+        farthest_m = max(farthest_m, distance_m(nav.point, ORIGIN))
+    assert distance_m(nav.point, ORIGIN) < 0.8
+    assert farthest_m <= max(away_m, 1.5) + 3.0 * RADIUS_M
+
+
+def test_bow_away_from_the_current_it_turns_into_it_under_way() -> None:
+    nav = replace(STILL, heading_rad=0.0, current_north_m_s=0.4)
+    assert StationKeeping().update(ORIGIN, nav, PAIR, 0.1).speed_m_s == pytest.approx(
+        0.4
+    )  # carried, no thrust
+    assert StationKeeping().update(ORIGIN, nav, RUDDER, 0.1).speed_m_s == pytest.approx(0.8)
