@@ -15,6 +15,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.config.thrusters import Thrusters
+from companion.core.errors import HardwareError
 from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
@@ -198,8 +199,12 @@ class Boat:
         self.calibration.stop("fault in the program")
         self.guidance.reset()
         fall = self.net.caught(error)
-        what = f"Fault in the program: {type(error).__name__}, {outcome}"
-        self.vehicle.stop_on_fault(what, disarms=fall is not Fall.HOLD or not has_stopped)
+        what = (
+            str(error)
+            if isinstance(error, HardwareError)
+            else f"Fault in the program: {type(error).__name__}"
+        )
+        self.vehicle.stop_on_fault(f"{what}, {outcome}", disarms=fall is not Fall.HOLD or not has_stopped)
         try:
             self.endpoint.announce_changes()
             self._links.flush()

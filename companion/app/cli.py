@@ -12,6 +12,7 @@ from rich.table import Table
 
 from companion import __version__
 from companion.app.composition import check_config, run_boat
+from companion.app.esc_calibration import calibrate_escs as run_calibration
 from companion.app.install.cli import install, uninstall
 from companion.app.links_view import watch
 from companion.app.restart import restart_program
@@ -21,8 +22,11 @@ from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
+from companion.config.parts import PulseOutputSetting
 from companion.core.command_line import busy_port_explained, program_app, run_app
 from companion.core.errors import BoatError
+from companion.hal.interfaces import PulseOutput
+from companion.hal.pulses.opening import open_pulse_output
 from companion.persistence.storage import MemoryStorage
 
 PROGRAM = "boat-companion"
@@ -60,6 +64,21 @@ def check(config: ConfigFile) -> None:
     tree = load_config(config)
     check_config(tree)
     typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
+
+
+@app.command()
+def calibrate_escs(config: ConfigFile) -> None:
+    """Teach speed controllers the pulses of full throttle and stop, propellers off; asks before it sends.
+
+    Example:  boat-companion calibrate-escs --config /etc/mavboat/boat.toml
+    """
+    tree = load_config(config)
+
+    def open_output(setting: PulseOutputSetting) -> PulseOutput:
+        return open_pulse_output(setting, tree.parts.pca9685)
+
+    if not run_calibration(tree, open_output, input):
+        typer.echo("not confirmed; nothing was sent")
 
 
 @app.command()

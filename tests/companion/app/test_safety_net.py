@@ -5,6 +5,7 @@ import pytest
 from boat_rig import OK, Rig, waypoint
 
 from companion.app.safety_net import Fall, SafetyNet
+from companion.core.errors import HardwareError
 from companion.core.intent import Intent
 
 
@@ -41,6 +42,21 @@ def under_way() -> Rig:
 
 def motors(rig: Rig) -> tuple[float, float]:
     return rig.world._motors.left, rig.world._motors.right
+
+
+def test_a_driver_that_fails_is_named_and_the_boat_is_on_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = under_way()
+    write, failures = rig.world.hardware.motors.write, iter([True])
+
+    def fail_once(left: float, right: float) -> None:
+        if next(failures, False):
+            raise HardwareError("PCA9685 channel 0: its supply dipped")
+        write(left, right)
+
+    monkeypatch.setattr(rig.world.hardware.motors, "write", fail_once)
+    rig.step()
+    assert "PCA9685 channel 0: its supply dipped, motors off" in rig.peer.texts
+    assert (rig.mode, rig.boat.vehicle.armed) == ("HOLD", True)
 
 
 def test_a_single_fault_stops_the_motors_in_the_same_tick_and_leaves_the_boat_on_hold() -> None:
