@@ -9,7 +9,7 @@ PAYLOAD = """vehicle.payload=[
 {kind="relay", number=0, pin=17, name="pump"},
 {kind="light", number=1, pin=27, on_link_loss="on"},
 {kind="horn", number=2, pin=22, max_on_s=2.0},
-{kind="servo", number=9, name="bait"},
+{kind="servo", number=9, name="bait", signal={min_us=1000, max_us=2000}},
 {kind="gripper", number=1},
 {kind="winch", number=1, line_m=5.0, speed_m_s=0.5},
 {kind="command", number=7, name="sample", run=["/usr/local/bin/sample"]},

@@ -5,9 +5,9 @@
 A killed program leaves its pins and pulses as they were, and the motors run on: lgpio's PWM ends with the
 process and leaves its pin high or low, the Pi's PWM and a PCA9685 go on. Bridges get their enable pins low,
 or all inputs where they have none. Speed controllers get neutral for some pulses, since they run on for up to
-two seconds without, and then none; a software signal has ended with the program, its pin is driven low. This
-loads nothing but the configuration and the part that is needed: it has to be quick. A file that cannot be
-read stands for a boat with the default pins.
+two seconds without, and then none; a software signal has ended with the program, its pin is driven low.
+Winches stop; relays, lights and horns are switched off. This loads nothing but the configuration and the part
+that is needed: it has to be quick. A file that cannot be read stands for a boat with the default pins.
 """
 
 import shutil
@@ -19,9 +19,11 @@ from time import sleep
 
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parts import MotorsPart, Parts, Pca9685Part, PulseOutputSetting
+from companion.config.payload import PayloadSetting, RelayPayload, WinchPayload
 from companion.core.errors import ConfigError, HardwareError
 
 _PINCTRL = "pinctrl"  # of Raspberry Pi OS; "op dl" is output, driven low
+_LOW, _HIGH = "dl", "dh"
 _LONGEST_S = 5.0
 _LAST_PULSES = 3  # neutral ones, before the end
 
@@ -37,15 +39,29 @@ def main(arguments: list[str]) -> int:
     except ConfigError as error:
         sys.stderr.write(f"motors_off: {error}; taking the default pins\n")
         code = 2
-    motors = config.parts.motors
-    if motors.driver == "none":
-        return code
+    motors, stopped = config.parts.motors, True
     if motors.driver == "esc":
         signals = (motors.left, motors.right) if config.drive.has_pair else (motors.left,)
         stopped = _end_signals(signals, config.parts.pca9685)
-    else:
-        stopped = _drive_low(_pins(motors, config.drive.has_pair))
+    elif motors.driver != "none":
+        stopped = _drive(_pins(motors, config.drive.has_pair), _LOW)
+    stopped &= _stop_payload(config.payload, config.parts.pca9685)
     return code if stopped else 1
+
+
+def _stop_payload(payloads: Iterable[PayloadSetting], chip: Pca9685Part) -> bool:
+    """Winches stopped; relays, lights and horns off."""
+    levels: dict[str, list[int]] = {_LOW: [], _HIGH: []}
+    signals: list[PulseOutputSetting] = []
+    for one in payloads:
+        if isinstance(one, RelayPayload):
+            levels[_HIGH if one.active_low else _LOW].append(one.pin)
+        elif isinstance(one, WinchPayload):
+            pins = [pin for pin in (one.out_pin, one.in_pin) if pin is not None]
+            levels[_LOW] += pins
+            signals += () if pins else (one.signal,)
+    stopped = [_drive(pins, level) for level, pins in levels.items() if pins]
+    return all(stopped) and (not signals or _end_signals(signals, chip))
 
 
 def _pins(motors: MotorsPart, has_right: bool) -> list[int]:
@@ -56,13 +72,13 @@ def _pins(motors: MotorsPart, has_right: bool) -> list[int]:
     ]
 
 
-def _drive_low(pins: Iterable[int]) -> bool:
+def _drive(pins: Iterable[int], level: str) -> bool:
     text = ",".join(map(str, pins))
     try:
         program = shutil.which(_PINCTRL)
         if program is None:
             raise FileNotFoundError(f"{_PINCTRL} is not installed")
-        subprocess.run([program, "set", text, "op", "dl"], check=True, timeout=_LONGEST_S)  # noqa: S603
+        subprocess.run([program, "set", text, "op", level], check=True, timeout=_LONGEST_S)  # noqa: S603
     except (OSError, subprocess.SubprocessError) as error:
         sys.stderr.write(f"motors_off: pins {text}: {error}\n")
         return False
@@ -73,7 +89,7 @@ def _end_signals(signals: Iterable[PulseOutputSetting], chip: Pca9685Part) -> bo
     """Neutral on all that still have pulses, then the end of the pulses."""
     still = [signal for signal in signals if signal.output != "software"]
     pins = [signal.pin for signal in signals if signal.output == "software"]
-    stopped = _drive_low(pins) if pins else True
+    stopped = _drive(pins, _LOW) if pins else True
     for is_end in (False, True):
         for signal in still:
             try:

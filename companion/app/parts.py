@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 
 from companion.config.boat_config import BoatConfig, with_value
+from companion.config.payload import CommandPayload, WinchPayload
 from companion.core.errors import HardwareError
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.gnss.nmea import open_nmea_gnss
@@ -21,6 +22,9 @@ from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, Mot
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.payload.child_program import CaptureProgram, ChildProgram
+from companion.hal.payload.interfaces import PayloadOutput, PayloadParts, Program, PulseCounter
+from companion.hal.payload.outputs import open_counter, open_output
 from companion.hal.pulses.opening import open_pulse_output
 from companion.hal.pulses.rudder_servo import RudderServo
 from companion.hal.ranging.mounted_ranger import open_ranger
@@ -133,6 +137,24 @@ def open_rc(config: BoatConfig, now: Now) -> RcReceiver | None:
     return None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
 
 
+def open_payload(config: BoatConfig) -> PayloadParts:
+    """The payload, every output in its safe state, and the command that takes images."""
+    outputs: dict[int, PayloadOutput] = {}
+    counters: dict[int, PulseCounter] = {}
+    programs: dict[int, Program] = {}
+    capture = CaptureProgram(config.camera) if config.camera.capture else None
+    with ExitStack() as undo:
+        for index, setting in enumerate(config.payload):
+            if isinstance(setting, CommandPayload):
+                programs[index] = ChildProgram(setting.title, setting.run, setting.timeout_s, setting.folder)
+                continue
+            outputs[index] = undo.enter_context(closing(open_output(setting, config.parts.pca9685)))
+            if isinstance(setting, WinchPayload) and (counter := open_counter(setting)) is not None:
+                counters[index] = undo.enter_context(closing(counter))
+        undo.pop_all()
+    return PayloadParts(outputs, counters, programs, capture)
+
+
 def open_hardware(config: BoatConfig, now: Now) -> Hardware:
     """Open every part that the configuration names; the motors first, so that they are off from the start.
 
@@ -153,8 +175,19 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(battery.close)
         if (hull := open_hull_sensor(config, now)) is not None:
             undo.callback(hull.close)
+        payload = undo.enter_context(closing(open_payload(config)))
         rc = open_rc(config, now)
         undo.pop_all()
     return Hardware(
-        motors, gnss, compass, sonar, battery, hull=hull, rc=rc, cutoff=motors, field=field, rudder=rudder
+        motors,
+        gnss,
+        compass,
+        sonar,
+        battery,
+        hull=hull,
+        rc=rc,
+        cutoff=motors,
+        field=field,
+        rudder=rudder,
+        payload=payload,
     )

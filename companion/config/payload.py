@@ -10,10 +10,11 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.parts.pulses import PulseOutputSetting
+from companion.config.parts.pulses import PulseWidth as Width
 from companion.config.section import NonNegative, Positive, Section
 
 Pin = Annotated[int, Meta(ge=0, le=27)]  # of the 40-pin header, in BCM numbers
-Width = Annotated[int, Meta(ge=500, le=2500)]
 Number = Annotated[int, Meta(ge=1, le=6)]  # MAVLink's instances of grippers and winches
 Switch = Literal["on", "off", "keep"]
 
@@ -39,7 +40,10 @@ class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
 
 
 class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
-    """A pin that switches something. max_on_s: it switches off after this time; 0: never."""
+    """A pin that switches something. max_on_s: it switches off after this time; 0: never.
+
+    At the end of the program it is off, and the pin becomes an input.
+    """
 
     number: Annotated[int, Meta(ge=0, le=15)]
     pin: Pin
@@ -48,7 +52,6 @@ class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
     start: Literal["on", "off"] = "off"
     on_disarm: Switch = "keep"
     on_link_loss: Switch = "keep"
-    at_end: Literal["on", "off"] = "off"
 
 
 class LightPayload(RelayPayload, frozen=True, kw_only=True, tag="light"):
@@ -64,12 +67,10 @@ class HornPayload(RelayPayload, frozen=True, kw_only=True, tag="horn"):
 
 
 class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
-    """A servo channel. "off": no pulses, so that the servo is limp. trim_us: its rest in DO_REPEAT_SERVO."""
+    """A servo channel, within the limits of its signal. "off": no pulses, so that the servo is limp."""
 
     number: Annotated[int, Meta(ge=FIRST_FREE_SERVO, le=16)]
-    min_us: Width = 1000
-    max_us: Width = 2000
-    trim_us: Width = 1500
+    signal: PulseOutputSetting = PulseOutputSetting()
     start: Literal["off"] | Width = "off"
     on_disarm: Literal["off", "keep"] | Width = "keep"
     on_link_loss: Literal["off", "keep"] | Width = "keep"
@@ -77,17 +78,15 @@ class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for key in ("trim_us", "start", "on_disarm", "on_link_loss", "at_end"):
-            width_us = getattr(self, key)
-            if isinstance(width_us, int) and not self.min_us <= width_us <= self.max_us:
-                raise ValueError(f"{key} = {width_us}: expected {self.min_us} to {self.max_us}")
+        _check_widths(self, self.signal, "start", "on_disarm", "on_link_loss", "at_end")
 
 
 class GripperPayload(_Payload, frozen=True, kw_only=True, tag="gripper"):
-    """A gripper: a servo, or a pin that is on while it is closed."""
+    """A gripper: a pin that is on while it is closed, or without one a servo."""
 
     number: Number = 1
     pin: Pin | None = None
+    signal: PulseOutputSetting = PulseOutputSetting()
     active_low: bool = False
     open_us: Width = 1900
     closed_us: Width = 1100
@@ -95,9 +94,14 @@ class GripperPayload(_Payload, frozen=True, kw_only=True, tag="gripper"):
     on_disarm: Literal["open", "closed", "keep"] = "keep"
     on_link_loss: Literal["open", "closed", "keep"] = "keep"
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_widths(self, self.signal, "open_us", "closed_us")
+
 
 class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
-    """A winch: a servo for continuous rotation, or the two inputs of a bridge. All safe states stop it.
+    """A winch: the two inputs of a bridge, or without them a servo for continuous rotation, whose max_us is
+    full speed out. All safe states stop it.
 
     The line is measured by time, or by the pulses of a switch on count_pin.
     """
@@ -105,9 +109,7 @@ class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
     number: Number = 1
     out_pin: Pin | None = None
     in_pin: Pin | None = None
-    stop_us: Width = 1500
-    out_us: Width = 1900  # full speed out
-    in_us: Width = 1100
+    signal: PulseOutputSetting = PulseOutputSetting()
     line_m: Positive = 10.0  # the whole line
     speed_m_s: Positive = 0.2  # of the line at full speed
     count_pin: Pin | None = None
@@ -129,6 +131,13 @@ class CommandPayload(_Payload, frozen=True, kw_only=True, tag="command"):
         super().__post_init__()
         if not self.run[0].startswith("/"):
             raise ValueError(f"run[0] = {self.run[0]!r}: expected an absolute path")
+
+
+def _check_widths(setting: _Payload, signal: PulseOutputSetting, *keys: str) -> None:
+    for key in keys:
+        width_us = getattr(setting, key)
+        if isinstance(width_us, int) and not signal.min_us <= width_us <= signal.max_us:
+            raise ValueError(f"{key} = {width_us}: expected {signal.min_us} to {signal.max_us}, as in signal")
 
 
 PayloadSetting = (

@@ -70,6 +70,8 @@ class Camera:
         if self._present is not None and (fault := capture.poll()) is not None:
             self._images.append(replace(self._present, fault=fault))
             self._present = None
+        if self._last_point is None and nav is not None:
+            self._last_point = nav.point
         if self.is_capturing or not (self._is_due(now_s) or self._has_moved(nav)):
             return
         heading_rad = math.nan if nav is None else nav.heading_rad
@@ -90,9 +92,10 @@ class Camera:
         return True
 
     def _has_moved(self, nav: NavState | None) -> bool:
-        if self.distance_m <= 0.0 or nav is None:
+        before = self._last_point
+        if self.distance_m <= 0.0 or nav is None or before is None:
             return False
-        if self._last_point is not None and distance_m(self._last_point, nav.point) < self.distance_m:
+        if distance_m(before, nav.point) < self.distance_m:
             return False
-        is_first, self._last_point = self._last_point is None, nav.point
-        return not is_first
+        self._last_point = nav.point
+        return True

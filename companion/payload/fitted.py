@@ -112,9 +112,10 @@ def _list_of(fitted: Iterable[PayloadSetting]) -> str:
 
 
 def _width_fault(servo: ServoPayload, width_us: int) -> ActionFault | None:
-    if servo.min_us <= width_us <= servo.max_us:
+    low_us, high_us = servo.signal.min_us, servo.signal.max_us
+    if low_us <= width_us <= high_us:
         return None
-    return ActionFault(2, f"{servo.title}: {width_us} us, expected {servo.min_us} to {servo.max_us}")
+    return ActionFault(2, f"{servo.title}: {width_us} us, expected {low_us} to {high_us}")
 
 
 def _period_fault(relay: RelayPayload, period_s: float) -> ActionFault | None:

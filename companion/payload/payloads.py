@@ -209,7 +209,7 @@ def _plan(setting: PayloadSetting, value: float, action: UnitAction) -> Iterable
         case SetServo(_, width_us):
             return [TimedWrite(width_us)]
         case RepeatServo(_, width_us, count, period_s) if isinstance(setting, ServoPayload):
-            return alternate(width_us, setting.trim_us, count, period_s)
+            return alternate(width_us, setting.signal.trim_us, count, period_s)
         case SetRelay(_, is_on) | SetLights(is_on):
             return _limited(setting, _ON if is_on else _OFF)
         case RepeatRelay(_, count, period_s):

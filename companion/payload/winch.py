@@ -7,6 +7,9 @@ from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
 from companion.payload.actions import MoveWinch, WinchMotion
 from companion.payload.actuator import Actuator, TimedWrite
 
+_SLACK_M = 1e-6  # rounding errors
+_REVERSAL_S = 0.1  # at rest: the motor and the bridge stop first
+
 
 class Winch(Actuator):
     """The output takes shares of full speed, positive out.
@@ -69,7 +72,7 @@ class Winch(Actuator):
         self._tick_s = now_s
         self._moved_m += step_m
         self.out_m += self._sign * step_m
-        if self._moved_m >= self._limit_m:
+        if self._moved_m >= self._limit_m - _SLACK_M:
             if self._is_homing:
                 self.out_m = 0.0
             self._start(0.0, 0.0, now_s)
@@ -99,7 +102,8 @@ class Winch(Actuator):
         self._tick_s = self._pulse_s = now_s
         if self._counter is not None:
             self._pulses = self._counter.count
-        self.run([TimedWrite(share)], now_s)
+        stop = [TimedWrite(0.0, _REVERSAL_S)] if self.value * share < 0.0 else []
+        self.run([*stop, TimedWrite(share)], now_s)
 
 
 def _sign(value: float) -> float:

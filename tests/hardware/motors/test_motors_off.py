@@ -137,3 +137,24 @@ def test_one_signal_that_cannot_be_ended_does_not_keep_the_other_running(
     assert run(tmp_path, text) == 1
     assert kernel.channel("pwmchip0", 0)["enable"] == "0"
     assert "motors_off: PCA9685: no answer at I²C address 0x41" in capsys.readouterr().err
+
+
+def test_winches_stop_and_relays_are_switched_off_whatever_the_motors_are(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pinctrl: Path, waits: list[float]
+) -> None:
+    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+    for channel in (0, 1):
+        kernel.export(kernel.root / "pwmchip0", channel, RUNNING)
+    payload = """
+    payload = [
+        {kind = "relay", number = 0, pin = 17},
+        {kind = "horn", number = 1, pin = 27, active_low = true},
+        {kind = "winch", number = 1, out_pin = 5, in_pin = 6},
+        {kind = "winch", number = 2, signal = {pin = 13}},
+        {kind = "servo", number = 9, signal = {pin = 12}},
+    ]"""
+    assert run(tmp_path, payload) == 0
+    assert pinctrl.read_text(encoding="utf-8") == "set 17,5,6 op dl\nset 27 op dh\n"
+    ended = [(signal.output, signal.width_us) for signal in kernel.history]
+    assert ended == [("pwmchip0/pwm1", 1500.0), ("pwmchip0/pwm1", 0.0)]
+    assert waits == [pytest.approx(0.06)]

@@ -1,0 +1,121 @@
+"""A winch by time and by pulses, tick by tick."""
+
+import math
+
+import pytest
+
+from companion.config.payload import WinchPayload
+from companion.payload.actions import MoveWinch, WinchMotion
+from companion.payload.winch import Winch
+
+TICK_S = 0.02
+SETTING = WinchPayload(line_m=5.0, speed_m_s=0.5, pulse_m=0.1, stall_s=2.0)
+
+
+class Motor:
+    """Records its values."""
+
+    def __init__(self) -> None:
+        self.values: list[float] = []
+
+    def write(self, value: float) -> None:
+        self.values.append(value)
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+
+class Switch:
+    """Gives the pulses that the test sets."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+
+class Rig:
+    def __init__(self, *, counts: bool = False) -> None:
+        self.motor, self.switch, self.now_s = Motor(), Switch(), 100.0
+        self.winch = Winch(SETTING, self.motor, self.switch if counts else None)
+
+    def move(self, motion: WinchMotion, length_m: float = 0.0, rate_m_s: float = 0.0) -> None:
+        self.winch.move(MoveWinch(1, motion, length_m, rate_m_s), self.now_s)
+
+    def run(self, seconds: float, pulse_every_s: float = math.inf) -> float:
+        """Seconds until the winch stops, at most these."""
+        began_s, pulse_s = self.now_s, self.now_s + pulse_every_s
+        while self.now_s < began_s + seconds and self.winch.is_moving:
+            self.now_s += TICK_S
+            if self.now_s >= pulse_s:
+                self.switch.count += 1
+                pulse_s += pulse_every_s
+            self.winch.tick(self.now_s)
+        return self.now_s - began_s
+
+
+def test_the_length_is_counted_by_time() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.LENGTH, 2.0)
+    assert rig.run(60.0) == pytest.approx(4.0, abs=2 * TICK_S)
+    assert rig.motor.values == [1.0, 0.0]
+    assert math.isnan(rig.winch.out_m)
+
+
+def test_the_length_is_known_once_the_line_was_wound_in() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.RETRACT)
+    assert rig.run(60.0) == pytest.approx(10.0, abs=2 * TICK_S)  # it might have been out whole
+    assert rig.winch.out_m == 0.0
+    rig.move(WinchMotion.LENGTH, 4.0)
+    rig.run(60.0)
+    assert rig.winch.out_m == pytest.approx(4.0, abs=0.02)
+    rig.move(WinchMotion.LENGTH, 4.0)
+    assert rig.run(60.0) == pytest.approx(2.0, abs=2 * TICK_S)  # only one metre is left
+    rig.move(WinchMotion.RETRACT)
+    assert rig.run(60.0) == pytest.approx(10.0, abs=4 * TICK_S)
+    rig.move(WinchMotion.LENGTH, -1.0)
+    assert rig.run(60.0) == 0.0  # it is in
+
+
+def test_a_broken_off_retraction_leaves_the_length_unknown() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.RETRACT)
+    rig.run(3.0)
+    rig.move(WinchMotion.LOCK)
+    assert rig.motor.values[-1] == 0.0
+    assert math.isnan(rig.winch.out_m)
+
+
+@pytest.mark.parametrize("motion", [WinchMotion.RELAX, WinchMotion.LOCK, WinchMotion.HOLD])
+def test_relax_lock_and_hold_stop_it(motion: WinchMotion) -> None:
+    rig = Rig()
+    rig.move(WinchMotion.RATE, rate_m_s=-0.25)
+    assert rig.motor.values == [-0.5]
+    rig.run(1.0)
+    rig.move(motion)
+    assert rig.motor.values == [-0.5, 0.0]
+    assert not rig.winch.is_moving
+
+
+def test_a_rate_ends_with_the_line() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.RATE, rate_m_s=0.25)
+    assert rig.run(60.0) == pytest.approx(20.0, abs=2 * TICK_S)
+
+
+def test_pulses_count_the_line_whatever_the_time() -> None:
+    rig = Rig(counts=True)
+    rig.move(WinchMotion.LENGTH, 1.0)
+    assert rig.run(60.0, pulse_every_s=1.0) == pytest.approx(10.0, abs=2 * TICK_S)
+    assert not rig.winch.stall_text
+
+
+def test_without_pulses_it_stops_and_says_so() -> None:
+    rig = Rig(counts=True)
+    rig.move(WinchMotion.LENGTH, 1.0)
+    rig.run(1.5, pulse_every_s=0.5)
+    assert rig.run(60.0) == pytest.approx(2.0, abs=0.05)
+    assert rig.motor.values[-1] == 0.0
+    assert rig.winch.stall_text == "no pulse for 2 s, stopped"

@@ -1,0 +1,193 @@
+"""Outputs of the payload over mock pins that record every change, and over the kernel's PWM files."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import gpiozero
+import pytest
+from gpiozero.pins.mock import MockFactory, MockPin
+from twins.pulses import PI_4, plug_in_pwm
+
+from companion.app.parts import open_payload
+from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.config.payload import GripperPayload, HornPayload, RelayPayload, ServoPayload, WinchPayload
+from companion.core.errors import HardwareError
+from companion.hal.payload.outputs import open_counter, open_output
+from companion.payload.actions import MoveWinch, WinchMotion
+from companion.payload.winch import Winch
+
+CHIP = Pca9685Part()
+OUT, IN = 17, 27
+
+
+class Pins:
+    """The Pi's pins, with a common record of changes."""
+
+    def __init__(self) -> None:
+        self.changes: list[tuple[int, int]] = []
+        pins = self
+
+        class RecordedPin(MockPin):  # type: ignore[misc]
+            def _change_state(self, value: float) -> bool:
+                has_changed: bool = super()._change_state(value)
+                if has_changed:
+                    pins.changes.append((int(self.info.name[4:]), int(value)))
+                return has_changed
+
+        self.factory = MockFactory(pin_class=RecordedPin)
+
+    def drain(self) -> list[tuple[int, int]]:
+        """Changes since the last call."""
+        changes, self.changes = self.changes, []
+        return changes
+
+    def function(self, number: int) -> str:
+        """Input or output."""
+        return str(self.factory.pin(number).function)
+
+
+@pytest.fixture
+def pins(monkeypatch: pytest.MonkeyPatch) -> Iterator[Pins]:
+    board = Pins()
+    monkeypatch.setattr(gpiozero.Device, "pin_factory", board.factory)
+    yield board
+    board.factory.reset()
+
+
+def test_a_relay_follows_and_is_off_and_an_input_after_the_end(pins: Pins) -> None:
+    relay = open_output(RelayPayload(number=0, pin=17), CHIP)
+    relay.write(1.0)
+    relay.write(0.0)
+    relay.write(1.0)
+    assert pins.drain() == [(17, 1), (17, 0), (17, 1)]
+    relay.close()
+    relay.close()
+    assert pins.drain()[0] == (17, 0)
+    assert pins.function(17) == "input"
+
+
+def test_an_active_low_relay_is_high_from_the_start(pins: Pins) -> None:
+    relay = open_output(RelayPayload(number=0, pin=17, active_low=True), CHIP)
+    assert pins.factory.pin(17).state == 1
+    relay.write(1.0)
+    assert pins.factory.pin(17).state == 0
+    relay.close()
+    assert (17, 1) in pins.drain()
+
+
+def test_a_relay_that_starts_on_is_on_at_once(pins: Pins) -> None:
+    open_output(HornPayload(number=0, pin=17, start="on"), CHIP)
+    assert pins.factory.pin(17).state == 1
+
+
+def test_a_closed_pin_is_an_error_that_names_the_payload(pins: Pins) -> None:
+    relay = open_output(RelayPayload(number=3, pin=17, name="pump"), CHIP)
+    relay.close()
+    with pytest.raises(HardwareError, match=r"relay 3 \(pump\): "):
+        relay.write(1.0)
+
+
+def test_a_pin_in_use_is_an_error_that_names_the_payload(pins: Pins) -> None:
+    first = open_output(RelayPayload(number=0, pin=17), CHIP)
+    with pytest.raises(HardwareError, match="gripper 1: the pins cannot be opened"):
+        open_output(GripperPayload(pin=17), CHIP)
+    first.close()
+
+
+def test_a_winch_never_drives_both_inputs_and_rests_before_a_reversal(pins: Pins) -> None:
+    setting = WinchPayload(out_pin=OUT, in_pin=IN, line_m=5.0, speed_m_s=0.5)
+    winch = Winch(setting, open_output(setting, CHIP), None)
+    pins.drain()
+    times_s: list[tuple[float, tuple[int, int]]] = []
+    level = {OUT: 0, IN: 0}
+    now_s = 0.0
+
+    def run(until_s: float) -> None:
+        nonlocal now_s
+        while now_s < until_s:
+            now_s += 0.02
+            winch.tick(now_s)
+            for change in pins.drain():
+                times_s.append((now_s, change))
+                level[change[0]] = change[1]
+                assert sum(level.values()) <= 1
+
+    winch.move(MoveWinch(1, WinchMotion.LENGTH, 3.0), now_s)
+    run(1.0)
+    winch.move(MoveWinch(1, WinchMotion.LENGTH, -2.0), now_s)
+    run(10.0)
+    fell_s = next(time_s for time_s, change in times_s if change == (OUT, 0))
+    rose_s = next(time_s for time_s, change in times_s if change == (IN, 1))
+    assert 0.08 <= rose_s - fell_s <= 0.13
+    assert level == {OUT: 0, IN: 0}
+    end_s = times_s[-1][0]
+    assert end_s - rose_s == pytest.approx(4.0, abs=0.05)  # 2 m at 0.5 m/s, the rest not counted
+
+
+def test_a_winch_counts_the_pulses_of_its_switch(pins: Pins) -> None:
+    setting = WinchPayload(out_pin=OUT, in_pin=IN, count_pin=22, pulse_m=0.25, line_m=5.0)
+    counter = open_counter(setting)
+    assert counter is not None
+    switch = pins.factory.pin(22)
+    switch.drive_low()
+    switch.drive_high()
+    switch.drive_low()
+    assert counter.count == 2
+    counter.close()
+
+
+def test_a_servo_gets_pulses_only_after_its_first_command(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+    monkeypatch.setattr("companion.hal.payload.outputs._TRAVEL_S", 0.0)
+    setting = ServoPayload(number=9, signal=PulseOutputSetting(pin=12), at_end=1200)
+    servo = open_output(setting, CHIP)
+    assert not [signal for signal in kernel.history if signal.width_us]
+    servo.write(0.0)
+    assert not [signal for signal in kernel.history if signal.width_us]
+    servo.write(1700.0)
+    assert kernel.history[-1].width_us == pytest.approx(1700.0)
+    servo.close()
+    widths = [signal.width_us for signal in kernel.history]
+    assert 1200.0 in [pytest.approx(width) for width in widths]
+    assert not widths[-1]
+
+
+def test_a_continuous_servo_is_at_rest_when_the_winch_stops(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+    winch = open_output(WinchPayload(signal=PulseOutputSetting(pin=13, reversed=True)), CHIP)
+    winch.write(1.0)
+    assert kernel.history[-1].width_us == pytest.approx(1100.0)
+    winch.write(0.0)
+    assert kernel.history[-1].width_us == pytest.approx(1500.0)
+    winch.close()
+    assert not kernel.history[-1].width_us
+
+
+def config(*payload: dict[str, object]) -> BoatConfig:
+    return decode_config({"payload": list(payload)}, "test")
+
+
+def test_parts_are_opened_by_their_table_and_closed_if_one_fails(pins: Pins) -> None:
+    parts = open_payload(
+        config(
+            {"kind": "relay", "number": 0, "pin": 17},
+            {"kind": "command", "number": 1, "run": ["/bin/true"]},
+            {"kind": "winch", "out_pin": 5, "in_pin": 6, "count_pin": 13},
+        )
+    )
+    assert (sorted(parts.outputs), sorted(parts.programs), sorted(parts.counters)) == ([0, 2], [1], [2])
+    parts.close()
+    parts.close()
+    with pytest.raises(HardwareError):
+        open_payload(
+            config(
+                {"kind": "relay", "number": 0, "pin": 17},
+                {"kind": "servo", "number": 9, "signal": {"output": "hardware", "pin": 4}},
+            )
+        )
+    assert pins.function(17) == "input"
