@@ -17,6 +17,7 @@ from benchmarks import (
     emulator,
     fleet,
     garbage,
+    install,
     loop,
     memory,
     radio,
@@ -47,6 +48,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "survey": survey.rows,
     "loop": loop.rows,
     "garbage": garbage.rows,
+    "install": install.rows,
 }
 
 _PICTURES = {"grids": "pictures/grid_scale.png"}

@@ -13,6 +13,7 @@ from rich.table import Table
 from companion import __version__
 from companion.app.composition import check_config, run_boat
 from companion.app.esc_calibration import calibrate_escs as run_calibration
+from companion.app.init.cli import init
 from companion.app.install.cli import install, uninstall
 from companion.app.links_view import watch
 from companion.app.restart import restart_program
@@ -36,6 +37,8 @@ app.command()(install)
 app.command()(uninstall)
 
 ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
+
+app.command()(init)
 
 
 @app.command()

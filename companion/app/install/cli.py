@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from companion.app.composition import check_config
+from companion.app.init.presets import preset_text
 from companion.app.install.plan import install_steps, uninstall_steps
 from companion.app.install.service import UNIT
 from companion.app.install.steps import apply_steps, describe_steps
 from companion.app.install.target import InstallError, Target, is_readable_by_others
-from companion.app.install.unit import CONFIG, FILES, PROGRAMS
+from companion.app.install.unit import CONFIG, PROGRAMS
 from companion.config.boat_config import load_config
 
 Root = Annotated[Path, typer.Option("--root", help="Root folder of the system: / or that of an image.")]
@@ -38,7 +39,7 @@ def install(
         programs = Path(sys.executable).parent if target.is_this_machine else PROGRAMS
     if config is not None:
         check_config(load_config(config))
-    text = (config or FILES / "boat.toml").read_text(encoding="utf-8")
+    text = config.read_text(encoding="utf-8") if config else preset_text("lake")
     steps = install_steps(target, programs, text)
     program = programs / "boat-companion"
     if dry_run:

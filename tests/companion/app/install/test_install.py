@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from companion.app.cli import run_program
+from companion.app.init.presets import preset_text
 from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
 from companion.app.install.steps import Step
 from companion.app.install.target import InstallError, Target, is_readable_by_others
-from companion.app.install.unit import FILES, PROGRAMS, unit_text
+from companion.app.install.unit import PROGRAMS, unit_text
 from companion.config.boat_config import load_config
 
 PROJECT = Path(__file__).parents[4]
@@ -77,6 +78,7 @@ def test_everything_is_made_once(root: Path, capsys: pytest.CaptureFixture[str])
     state = (root / "var/lib/mavboat").stat()
     assert (state.st_uid, state.st_gid) == Target(root).ids("mavboat") != (0, 0)
     assert load_config(root / "etc/mavboat/boat.toml").parts.motors.driver == "l298n"
+    assert (root / "etc/mavboat/boat.toml").read_text(encoding="utf-8") == preset_text("lake")
     said = capsys.readouterr().out
     assert f"{PROGRAMS}/boat-companion is missing" in said
 
@@ -188,11 +190,6 @@ def test_an_environment_in_a_closed_home_is_refused(
     monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 0)
     assert run_program(["install", "--programs", str(program.parent)]) == 1
     assert "make the environment in /opt/mavboat" in capsys.readouterr().err
-
-
-def test_the_default_configuration_is_that_of_the_documented_boat() -> None:
-    example = PROJECT / "examples" / "configs" / "boat.toml"
-    assert (FILES / "boat.toml").read_text(encoding="utf-8") == example.read_text(encoding="utf-8")
 
 
 def test_the_unit_names_the_programs_of_the_environment() -> None:

@@ -1,0 +1,60 @@
+"""The presets of `boat-companion init`: whole boats whose files lie in `texts/`.
+
+A boat's file is the preset's own text (motors, hull) between the parts that all boats share (links and
+identity; sensors, arming, failsafe, storage), with some other values.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from companion.app.init.toml_edit import Value, with_values
+
+_TEXTS = Path(__file__).parent / "texts"
+_STATIONS: Final = "udpout:192.168.4.255:"
+_RADIO: Final = '# "serial:/dev/ttyUSB0:57600", # a SiK radio'
+STATIONS: Final = _STATIONS.split(":")[1]
+"""Address of the preset's link: broadcast on the boat's own Wi-Fi."""
+_USAGE: Final = """#
+#   boat-companion check --config boat.toml
+#   boat-companion run   --config boat.toml
+#
+# The file needs only values that differ from the defaults. An unknown key or a value out of range is an error
+# that names the key. Pins are BCM numbers, angles are in radians, other values in SI units.
+"""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A boat. model: the emulator's boat with the same figures; values: other than the shared ones."""
+
+    title: str
+    model: str
+    values: Mapping[str, Value] = field(default_factory=dict)
+
+
+PRESETS: Final[dict[str, Preset]] = {
+    "lake": Preset("1 m of hull, two DC motors behind an L298N: the boat of docs/hardware.md", "kit"),
+    "pool": Preset(
+        "the paper's 20 cm boat in a pool, with a camera above it", "pool", {"parts.gnss.driver": "none"}
+    ),
+}
+
+
+def preset_text(name: str, values: Mapping[str, Value] | None = None) -> str:
+    """The file of a preset, with values by dotted key in place of its own."""
+    preset = PRESETS[name]
+    introduction, _, own = _read(name).partition("\n\n")
+    text = "\n".join([f"{introduction}\n{_USAGE}", _read("links"), own, _read("sensors")])
+    return with_values(text, {**preset.values, **(values or {})})
+
+
+def with_links(text: str, stations: str, radio: str) -> str:
+    """The text with other links. stations: address to send to; radio: port of a telemetry radio, or none."""
+    text = text.replace(_STATIONS, f"udpout:{stations}:")
+    return text.replace(_RADIO, f'"serial:{radio}:57600",  # a SiK radio') if radio != "none" else text
+
+
+def _read(name: str) -> str:
+    return (_TEXTS / f"{name}.toml").read_text(encoding="utf-8")
