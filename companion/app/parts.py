@@ -10,6 +10,7 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.config.payload import CommandPayload, WinchPayload
 from companion.core.errors import HardwareError
 from companion.hal.battery.battery_sensor import open_battery_monitor
+from companion.hal.gnss.gpsd import open_gpsd_gnss
 from companion.hal.gnss.nmea import open_nmea_gnss
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.gnss.ubx import open_ubx_gnss
@@ -85,6 +86,8 @@ def open_gnss(config: BoatConfig, now: Now) -> Gnss:
             return open_nmea_gnss(part, now, heading)
         case "ubx":
             return open_ubx_gnss(part, now, heading)
+        case "gpsd":
+            return open_gpsd_gnss(part, now)
         case "none":
             return _Absent()
 

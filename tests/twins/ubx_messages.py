@@ -1,5 +1,6 @@
 """Messages of a GNSS receiver, written by pyubx2."""
 
+import math
 from dataclasses import dataclass
 
 from pyubx2 import GET, UBXMessage
@@ -25,6 +26,12 @@ class Motion:
     baseline_carrier: int = 2
     heading_accuracy: float = 0.4
 
+    @property
+    def course_deg(self) -> float:
+        """Over ground."""
+        north, east = self.velocity_mm_s
+        return math.degrees(math.atan2(east, north)) % 360.0
+
 
 def sentence(body: str) -> bytes:
     """An NMEA 0183 sentence with its checksum."""
@@ -46,7 +53,9 @@ def nav_pvt(tow_ms: int, motion: Motion) -> bytes:
             fixType=motion.fix_type, gnssFixOk=motion.fix_ok, carrSoln=motion.carrier,
             diffSoln=int(motion.carrier > 0), numSV=14, lon=motion.lon, lat=motion.lat, hMSL=12_500,
             hAcc=motion.h_acc_mm, vAcc=2 * motion.h_acc_mm, velN=motion.velocity_mm_s[0],
-            velE=motion.velocity_mm_s[1], sAcc=motion.s_acc_mm_s, pDOP=1.6,
+            velE=motion.velocity_mm_s[1],
+            gSpeed=round(math.hypot(*motion.velocity_mm_s)), headMot=motion.course_deg,
+            sAcc=motion.s_acc_mm_s, pDOP=1.6,
             lastCorrectionAge=motion.correction_age,
         ).serialize()
     )  # fmt: skip

@@ -8,14 +8,16 @@ from companion.config.section import NonNegative, Section
 
 
 class GnssPart(Section, frozen=True):
-    """A receiver with NMEA 0183 output, or a u-blox receiver (ubx), which is set up at start.
+    """A receiver with NMEA 0183 output, a u-blox receiver (ubx), which is set up at start, or gpsd.
+
+    port: a device, another port url, or HOST:PORT of gpsd.
 
     latency_s: shortest time from measurement to first sentence. rate_hz: to which a u-blox receiver is set.
     With two antennas, baseline_m is their distance (0: any), and antenna_bearing_rad the direction from the
     reference antenna to the receiver's own, clockwise from the bow.
     """
 
-    driver: Literal["nmea", "ubx", "none"] = "none"
+    driver: Literal["nmea", "ubx", "gpsd", "none"] = "none"
     port: str = "/dev/serial0"
     # 0: 9600 for nmea; for ubx the receiver is set to 115200, whatever its rate is at first
     baud: NonNegative = 0.0

@@ -1,0 +1,61 @@
+"""GNSS receiver behind gpsd."""
+
+from collections.abc import Callable, Iterable
+from typing import Final
+
+from companion.config.parts import GnssPart
+from companion.core.errors import ConfigError
+from companion.hal.interfaces import Port
+from companion.hal.port_sensor import PortSensor
+from companion.links.port_url import open_port, parse_port_url
+from companion.sensors.gpsd import WATCH, GpsdReader
+from companion.sensors.readings import GnssFix
+from companion.sensors.silence import SilenceMonitor
+
+_DEFAULT: Final = "127.0.0.1:2947"
+_SILENT_S: Final = 5.0  # receivers report at least once a second
+
+
+class GpsdGnss(PortSensor[GnssFix]):
+    """Satisfies `companion.hal.interfaces.Gnss`. Connects again when gpsd is restarted."""
+
+    def __init__(self, port: Port, now: Callable[[], float], latency_s: float = 0.0) -> None:
+        """latency_s: shortest time from measurement to arrival."""
+        super().__init__(port, now)
+        self.reader = GpsdReader(latency_s)
+        self._heard_s: float | None = None
+        self._must_ask = False
+        self._silence = SilenceMonitor("GNSS: gpsd", _SILENT_S)
+
+    def step(self) -> None:
+        """Process received reports. Never waits."""
+        super().step()
+        if self._must_ask and self._links:
+            self._must_ask = not self._links[-1].send(WATCH)
+        text = self._silence.update(self._heard_s, self._now())
+        if text is not None:
+            self.notify(*text)
+
+    def _decode(self, chunk: bytes, time_s: float) -> Iterable[GnssFix]:
+        fixes = self.reader.feed(chunk, time_s)
+        if fixes:
+            self._heard_s = time_s
+        return fixes
+
+    def _forget(self) -> None:
+        self.reader.forget()
+        self._must_ask = True
+
+
+def open_gpsd_gnss(part: GnssPart, now: Callable[[], float]) -> GpsdGnss:
+    """Connect in the background.
+
+    Raises:
+        ConfigError: the port is not HOST:PORT.
+        LinkError: the host is unknown.
+    """
+    place = _DEFAULT if part.port == GnssPart().port else part.port
+    url = place if place.startswith("tcp") else f"tcp:{place}"
+    if place.startswith("/") or parse_port_url(url).kind != "tcpout":
+        raise ConfigError(f"parts.gnss.port = {part.port!r}: expected HOST:PORT of gpsd, such as {_DEFAULT}")
+    return GpsdGnss(open_port(url, now), now, part.latency_s).start()
