@@ -14,6 +14,7 @@ from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, LinkConfig
+from companion.config.outputs_in_use import check_outputs
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
 from companion.hal.interfaces import Hardware, Port
@@ -63,6 +64,7 @@ def check_config(config: BoatConfig) -> None:
                 f"parts.{name}.driver: the boat cannot sail without; expected a driver, or [external] instead"
             )
     check_channels(config.rc)
+    check_outputs(config)
 
 
 def check_channels(setting: Rc) -> None:

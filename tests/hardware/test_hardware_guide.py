@@ -1,18 +1,27 @@
 """The hardware page and the example configuration say the same as the code."""
 
 import re
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 from gpiozero.pins.mock import MockFactory
 
-from companion.config.boat_config import BoatConfig, load_config
+from companion.config.boat_config import BoatConfig, decode_config, load_config
+from companion.config.outputs_in_use import outputs_in_use
 from companion.links.port_url import parse_port_url
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
 EXAMPLE = ROOT / "examples" / "configs" / "boat.toml"
 ROWS = re.findall(r"^\| (\d+) \| (\d+) \| ([^|]+) \|([^|]*)\|$", GUIDE, re.MULTILINE)
+
+OTHER_ROWS = re.findall(
+    r"^\| `?(\w+)`? \| GPIO (\d+) \(pin (\d+)\) \| ([^|]+) \| `([a-z_.]+)`(?: = (\d+))? \|$",
+    GUIDE,
+    re.MULTILINE,
+)
 
 
 def value_at(config: BoatConfig, path: str) -> object:
@@ -47,6 +56,48 @@ def test_a_row_of_the_wiring_table_is_true(row: tuple[str, str, str, str]) -> No
         assert value_at(BoatConfig(), path[1]) == int(bcm)
     if path:
         assert value_at(load_config(EXAMPLE), path[1]) == int(bcm)
+
+
+def layout_of(driver: str) -> str:
+    return "rudder" if driver == "rudder" else "differential"
+
+
+def config_of(driver: str) -> BoatConfig:
+    """The boat of the other motors' rows: the driver, and the values that the rows give."""
+    tree: dict[str, Any] = {"drive": {"layout": layout_of(driver)}, "parts": {"motors": {"driver": driver}}}
+    if driver == "rudder":
+        tree["parts"] = {"motors": {"driver": "esc"}, "rudder": {"driver": "servo"}}
+    for row in OTHER_ROWS:
+        if row[0] == driver and row[5]:
+            tree["parts"]["motors"][row[4].removeprefix("parts.motors.")] = int(row[5])
+    return decode_config(tree, driver)
+
+
+@pytest.mark.parametrize("row", OTHER_ROWS, ids=lambda row: f"{row[0]} GPIO {row[1]}")
+def test_a_row_of_the_other_motors_is_true(row: tuple[str, ...]) -> None:
+    driver, bcm, header, _, key, _ = row
+    ((_, pin),) = MockFactory(revision="c03111").board_info.find_pin(f"GPIO{bcm}")
+    assert pin.number == int(header)
+    assert value_at(config_of(driver), key) == int(bcm)
+
+
+@pytest.mark.parametrize("driver", ["bts7960", "tb6612", "drv8833", "esc", "rudder"])
+def test_the_other_motors_rows_are_all_outputs_of_that_driver(driver: str) -> None:
+    rows = {(row[4], f"GPIO {row[1]}") for row in OTHER_ROWS if row[0] == driver}
+    used = {
+        (key if "_" in key else f"{key}.pin", output)
+        for key, output in outputs_in_use(config_of(driver))
+        if driver != "rudder" or "rudder" in key
+    }
+    assert rows == used
+
+
+@pytest.mark.parametrize(
+    "text", re.findall(r"```toml\n(\[parts\.(?:motors|rudder)\].*?)```", GUIDE, re.DOTALL)
+)
+def test_a_table_of_the_page_can_be_read(text: str) -> None:
+    config = decode_config(tomllib.loads(text), "page")
+    assert config.parts.motors.driver == "esc" or config.parts.rudder.driver == "servo"
 
 
 def test_no_pin_is_used_twice() -> None:

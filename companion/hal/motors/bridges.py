@@ -5,9 +5,9 @@ One state machine drives them all; a row of PLANS says which pins a bridge has a
 - L298N (ST data sheet, figure 6): EN low = open; EN high with IN1 ≠ IN2 = drive; EN high with IN1 = IN2 =
   brake. The PWM is on EN: the motor runs free between pulses, and one pin can stop it. TB6612FNG (Toshiba
   data sheet, control function) has the same inputs; between pulses it brakes.
-- BTS7960 (Infineon data sheet Rev. 1.1, 4.4): INH low = open; INH high: IN switches the half-bridge up or down. The
-  PWM is on the driven side's IN, the other side stays down: between pulses the motor brakes. Both INH of a
-  motor are one pin here.
+- BTS7960 (Infineon data sheet Rev. 1.1, 4.4): INH low = open; INH high: IN switches the half-bridge up or
+  down. The PWM is on the driven side's IN, the other side stays down: between pulses the motor brakes. Both
+  INH of a motor are one pin here.
 - DRV8833 (TI SLVSAR1E, 7.3.2), also DRV8871 and others with two inputs a motor: both low = open; one high =
   drive; both high = brake. The PWM is on the driven input, the other stays low: fast decay. No enable pin.
 

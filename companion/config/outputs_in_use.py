@@ -1,0 +1,60 @@
+"""Which pins and signals the configuration uses: no two parts on one."""
+
+from collections.abc import Iterator
+
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import MotorsPart, PulseOutputSetting
+from companion.core.errors import ConfigError
+
+_PAYLOAD_PINS = ("pin", "out_pin", "in_pin", "count_pin")
+
+
+def check_outputs(config: BoatConfig) -> None:
+    """No pin and no signal twice, and a pin for each signal.
+
+    Raises:
+        ConfigError: names both keys.
+    """
+    taken: dict[str, str] = {}
+    for key, output in outputs_in_use(config):
+        if output == "GPIO -1":
+            raise ConfigError(f"{key}.pin: expected the number of a pin")
+        if (other := taken.setdefault(output, key)) != key:
+            raise ConfigError(f"{key}: {output} belongs to {other}; expected another")
+
+
+def outputs_in_use(config: BoatConfig) -> Iterator[tuple[str, str]]:
+    """Keys, and the pin or signal of each."""
+    parts = config.parts
+    yield from _of_motors(parts.motors, has_right=config.drive.has_pair)
+    if parts.rudder.driver != "none":
+        yield _of_signal("parts.rudder.signal", parts.rudder.signal)
+    if parts.sonar.driver in ("hcsr04", "jsnsr04t"):
+        yield "parts.sonar.trigger", f"GPIO {parts.sonar.trigger}"
+        yield "parts.sonar.echo", f"GPIO {parts.sonar.echo}"
+    if parts.sonar.driver != "none" and parts.sonar.servo >= 0:
+        yield "parts.sonar.servo", f"GPIO {parts.sonar.servo}"
+    if parts.hull.driver != "none" and parts.hull.leak >= 0:
+        yield "parts.hull.leak", f"GPIO {parts.hull.leak}"
+    for index, payload in enumerate(config.payload):
+        key = f"payload[{index}]"
+        pins = [(f"{key}.{name}", getattr(payload, name, None)) for name in _PAYLOAD_PINS]
+        yield from ((name, f"GPIO {pin}") for name, pin in pins if pin is not None)
+        signal = getattr(payload, "signal", None)
+        if isinstance(signal, PulseOutputSetting) and all(pin is None for _, pin in pins[:3]):
+            yield _of_signal(f"{key}.signal", signal)
+
+
+def _of_motors(part: MotorsPart, *, has_right: bool) -> Iterator[tuple[str, str]]:
+    names = ("forward", "backward") if part.driver == "drv8833" else ("forward", "backward", "enable")
+    for side in ("left", "right")[: 1 + has_right]:
+        if part.driver == "esc":
+            yield _of_signal(f"parts.motors.{side}", getattr(part, side))
+        elif part.driver != "none":
+            for name in names:
+                yield f"parts.motors.{side}_{name}", f"GPIO {getattr(part, f'{side}_{name}')}"
+
+
+def _of_signal(key: str, signal: PulseOutputSetting) -> tuple[str, str]:
+    is_chip = signal.output == "pca9685"
+    return key, f"channel {signal.channel} of the PCA9685" if is_chip else f"GPIO {signal.pin}"
