@@ -2,8 +2,9 @@
 
 pip resolves a wheel of this project, with the tested versions of constraints.txt, for 64-bit and 32-bit
 Raspberry Pi OS. Where a package has no wheel for 32 bits, its 64-bit wheel stands in for the size, and the
-row names it; any such package that is not in FROM_SOURCE is an error. pip evaluates markers for the Python
-that runs it, so each version is resolved by an interpreter of that version, which must be on the path.
+row names it; any such package that is not in NO_32_BIT_WHEEL is an error. pip evaluates markers for the
+Python and the machine that run it: each version is resolved by an interpreter of that version, which must be
+on the path, and 32 bits as if they were this machine.
 """
 
 import json
@@ -23,8 +24,9 @@ from benchmarks.measure import Row, alone
 
 PYTHONS = ("3.11", "3.13")  # of Raspberry Pi OS Bookworm and Trixie
 NOT_FOR_THE_BOAT = frozenset({"bench", "dev", "fuzz", "peers"})
-# Source distributions on the ordinary index; wheels on the additional one that Raspberry Pi OS gives pip
-FROM_SOURCE = frozenset({"msgspec", "pymavlink"})
+# adafruit-lgpio is not required there: python3-lgpio of the system replaces it. The others have a source
+# distribution on the ordinary index, and a wheel on the additional one that Raspberry Pi OS gives pip.
+NO_32_BIT_WHEEL = frozenset({"adafruit-lgpio", "msgspec", "pymavlink"})
 _GLIBC = (36, 35, 34, 31, 28, 27, 26, 24, 17)  # minor versions of manylinux tags, up to Bookworm's glibc 2.36
 _CACHE = Path("out/install")
 
@@ -82,10 +84,10 @@ def without_a_wheel(wheels: Iterable[Wheel], machine: str) -> list[str]:
     """Packages that have none for the machine, in order.
 
     Raises:
-        LookupError: one of them is not known to be built from source.
+        LookupError: one of them is not known to have none.
     """
     names = sorted(wheel.package for wheel in wheels if wheel.tags != "any" and machine not in wheel.tags)
-    unknown = sorted(set(names) - FROM_SOURCE)
+    unknown = sorted(set(names) - NO_32_BIT_WHEEL)
     if unknown:
         raise LookupError(f"no wheel for {machine}: {', '.join(unknown)}")
     return names
@@ -111,7 +113,7 @@ def _row(wheel: Path, extra: str, machine: str, python: str) -> Row:
     source = without_a_wheel(wheels, machine)
     note = f"{len(wheels)} packages, {sum(one.download for one in wheels) / 1e6:.0f} MB to download"
     if source:
-        note += f"; from source, with the size of 64-bit wheels: {', '.join(source)}"
+        note += f"; no 32-bit wheel: {', '.join(source)}"
     size_mb = sum(one.unpacked for one in wheels) / 1e6
     return alone(f"{extra or 'base'}, {machine}, Python {python}", "MB", "less", [size_mb], note)
 
