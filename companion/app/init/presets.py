@@ -34,11 +34,18 @@ class Preset:
     values: Mapping[str, Value] = field(default_factory=dict)
 
 
+_STRONG: Final[dict[str, Value]] = {
+    "parts.battery.driver": "ina226",
+    "parts.battery.shunt_ohm": 0.002,
+}  # 41 A
+
 PRESETS: Final[dict[str, Preset]] = {
     "lake": Preset("1 m of hull, two DC motors behind an L298N: the boat of docs/hardware.md", "kit"),
     "pool": Preset(
         "the paper's 20 cm boat in a pool, with a camera above it", "pool", {"parts.gnss.driver": "none"}
     ),
+    "catamaran": Preset("1.2 m, two brushless motors behind speed controllers (ESCs)", "catamaran", _STRONG),
+    "rudder": Preset("1 m, one brushless motor behind a speed controller, and a rudder", "rudder", _STRONG),
 }
 
 
