@@ -75,7 +75,8 @@ class Boat:
         self.rc_control = RcControl()
         self.vehicle.manual_input.rc.is_fitted = hardware.rc is not None
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
-        self.channels = Channels(ports, own)
+        camera = self.parameters.config.camera
+        self.channels = Channels(ports, own, (camera.component,) if camera.is_fitted else ())
         self.signing = SigningStore(storage, unix_offset_s)
         for port in ports:
             if isinstance(port, ConfiguredPort) and port.policy.setting.signing != "off":

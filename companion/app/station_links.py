@@ -40,5 +40,5 @@ class StationLinks:
         """Send what the services have to say."""
         outbox = self._endpoint.outbox
         if not outbox.is_empty:
-            for message, channel in outbox.drain():
-                self._channels.send(message, channel)
+            for message, channel, component in outbox.drain():
+                self._channels.send(message, channel, component)

@@ -3,7 +3,7 @@
 import logging
 import struct
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from companion.hal.interfaces import Link
 from companion.mavlink.address import Address
@@ -33,12 +33,21 @@ class Channel:
     keys.
     """
 
-    def __init__(self, number: int, link: Link, own: Address, policy: Policy = PLAIN) -> None:
+    def __init__(
+        self,
+        number: int,
+        link: Link,
+        own: Address,
+        policy: Policy = PLAIN,
+        components: Collection[int] = (),
+    ) -> None:
+        """components: further senders of our own, besides `own`."""
         self.number = number
         self.link = link
         self.policy = policy
         self.counters = Counters()
         self.encoder = Encoder(own, self.counters)
+        self._encoders = {one: Encoder(Address(own.system, one), self.counters) for one in components}
         self.guard: SigningGuard | None = None
         self.tap: Callable[[bytes], object] | None = None
         self.forwarded = 0  # of other channels' frames, sent by this one
@@ -53,7 +62,7 @@ class Channel:
         self._is_confidential = False  # requires signatures and has received none: only heartbeats are sent
         self._limit = AmplificationLimit() if policy.is_forgeable(link.host) else None
         self._dropped = 0
-        self._own = bytes(own)
+        self._own = frozenset(bytes((own.system, one)) for one in (own.component, *components))
         self._finder = FrameFinder(link.is_datagram, self.counters)
         self._chunks: deque[bytes] = deque()
         self._filter = Filter(policy) if policy.has_rules else None
@@ -167,10 +176,10 @@ class Channel:
             return 0
         return _UNLIMITED_BYTES if self._budget is None else 1 + int(self.policy.bytes_s * _TICK_S)
 
-    def send(self, message: Message, now_s: float = 0.0) -> None:
-        """Send a message of our own, or drop it whole. Never raises."""
+    def send(self, message: Message, now_s: float = 0.0, component: int = 0) -> None:
+        """Send a message of our own, or drop it whole. Never raises. component: the sender; 0: `own`."""
         try:
-            data = self.encoder.encode(message)
+            data = self._encoders.get(component, self.encoder).encode(message)
         except (struct.error, OverflowError, TypeError, ValueError):
             self.faults += 1
             if self.faults == 1:
@@ -210,7 +219,7 @@ class Channel:
         Forwarded ones are unchanged: a signature would vouch for them.
         """
         frame = data
-        if self.guard is not None and data[0] == MAGIC_V2 and data[5:7] == self._own:
+        if self.guard is not None and data[0] == MAGIC_V2 and bytes(data[5:7]) in self._own:
             sealed = self.guard.seal(data)
             if sealed is None:
                 self.refused += 1

@@ -34,15 +34,17 @@ class Channels:
     wanted: the messages that the endpoint handles; others are not unpacked. None: all.
     """
 
-    def __init__(self, ports: Sequence[Port], own: Address) -> None:
+    def __init__(self, ports: Sequence[Port], own: Address, components: Collection[int] = ()) -> None:
+        """components: further ones of our own, such as a camera."""
         self.open: dict[int, Channel] = {}
-        self.router = Router(own)
+        self.router = Router(own, components)
         self.wanted: frozenset[int] | None = None
         self.has_more = False  # frames are left after the last `receive`
         self.taken = 0  # received frames, on all channels
         self._ports = list(ports)
         self._of_port: defaultdict[int, list[Channel]] = defaultdict(list)  # by index of the port
         self._own = own
+        self._components = tuple(components)
         self._next_number = 1
         self._now_s = 0.0
         self._filenos: list[int] | None = None
@@ -65,7 +67,7 @@ class Channels:
             self._make_room(index)
             for link in port.accept():
                 policy = port.policy if isinstance(port, ConfiguredPort) else PLAIN
-                channel = Channel(self._next_number, link, self._own, policy)
+                channel = Channel(self._next_number, link, self._own, policy, self._components)
                 self._next_number += 1
                 self.open[channel.number] = channel
                 self._of_port[index].append(channel)
@@ -192,13 +194,16 @@ class Channels:
             ):
                 yield number, Received(layout.unpack(frame.payload), frame.sender, frame.data)
 
-    def send(self, message: Message, number: int | None) -> None:
-        """Send on one channel, or on all; messages for a closed channel are dropped."""
+    def send(self, message: Message, number: int | None, component: int = 0) -> None:
+        """Send on one channel, or on all; messages for a closed channel are dropped.
+
+        component: the sender; 0: the autopilot.
+        """
         if number is None:
             for channel in self.open.values():
-                channel.send(message, self._now_s)
+                channel.send(message, self._now_s, component)
         elif (one := self.open.get(number)) is not None:
-            one.send(message, self._now_s)
+            one.send(message, self._now_s, component)
 
     def may_send(self, number: int, now_s: float) -> bool:
         """Whether telemetry on this channel would be sent at once."""

@@ -4,6 +4,7 @@ The rules are those of the MAVLink guide, "Routing": broadcasts and frames witho
 channels; addressed ones only where their target was heard; nothing goes back to its source.
 """
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 from companion.mavlink.address import ALL, Address, concerns
@@ -41,12 +42,14 @@ NOWHERE = ForwardingDecision(False, ())
 class Router:
     """Knows channels by number. Each received frame is passed to `route` once, in order."""
 
-    def __init__(self, own: Address) -> None:
+    def __init__(self, own: Address, components: Collection[int] = ()) -> None:
+        """components: further ones of our own."""
         self.repeats = 0  # frames dropped as duplicates
         self.echoes = 0  # our own frames received back
         self.unreachable = 0  # frames for unknown targets
         self.routes = Routes()
         self._own = own
+        self._ours = frozenset((own, *(Address(own.system, one) for one in components)))
         self._bulk = BulkTransferThrottle()
         self._seen = DuplicateFilter()
         self._forwarding: dict[int, bool] = {}
@@ -68,7 +71,7 @@ class Router:
     def route(self, channel: int, frame: Frame, now_s: float) -> ForwardingDecision:
         """The destinations of a frame."""
         sender = frame.sender
-        if sender == self._own:
+        if sender in self._ours:
             self.echoes += 1
             return NOWHERE
         if now_s >= self._housekeeping_s:
@@ -96,8 +99,8 @@ class Router:
         return way
 
     def _find(self, channel: int, target: Address) -> ForwardingDecision:
-        is_ours = concerns(self._own, *target)
-        if not self._forwarding[channel] or target == self._own:
+        is_ours = target in self._ours or concerns(self._own, *target)
+        if not self._forwarding[channel] or target in self._ours:
             return ForwardingDecision(is_ours, (), True)
         is_for_all = target.system == ALL
         found = list(self._forwarding) if is_for_all else self.routes.channels_of(target)

@@ -12,6 +12,7 @@ from companion.config.parameters import Parameters
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionResult
+from companion.services.camera.component import QUESTIONS as CAMERA_QUESTIONS
 from companion.services.commands.command import DENIED
 from companion.services.ftp.frames import Code, Opcode, Refusal, nak, parse_request
 from companion.services.outbox import Origin, Outbox
@@ -93,7 +94,7 @@ class AccessService:
     def _is_change(self, message: Message) -> bool:
         number = message.get_msgId()
         if number in _COMMANDS:
-            return message.command not in self._questions
+            return message.command not in self._questions and message.command not in CAMERA_QUESTIONS
         if number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
             request = parse_request(bytes(message.payload))
             return request is not None and request.opcode not in _READING
@@ -126,6 +127,7 @@ class AccessService:
                     target_system=asker.system,
                     target_component=asker.component,
                 ),
+                message.target_component if number in _COMMANDS else 0,
             )
         elif number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
             request = parse_request(bytes(message.payload))
@@ -136,8 +138,8 @@ class AccessService:
                     dialect.MAVLink_file_transfer_protocol_message(0, asker.system, asker.component, payload),
                 )
 
-    def _send(self, origin: Origin, message: Message) -> None:
-        self._outbox.send(origin.channel, message)
+    def _send(self, origin: Origin, message: Message, component: int = 0) -> None:
+        self._outbox.send(origin.channel, message, component)
 
 
 def _read_of(message: Message) -> Message:

@@ -25,6 +25,7 @@ from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
 from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
+from companion.services.camera.component import CameraComponent
 from companion.services.commands.command import from_int, from_long
 from companion.services.commands.dispatcher import CommandService
 from companion.services.external_pose import ExternalPoseService
@@ -124,6 +125,10 @@ class Endpoint:
         self._access = AccessService(
             parameters, self._listings, self._commands.questions, self.outbox, self.texts
         )
+        self._camera: CameraComponent | None = None
+        if parameters.config.camera.is_fitted:
+            component = parameters.config.camera.component
+            self._camera = CameraComponent(component, payload, self.outbox, self.texts, take_snapshot)
         self._missions = MissionService(
             own, vehicle, parameters.config, storage, self.outbox, self.texts, payload.fitted
         )
@@ -186,6 +191,8 @@ class Endpoint:
         default_hz = self._parameters.config.mavlink.stream_hz
         self._telemetry.open(channel, default_hz if stream_hz is None else stream_hz)
         self.outbox.send(channel, self._heartbeat.message())
+        if self._camera is not None:
+            self._camera.open(channel)
 
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has closed."""
@@ -218,13 +225,17 @@ class Endpoint:
         """Dispatch one message. Never raises."""
         message, sender = received.message, received.sender
         handler = self._handlers.get(message.get_msgId())
-        if handler is None or sender == self._own or not self._is_for_us(message):
+        camera = self._camera if self._is_for_camera(message) else None
+        if handler is None or sender == self._own or not (camera or self._is_for_us(message)):
             self.ignored += 1
             return
         origin = Origin(channel, sender)
         try:
             self._commands.on_message(origin, now_s)
             if self._access.refuses(message, origin, now_s):
+                return
+            if camera is not None:
+                camera.handle(message, origin, now_s)
                 return
             handler(message, origin, now_s)
             if message.get_msgId() in _STEERING:
@@ -254,6 +265,8 @@ class Endpoint:
         self._heartbeat.tick(now_s)
         self._missions.tick(now_s)
         self._commands.tick(heading, now_s)
+        if self._camera is not None:
+            self._camera.tick(now_s)
         self._listings.tick()
         self._files.tick(now_s)
         self._logs.tick(now_s, load)
@@ -278,6 +291,14 @@ class Endpoint:
         self._heartbeat.announce_change()
         self._modes.announce_change()
         self.texts.send(self._vehicle.take_status_texts())
+
+    def _is_for_camera(self, message: Message) -> bool:
+        if self._camera is None:
+            return False
+        component = getattr(message, "target_component", 0)
+        return (
+            component == self._camera.component and getattr(message, "target_system", 0) == self._own.system
+        )
 
     def _is_for_us(self, message: Message) -> bool:
         target_system = getattr(message, "target_system", getattr(message, "target", 0))

@@ -17,10 +17,11 @@ class Origin(NamedTuple):
 
 
 class Outgoing(NamedTuple):
-    """A message and its channel; None: all channels."""
+    """A message and its channel; None: all channels. component: its sender; 0: the autopilot."""
 
     message: Message
     channel: int | None
+    component: int = 0
 
 
 class Outbox:
@@ -37,13 +38,13 @@ class Outbox:
         """Whether there are no messages."""
         return not self._queue
 
-    def send(self, channel: int, message: Message) -> None:
+    def send(self, channel: int, message: Message, component: int = 0) -> None:
         """To one channel."""
-        self._queue.append(Outgoing(message, channel))
+        self._queue.append(Outgoing(message, channel, component))
 
-    def broadcast(self, message: Message) -> None:
+    def broadcast(self, message: Message, component: int = 0) -> None:
         """To all channels."""
-        self._queue.append(Outgoing(message, None))
+        self._queue.append(Outgoing(message, None, component))
 
     def has_room(self, channel: int) -> bool:
         """Whether a channel can take more bulk data."""

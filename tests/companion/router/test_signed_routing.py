@@ -162,3 +162,15 @@ def test_the_guide_s_configuration_is_one(tmp_path: Path) -> None:
         (True, False),
         (False, True),
     ]
+
+
+def test_frames_of_a_further_component_are_signed_too() -> None:
+    near, far = memory_pair("station")
+    channel = Channel(1, near, OWN, Policy(LinkConfig(url="")), (100,))
+    channel.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 1))
+    for component in (0, 100, 0):
+        channel.send(HEARTBEAT, 0.0, component)
+    peer = Signatory(KEY, Stamps())
+    frames = far.receive()
+    assert [frame[6] for frame in frames] == [1, 100, 1]
+    assert {peer.check(frame) for frame in frames} == {SignatureVerdict.GOOD}

@@ -1,0 +1,189 @@
+"""The camera as a MAVLink component of its own, beside the autopilot on the same links.
+
+Ground stations find a camera by a heartbeat of MAV_TYPE_CAMERA from a component of the vehicle, 100 to 105,
+and then address it. QGroundControl asks for CAMERA_INFORMATION, at once for CAMERA_SETTINGS, after 250 ms for
+the video streams, after 2.5 s for storage and capture status; by REQUEST_MESSAGE or by the older commands,
+depending on its version and the try. It removes a camera without a heartbeat for 5 s.
+"""
+
+from collections import deque
+from collections.abc import Callable
+
+from companion.mavlink.dialect import Message, dialect
+from companion.payload.camera import Image
+from companion.payload.control import PayloadControl
+from companion.services.camera import messages as build
+from companion.services.commands.command import (
+    ACCEPTED,
+    DENIED,
+    FAILED,
+    UNSUPPORTED,
+    Command,
+    from_int,
+    from_long,
+)
+from companion.services.commands.payload import act
+from companion.services.outbox import Origin, Outbox
+from companion.services.telemetry.service import TakeSnapshot
+from companion.services.telemetry.statustext import StatusTextService
+
+_PERIOD_S = 1.0
+_RESEND_S = 2.0  # as of the autopilot's commands
+_REMEMBERED = 1000  # images that can be asked for again
+_ID, _COMMAND = dialect, dialect
+
+# The older commands that ask for a message; the stream is in the first parameter
+_QUESTIONS: dict[int, int] = {
+    _COMMAND.MAV_CMD_REQUEST_CAMERA_INFORMATION: _ID.MAVLINK_MSG_ID_CAMERA_INFORMATION,
+    _COMMAND.MAV_CMD_REQUEST_CAMERA_SETTINGS: _ID.MAVLINK_MSG_ID_CAMERA_SETTINGS,
+    _COMMAND.MAV_CMD_REQUEST_STORAGE_INFORMATION: _ID.MAVLINK_MSG_ID_STORAGE_INFORMATION,
+    _COMMAND.MAV_CMD_REQUEST_CAMERA_CAPTURE_STATUS: _ID.MAVLINK_MSG_ID_CAMERA_CAPTURE_STATUS,
+    _COMMAND.MAV_CMD_REQUEST_VIDEO_STREAM_INFORMATION: _ID.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION,
+    _COMMAND.MAV_CMD_REQUEST_VIDEO_STREAM_STATUS: _ID.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS,
+}
+_STREAMS = (_ID.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, _ID.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS)
+QUESTIONS = frozenset(_QUESTIONS)
+"""Commands that change nothing."""
+
+
+class CameraComponent:
+    """Answers commands to the camera, and tells of its images."""
+
+    def __init__(
+        self,
+        component: int,
+        payload: PayloadControl,
+        outbox: Outbox,
+        texts: StatusTextService,
+        take_snapshot: TakeSnapshot,
+    ) -> None:
+        self.component = component
+        self._payload = payload
+        self._outbox = outbox
+        self._texts = texts
+        self._take_snapshot = take_snapshot
+        self._due_s = 0.0
+        self._status = 0
+        self._done: Command | None = None  # the latest that took images
+        self._images: deque[Image] = deque(maxlen=_REMEMBERED)
+        shoot = dict.fromkeys(
+            (
+                _COMMAND.MAV_CMD_IMAGE_START_CAPTURE,
+                _COMMAND.MAV_CMD_IMAGE_STOP_CAPTURE,
+                _COMMAND.MAV_CMD_DO_DIGICAM_CONTROL,
+                _COMMAND.MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+            ),
+            self._shoot,
+        )
+        self._table: dict[int, Callable[[Command], int]] = {
+            **shoot,
+            _COMMAND.MAV_CMD_SET_CAMERA_MODE: _set_mode,
+            _COMMAND.MAV_CMD_VIDEO_START_STREAMING: self._stream,
+            _COMMAND.MAV_CMD_VIDEO_STOP_STREAMING: self._stream,
+        }
+
+    def heartbeat(self) -> Message:
+        """The camera's own."""
+        return dialect.MAVLink_heartbeat_message(
+            type=dialect.MAV_TYPE_CAMERA,
+            autopilot=dialect.MAV_AUTOPILOT_INVALID,
+            base_mode=0,
+            custom_mode=0,
+            system_status=dialect.MAV_STATE_ACTIVE,
+            mavlink_version=3,
+        )
+
+    def handle(self, message: Message, origin: Origin, now_s: float) -> None:
+        """A message addressed to the camera; only commands have an effect."""
+        number = message.get_msgId()
+        if number == dialect.MAVLINK_MSG_ID_COMMAND_LONG:
+            self._execute(from_long(message, origin, now_s))
+        elif number == dialect.MAVLINK_MSG_ID_COMMAND_INT:
+            self._execute(from_int(message, origin, now_s))
+
+    def open(self, channel: int) -> None:
+        """A channel has opened."""
+        self._outbox.send(channel, self.heartbeat(), self.component)
+
+    def tick(self, now_s: float) -> None:
+        """Heartbeat, changes of the capture status, and new images."""
+        if now_s >= self._due_s:
+            self._due_s = now_s + _PERIOD_S
+            self._outbox.broadcast(self.heartbeat(), self.component)
+        images, status = self._payload.images, build.image_status(self._payload.camera)
+        if not images and status == self._status:
+            return
+        now = self._take_snapshot()
+        if now is None:
+            return
+        if status != self._status:
+            self._status = status
+            self._outbox.broadcast(build.capture_status(now), self.component)
+        for image in images:
+            self._images.append(image)
+            self._outbox.broadcast(build.image_captured(now, image), self.component)
+            if not image.fault:
+                self._outbox.broadcast(build.camera_feedback(now, image))
+
+    def _execute(self, command: Command) -> None:
+        """Acknowledge a command, then send the messages that it asks for."""
+        answers: list[Message] = []
+        if command.number == _COMMAND.MAV_CMD_REQUEST_MESSAGE:
+            result = self._request(command.whole(0), command.p[1], answers)
+        elif command.number in _QUESTIONS:
+            result = self._request(_QUESTIONS[command.number], command.p[0], answers)
+        elif (carry_out := self._table.get(command.number)) is not None:
+            result = carry_out(command)
+        else:
+            result = UNSUPPORTED
+        channel, asker = command.origin.channel, command.origin.address
+        self._outbox.send(
+            channel,
+            dialect.MAVLink_command_ack_message(
+                command.number,
+                result,
+                progress=0,
+                result_param2=0,
+                target_system=asker.system,
+                target_component=asker.component,
+            ),
+            self.component,
+        )
+        for answer in answers:
+            self._outbox.send(channel, answer, self.component)
+
+    def _request(self, message_id: int | None, which: float, answers: list[Message]) -> int:
+        """Build a message. which: a stream, 0 for all; or the index of an image."""
+        now = self._take_snapshot()
+        if now is None or message_id is None:
+            return FAILED
+        if message_id == dialect.MAVLINK_MSG_ID_CAMERA_IMAGE_CAPTURED:
+            answers += [build.image_captured(now, image) for image in self._images if image.index == which]
+            return ACCEPTED if answers else DENIED
+        if message_id in _STREAMS and which not in (0.0, build.STREAM_ID):
+            return DENIED
+        builder = build.MESSAGES.get(message_id)
+        message = None if builder is None else builder(now)
+        if message is None:
+            return UNSUPPORTED
+        answers.append(message)
+        return ACCEPTED
+
+    def _shoot(self, command: Command) -> int:
+        done = self._done
+        if done is not None and command.now_s - done.now_s <= _RESEND_S and command.is_same_as(done):
+            return ACCEPTED
+        result = act(command, self._payload, self._texts)
+        if result == ACCEPTED:
+            self._done = command
+        return result
+
+    def _stream(self, command: Command) -> int:
+        """The stream runs by itself, for whoever opens it."""
+        is_ours = bool(self._payload.setting.rtsp) and command.whole(0) in (0, build.STREAM_ID)
+        return ACCEPTED if is_ours else DENIED
+
+
+def _set_mode(command: Command) -> int:
+    """There is one mode, for images."""
+    return ACCEPTED if command.whole(1) == dialect.CAMERA_MODE_IMAGE else DENIED

@@ -1,0 +1,255 @@
+"""The camera as QGroundControl, MAVLink's rules and other stations meet it."""
+
+import math
+from typing import Literal
+
+import pytest
+from boat_rig import BOAT, DENIED, OK, QGC, UNSUPPORTED, Peer, Rig
+from payload_rig import CAMERA, PayloadRig
+from qgc_camera import IDLE, SERIES_IDLE, QgcCamera
+
+from companion.core.geo import LatLon
+from companion.links.memory import memory_pair
+from companion.mavlink.address import Address
+from companion.mavlink.codec import Received
+from companion.mavlink.dialect import Message, dialect
+
+CMD, NAN = dialect, math.nan
+WAYS: list[Literal["commands", "messages"]] = ["commands", "messages"]
+
+
+def qgc(rig: Rig, way: Literal["commands", "messages"] = "messages") -> QgcCamera:
+    near, far = memory_pair("QGroundControl", True)
+    rig.port.offer(near)
+    rig.step()
+    return QgcCamera(far, way)
+
+
+def run(rig: Rig, station: QgcCamera, seconds: float) -> None:
+    for _ in range(round(seconds / 0.02)):
+        rig.step()
+        station.step(rig.now_s)
+
+
+def heard(peer: Peer) -> list[Received]:
+    """Messages with their senders."""
+    return [one for chunk in peer.link.receive() for one in peer._decoder.feed(chunk)]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_qgroundcontrol_shows_the_camera_and_opens_its_stream(way: Literal["commands", "messages"]) -> None:
+    rig = PayloadRig()
+    station = qgc(rig, way)
+    run(rig, station, 4.0)
+    assert station.component == 100
+    assert bytes(station.info.model_name).rstrip(b"\0") == b"Boat camera"
+    assert station.takes_photos
+    assert station.video_uri == "rtsp://10.0.0.2:8554/bow"
+    assert station.streams[1].resolution_h == 1280
+    assert station.storage.status == dialect.STORAGE_STATUS_READY
+    assert station.photo_status == IDLE
+    assert not station.refused
+    assert not station.unanswered
+    run(rig, station, 60.0)
+    assert station.info is not None  # never silent for five seconds
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_its_shutter_takes_an_image_that_appears_on_the_map(way: Literal["commands", "messages"]) -> None:
+    rig = PayloadRig().ready()
+    station = qgc(rig, way)
+    run(rig, station, 4.0)
+    assert station.press_shutter(rig.now_s)
+    assert not station.press_shutter(rig.now_s)  # until the camera is idle
+    run(rig, station, 3.0)
+    (photo,) = station.photos
+    truth = rig.world.truth
+    point = rig.scenario.frame.to_local(LatLon(photo.lat / 1e7, photo.lon / 1e7))
+    assert math.hypot(point.north_m - truth.north_m, point.east_m - truth.east_m) < 3.0
+    assert photo.image_index == 0
+    assert station.photo_status == IDLE
+    assert station.press_shutter(rig.now_s)
+    run(rig, station, 3.0)
+    assert [one.image_index for one in station.photos] == [0, 1]
+    assert not station.refused
+    assert not station.unanswered
+
+
+def test_a_series_is_shown_until_it_ends() -> None:
+    rig = PayloadRig()
+    station = qgc(rig)
+    run(rig, station, 4.0)
+    assert station.press_shutter(rig.now_s, 2.0, 3)
+    run(rig, station, 1.5)
+    assert station.photo_status == SERIES_IDLE
+    run(rig, station, 5.0)
+    assert len(station.photos) == 3
+    assert station.photo_status == IDLE
+
+
+def test_a_failed_image_is_no_photo_and_is_told() -> None:
+    rig = PayloadRig()
+    capture = rig.sim.capture
+    assert capture is not None
+    capture.end = "exit code 1"
+    station = qgc(rig)
+    run(rig, station, 4.0)
+    station.press_shutter(rig.now_s)
+    run(rig, station, 3.0)
+    assert station.photos == []
+    assert station.photo_status == IDLE
+    assert "Camera: image 0: exit code 1" in rig.peer.texts
+
+
+def test_a_camera_with_a_stream_alone_takes_no_photos() -> None:
+    rig = Rig("open", 'vehicle.camera={rtsp="rtsp://10.0.0.2/x"}')
+    station = qgc(rig)
+    run(rig, station, 4.0)
+    assert station.video_uri == "rtsp://10.0.0.2/x"
+    assert not station.takes_photos
+    assert station.storage.status == dialect.STORAGE_STATUS_NOT_SUPPORTED
+
+
+def test_a_camera_without_a_stream_offers_none() -> None:
+    rig = Rig("open", 'vehicle.camera={capture=["/bin/true"]}')
+    station = qgc(rig)
+    run(rig, station, 4.0)
+    assert station.takes_photos
+    assert station.video_uri == ""
+    assert not station.refused
+    assert not station.unanswered
+
+
+def test_without_a_camera_there_is_no_component() -> None:
+    rig = Rig()
+    station = qgc(rig)
+    run(rig, station, 4.0)
+    assert station.component == 0
+
+
+ANSWERS = [
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (259,), OK, "CAMERA_INFORMATION"),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (269, 1), OK, "VIDEO_STREAM_INFORMATION"),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (269, 2), DENIED, ""),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (270,), OK, "VIDEO_STREAM_STATUS"),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (263, 0), DENIED, ""),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (148,), UNSUPPORTED, ""),
+    (CMD.MAV_CMD_REQUEST_MESSAGE, (NAN,), 4, ""),
+    (CMD.MAV_CMD_REQUEST_STORAGE_INFORMATION, (0, 1), OK, "STORAGE_INFORMATION"),
+    (CMD.MAV_CMD_SET_CAMERA_MODE, (0, 0), OK, ""),
+    (CMD.MAV_CMD_SET_CAMERA_MODE, (0, 1), DENIED, ""),
+    (CMD.MAV_CMD_VIDEO_START_STREAMING, (1,), OK, ""),
+    (CMD.MAV_CMD_VIDEO_STOP_STREAMING, (2,), DENIED, ""),
+    (CMD.MAV_CMD_IMAGE_START_CAPTURE, (0, 0, 1), OK, ""),
+    (CMD.MAV_CMD_IMAGE_STOP_CAPTURE, (), OK, ""),
+    (CMD.MAV_CMD_VIDEO_START_CAPTURE, (), UNSUPPORTED, ""),
+    (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (1, 2989), UNSUPPORTED, ""),
+    (CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, (1,), UNSUPPORTED, ""),
+]
+
+
+@pytest.mark.parametrize(("number", "params", "result", "name"), ANSWERS)
+def test_the_camera_answers_each_command_from_its_own_component(
+    number: int, params: tuple[float, ...], result: int, name: str
+) -> None:
+    rig = PayloadRig()
+    rig.run(1.0)
+    heard(rig.peer)
+    p = [*params, *[0.0] * (7 - len(params))]
+    rig.peer.send(dialect.MAVLink_command_long_message(1, 100, number, 0, *p))
+    rig.receive()
+    got = [one for one in heard(rig.peer) if one.message.get_type() != "STATUSTEXT"]
+    assert {one.sender for one in got} == {Address(1, 100)}
+    assert got[0].message.get_type() == "COMMAND_ACK"
+    assert (got[0].message.command, got[0].message.result) == (number, result)
+    assert (got[0].message.target_system, got[0].message.target_component) == QGC
+    assert [one.message.get_type() for one in got[1:]] == ([name] if name else [])
+    assert not rig.boat.vehicle.armed
+    assert not rig.boat.wants_restart
+
+
+def test_commands_to_all_components_are_the_autopilots() -> None:
+    rig = PayloadRig()
+    rig.run(1.0)
+    heard(rig.peer)
+    rig.peer.send(dialect.MAVLink_command_long_message(1, 0, 512, 0, 148, 0, 0, 0, 0, 0, 0))
+    rig.receive()
+    assert {one.sender for one in heard(rig.peer)} == {BOAT}
+
+
+def test_a_resent_capture_takes_one_image_and_a_lost_image_can_be_asked_for() -> None:
+    rig = PayloadRig()
+    rig.run(1.0)
+    for _ in range(2):
+        rig.peer.send(dialect.MAVLink_command_long_message(1, 100, 2000, 0, 0, 0, 1, 0, 0, 0, 0))
+        rig.run(0.5)
+    rig.run(3.0)
+    capture = rig.sim.capture
+    assert capture is not None
+    assert len(capture.starts) == 1
+    assert len(rig.peer.said("CAMERA_IMAGE_CAPTURED")) == 1
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_command_long_message(1, 100, 512, 0, 263, 0, 0, 0, 0, 0, 0))
+    rig.receive()
+    (again,) = rig.peer.said("CAMERA_IMAGE_CAPTURED")
+    assert again.image_index == 0
+
+
+def test_mission_planner_is_told_by_camera_feedback_from_the_autopilot() -> None:
+    rig = PayloadRig().ready()
+    rig.peer.forget()
+    assert rig.ask(CMD.MAV_CMD_DO_DIGICAM_CONTROL, 0, 0, 0, 0, 1) == OK
+    senders: list[Address] = []
+    feedback: list[Message] = []
+    for _ in range(150):
+        rig.step()
+        for one in heard(rig.peer):
+            if one.message.get_type() == "CAMERA_FEEDBACK":
+                senders.append(one.sender)
+                feedback.append(one.message)
+    assert senders == [BOAT]
+    assert feedback[0].flags == dialect.CAMERA_FEEDBACK_PHOTO
+    assert feedback[0].completed_captures == 1
+
+
+def test_an_observer_may_look_but_not_shoot() -> None:
+    rig = PayloadRig("open", "vehicle.identity.only_operator=true", "vehicle.identity.operator_system_id=255")
+    rig.run(1.0)
+    observer = rig.connect(Address(99, 190))
+    observer.forget()
+    for number, params in ((521, (1,)), (2504, (0,)), (2000, (0, 0, 1))):
+        p = [*params, *[0.0] * (7 - len(params))]
+        observer.send(dialect.MAVLink_command_long_message(1, 100, number, 0, *p))
+        rig.receive()
+    answers = [(one.message.command, one.message.result, one.sender.component)
+               for one in heard(observer) if one.message.get_type() == "COMMAND_ACK"]  # fmt: skip
+    assert answers == [(521, OK, 100), (2504, OK, 100), (2000, DENIED, 100)]
+
+
+def test_frames_in_the_cameras_name_are_not_taken_from_elsewhere() -> None:
+    rig = PayloadRig()
+    rig.run(1.0)
+    before = rig.boat.channels.router.echoes
+    liar = rig.connect(Address(1, 100))
+    liar.heartbeat()
+    rig.step(2)
+    assert rig.boat.channels.router.echoes == before + 1
+
+
+def test_each_component_counts_its_own_frames() -> None:
+    rig = PayloadRig()
+    rig.run(5.0)
+    sequences: dict[Address, list[int]] = {}
+    for one in heard(rig.peer):
+        sequences.setdefault(one.sender, []).append(one.frame[4])
+    assert len(sequences[Address(1, 100)]) >= 5
+    for numbers in sequences.values():
+        assert numbers == [(numbers[0] + at) & 0xFF for at in range(len(numbers))]
+
+
+def test_the_camera_may_have_another_component() -> None:
+    rig = Rig("open", CAMERA.replace("vehicle.camera={", "vehicle.camera={component=102, "))
+    station = qgc(rig)
+    run(rig, station, 4.0)
+    assert station.component == 102
+    assert station.video_uri
