@@ -47,9 +47,9 @@ def motors_of(part: MotorsPart) -> list[Motor]:
 class PinBoard:
     """A Pi with mock pins and a common record."""
 
-    def __init__(self, part: MotorsPart = L298N) -> None:
+    def __init__(self, part: MotorsPart = L298N, clock: HandClock | None = None) -> None:
         self.part = part
-        self.clock = HandClock()
+        self.clock = clock or HandClock()
         self.history: list[Change] = []
         board = self
 

@@ -45,6 +45,8 @@ class KernelPwm:
         self._paths: dict[int, Path] = {}
         for name, (device, count) in chips.items():
             chip, real = self.root / name, root / "devices" / device
+            if chip.exists():  # another program's
+                continue
             chip.mkdir(parents=True)
             real.mkdir(parents=True)
             (chip / "device").symlink_to(real)

@@ -129,6 +129,7 @@ def open_escs(
     arming_s: float,
     now: Callable[[], float],
     open_output: Callable[[PulseOutputSetting], PulseOutput],
+    wait: Callable[[float], None] = time.sleep,
 ) -> EscMotors:
     """Open the signals, one a motor, left first, and send neutral.
 
@@ -139,9 +140,8 @@ def open_escs(
     try:
         outputs.extend(open_output(setting) for setting in settings)
         sides = zip(outputs, settings, strict=True)
-        return EscMotors(
-            tuple(Esc(output, setting, dead_time_s, now) for output, setting in sides), arming_s, now
-        )
+        escs = tuple(Esc(output, setting, dead_time_s, now) for output, setting in sides)
+        return EscMotors(escs, arming_s, now, wait)
     except BaseException:
         for output in outputs:
             output.close()
