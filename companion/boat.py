@@ -94,6 +94,7 @@ class Boat:
             calibration=self.calibration,
             external=self.sensors.external,
             gauge=self.sensors.gauge,
+            corrections=hardware.corrections,
             faults=hardware.faults,
             take_snapshot=self.take_snapshot,
             payload=self.payload,

@@ -166,7 +166,9 @@ def run_boat(
         undo.callback(boat.close)
         boat.endpoint.texts.logs_texts = True
         path = status_path(config)
-        status = StatusFile(path, boat.channels) if path is not None else None
+        status = (
+            StatusFile(path, boat.channels, boat.endpoint.corrections.status) if path is not None else None
+        )
         if status is not None:
             undo.callback(status.close)
         notifier = ServiceNotifier(os.environ)

@@ -193,4 +193,5 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         field=field,
         rudder=rudder,
         payload=payload,
+        corrections=gnss if isinstance(gnss, GnssReceiver) else None,
     )

@@ -5,6 +5,7 @@ so that a reader finds the old content or the new; not flushed, because nothing 
 """
 
 import os
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.errors import ConfigError, StorageError
 from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
+from companion.services.corrections import CorrectionStatus
 
 PERIOD_S = 1.0
 RUNTIME_DIRECTORY = Path("/run/mavboat")  # of the installed unit
@@ -31,14 +33,22 @@ class BoatStatus(msgspec.Struct, frozen=True):
     skipped_ticks: int
     worst_late_s: float
     links: LinksStatus
+    corrections: CorrectionStatus | None = None  # of the GNSS receiver, as the boat passed them on
 
 
 class StatusFile:
     """Writes a status at most once a second, and none while the one before is still under way."""
 
-    def __init__(self, path: Path, channels: Channels) -> None:
+    def __init__(
+        self,
+        path: Path,
+        channels: Channels,
+        corrections: Callable[[float], CorrectionStatus | None] = lambda _: None,
+    ) -> None:
+        """corrections: their status at the present time."""
         self._path = path
         self._reporter = Reporter(channels)
+        self._corrections = corrections
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="status")
         self._writing: Future[None] | None = None
         self._due_s = 0.0
@@ -56,6 +66,7 @@ class StatusFile:
             skipped_ticks=ticks.skipped,
             worst_late_s=ticks.worst_s,
             links=self._reporter.report(now_s),
+            corrections=self._corrections(now_s),
         )
         self._writing = self._worker.submit(_write, self._path, status)
 

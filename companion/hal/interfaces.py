@@ -81,6 +81,13 @@ class Sensor(Protocol[Reading_co]):
         """Release the part. May be called twice."""
 
 
+class CorrectionInput(Protocol):
+    """A GNSS receiver that takes differential corrections."""
+
+    def inject(self, data: bytes) -> bool:
+        """Send a whole RTCM 3 frame to the receiver; False if its line is busy."""
+
+
 @runtime_checkable
 class ReportingPart(Protocol):
     """A part with messages to the operator, such as a failed set-up or a lost antenna."""
@@ -191,6 +198,7 @@ class Hardware:
     rudder: Rudder | None = None
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None
+    corrections: CorrectionInput | None = None
 
     @property
     def reporting_parts(self) -> list[ReportingPart]:

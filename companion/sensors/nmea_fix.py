@@ -86,6 +86,7 @@ class _Epoch:
         self._accuracy_m: float | None = None
         self._velocity: tuple[float, float] | None = None
         self._date: datetime.date | None = None
+        self._correction_age_s: float | None = None
 
     def is_over(self, kind: str, utc: datetime.time | None) -> bool:
         """Whether a sentence of this kind and time begins the next epoch.
@@ -142,6 +143,7 @@ class _Epoch:
             horizontal_accuracy_m=self._accuracy_m,
             unix_time_s=unix_time_s,
             time_of_day_s=None if self._utc is None else _seconds(self._utc),
+            correction_age_s=self._correction_age_s,
         )
 
     def _add_solution(self, sentence: Sentence) -> None:
@@ -157,6 +159,7 @@ class _Epoch:
         self._satellites = max(self._satellites, int(sentence.number("numSV") or 0))
         self._hdop = sentence.number("HDOP") or self._hdop
         self._altitude_m = sentence.number("alt") or 0.0
+        self._correction_age_s = sentence.number("diffAge")
 
     def _add_minimum(self, sentence: Sentence) -> None:
         self.has_solution = True

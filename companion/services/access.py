@@ -34,6 +34,8 @@ _COMMANDS = frozenset((dialect.MAVLINK_MSG_ID_COMMAND_LONG, dialect.MAVLINK_MSG_
 # Messages without an answer in the protocol
 _UNANSWERED = frozenset(
     (
+        dialect.MAVLINK_MSG_ID_GPS_INJECT_DATA,
+        dialect.MAVLINK_MSG_ID_GPS_RTCM_DATA,
         dialect.MAVLINK_MSG_ID_LOG_ERASE,
         dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
         dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET,

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.config.parameters import Parameters
-from companion.hal.interfaces import FaultInjector
+from companion.hal.interfaces import CorrectionInput, FaultInjector
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
@@ -28,6 +28,7 @@ from companion.services.address_check import AddressCheck
 from companion.services.camera.component import CameraComponent
 from companion.services.commands.command import from_int, from_long
 from companion.services.commands.dispatcher import CommandService
+from companion.services.corrections import CorrectionService
 from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp.mounts import build_tree, open_worker
 from companion.services.ftp.service import FtpService
@@ -85,6 +86,7 @@ class Endpoint:
         gauge: FuelGauge,
         take_snapshot: TakeSnapshot,
         payload: PayloadControl,
+        corrections: CorrectionInput | None = None,
         faults: FaultInjector | None = None,  # failed handlers: our defects, see the log
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers are always sent. take_snapshot: the
@@ -142,6 +144,7 @@ class Endpoint:
         self._files = FtpService(own, self.outbox, tree, open_worker(folder))
         self._logs = LogService(own, vehicle, self.outbox, self.texts, logbook)
         self._signing = SigningService(own, vehicle, signing, channels, self.texts)
+        self.corrections = CorrectionService(corrections, self.texts)
         self._handlers = self._dispatch_table()
 
     def _dispatch_table(self) -> dict[int, Handler]:
@@ -154,6 +157,8 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._time.on_timesync,
             dialect.MAVLINK_MSG_ID_PING: self._on_ping,
             dialect.MAVLINK_MSG_ID_SYSTEM_TIME: self._on_system_time,
+            dialect.MAVLINK_MSG_ID_GPS_INJECT_DATA: self.corrections.on_inject_data,
+            dialect.MAVLINK_MSG_ID_GPS_RTCM_DATA: self.corrections.on_rtcm_data,
             **self._pose.table,
             dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
             dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: lambda m, o, t: listings.on_request_list(o),
@@ -274,6 +279,7 @@ class Endpoint:
             self._upkeep_s = now_s + _SLOW_S
             self._modes.tick(now_s)
             self._time.tick(now_s)
+            self.corrections.tick(now_s)
             self.texts.tick(_SLOW_S)
         if status_texts := self._vehicle.take_status_texts():
             self.texts.send(status_texts)

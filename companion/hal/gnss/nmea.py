@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from companion.config.parts import GnssPart
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.links.port_url import open_line
+from companion.links.serial_port import SerialPort
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.readings import GnssFix
 
@@ -25,5 +26,8 @@ def open_nmea_gnss(part: GnssPart, now: Callable[[], float], heading: GnssHeadin
         ConfigError: the port url is invalid.
         LinkError: the port cannot be opened.
     """
-    port = open_line(part.port, part.baud or _BAUD, now)
-    return NmeaGnss(port, now, part.latency_s, heading).start()
+    baud = int(part.baud) or _BAUD
+    port = open_line(part.port, baud, now)
+    return NmeaGnss(
+        port, now, part.latency_s, heading, baud if isinstance(port, SerialPort) else None
+    ).start()

@@ -13,7 +13,9 @@ from companion.sensors.nmea_heading import TRUE_SENTENCES, HeadingAssembler
 from companion.sensors.readings import GnssFix
 from companion.sensors.receiver_clock import ReceiverClock
 
-_MOST_FRAMES: Final = 32  # waiting corrections: two seconds of them, older ones are useless
+_BITS_A_BYTE: Final = 10  # start, eight, stop
+_NETWORK_BYTES_S: Final = 11_520.0  # of a receiver behind a network port, as at 115,200 baud
+_LONGEST_WAIT_S: Final = 1.0  # corrections come once a second; later ones are better than more
 
 
 class GnssReceiver(PortSensor[GnssFix]):
@@ -28,11 +30,12 @@ class GnssReceiver(PortSensor[GnssFix]):
         now: Callable[[], float],
         latency_s: float = 0.0,
         heading: GnssHeading | None = None,
+        baud: int | None = None,
         rest_s: float = 0.0,
     ) -> None:
         """latency_s: shortest time from measurement to the arrival of the first sentence.
 
-        heading: None without a second antenna.
+        heading: None without a second antenna. baud: None for a line without a baud rate.
         """
         super().__init__(port, now, rest_s)
         self.heading = heading
@@ -40,23 +43,34 @@ class GnssReceiver(PortSensor[GnssFix]):
         self._fixes = FixAssembler()
         self._headings = HeadingAssembler()
         self._clock = ReceiverClock(latency_s)
+        self._baud = baud
         self._corrections: deque[bytes] = deque()
+        self._injected_bytes, self._injected_s = 0.0, 0.0  # as far as the line has not carried them yet
 
     def inject(self, data: bytes) -> bool:
-        """Send corrections to the receiver; False if too many are waiting. Called in the boat's thread."""
-        if len(self._corrections) >= _MOST_FRAMES:
+        """Send corrections; False beyond what the line carries. Called in the boat's thread."""
+        now_s, rate = self._now(), self._line_bytes_s
+        waiting = max(self._injected_bytes - rate * (now_s - self._injected_s), 0.0)
+        self._injected_bytes, self._injected_s = waiting, now_s
+        if waiting + len(data) > rate * _LONGEST_WAIT_S:
             return False
+        self._injected_bytes += len(data)
         self._corrections.append(data)
         return True
+
+    @property
+    def _line_bytes_s(self) -> float:
+        """What the line to the receiver carries."""
+        return self._baud / _BITS_A_BYTE if self._baud else _NETWORK_BYTES_S
 
     def step(self) -> None:
         """Process received bytes, and send corrections. Never waits."""
         super().step()
         if self.heading is not None:
             self.heading.tick(self._now(), self.notify)
-        while self._corrections and self._may_inject():
+        for _ in range(len(self._corrections)):
             data = self._corrections.popleft()
-            for link in self._links:
+            for link in self._links if self._may_inject() else ():
                 link.send(data)
 
     def _may_inject(self) -> bool:

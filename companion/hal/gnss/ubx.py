@@ -36,10 +36,9 @@ class UbxGnss(GnssReceiver):
         set_baud: Callable[[int], None] | None = None,
     ) -> None:
         """set_baud: changes the baud rate of the port; None if it has none."""
-        super().__init__(port, now, latency_s, heading, _REST_S)
+        super().__init__(port, now, latency_s, heading, setup.baud, _REST_S)
         self.setup = setup
         self.frames = UbxReader()
-        self._baud = setup.baud
         self._set_baud = set_baud
         self._pvt_s = -math.inf
         self._assembler = UbxFixAssembler(latency_s)
