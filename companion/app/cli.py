@@ -12,6 +12,7 @@ from rich.table import Table
 
 from companion import __version__
 from companion.app.composition import check_config, run_boat
+from companion.app.doctor.cli import doctor
 from companion.app.esc_calibration import calibrate_escs as run_calibration
 from companion.app.init.cli import init
 from companion.app.install.cli import install, uninstall
@@ -33,6 +34,7 @@ from companion.persistence.storage import MemoryStorage
 PROGRAM = "boat-companion"
 
 app = program_app("The vehicle: drives the boat and speaks MAVLink to every ground station.")
+app.command()(doctor)
 app.command()(install)
 app.command()(uninstall)
 

@@ -70,9 +70,8 @@ class User:
             if self._name in target.groups():  # userdel removes it where login.defs says so
                 target.run("groupdel", *target.accounts_option(), self._name)
             return
-        members = {name for name, users in target.groups().items() if self._name in users}
-        groups = ",".join(sorted(members - set(self._missing)))
-        target.run("usermod", *target.accounts_option(), "--groups", groups, self._name)
+        groups = ",".join(self._missing)
+        target.run("usermod", *target.accounts_option(), "--remove", "--groups", groups, self._name)
 
     def _lacks(self) -> list[str]:
         members = self._target.groups()
@@ -102,3 +101,29 @@ class NoUser:
     def undo(self) -> None:
         """Make it again."""
         self._user.apply()
+
+
+class Member:
+    """A user is a member of a group."""
+
+    def __init__(self, target: Target, user: str, group: str) -> None:
+        self._target = target
+        self._user = user
+        self._group = group
+
+    def describe(self) -> str:
+        """What it does."""
+        return f"add {self._user} to the group {self._group}"
+
+    def is_done(self) -> bool:
+        """Whether it is one already."""
+        return self._user in self._target.groups().get(self._group, ())
+
+    def apply(self) -> None:
+        """Add it."""
+        self._target.run("usermod", *self._target.accounts_option(), "-aG", self._group, self._user)
+
+    def undo(self) -> None:
+        """Take it out again."""
+        options = [*self._target.accounts_option(), "--remove", "--groups", self._group]
+        self._target.run("usermod", *options, self._user)

@@ -1,0 +1,54 @@
+"""Checks of the boat's user and its service."""
+
+import getpass
+import os
+
+from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.install.accounts import Member, User
+from companion.app.install.plan import GROUPS, STATE, USER
+from companion.app.install.service import Enabled
+
+NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
+
+
+def check_user(examined: Examined) -> Finding:
+    """The service's user and its groups."""
+    target = examined.target
+    user = User(target, USER, GROUPS, STATE)
+    if USER not in target.users():
+        return Finding(
+            "boat's user", Verdict.WARNING, f"there is no user {USER}", "sudo boat-companion install"
+        )
+    if user.is_done():
+        return Finding("boat's user", Verdict.FINE, f"{USER}, in {', '.join(GROUPS)}")
+    text = f"{USER} is not in all of {', '.join(GROUPS)}"
+    return Finding("boat's user", Verdict.FAILED, text, "sudo boat-companion doctor --fix", (user,))
+
+
+def check_own_groups(examined: Examined, user: str) -> Finding:
+    """The groups of whoever runs the doctor."""
+    groups = examined.target.groups()
+    lacks = [name for name in NEEDED if user not in groups.get(name, ())]
+    if user == "root" or not lacks:
+        return Finding("your groups", Verdict.FINE, f"{user} may use pins, I²C and serial ports")
+    steps = tuple(Member(examined.target, user, name) for name in lacks if name in groups)
+    text = f"{user} is not in {', '.join(lacks)}"
+    return Finding("your groups", Verdict.WARNING, text, f"sudo usermod -aG {','.join(lacks)} {user}", steps)
+
+
+def check_service(examined: Examined) -> Finding:
+    """Whether the boat starts with the computer."""
+    if Enabled(examined.target, is_wanted=True).is_done():
+        return Finding("service", Verdict.FINE, "starts with the computer")
+    return Finding(
+        "service", Verdict.WARNING, "does not start with the computer", "sudo boat-companion install"
+    )
+
+
+def account_findings(examined: Examined, user: str = "") -> list[Finding]:
+    """All of them."""
+    return [
+        check_user(examined),
+        check_own_groups(examined, user or os.environ.get("SUDO_USER") or getpass.getuser()),
+        check_service(examined),
+    ]

@@ -1,0 +1,78 @@
+"""`boat-companion doctor`."""
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from companion.app.clock import SystemClock
+from companion.app.composition import check_config
+from companion.app.doctor.accounts import account_findings
+from companion.app.doctor.computer import computer_findings
+from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.motors import nudge_motors
+from companion.app.doctor.parts import is_boat_running, part_findings
+from companion.app.doctor.report import as_json, is_fine, print_table
+from companion.app.doctor.settings import settings_findings
+from companion.app.install.steps import apply_steps
+from companion.app.install.target import Target
+from companion.app.install.unit import CONFIG
+from companion.config.boat_config import BoatConfig, load_config
+from companion.core.errors import BoatError
+
+
+def doctor(
+    config: Annotated[Path | None, typer.Option("--config", "-c", help="The boat's TOML file.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+    fix: Annotated[
+        bool, typer.Option("--fix", help="Correct groups and start-up files, with a copy.")
+    ] = False,
+    motors: Annotated[bool, typer.Option("--motors", help="Turn the motors, after a typed yes.")] = False,
+    root: Annotated[
+        Path, typer.Option(help="Another system's root folder: its files only, no parts.")
+    ] = Path("/"),
+) -> None:
+    """Check the computer, its settings and every configured part. Exit code 1 if something failed.
+
+    Example:  sudo systemctl stop mavboat; boat-companion doctor --motors
+    """
+    if motors and json:
+        raise typer.BadParameter("--motors asks a question; leave out --json")
+    target, clock = Target(root.resolve()), SystemClock()
+    path = config or target.path(CONFIG)
+    found = _read(path)
+    tree = found if isinstance(found, BoatConfig) else BoatConfig()
+    examined = Examined(target, tree)
+    findings = [*computer_findings(examined, time.time()), *account_findings(examined)]
+    findings.append(
+        found
+        if isinstance(found, Finding)
+        else Finding("configuration", Verdict.FINE, f"{path}: {len(tree.links)} links")
+    )
+    findings += settings_findings(examined)
+    if target.is_this_machine:
+        findings += part_findings(examined, clock)
+        if motors and not is_boat_running(examined):
+            findings.append(nudge_motors(tree, clock, typer.prompt, typer.echo))
+    if json:
+        typer.echo(as_json(findings))
+    else:
+        print_table(findings, Console())
+    if fix:
+        apply_steps(
+            [step for finding in findings for step in finding.fix], lambda text: typer.echo(text, err=json)
+        )
+    if not is_fine(findings):
+        raise typer.Exit(1)
+
+
+def _read(path: Path) -> BoatConfig | Finding:
+    try:
+        config = load_config(path)
+        check_config(config)
+    except BoatError as error:
+        cure = "correct the file, or make one with `boat-companion init`"
+        return Finding("configuration", Verdict.FAILED, str(error), cure)
+    return config

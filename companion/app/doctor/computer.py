@@ -1,0 +1,116 @@
+"""Checks of the computer: model, supply, temperature, disk, clock and network."""
+
+import os
+from datetime import UTC, datetime
+from pathlib import Path
+
+from companion.app.doctor.findings import Examined, Finding, Verdict
+
+# Raspberry Pi documentation, vcgencmd get_throttled: these bits now, and 16 higher since the start
+_THROTTLED = {0: "under-voltage", 1: "frequency capped", 2: "throttled", 3: "soft temperature limit"}
+_UNDER_VOLTAGE = 1
+_SINCE_START = 16
+_SUPPLY = "measure 5.0 V at the Pi under load; use a 3 A converter and short, thick leads"
+_HOT_C = 80.0  # the Pi begins to throttle (same source)
+_UNSET_YEAR = 2025  # an older date was not set by anything
+
+
+def check_model(examined: Examined) -> Finding:
+    """Which computer this is."""
+    memory = (examined.read("/proc/meminfo") or "").split("kB")[0].split()
+    size = f", {int(memory[-1]) / 1e6:.1f} GB" if memory and memory[-1].isdigit() else ""
+    if not examined.model:
+        return Finding("computer", Verdict.WARNING, f"no Raspberry Pi{size}", "pins and buses may be missing")
+    return Finding("computer", Verdict.FINE, f"{examined.model}{size}")
+
+
+def check_supply(examined: Examined) -> Finding:
+    """What the firmware says of voltage and throttling."""
+    found = sorted(examined.path("/sys/devices/platform").glob("soc*/*firmware/get_throttled"))
+    text = found[0].read_text(encoding="ascii").strip() if found else ""
+    try:
+        flags = int(text, 16)
+    except ValueError:
+        return Finding("supply", Verdict.SKIPPED, "the firmware does not report voltage and throttling")
+    now = [name for bit, name in _THROTTLED.items() if flags >> bit & 1]
+    before = [name for bit, name in _THROTTLED.items() if flags >> bit + _SINCE_START & 1]
+    if now:
+        verdict = Verdict.FAILED if flags & _UNDER_VOLTAGE else Verdict.WARNING
+        return Finding("supply", verdict, f"now: {', '.join(now)}", _SUPPLY)
+    if before:
+        return Finding("supply", Verdict.WARNING, f"since the start: {', '.join(before)}", _SUPPLY)
+    return Finding("supply", Verdict.FINE, "no under-voltage and no throttling since the start")
+
+
+def check_temperature(examined: Examined) -> Finding:
+    """The processor's temperature."""
+    text = examined.read("/sys/class/thermal/thermal_zone0/temp") or ""
+    if not text.lstrip("-").isdigit():
+        return Finding("temperature", Verdict.SKIPPED, "no thermometer")
+    celsius = int(text) / 1000.0
+    if celsius >= _HOT_C:
+        return Finding(
+            "temperature", Verdict.WARNING, f"{celsius:.0f} °C", "let air reach it, or shade the hull"
+        )
+    return Finding("temperature", Verdict.FINE, f"{celsius:.0f} °C")
+
+
+def check_disk(examined: Examined) -> Finding:
+    """Room for missions and logs."""
+    folder = examined.config.storage.folder
+    if not folder:
+        text = "missions, parameters and logs are not kept over a restart"
+        return Finding("disk", Verdict.WARNING, text, "set storage.folder")
+    path = examined.path(str(Path(folder).expanduser().absolute()))
+    place = next(one for one in (path, *path.parents) if one.exists())
+    status = os.statvfs(place)
+    free_mb = status.f_bavail * status.f_frsize / 1e6
+    if status.f_flag & os.ST_RDONLY:
+        return Finding("disk", Verdict.FAILED, f"{folder} is read-only", "check the card")
+    needed_mb = examined.config.log.min_free_mb
+    if free_mb < needed_mb:
+        text = f"{free_mb:.0f} MB free for {folder}; no log begins below {needed_mb:.0f} MB"
+        return Finding("disk", Verdict.WARNING, text, "delete files, or lower log.min_free_mb")
+    return Finding("disk", Verdict.FINE, f"{free_mb / 1e3:.1f} GB free for {folder}")
+
+
+def check_clock(examined: Examined, unix_s: float) -> Finding:
+    """What sets the date."""
+    date = datetime.fromtimestamp(unix_s, UTC)
+    if examined.path("/run/systemd/timesync/synchronized").exists():
+        return Finding("clock", Verdict.FINE, f"{date:%Y-%m-%d %H:%M} UTC, set by network")
+    has_own = any(examined.path("/sys/class/rtc").glob("rtc*"))
+    if date.year < _UNSET_YEAR:
+        text = f"{date:%Y-%m-%d}, not set; the boat takes the date from its GNSS receiver"
+        return Finding(
+            "clock", Verdict.WARNING, text, "connect to a network once, or fit a clock with a battery"
+        )
+    source = "kept by a clock with a battery" if has_own else "not confirmed by network; logs follow GNSS"
+    return Finding("clock", Verdict.FINE, f"{date:%Y-%m-%d %H:%M} UTC, {source}")
+
+
+def check_network(examined: Examined) -> Finding:
+    """Which interfaces are up."""
+    up = [
+        folder.name
+        for folder in sorted(examined.path("/sys/class/net").glob("*"))
+        if folder.name != "lo"
+        and examined.read(f"/sys/class/net/{folder.name}/operstate") in ("up", "unknown")
+    ]
+    if up:
+        return Finding("network", Verdict.FINE, f"up: {', '.join(up)}")
+    if any(link.url.startswith("serial:") for link in examined.config.link_settings):
+        return Finding("network", Verdict.FINE, "none; a link is on a serial line")
+    return Finding("network", Verdict.FAILED, "no interface is up", "join a Wi-Fi or start an access point")
+
+
+def computer_findings(examined: Examined, unix_s: float) -> list[Finding]:
+    """All of them."""
+    return [
+        check_model(examined),
+        check_supply(examined),
+        check_temperature(examined),
+        check_disk(examined),
+        check_clock(examined, unix_s),
+        check_network(examined),
+    ]

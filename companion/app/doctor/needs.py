@@ -1,0 +1,86 @@
+"""What a configuration needs of the computer."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import PulseOutputSetting
+from companion.config.section import Section
+from companion.links.port_url import parse_port_url
+
+# How a driver is connected. A test compares them with the configuration's: a new driver needs its row here.
+I2C_DRIVERS = frozenset(
+    {
+        "bno055",
+        "qmc5883l",
+        "hmc5883l",
+        "lis3mdl",
+        "mpu6050",
+        "lsm6ds",
+        "ina219",
+        "ina226",
+        "ina228",
+        "ads1115",
+    }
+)
+PORT_DRIVERS = frozenset({"nmea", "ubx", "gpsd", "a02yyuw", "tfmini", "crsf", "ibus", "sbus"})
+OTHER_DRIVERS = frozenset(
+    {"none", "l298n", "tb6612", "bts7960", "drv8833", "esc", "servo", "hcsr04", "jsnsr04t", "host", "gnss"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """By the key that needs them. ports: devices; i2c: parts on the bus; pwm: pins of the Pi's own PWM."""
+
+    ports: Mapping[str, str]
+    i2c: Sequence[str]
+    pwm: Mapping[str, int]
+    stretches_clock: bool  # a part on the bus does
+
+
+def needs_of(config: BoatConfig) -> Needs:
+    """From the drivers that are chosen."""
+    ports: dict[str, str] = {}
+    i2c: list[str] = []
+    pwm: dict[str, int] = {}
+    for key, section in _sections(config):
+        driver = getattr(section, "driver", "")
+        if isinstance(section, PulseOutputSetting):
+            if section.output == "pca9685":
+                i2c.append(key)
+            elif section.output == "hardware":
+                pwm[key] = section.pin
+        elif driver in I2C_DRIVERS:
+            i2c.append(key)
+        elif driver in PORT_DRIVERS:
+            ports[f"{key}.port"] = getattr(section, "port", "")
+    for number, link in enumerate(config.link_settings):
+        url = parse_port_url(link.url)
+        if url.kind == "serial":
+            ports[f"links[{number}]"] = url.place
+    devices = {key: port for key, port in ports.items() if port.startswith("/dev/")}
+    return Needs(devices, i2c, pwm, stretches_clock=config.parts.compass.driver == "bno055")
+
+
+def _sections(config: BoatConfig) -> Iterator[tuple[str, Section]]:
+    for name in config.parts.__struct_fields__:
+        value = getattr(config.parts, name)
+        for number, one in enumerate(value if isinstance(value, tuple) else (value,)):
+            yield from _used(f"parts.{name}[{number}]" if isinstance(value, tuple) else f"parts.{name}", one)
+    yield "rc", config.rc
+    for number, payload in enumerate(config.payload):
+        yield from _used(f"payload[{number}]", payload)
+
+
+def _used(key: str, section: Section) -> Iterator[tuple[str, Section]]:
+    """A section, and its signals as far as they are in use."""
+    driver = getattr(section, "driver", "")
+    yield key, section
+    has_pins = getattr(section, "pin", None) is not None or getattr(section, "out_pin", None) is not None
+    if driver not in ("", "esc", "servo") or has_pins:
+        return
+    for name in section.__struct_fields__:
+        value = getattr(section, name)
+        if isinstance(value, PulseOutputSetting):
+            yield f"{key}.{name}", value

@@ -1,0 +1,110 @@
+"""Checks of the configured parts, one after the other, with their live readings."""
+
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from shutil import which
+from types import MappingProxyType
+from typing import Any, Protocol
+
+from companion.app import parts
+from companion.app.clock import Clock
+from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.readings import in_words
+from companion.app.status_file import RUNTIME_DIRECTORY, find_status, read_status
+from companion.config.boat_config import BoatConfig
+from companion.config.payload import CommandPayload
+from companion.core.errors import BoatError
+from companion.hal.interfaces import ReportingPart
+
+_PATIENCE_S = (
+    10.0  # for a first reading: a BNO055 starts in 0.7 s, a receiver without a fix speaks every second
+)
+_POLL_S = 0.1
+
+
+class LivePart(Protocol):
+    """What every open part can do."""
+
+    def read(self) -> Any: ...  # noqa: ANN401 — each kind has a reading of its own
+    def close(self) -> None: ...
+
+
+Open = Callable[[BoatConfig, Callable[[], float]], LivePart | None]
+
+# By the part's section: below `parts`, or of the file
+PARTS: Mapping[str, Open] = MappingProxyType(
+    {
+        "gnss": parts.open_gnss,
+        "compass": parts.open_compass,
+        "sonar": parts.open_sonar,
+        "battery": parts.open_battery,
+        "hull": parts.open_hull_sensor,
+        "rc": parts.open_rc,
+    }
+)
+
+
+def driver_of(config: BoatConfig, name: str) -> str:
+    """The driver of a part's section."""
+    return str((getattr(config.parts, name, None) or getattr(config, name)).driver)
+
+
+def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock) -> Finding:
+    """Open a part, wait for its first reading, and close it."""
+    driver = driver_of(config, name)
+    if driver == "none":
+        return Finding(name, Verdict.SKIPPED, "not fitted")
+    try:
+        part = open_part(config, clock.now_s)
+    except BoatError as error:
+        return Finding(name, Verdict.FAILED, str(error))
+    if part is None:
+        return Finding(name, Verdict.SKIPPED, "not fitted")
+    give_up_s = clock.now_s() + _PATIENCE_S
+    with closing(part):
+        reading = part.read()
+        while (reading is None or reading == []) and clock.now_s() < give_up_s:
+            clock.sleep(_POLL_S)
+            reading = part.read()
+        texts = [one.text for one in part.take_texts()] if isinstance(part, ReportingPart) else []
+    said = "".join(f"; {text}" for text in texts)
+    if reading is None or reading == []:
+        text = f"{driver}: no reading within {_PATIENCE_S:g} s{said}"
+        return Finding(name, Verdict.FAILED, text, "check its supply, wires, port and baud rate")
+    verdict, words = in_words(reading, config)
+    return Finding(name, verdict, f"{driver}: {words}{said}")
+
+
+def check_payload(config: BoatConfig) -> Finding:
+    """Open the payload's outputs, which puts them in their safe state, and look for the owner's programs."""
+    if not config.payload:
+        return Finding("payload", Verdict.SKIPPED, "not fitted")
+    missing = [
+        one.run[0] for one in config.payload if isinstance(one, CommandPayload) and not which(one.run[0])
+    ]
+    if missing:
+        return Finding("payload", Verdict.FAILED, f"no such programs: {', '.join(missing)}")
+    try:
+        parts.open_payload(config).close()
+    except BoatError as error:
+        return Finding("payload", Verdict.FAILED, str(error))
+    return Finding("payload", Verdict.FINE, ", ".join(one.title for one in config.payload))
+
+
+def is_boat_running(examined: Examined) -> bool:
+    """Whether a boat uses the parts now."""
+    try:
+        process = read_status(find_status(examined.config, examined.target.path(RUNTIME_DIRECTORY))).process
+    except BoatError:
+        return False
+    return examined.path(f"/proc/{process}").exists()
+
+
+def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
+    """All parts except the motors."""
+    if is_boat_running(examined):
+        return [
+            Finding("parts", Verdict.SKIPPED, "the running boat uses them", "sudo systemctl stop mavboat")
+        ]
+    found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
+    return [*found, check_payload(examined.config)]

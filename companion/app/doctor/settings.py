@@ -1,0 +1,132 @@
+"""Checks of the Pi's start-up files and of the devices that follow from them.
+
+`--fix` appends missing lines to config.txt and takes the login prompt off the serial line; the file as it was
+stays beside it.
+"""
+
+import re
+from pathlib import Path
+
+from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.needs import Needs, needs_of
+from companion.app.install.files import FileText
+
+_FOLDERS = ("/boot/firmware", "/boot")  # since Bookworm, and before
+_MAIN_UART = ("/dev/serial0", "/dev/ttyAMA0", "/dev/ttyS0")
+_CONSOLE = re.compile(r"\bconsole=(serial0|ttyAMA0|ttyS0)\S*\s*")
+_SECTION = re.compile(r"\[(.+)\]")
+BACKUP = ".before-doctor"
+_HEAD = "\n[all]\n# added by boat-companion doctor\n"
+
+
+def active_lines(text: str, model: str) -> list[str]:
+    """The settings of config.txt that apply to a model. Known conditions: [all], [none] and [piN]."""
+    number = re.search(r"Raspberry Pi (Zero|\d+)", model)
+    own = f"pi{number[1].lower().replace('zero', '0')}" if number else ""
+    lines, applies = [], True
+    for line in (one.partition("#")[0].strip() for one in text.splitlines()):
+        if section := _SECTION.fullmatch(line):
+            applies = section[1] == "all" or (bool(own) and section[1].startswith(own))
+        elif line and applies:
+            lines.append(line)
+    return lines
+
+
+def wanted_lines(needs: Needs, model: str) -> list[tuple[str, tuple[str, ...]]]:
+    """What config.txt needs: the line that the doctor would add, and beginnings of lines that do as well."""
+    is_5 = "Raspberry Pi 5" in model
+    wanted: list[tuple[str, tuple[str, ...]]] = []
+    if any(port in _MAIN_UART for port in needs.ports.values()):
+        wanted.append(
+            (
+                "dtparam=uart0=on" if is_5 else "enable_uart=1",
+                ("enable_uart=1", "dtparam=uart0", "dtoverlay=uart0"),
+            )
+        )
+    for port in needs.ports.values():
+        if number := re.fullmatch(r"/dev/ttyAMA([1-5])", port):
+            overlay = f"dtoverlay=uart{number[1]}"
+            wanted.append((f"{overlay}-pi5" if is_5 else overlay, (overlay,)))
+    if needs.i2c:
+        wanted.append(("dtparam=i2c_arm=on", ("dtparam=i2c_arm=on", "dtparam=i2c=on")))
+    if needs.stretches_clock:
+        wanted.append(
+            ("dtparam=i2c_arm_baudrate=10000", ("dtparam=i2c_arm_baudrate=", "dtparam=i2c_baudrate="))
+        )
+    if needs.pwm:
+        pins = needs.pwm.values()  # alternate functions: BCM2835 data sheet, table 6-31
+        first = "pin=18,func=2" if 18 in pins else "pin=12,func=4"
+        second = "pin2=19,func2=2" if 19 in pins else "pin2=13,func2=4"
+        wanted.append((f"dtoverlay=pwm-2chan,{first},{second}", ("dtoverlay=pwm",)))
+    return wanted
+
+
+def check_boot_config(examined: Examined) -> list[Finding]:
+    """UART, I²C and PWM in config.txt."""
+    path = _boot_file(examined, "config.txt")
+    if path is None:
+        return [Finding("boot settings", Verdict.SKIPPED, "no config.txt in /boot/firmware or /boot")]
+    text = examined.path(path).read_text(encoding="utf-8", errors="replace")
+    lines = active_lines(text, examined.model)
+    wanted = wanted_lines(needs_of(examined.config), examined.model)
+    missing = [line for line, others in wanted if not any(have.startswith(others) for have in lines)]
+    if not missing:
+        return [Finding("boot settings", Verdict.FINE, f"{path} has what the parts need")]
+    new = text.rstrip("\n") + "\n" + _HEAD + "\n".join(missing) + "\n"
+    return [
+        Finding(
+            "boot settings",
+            Verdict.FAILED,
+            f"{path} lacks {', '.join(missing)}",
+            "add the lines, or run the doctor with --fix; then restart the Pi",
+            _replace(examined, path, text, new, f"with {', '.join(missing)}"),
+        )
+    ]
+
+
+def check_console(examined: Examined) -> list[Finding]:
+    """No login prompt and no kernel messages on a serial line that a part uses."""
+    path = _boot_file(examined, "cmdline.txt")
+    if path is None or not any(port in _MAIN_UART for port in needs_of(examined.config).ports.values()):
+        return []
+    text = examined.path(path).read_text(encoding="utf-8", errors="replace")
+    found = _CONSOLE.search(text)
+    if found is None:
+        return [Finding("serial console", Verdict.FINE, "the serial line is free for the part")]
+    return [
+        Finding(
+            "serial console",
+            Verdict.FAILED,
+            f"{path} has {found[0].strip()}: the kernel writes on a part's line",
+            "remove it, or run the doctor with --fix; then restart the Pi",
+            _replace(examined, path, text, _CONSOLE.sub("", text), "without a serial console"),
+        )
+    ]
+
+
+def check_devices(examined: Examined) -> list[Finding]:
+    """Whether the configured devices exist."""
+    needs = needs_of(examined.config)
+    devices = {port: key for key, port in needs.ports.items()}
+    if needs.i2c:
+        devices["/dev/i2c-1"] = needs.i2c[0]
+    missing = [f"{port} ({key})" for port, key in devices.items() if not examined.path(port).exists()]
+    if missing:
+        cure = "plug it in, correct the configuration, or set up its line in config.txt and restart"
+        return [Finding("devices", Verdict.FAILED, f"missing: {', '.join(missing)}", cure)]
+    return [Finding("devices", Verdict.FINE, f"{len(devices)} configured devices exist")]
+
+
+def settings_findings(examined: Examined) -> list[Finding]:
+    """All of them."""
+    return [*check_boot_config(examined), *check_console(examined), *check_devices(examined)]
+
+
+def _boot_file(examined: Examined, name: str) -> str | None:
+    paths = (f"{folder}/{name}" for folder in _FOLDERS)
+    return next((path for path in paths if examined.path(path).is_file()), None)
+
+
+def _replace(examined: Examined, path: str, old: str, new: str, what: str) -> tuple[FileText, ...]:
+    backup = FileText(examined.target, Path(path + BACKUP), old, "the file as it was", keeps=True)
+    return backup, FileText(examined.target, Path(path), new, what)

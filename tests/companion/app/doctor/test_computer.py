@@ -1,0 +1,120 @@
+"""What the doctor says of the computer, from the files that a Raspberry Pi has."""
+
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from doctor_tree import PI_4, Examine
+
+from companion.app.doctor.computer import (
+    check_clock,
+    check_disk,
+    check_model,
+    check_network,
+    check_supply,
+    check_temperature,
+)
+from companion.app.doctor.findings import Verdict
+from companion.config.boat_config import BoatConfig, StorageSetting
+
+pytest_plugins = ("doctor_fixtures",)
+
+THROTTLED = "/sys/devices/platform/soc/soc:firmware/get_throttled"
+JUNE_2026 = 1_781_000_000.0
+
+
+def test_the_model_and_its_memory(examine: Examine) -> None:
+    memory = "MemTotal:        3884428 kB\nMemFree: 1 kB\n"
+    found = check_model(examine({"/proc/device-tree/model": PI_4, "/proc/meminfo": memory}))
+    assert (found.verdict, found.text) == (Verdict.FINE, "Raspberry Pi 4 Model B Rev 1.4, 3.9 GB")
+
+
+def test_another_computer_is_told(examine: Examine) -> None:
+    assert check_model(examine({})).verdict is Verdict.WARNING
+    assert check_model(examine({"/proc/device-tree/model": "Some Other Board\0"})).verdict is Verdict.WARNING
+
+
+@pytest.mark.parametrize(
+    ("flags", "verdict", "text"),
+    [
+        ("0", Verdict.FINE, "no under-voltage and no throttling since the start"),
+        ("1", Verdict.FAILED, "now: under-voltage"),
+        ("50005", Verdict.FAILED, "now: under-voltage, throttled"),
+        ("8", Verdict.WARNING, "now: soft temperature limit"),
+        ("e0008", Verdict.WARNING, "now: soft temperature limit"),
+        ("50000", Verdict.WARNING, "since the start: under-voltage, throttled"),
+        ("a0000", Verdict.WARNING, "since the start: frequency capped, soft temperature limit"),
+    ],
+)
+def test_the_firmwares_flags_in_words(examine: Examine, flags: str, verdict: Verdict, text: str) -> None:
+    found = check_supply(examine({THROTTLED: f"{flags}\n"}))
+    assert (found.verdict, found.text) == (verdict, text)
+
+
+@pytest.mark.parametrize("files", [{}, {THROTTLED: "no number"}])
+def test_a_firmware_that_tells_nothing_is_no_fault(examine: Examine, files: dict[str, str]) -> None:
+    assert check_supply(examine(files)).verdict is Verdict.SKIPPED
+
+
+@pytest.mark.parametrize(
+    ("text", "verdict"),
+    [
+        ("79900\n", Verdict.FINE),
+        ("80000\n", Verdict.WARNING),
+        ("-5000\n", Verdict.FINE),
+        ("?", Verdict.SKIPPED),
+    ],
+)
+def test_a_hot_processor_is_told(examine: Examine, text: str, verdict: Verdict) -> None:
+    assert check_temperature(examine({"/sys/class/thermal/thermal_zone0/temp": text})).verdict is verdict
+
+
+@pytest.mark.parametrize(
+    ("free_mb", "flags", "verdict"),
+    [
+        (201, 0, Verdict.FINE),
+        (199, 0, Verdict.WARNING),
+        (201, os.ST_RDONLY, Verdict.FAILED),
+    ],
+)
+def test_the_disk_of_missions_and_logs(
+    examine: Examine, monkeypatch: pytest.MonkeyPatch, free_mb: int, flags: int, verdict: Verdict
+) -> None:
+    asked: list[Path] = []
+
+    def statvfs(path: Path) -> SimpleNamespace:
+        asked.append(path)
+        return SimpleNamespace(f_bavail=free_mb * 1000, f_frsize=1000, f_flag=flags)
+
+    examined = examine({"/var/lib/x": ""}, BoatConfig(storage=StorageSetting(folder="/var/lib/mavboat")))
+    monkeypatch.setattr(os, "statvfs", statvfs)
+    assert check_disk(examined).verdict is verdict
+    assert asked == [examined.path("/var/lib")], "the folder is made at the first start"
+
+
+def test_a_boat_that_forgets_is_told(examine: Examine) -> None:
+    assert check_disk(examine({})).verdict is Verdict.WARNING
+
+
+def test_who_sets_the_clock(examine: Examine) -> None:
+    by_network = check_clock(examine({"/run/systemd/timesync/synchronized": ""}), JUNE_2026)
+    assert (by_network.verdict, by_network.text) == (Verdict.FINE, "2026-06-09 10:13 UTC, set by network")
+    unset = check_clock(examine({}), 0.0)
+    assert unset.verdict is Verdict.FINE, "the marker of the network is still there"
+
+
+def test_a_clock_that_nothing_has_set_is_told(examine: Examine) -> None:
+    assert check_clock(examine({}), 86400.0).verdict is Verdict.WARNING
+    assert check_clock(examine({}), JUNE_2026).verdict is Verdict.FINE
+    own = check_clock(examine({"/sys/class/rtc/rtc0/name": "x"}), JUNE_2026)
+    assert own.text.endswith("kept by a clock with a battery")
+
+
+def test_at_least_one_way_to_a_station_is_up(examine: Examine) -> None:
+    down = {"/sys/class/net/lo/operstate": "unknown\n", "/sys/class/net/wlan0/operstate": "down\n"}
+    assert check_network(examine(down)).verdict is Verdict.FAILED
+    radio = BoatConfig(links=("serial:/dev/ttyUSB0:57600",))
+    assert check_network(examine(down, radio)).verdict is Verdict.FINE
+    up = check_network(examine({**down, "/sys/class/net/wlan1/operstate": "up\n"}))
+    assert (up.verdict, up.text) == (Verdict.FINE, "up: wlan1")

@@ -1,0 +1,232 @@
+"""The configured parts one after the other, through the functions that open them on the boat."""
+
+import inspect
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import get_args
+
+import gpiozero
+import pytest
+from doctor_tree import Examine
+from fake_clock import FakeClock
+from msgspec import json
+from twins.pins import PinBoard
+
+from companion.app import parts
+from companion.app.clock import SystemClock
+from companion.app.doctor.findings import Verdict
+from companion.app.doctor.motors import nudge_motors
+from companion.app.doctor.parts import PARTS, LivePart, check_part, check_payload, part_findings
+from companion.app.doctor.readings import WORDS, in_words
+from companion.app.status_file import BoatStatus
+from companion.config.boat_config import BoatConfig
+from companion.config.drive import DriveSetting
+from companion.config.parts import HullPart, MotorsPart, Parts
+from companion.config.payload import CommandPayload
+from companion.core.errors import HardwareError
+from companion.core.geo import LatLon
+from companion.core.status_text import Severity, StatusText
+from companion.hal import interfaces
+from companion.router.status import LinksStatus
+from companion.sensors.readings import (
+    BatteryReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    RcReading,
+    SonarReading,
+)
+
+pytest_plugins = ("doctor_fixtures",)
+
+FITTED = BoatConfig(parts=Parts(hull=HullPart(driver="host")))
+
+
+class Part:
+    """Answers after some reads."""
+
+    def __init__(self, reading: object, after: int = 0, texts: tuple[str, ...] = ()) -> None:
+        self.reading, self.after, self.texts = reading, after, texts
+        self.closed = 0
+
+    def read(self) -> object:
+        self.after -= 1
+        return self.reading if self.after < 0 else None
+
+    def take_texts(self) -> list[StatusText]:
+        texts, self.texts = [StatusText(Severity.WARNING, text) for text in self.texts], ()
+        return texts
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+def opening(part: LivePart | None) -> Callable[[BoatConfig, Callable[[], float]], LivePart | None]:
+    return lambda config, now: part
+
+
+def test_every_part_that_the_boat_can_open_is_checked() -> None:
+    openers = {
+        opened for name, opened in inspect.getmembers(parts, inspect.isfunction) if name.startswith("open_")
+    }
+    apart = {parts.open_hardware, parts.open_motors, parts.open_rudder, parts.open_payload}
+    own = {opener for opener in openers if opener.__module__ == parts.__name__}
+    assert set(PARTS.values()) == own - apart
+
+
+def test_every_kind_of_reading_has_its_words() -> None:
+    sensors = (getattr(interfaces, name) for name in vars(interfaces))
+    readings = {get_args(one)[0] for one in sensors if getattr(one, "__origin__", None) is interfaces.Sensor}
+    assert readings <= set(WORDS)
+
+
+def test_a_part_is_waited_for_and_closed() -> None:
+    part = Part(HullReading(0.0, is_wet=False, temperature_c=41.2), after=20, texts=("set up again",))
+    found = check_part("hull", opening(part), FITTED, FakeClock())
+    assert (found.verdict, found.text) == (Verdict.FINE, "host: dry, 41 °C; set up again")
+    assert part.closed == 1
+
+
+@pytest.mark.parametrize("reading", [None, []])
+def test_a_silent_part_fails(reading: object) -> None:
+    part, clock = Part(reading), FakeClock()
+    found = check_part("hull", opening(part), FITTED, clock)
+    assert (found.verdict, found.text) == (Verdict.FAILED, "host: no reading within 10 s")
+    assert 10.0 <= clock.time_s < 10.5
+    assert part.closed == 1
+
+
+def test_a_part_that_does_not_open_fails_in_its_own_words() -> None:
+    def fail(config: BoatConfig, now: Callable[[], float]) -> LivePart:
+        raise HardwareError("INA219: no answer at I²C address 0x40")
+
+    found = check_part("hull", fail, FITTED, FakeClock())
+    assert (found.verdict, found.text) == (Verdict.FAILED, "INA219: no answer at I²C address 0x40")
+
+
+def test_a_part_that_is_not_fitted_is_left_out() -> None:
+    def fail(config: BoatConfig, now: Callable[[], float]) -> LivePart:
+        raise AssertionError("opened")
+
+    for name in PARTS:
+        assert check_part(name, fail, BoatConfig(), FakeClock()).verdict is Verdict.SKIPPED
+
+
+def test_the_thermometer_of_the_computer_through_its_own_driver(examine: Examine, tmp_path: Path) -> None:
+    thermometer = tmp_path / "temp"
+    thermometer.write_text("48250\n", encoding="ascii")
+    config = BoatConfig(parts=Parts(hull=HullPart(driver="host", thermometer=str(thermometer))))
+    findings = part_findings(examine({}, config), SystemClock())
+    found = [one for one in findings if one.verdict is not Verdict.SKIPPED]
+    assert [(one.name, one.verdict, one.text) for one in found] == [
+        ("hull", Verdict.FINE, "host: no leak switch, 48 °C")
+    ]
+
+
+def test_the_parts_of_a_running_boat_are_left_to_it(examine: Examine) -> None:
+    status = BoatStatus(4711, 0.1, 1, 0, 0, 0.0, LinksStatus(0.0, (), 0, 0, 0, 0))
+    files = {"/run/mavboat/status.json": json.encode(status).decode(), "/proc/4711/comm": "boat-companion"}
+    (found,) = part_findings(examine(files, FITTED), FakeClock())
+    assert (found.verdict, found.cure) == (Verdict.SKIPPED, "sudo systemctl stop mavboat")
+
+
+PLACE = LatLon(50.0, -1.2)
+
+
+@pytest.mark.parametrize(
+    ("reading", "verdict", "text"),
+    [
+        (
+            GnssFix(0.0, PLACE, 3, 9, 0.94),
+            Verdict.FINE,
+            "3-D fix, 9 satellites, HDOP 0.9, 50.000000 -1.200000",
+        ),
+        (GnssFix(0.0, PLACE, 1, 3, 99.0), Verdict.WARNING, "no fix, 3 satellites; not enough to arm"),
+        (HeadingReading(0.0, math.radians(-90.0)), Verdict.FINE, "heading 270° true"),
+        (
+            HeadingReading(0.0, 0.1, 0.01, 0.02, -0.02, is_magnetic=True),
+            Verdict.FINE,
+            "heading 6° magnetic, turning +0.6°/s, roll 1°, pitch -1°",
+        ),
+        (BatteryReading(0.0, 12.31, 0.4), Verdict.FINE, "12.31 V, 0.40 A"),
+        (
+            BatteryReading(0.0, 9.0),
+            Verdict.WARNING,
+            "9.00 V, current not measured; below arming.battery_min_v = 10.5 V",
+        ),
+        (HullReading(0.0, is_wet=True, temperature_c=50.0), Verdict.FAILED, "WATER, 50 °C"),
+        (RcReading(0.0, (1500, 1000), rssi_dbm=-60.0), Verdict.FINE, "channels 1500 1000 µs, -60 dBm"),
+        (RcReading(0.0, (), is_failsafe=True), Verdict.WARNING, "receiver answers, transmitter off"),
+        ([SonarReading(0.0, 0.0, None)], Verdict.FINE, "1 pings, no echo within 4.0 m"),
+        (
+            [SonarReading(0.0, 0.0, 2.0), SonarReading(0.0, -0.5, 1.25)],
+            Verdict.FINE,
+            "nearest echo 1.25 m 29° to port",
+        ),
+    ],
+)
+def test_readings_in_words(reading: object, verdict: Verdict, text: str) -> None:
+    assert in_words(reading, BoatConfig()) == (verdict, text)
+
+
+# Motors
+
+
+@pytest.fixture
+def board(monkeypatch: pytest.MonkeyPatch) -> PinBoard:
+    board = PinBoard()
+    monkeypatch.setattr(gpiozero.Device, "pin_factory", board.factory)
+    return board
+
+
+BRIDGED = BoatConfig(parts=Parts(motors=MotorsPart(driver="l298n")))
+
+
+def test_each_motor_turns_both_ways_after_a_typed_yes(board: PinBoard) -> None:
+    said: list[str] = []
+    found = nudge_motors(BRIDGED, FakeClock(), lambda question: "yes", said.append)
+    assert found.verdict is Verdict.FINE
+    assert said == [
+        "  left motor ahead",
+        "  left motor astern",
+        "  right motor ahead",
+        "  right motor astern",
+    ]
+    pins = BRIDGED.parts.motors
+    legs = (pins.left_forward, pins.left_backward, pins.right_forward, pins.right_backward)
+    assert [change.pin for change in board.history if change.pin in legs and change.value] == list(legs)
+    assert max(change.value for change in board.history if change.pin not in legs) <= 0.5, "full drive"
+    last = {change.pin: change.value for change in board.history}
+    assert not any(last.values())
+
+
+@pytest.mark.parametrize("answer", ["", "y", "Yes!", "no"])
+def test_without_the_word_no_motor_turns(board: PinBoard, answer: str) -> None:
+    found = nudge_motors(BRIDGED, FakeClock(), lambda question: answer, lambda _: None)
+    assert found.verdict is Verdict.SKIPPED
+    assert board.history == []
+
+
+def test_one_motor_is_turned_once(board: PinBoard) -> None:
+    said: list[str] = []
+    single = BoatConfig(parts=BRIDGED.parts, drive=DriveSetting(layout="rudder"))
+    nudge_motors(single, FakeClock(), lambda question: "yes", said.append)
+    assert said == ["  motor ahead", "  motor astern"]
+
+
+def test_motors_that_do_not_open_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(config: BoatConfig, now: Callable[[], float]) -> None:
+        raise HardwareError("L298N: the pins cannot be opened")
+
+    monkeypatch.setattr(parts, "open_motors", fail)
+    found = nudge_motors(BRIDGED, FakeClock(), lambda question: "yes", lambda _: None)
+    assert (found.verdict, found.text) == (Verdict.FAILED, "L298N: the pins cannot be opened")
+
+
+def test_a_program_of_the_owners_that_is_missing_is_named() -> None:
+    payload = (CommandPayload(number=1, run=("/opt/no/such/program",)),)
+    found = check_payload(BoatConfig(payload=payload))
+    assert (found.verdict, found.text) == (Verdict.FAILED, "no such programs: /opt/no/such/program")
+    there = check_payload(BoatConfig(payload=(CommandPayload(number=1, run=("/bin/true",)),)))
+    assert there.verdict is Verdict.FINE

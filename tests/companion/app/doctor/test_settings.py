@@ -1,0 +1,159 @@
+"""The Pi's start-up files: what the doctor misses in them, and how it adds it."""
+
+from typing import Any, get_args, get_origin, get_type_hints
+
+import pytest
+from doctor_tree import PI_4, Examine
+
+from companion.app.doctor.findings import Verdict
+from companion.app.doctor.needs import I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, needs_of
+from companion.app.doctor.settings import (
+    BACKUP,
+    active_lines,
+    check_boot_config,
+    check_console,
+    check_devices,
+)
+from companion.app.install.steps import apply_steps
+from companion.config.boat_config import BoatConfig
+from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
+from companion.config.parts import RudderPart as Rudder
+from companion.config.payload import GripperPayload, ServoPayload
+from companion.config.rc import Rc
+
+pytest_plugins = ("doctor_fixtures",)
+
+PI_5 = "Raspberry Pi 5 Model B Rev 1.0\0"
+CONFIG_TXT = "/boot/firmware/config.txt"
+CMDLINE = "/boot/firmware/cmdline.txt"
+STOCK = "# For more options see ...\n#dtparam=i2c_arm=on\ndtparam=audio=on\n[cm4]\notg_mode=1\n[all]\n"
+KIT = BoatConfig(
+    links=("tcpin:0.0.0.0:5760", "serial:/dev/ttyUSB0:57600"),
+    parts=Parts(
+        motors=MotorsPart(driver="l298n"),
+        gnss=GnssPart(driver="nmea"),
+        compass=CompassPart(driver="bno055"),
+        battery=BatteryPart(driver="ina219"),
+    ),
+    rc=Rc(driver="crsf", port="/dev/ttyAMA4"),
+)
+ESC = BoatConfig(
+    parts=Parts(
+        motors=MotorsPart(driver="esc", right=PulseOutputSetting(output="pca9685", channel=1)),
+        rudder=Rudder(driver="servo", signal=PulseOutputSetting(pin=19)),
+    ),
+    payload=(GripperPayload(pin=4), ServoPayload(number=5, signal=PulseOutputSetting(pin=18))),
+)
+
+
+def driver_fields(kind: Any, seen: set[type]) -> set[str]:  # noqa: ANN401
+    """All drivers that a configuration can name."""
+    if get_origin(kind) is None and isinstance(kind, type) and hasattr(kind, "__struct_fields__"):
+        if kind in seen:
+            return set()
+        seen.add(kind)
+        drivers: set[str] = set()
+        for name, hint in get_type_hints(kind).items():
+            is_driver = name in ("driver", "imu")
+            drivers |= set(get_args(hint)) if is_driver else driver_fields(hint, seen)
+        return drivers
+    return set().union(*(driver_fields(one, seen) for one in get_args(kind)))
+
+
+def test_every_driver_is_said_to_be_on_the_bus_on_a_port_or_elsewhere() -> None:
+    assert driver_fields(BoatConfig, set()) == I2C_DRIVERS | PORT_DRIVERS | OTHER_DRIVERS
+
+
+def test_what_a_configuration_needs() -> None:
+    needs = needs_of(KIT)
+    ports = {"parts.gnss.port": "/dev/serial0", "rc.port": "/dev/ttyAMA4", "links[1]": "/dev/ttyUSB0"}
+    assert needs.ports == ports
+    assert needs.i2c == ["parts.compass", "parts.battery"]
+    assert needs.pwm == {}, "a bridge has no servo signals"
+    assert needs.stretches_clock
+    needs = needs_of(ESC)
+    assert needs.i2c == ["parts.motors.right"]
+    assert needs.pwm == {"parts.motors.left": 12, "parts.rudder.signal": 19, "payload[1].signal": 18}
+    assert not needs_of(BoatConfig()).ports
+
+
+def test_conditions_of_config_txt_are_followed() -> None:
+    text = "a=1 # why\n[pi4]\nb=2\n[pi5]\nc=3\n[none]\nd=4\n[all]\ne=5\n[EDID=x]\nf=6\n"
+    assert active_lines(text, "Raspberry Pi 4 Model B Rev 1.4") == ["a=1", "b=2", "e=5"]
+    assert active_lines(text, "Raspberry Pi 5 Model B Rev 1.0") == ["a=1", "c=3", "e=5"]
+    assert active_lines("[pi02]\nz=1\n[pi0]\ny=1\n", "Raspberry Pi Zero 2 W Rev 1.0") == ["z=1", "y=1"]
+    assert active_lines(text, "") == ["a=1", "e=5"]
+
+
+@pytest.mark.parametrize(
+    ("model", "config", "lines"),
+    [
+        (
+            PI_4,
+            KIT,
+            ["enable_uart=1", "dtoverlay=uart4", "dtparam=i2c_arm=on", "dtparam=i2c_arm_baudrate=10000"],
+        ),
+        (
+            PI_5,
+            KIT,
+            [
+                "dtparam=uart0=on",
+                "dtoverlay=uart4-pi5",
+                "dtparam=i2c_arm=on",
+                "dtparam=i2c_arm_baudrate=10000",
+            ],
+        ),
+        (PI_4, ESC, ["dtparam=i2c_arm=on", "dtoverlay=pwm-2chan,pin=18,func=2,pin2=19,func2=2"]),
+    ],
+)
+def test_missing_lines_are_named_and_added_beside_a_copy_of_the_file(
+    examine: Examine, model: str, config: BoatConfig, lines: list[str]
+) -> None:
+    examined = examine({"/proc/device-tree/model": model, CONFIG_TXT: STOCK}, config)
+    (found,) = check_boot_config(examined)
+    assert found.verdict is Verdict.FAILED
+    assert found.text == f"{CONFIG_TXT} lacks {', '.join(lines)}"
+    apply_steps(found.fix, lambda _: None)
+    text = examined.read(CONFIG_TXT) or ""
+    assert text.startswith(STOCK)
+    assert active_lines(text, examined.model)[-len(lines) :] == lines
+    assert examined.path(CONFIG_TXT + BACKUP).read_text(encoding="utf-8") == STOCK
+    (found,) = check_boot_config(examined)
+    assert found.verdict is Verdict.FINE
+
+
+def test_the_first_copy_is_kept(examine: Examine) -> None:
+    examined = examine({CONFIG_TXT: "b=2\n", CONFIG_TXT + BACKUP: "a=1\n"}, KIT)
+    apply_steps(check_boot_config(examined)[0].fix, lambda _: None)
+    assert examined.read(CONFIG_TXT + BACKUP) == "a=1"
+
+
+@pytest.mark.parametrize(
+    "console", ["console=serial0,115200 ", "console=ttyAMA0,115200n8 ", "console=ttyS0 "]
+)
+def test_a_console_on_the_receivers_line_is_taken_off(examine: Examine, console: str) -> None:
+    rest = "console=tty1 root=PARTUUID=1-02 rootwait\n"
+    examined = examine({CMDLINE: console + rest}, KIT)
+    (found,) = check_console(examined)
+    assert found.verdict is Verdict.FAILED
+    apply_steps(found.fix, lambda _: None)
+    assert examined.path(CMDLINE).read_text(encoding="utf-8") == rest
+    (found,) = check_console(examined)
+    assert found.verdict is Verdict.FINE
+
+
+def test_a_console_disturbs_no_boat_without_parts_there(examine: Examine) -> None:
+    assert check_console(examine({CMDLINE: "console=serial0,115200\n"})) == []
+
+
+def test_bullseye_keeps_its_files_elsewhere_and_other_computers_have_none(examine: Examine) -> None:
+    assert check_boot_config(examine({}, KIT))[0].verdict is Verdict.SKIPPED
+    (found,) = check_boot_config(examine({"/boot/config.txt": STOCK}, KIT))
+    assert found.text.startswith("/boot/config.txt lacks")
+
+
+def test_missing_devices_are_named_with_their_keys(examine: Examine) -> None:
+    (found,) = check_devices(examine({"/dev/serial0": "", "/dev/ttyUSB0": ""}, KIT))
+    assert found.text == "missing: /dev/ttyAMA4 (rc.port), /dev/i2c-1 (parts.compass)"
+    (found,) = check_devices(examine({"/dev/ttyAMA4": "", "/dev/i2c-1": ""}, KIT))
+    assert (found.verdict, found.text) == (Verdict.FINE, "4 configured devices exist")
