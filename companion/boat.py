@@ -77,6 +77,7 @@ class Boat:
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
         camera = self.parameters.config.camera
         self.channels = Channels(ports, own, (camera.component,) if camera.is_fitted else ())
+        self.vehicle.compass_fault = self.sensors.compass_fault
         self.signing = SigningStore(storage, unix_offset_s)
         for port in ports:
             if isinstance(port, ConfiguredPort) and port.policy.setting.signing != "off":
@@ -92,9 +93,8 @@ class Boat:
             channels=self.channels.open,
             motor_test=self.motor_test,
             calibration=self.calibration,
-            external=self.sensors.external,
-            gauge=self.sensors.gauge,
             corrections=hardware.corrections,
+            sensors=self.sensors,
             faults=hardware.faults,
             take_snapshot=self.take_snapshot,
             payload=self.payload,

@@ -48,6 +48,12 @@ def roll_pitch(down: Vector) -> tuple[float, float]:
     return math.atan2(down[1], down[2]), math.asin(clamp(-down[0], -1.0, 1.0))
 
 
+def down_axis(roll_rad: float, pitch_rad: float) -> Vector:
+    """The unit vector down in body axes."""
+    cos = math.cos(pitch_rad)
+    return -math.sin(pitch_rad), cos * math.sin(roll_rad), cos * math.cos(roll_rad)
+
+
 def level_field(field: Vector, down: Vector) -> Vector | None:
     """The field in level axes that point where the bow points: ahead, to starboard, down.
 
@@ -115,8 +121,10 @@ class AttitudeFilter:
         if self.heading_rad is not None:
             self.heading_rad = wrap_pi(self.heading_rad + self.yaw_rate_rad_s * dt_s)
 
-    def point(self, field: Vector, time_s: float) -> None:
-        """Correct the heading by a field in body axes, without the boat's own iron."""
+    def point(self, field: Vector, time_s: float, *, is_calibrated: bool = True) -> None:
+        """Correct the heading by a field in body axes. Without a calibration for iron it does not turn as the
+        boat does, and only the first seconds, at rest, tell the gyro's bias.
+        """
         measured_rad = magnetic_heading(field, self.down)
         dt_s, self._pointed_s = time_s - self._pointed_s, time_s
         if measured_rad is None:
@@ -127,6 +135,8 @@ class AttitudeFilter:
         error_rad = wrap_pi(measured_rad - self.heading_rad)
         gain = 1.0 / HEADING_TIME_S
         self.heading_rad = wrap_pi(self.heading_rad + error_rad * min(gain * dt_s, 1.0))
+        if not is_calibrated and not self.is_settling:
+            return
         down = self.down
         ahead = (-error_rad * down[0], -error_rad * down[1], -error_rad * down[2])
         self._learn(ahead, gain * dt_s, _YAW_BIAS_S)

@@ -49,6 +49,9 @@ class MotorLoad(Struct, frozen=True):
         return self.current_a or 0.0 if source == BY_CURRENT else 0.0
 
 
+NO_LOAD: Final = MotorLoad()
+
+
 class FieldCorrector:
     """The live correction: set by the boat's thread, used by the driver's. Both attributes are replaced
     whole.

@@ -1,5 +1,7 @@
 """All sensors and their external substitutes, read once a tick."""
 
+import math
+
 from companion.config.boat_config import BoatConfig, Trim
 from companion.config.parts import CompassPart
 from companion.core.state import STOPPED, MotorCommand
@@ -7,6 +9,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import Hardware
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
+from companion.sensors.attitude import down_axis, level_field
 from companion.sensors.charge import cells_fault
 from companion.sensors.earth_field import EarthFieldModel
 from companion.sensors.external import ExternalSensors
@@ -23,6 +26,7 @@ from companion.sensors.readings import (
 from companion.sensors.silence import SilenceMonitor
 
 _FIX_2D = 2
+_FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
 BATTERY_STALE_S = 3.0  # thirty readings of a monitor
 SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
@@ -47,6 +51,7 @@ class SensorSuite:
         self.earth = EarthFieldModel()
         self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
+        self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._hardware = hardware
         self._sector: Sector = ALL_ROUND
 
@@ -71,6 +76,22 @@ class SensorSuite:
         reading, fix = self.compass, self.fix
         if reading is not None and reading.is_magnetic and fix is not None and fix.fix_type >= _FIX_2D:
             self.notices += self.earth.update(fix.position, unix_s)
+
+    def compass_fault(self) -> str:
+        """Why the headings of a bare magnetometer cannot be trusted, empty if they can."""
+        field, reading, earth = self.field, self.compass, self.earth.field
+        if field is None:
+            return ""
+        if not field.correction.is_calibrated:
+            return "not calibrated: start its calibration and turn the boat"
+        if reading is None or reading.field_mg is None or earth is None:
+            return ""
+        down = down_axis(reading.roll_rad or 0.0, reading.pitch_rad or 0.0)
+        level = level_field(field.correct(reading.field_mg), down)
+        strength_mg = 0.0 if level is None else math.hypot(level[0], level[1])
+        if _FIELD_RATIO[0] < strength_mg / earth.horizontal_mg < _FIELD_RATIO[1]:
+            return ""
+        return f"field of {strength_mg:.0f} mG, not {earth.horizontal_mg:.0f}: iron near, or calibrate again"
 
     def point_sonar(self, sector: Sector) -> None:
         """Set the sector of the boat's own ranger."""

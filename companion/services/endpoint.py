@@ -20,9 +20,8 @@ from companion.payload.control import PayloadControl
 from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import FolderStorage, Storage
 from companion.router.channel import Channel
-from companion.sensors.external import ExternalSensors
-from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
+from companion.sensors.suite import SensorSuite
 from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
 from companion.services.camera.component import CameraComponent
@@ -82,8 +81,7 @@ class Endpoint:
         channels: Mapping[int, Channel],
         motor_test: MotorTest,
         calibration: CalibrationRunner,
-        external: ExternalSensors,
-        gauge: FuelGauge,
+        sensors: SensorSuite,
         take_snapshot: TakeSnapshot,
         payload: PayloadControl,
         corrections: CorrectionInput | None = None,
@@ -108,7 +106,7 @@ class Endpoint:
         self._time = TimeService(self.outbox)
         self._addresses = AddressCheck(channels, self.outbox, self.texts)
         self._pose = ExternalPoseService(
-            external, vehicle, parameters, self.outbox, self.texts, self._time.to_own_clock
+            sensors.external, vehicle, parameters, self.outbox, self.texts, self._time.to_own_clock
         )
         self._listings = ParameterService(parameters, self.outbox, self.texts, vehicle.data_losses)
         self._commands = CommandService(
@@ -120,7 +118,7 @@ class Endpoint:
             self.texts,
             self._pose,
             calibration,
-            gauge,
+            sensors,
             payload,
             faults,
         )

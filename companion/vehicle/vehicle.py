@@ -1,6 +1,6 @@
 """The vehicle: mode, arming, home, mission and failsafes. Requests go in, an intent comes out each tick."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -58,6 +58,7 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
+        self.compass_fault: Callable[[], str] = lambda: ""  # why its headings cannot be trusted
         self.is_returning_from_mission = False  # in RTL, as the mission's last item
         self.is_restarting = False  # the program restarts soon: no arming
         self.is_resuming = False  # by itself after a power loss; selecting a mode or disarming ends that
@@ -216,6 +217,8 @@ class Vehicle:
         faults = sensor_faults(config.arming, config.motors, mode, self.nav, self.fix, self.battery)
         if config.arming.check:
             is_lost = bool(self.data_losses.text(FENCE))
+            if mode.needs_position and (fault := self.compass_fault()):
+                faults.append(f"Compass: {fault}")
             faults += fence_faults(mode, is_outside=self.is_outside, is_lost=is_lost)
         if fault := rc_fault(self.manual_input, config, self._now_s):
             faults.append(fault)

@@ -110,6 +110,7 @@ class Electronics:
             rc=self.rc,
             rudder=self.rudder,
             payload=self.payload.parts,
+            field=self._compass.corrector,
         )
 
     def sample(self, truth: "Truth", wave_m: float = 0.0) -> None:

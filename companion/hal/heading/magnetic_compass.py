@@ -112,7 +112,8 @@ class MagneticCompass(BackgroundSensor[HeadingReading]):
             return False
         self._field, self._field_s = times(self._field_axes, field), now_s
         if self._inertial is not None:
-            self._filter.point(self._corrector.correct(self._field), now_s)
+            is_calibrated = self._corrector.correction.is_calibrated
+            self._filter.point(self._corrector.correct(self._field), now_s, is_calibrated=is_calibrated)
         return True
 
     def _publish(self, now_s: float) -> None:

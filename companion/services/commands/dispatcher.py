@@ -12,8 +12,8 @@ from companion.calibration.runner import CalibrationRunner
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.control import PayloadControl
-from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.readings import HeadingReading
+from companion.sensors.suite import SensorSuite
 from companion.services.commands.battery import reset_battery
 from companion.services.commands.calibration_runs import CalibrationCommands
 from companion.services.commands.command import (
@@ -25,6 +25,7 @@ from companion.services.commands.command import (
     UNSUPPORTED,
     Command,
 )
+from companion.services.commands.compass import CompassCommands
 from companion.services.commands.faults import inject_fault
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
@@ -68,7 +69,7 @@ class CommandService:
         texts: StatusTextService,
         pose: ExternalPoseService,
         calibration: CalibrationRunner,
-        gauge: FuelGauge,
+        sensors: SensorSuite,
         payload: PayloadControl,
         faults: FaultInjector | None = None,
     ) -> None:
@@ -76,13 +77,17 @@ class CommandService:
         self._outbox = outbox
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
-        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, texts, self._send_later)
+        self._compass = CompassCommands(vehicle, sensors, parameters, texts, outbox)
+        self._upkeep = MaintenanceCommands(
+            vehicle, motor_test, parameters, texts, self._send_later, self._compass
+        )
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
             **self._upkeep.table,
-            dialect.MAV_CMD_BATTERY_RESET: lambda command: reset_battery(command, vehicle, gauge, texts),
+            **self._compass.table,
+            dialect.MAV_CMD_BATTERY_RESET: lambda one: reset_battery(one, vehicle, sensors.gauge, texts),
             **self._calibration.table,
             **VehicleCommands(vehicle, parameters, texts).table,
             **payload_commands(payload, texts),
@@ -123,6 +128,7 @@ class CommandService:
     def forget(self, channel: int) -> None:
         """A channel has closed."""
         self._upkeep.forget(channel)
+        self._compass.forget(channel)
 
     def handle(self, command: Command) -> None:
         """Execute and acknowledge a command, then send the requested messages."""
@@ -155,6 +161,9 @@ class CommandService:
         result = self._upkeep.tick(heading, now_s)
         if result is None:
             result = self._calibration.tick()
+        motors_result = self._compass.tick(now_s)
+        if result is None:
+            result = motors_result
         slow = self._slow
         if slow is None:
             return
@@ -165,6 +174,8 @@ class CommandService:
             job, percent = self._upkeep.calibration, self._calibration.progress_percent(now_s)
             if job is not None:
                 percent = job.progress_percent(now_s)
+            elif self._compass.is_measuring_motors:
+                percent = self._compass.motors_percent(now_s)
             if percent is not None:
                 self._progress_s = now_s + _PROGRESS_S
                 self._answer(slow, IN_PROGRESS, percent)

@@ -20,6 +20,7 @@ from companion.services.commands.command import (
     Command,
     SendLater,
 )
+from companion.services.commands.compass import CompassCommands
 from companion.services.commands.gyro_calibration import GyroCalibration
 from companion.services.outbox import Origin
 from companion.services.parameters import ParameterService
@@ -51,6 +52,7 @@ class MaintenanceCommands:
         parameters: ParameterService,
         texts: StatusTextService,
         send_later: SendLater,
+        compass: CompassCommands,
     ) -> None:
         self.restart_due_s = math.inf
         self.calibration: GyroCalibration | None = None  # in progress, or just ended
@@ -60,6 +62,7 @@ class MaintenanceCommands:
         self._parameters = parameters
         self._texts = texts
         self._send_later = send_later
+        self._compass = compass
         self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_seen_s = -math.inf
         self.table: dict[int, Callable[[Command], int]] = {
@@ -149,11 +152,15 @@ class MaintenanceCommands:
         wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
         if not any(wanted):
             radio.calibrated_until_s = -math.inf
+            if self._compass.is_measuring_motors:
+                return self._compass.cancel_motors()
             if self.calibration is None:
                 return ACCEPTED
             return self.cancel()
         if wanted[3] and radio.is_fitted and not any(wanted[:3] + wanted[4:]):
             return self._calibrate_radio(command.now_s)
+        if wanted[5] == 1.0 and self._compass.is_fitted and not any(wanted[:5]):
+            return self._compass.measure_motors(command)
         for reason, is_wanted in zip(_NOTHING_TO_CALIBRATE, wanted[1:], strict=True):
             if is_wanted:
                 return self._report(UNSUPPORTED, reason)

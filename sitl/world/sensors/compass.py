@@ -5,8 +5,12 @@ import math
 import msgspec
 
 from companion.core.units import wrap_pi
+from companion.core.vectors import Vector
+from companion.sensors.attitude import magnetic_heading
+from companion.sensors.magnetic_field import FieldCorrector
 from companion.sensors.readings import HeadingReading
 from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.magnetic_field import BodyField
 from sitl.world.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import CompassSettings
@@ -37,6 +41,12 @@ class SimCompass(Sensor[HeadingReading]):
         )
         self._motor_rad_per_a = radians(settings.motor_deg_per_a)
         self._motor_at_rad = radians(settings.motor_at_deg)
+        self.corrector: FieldCorrector | None = None
+        self._field: BodyField | None = None
+        if settings.magnetometer_mg:
+            self.corrector = FieldCorrector()
+            self._field = BodyField(settings, lambda: NORMAL[int(NORMALS * self._random.random())])
+            self._bias_rad = radians(settings.bias_deg) + correction_rad
         self._is_magnetic = bool(self._hard_rad or self._soft_rad or self._motor_rad_per_a)
         # Heading error on a northerly course, per m/s² to starboard
         self._tilt_rad_s2_m = settings.turn_tilt_share * math.tan(radians(settings.dip_deg)) / _GRAVITY_M_S2
@@ -78,12 +88,27 @@ class SimCompass(Sensor[HeadingReading]):
             + self._gyro_bias
             + self._gyro_noise * NORMAL[int(NORMALS * random())],
         )
+        if self._field is not None and self.corrector is not None:
+            field = self._field.at(heading_rad, motor_current_a)
+            reading = self._of_field(reading, field, self.corrector.correct(field))
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading
         else:
             faulty = self._with_faults(reading, now_s)
             if faulty is not None:
                 self._latest = faulty
+
+    def _of_field(self, reading: HeadingReading, measured: Vector, corrected: Vector) -> HeadingReading:
+        """The reading of a bare magnetometer on a level boat."""
+        heading_rad = magnetic_heading(corrected, (0.0, 0.0, 1.0)) or 0.0
+        return msgspec.structs.replace(
+            reading,
+            heading_rad=wrap_pi(heading_rad + self._bias_rad),
+            roll_rad=0.0,
+            pitch_rad=0.0,
+            field_mg=measured,
+            is_magnetic=True,
+        )
 
     def _deviation(self, heading_rad: float, motor_current_a: float) -> float:
         sin = math.sin

@@ -43,7 +43,8 @@ class CompassSettings(Section, frozen=True):
     heading, and a quadrantal part by soft iron, which turns twice. The motors' leads act as hard iron that
     grows with their current. The *_at_deg are the headings where a part is zero and rising. declination_deg
     is the angle from true to magnetic north, east positive: the boat's configuration corrects for it as well
-    as its owner knew (`vehicle.parts.compass.correction_rad`).
+    as its owner knew (`vehicle.parts.compass.correction_rad`). With magnetometer_mg the compass is a bare
+    one: its readings have the field, which the boat corrects by its calibration, and their north is magnetic.
 
     Tilt compensation takes a share of the sideways acceleration in a turn, turn_tilt_share, for a heel of the
     hull, and turns the heading by that angle times the tangent of the field's dip_deg.
@@ -53,6 +54,7 @@ class CompassSettings(Section, frozen=True):
     """
 
     rate_hz: Positive = 50.0
+    magnetometer_mg: NonNegative = 0.0  # the earth's horizontal field; 0: a part that calibrates itself
     noise_deg: NonNegative = 0.8
     bias_deg: float = 1.0
     hard_iron_deg: NonNegative = 0.0

@@ -55,6 +55,7 @@ class Bench:
         if self.part.imu != "none":
             self.dev.parts[self.motion.address] = self.motion
         self.corrector = FieldCorrector()
+        self.corrector.correction = MagneticCorrection(offset=(0.001, 0.0, 0.0))
         monkeypatch.setattr(magnetic_compass.MagneticCompass, "start", lambda self: self)
         self.compass: MagneticCompass = open_magnetic_compass(self.part, self.clock, self.corrector)
 

@@ -1,0 +1,227 @@
+"""A bare magnetometer beside steel and motor leads: calibrated afloat as QGroundControl asks for it, by
+circles under the boat's own power, against the true heading.
+"""
+
+import math
+import statistics
+
+import pytest
+from boat_rig import BOAT, DENIED, FAILED, OK, Rig
+
+from companion.core.requests import ManualControl
+from companion.core.units import wrap_pi
+from companion.mavlink.dialect import dialect
+from companion.persistence.storage import MemoryStorage
+
+CMD = dialect
+REJECTED_FOR_NOW, IN_PROGRESS, CANCELLED = 1, 5, 6
+MANUAL, HOLD, LOITER = 0, 4, 5
+# Steel that turns the compass by up to 30°, and leads that turn it by 2° for each ampere
+MAGNETOMETER = (
+    "sensors.compass.magnetometer_mg=203.0",
+    "sensors.compass.hard_iron_deg=25.0",
+    "sensors.compass.soft_iron_deg=5.0",
+    "sensors.compass.motor_deg_per_a=2.0",
+    "sensors.compass.declination_deg=2.0",
+    "sensors.compass.bias_deg=0.0",
+    "sensors.compass.turn_tilt_share=0.0",
+    "sensors.sonar.fitted=false",
+    "vehicle.parts.compass.correction_rad=0.0",
+    "vehicle.parts.compass.declination_rad=0.0349",
+    "seed=4",
+)
+
+
+def fresh(*settings: str, storage: MemoryStorage | None = None) -> Rig:
+    rig = Rig("open", *MAGNETOMETER, *settings, storage=storage)
+    rig.run(6.0)
+    return rig
+
+
+def steer(rig: Rig, throttle: float, steering: float, seconds: float) -> list[float]:
+    """By hand; the errors of the compass meanwhile, in degrees."""
+    errors = []
+    for _ in range(round(seconds / 0.2)):
+        rig.boat.vehicle.request(ManualControl(throttle, steering))
+        rig.run(0.2)
+        heading = rig.boat.sensors.heading
+        assert heading is not None
+        errors.append(math.degrees(wrap_pi(heading.heading_rad - rig.world.truth.heading_rad)))
+    return errors
+
+
+def rms(errors: list[float]) -> float:
+    return math.sqrt(statistics.fmean(error * error for error in errors))
+
+
+def start(rig: Rig) -> None:
+    """As QGroundControl does: a cancellation to see whether it is there, the threshold, the start."""
+    assert rig.ask(CMD.MAV_CMD_DO_CANCEL_MAG_CAL) == OK
+    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"COMPASS_CAL_FIT", 100.0, 9))
+    rig.receive()
+    assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 1.0, 0.0, 1.0, 0.0, 0.0) == OK
+
+
+def circle(rig: Rig) -> list[int]:
+    """Circles until the report; the progress told."""
+    rig.peer.forget()
+    progress: list[int] = []
+    for _ in range(60):
+        steer(rig, 0.2, 0.5, 1.0)
+        progress += [one.completion_pct for one in rig.peer.said("MAG_CAL_PROGRESS")]
+        if rig.peer.said("MAG_CAL_REPORT"):
+            return progress
+        rig.peer.heard = [one for one in rig.peer.heard if one.get_type() == "STATUSTEXT"]
+    pytest.fail("no report")
+
+
+@pytest.fixture(scope="module")
+def calibrated() -> Rig:
+    rig = fresh(storage=MemoryStorage())
+    assert rig.set_mode(MANUAL) == OK
+    assert rig.arm() == OK
+    before = rms(steer(rig, 0.2, 0.5, 15.0))
+    assert before > 12.0
+    start(rig)
+    progress = circle(rig)
+    assert progress == sorted(progress)
+    assert progress[0] < 20
+    assert progress[-1] > 80
+    return rig
+
+
+def test_circles_by_hand_take_the_iron_out(calibrated: Rig) -> None:
+    (report,) = calibrated.peer.said("MAG_CAL_REPORT")[:1]
+    assert (report.cal_status, report.compass_id, report.cal_mask, report.autosaved) == (4, 0, 1, 1)
+    assert report.fitness < 8.0
+    assert any(text.startswith("Compass calibrated: error ") for text in calibrated.peer.texts)
+    assert rms(steer(calibrated, 0.2, 0.5, 15.0)) < 2.0
+
+
+def test_the_report_is_repeated_for_a_lossy_link(calibrated: Rig) -> None:
+    calibrated.run(6.0)
+    assert 4 <= len(calibrated.peer.said("MAG_CAL_REPORT")) <= 6
+
+
+def test_the_calibration_is_that_of_the_parameters_and_outlives_the_power(calibrated: Rig) -> None:
+    parameters = calibrated.boat.parameters
+    values = {row.name: parameters.value(row) for row in parameters.rows}
+    (report,) = calibrated.peer.said("MAG_CAL_REPORT")[:1]
+    assert values["COMPASS_OFS_X"] == pytest.approx(report.ofs_x, rel=1e-5)
+    assert abs(values["COMPASS_OFS_X"]) > 20.0
+    again = Rig("open", *MAGNETOMETER, storage=calibrated.storage)
+    again.run(3.0)
+    assert again.hardware.field is not None
+    assert again.hardware.field.correction.offset[0] == pytest.approx(report.ofs_x, rel=1e-5)
+    assert not again.boat.sensors.compass_fault()
+
+
+def test_the_motors_leads_are_measured_and_taken_out(calibrated: Rig) -> None:
+    rig = calibrated
+    assert rig.set_mode(MANUAL) == OK
+    steer(rig, 0.0, 0.0, 5.0)
+    rig.world.hold_position()  # at the pier
+    loud = rms(steer(rig, 0.8, 0.0, 6.0))
+    steer(rig, 0.0, 0.0, 4.0)
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
+    for step in range(10):
+        steer(rig, 0.08 * step, 0.0, 1.0)
+    steer(rig, 0.0, 0.0, 4.0)
+    acks = [one for one in rig.peer.said("COMMAND_ACK") if one.command == CMD.MAV_CMD_PREFLIGHT_CALIBRATION]
+    assert acks[-1].result == OK
+    assert any(text.startswith("Compass: motors' field by current, up to ") for text in rig.peer.texts)
+    quiet = rms(steer(rig, 0.8, 0.0, 6.0))
+    rig.world.release()
+    steer(rig, 0.0, 0.0, 4.0)
+    assert loud > 3.0
+    assert quiet < 0.5 * loud
+    assert quiet < 2.0
+
+
+def test_a_mission_is_sailed_with_the_calibrated_compass(calibrated: Rig) -> None:
+    rig = calibrated
+    rig.set_mode(MANUAL)
+    assert rig.set_mode(LOITER) == OK
+    rig.run(20.0)
+    assert rig.boat.vehicle.armed
+    assert rig.boat.nav is not None
+    off_rad = wrap_pi(rig.boat.nav.heading_rad - rig.world.truth.heading_rad)
+    assert abs(math.degrees(off_rad)) < 5.0
+
+
+def test_without_calibration_only_manual_and_hold_arm() -> None:
+    rig = fresh()
+    assert any(text.startswith("PreArm: Compass: not calibrated") for text in rig.peer.texts) is False
+    assert rig.set_mode(LOITER) in (OK, FAILED)
+    rig.boat.vehicle.mode = rig.boat.vehicle.mode.LOITER
+    rig.peer.forget()
+    assert rig.arm() == FAILED
+    assert any(text.startswith("Arm: Compass: not calibrated: start its") for text in rig.peer.texts)
+    rig.boat.vehicle.mode = rig.boat.vehicle.mode.MANUAL
+    assert rig.arm() == OK
+
+
+def test_an_autopilot_mode_refuses_a_calibration_and_ends_one() -> None:
+    rig = fresh()
+    rig.set_mode(MANUAL)
+    assert rig.arm() == OK
+    start(rig)
+    rig.boat.vehicle.mode = rig.boat.vehicle.mode.LOITER
+    rig.peer.forget()
+    rig.run(0.5)
+    (report,) = rig.peer.said("MAG_CAL_REPORT")
+    assert report.cal_status == 5
+    assert rig.peer.texts[-1] == "Compass not calibrated: mode LOITER"
+    rig.boat.vehicle.mode = rig.boat.vehicle.mode.LOITER
+    assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 1.0, 0.0, 1.0) == REJECTED_FOR_NOW
+
+
+def test_another_compass_is_denied_and_a_cancellation_ends_it() -> None:
+    rig = fresh()
+    assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 2.0) == DENIED
+    start(rig)
+    assert rig.ask(CMD.MAV_CMD_DO_CANCEL_MAG_CAL) == OK
+    rig.peer.forget()
+    rig.run(3.0)
+    assert not rig.peer.said("MAG_CAL_PROGRESS")
+    assert not rig.peer.said("MAG_CAL_REPORT")
+    assert rig.ask(CMD.MAV_CMD_DO_ACCEPT_MAG_CAL) == FAILED
+
+
+def test_a_result_waits_to_be_accepted_if_asked_to() -> None:
+    rig = fresh()
+    rig.set_mode(MANUAL)
+    rig.arm()
+    assert rig.hardware.field is not None
+    assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 0.0, 0.0, 0.0) == OK
+    circle(rig)
+    assert not rig.hardware.field.correction.is_calibrated
+    assert rig.ask(CMD.MAV_CMD_DO_ACCEPT_MAG_CAL) == OK
+    assert rig.hardware.field.correction.is_calibrated
+
+
+def test_a_boat_that_is_not_turned_gets_its_report_in_the_end() -> None:
+    rig = fresh()
+    start(rig)
+    rig.peer.forget()
+    rig.run(598.0)
+    assert not rig.peer.said("MAG_CAL_REPORT")
+    rig.run(4.0)
+    assert rig.peer.said("MAG_CAL_REPORT")[0].cal_status == 5
+    assert "Compass not calibrated: only 0 % of the directions were seen" in rig.peer.texts
+
+
+def test_one_known_heading_calibrates_a_boat_that_cannot_be_turned() -> None:
+    rig = fresh("sensors.compass.soft_iron_deg=0.0", "sensors.compass.motor_deg_per_a=0.0")
+    true_deg = math.degrees(rig.world.truth.heading_rad)
+    assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, true_deg, 1.0) == OK
+    rig.set_mode(MANUAL)
+    assert rig.arm() == OK
+    assert rms(steer(rig, 0.2, 0.5, 20.0)) < 2.5
+    assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, true_deg, 1.0) == REJECTED_FOR_NOW
+
+
+def test_the_motors_field_needs_a_calibrated_compass() -> None:
+    rig = fresh()
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == FAILED
+    assert "Compass: calibrate it before the motors' field is measured" in rig.peer.texts
