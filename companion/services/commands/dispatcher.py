@@ -31,6 +31,7 @@ from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
 from companion.services.commands.payload import NOT_TWICE as _PAYLOAD_NOT_TWICE
 from companion.services.commands.payload import payload_commands
+from companion.services.commands.refusal_log import RefusalLog
 from companion.services.commands.vehicle import VehicleCommands
 from companion.services.external_pose import ExternalPoseService
 from companion.services.outbox import Origin, Outbox
@@ -97,6 +98,7 @@ class CommandService:
             self._table[dialect.MAV_CMD_INJECT_FAILURE] = lambda command: inject_fault(command, faults, texts)
         self.questions = frozenset((*self._questions, *_HARMLESS))
         """Commands that change nothing."""
+        self._refusals = RefusalLog(texts)
         self._done: Command | None = None  # the latest non-idempotent command
         self._left_behind: tuple[object, ...] = ()  # state of the vehicle after it
         self._slow: Command | None = None  # the calibration or trial in progress
@@ -158,6 +160,7 @@ class CommandService:
 
     def tick(self, heading: HeadingReading | None, now_s: float) -> None:
         """Continue calibrations and trials. heading: as measured."""
+        self._refusals.tick(now_s)
         result = self._upkeep.tick(heading, now_s)
         if result is None:
             result = self._calibration.tick()
@@ -202,6 +205,8 @@ class CommandService:
         self._later.clear()
 
     def _answer(self, command: Command, result: int, progress_percent: int = 0) -> None:
+        if command.number not in self.questions:
+            self._refusals.add(command, result)
         self._outbox.send(
             command.origin.channel,
             dialect.MAVLink_command_ack_message(

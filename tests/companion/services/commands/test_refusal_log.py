@@ -1,0 +1,96 @@
+"""The program's log says what the operator is told: what the boat does, and what it refuses."""
+
+import logging
+import math
+
+import pytest
+from boat_rig import BOAT, DENIED, FAILED, OK, UNSUPPORTED, Rig
+
+from companion.mavlink.dialect import dialect
+
+CMD = dialect
+
+
+@pytest.fixture
+def journal(caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
+    caplog.set_level(logging.INFO)
+    return caplog
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A boat that could be armed, and logs."""
+    rig = Rig().ready()
+    rig.boat.endpoint.texts.logs_texts = True
+    return rig
+
+
+def lines(journal: pytest.LogCaptureFixture) -> list[str]:
+    return [record.getMessage() for record in journal.records]
+
+
+@pytest.mark.parametrize(
+    ("command", "params", "result", "line"),
+    [
+        (CMD.MAV_CMD_DO_SET_MODE, (1, 8), FAILED, "DO_SET_MODE by 255/190 refused: FAILED"),
+        (CMD.MAV_CMD_DO_SET_MODE, (math.nan, 4), DENIED, "DO_SET_MODE by 255/190 refused: DENIED"),
+        (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (2,), DENIED, "COMPONENT_ARM_DISARM by 255/190 refused: DENIED"),
+        (CMD.MAV_CMD_NAV_TAKEOFF, (), UNSUPPORTED, "NAV_TAKEOFF by 255/190 refused: UNSUPPORTED"),
+        (60000, (), UNSUPPORTED, "MAV_CMD 60000 by 255/190 refused: UNSUPPORTED"),
+    ],
+)
+def test_a_refusal_by_its_number_alone_is_logged(
+    rig: Rig,
+    journal: pytest.LogCaptureFixture,
+    command: int,
+    params: tuple[float, ...],
+    result: int,
+    line: str,
+) -> None:
+    assert rig.ask(command, *params) == result
+    assert line in lines(journal)
+
+
+def test_a_mode_that_the_boat_refuses_is_logged_with_its_reason(
+    rig: Rig, journal: pytest.LogCaptureFixture
+) -> None:
+    assert rig.set_mode(10) == FAILED  # AUTO without a mission
+    said = lines(journal)
+    assert any("mission" in line for line in said), said
+    assert "DO_SET_MODE by 255/190 refused: FAILED" in said
+
+
+def test_arming_modes_and_failsafes_are_logged(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
+    assert rig.set_mode(15) == OK
+    assert rig.arm() == OK
+    rig.peer.heartbeat()
+    rig.run(20.0)  # without another one
+    said = lines(journal)
+    assert [line for line in said if line in ("Mode GUIDED", "Armed")] == ["Mode GUIDED", "Armed"]
+    assert any(line.startswith("Failsafe: ") for line in said), said
+
+
+def test_what_is_granted_or_only_asked_is_not_logged(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
+    assert rig.set_mode(4) == OK
+    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, 60000.0) != OK
+    assert not any("refused" in line for line in lines(journal))
+
+
+def test_the_emulators_boat_logs_nothing(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
+    rig.boat.endpoint.texts.logs_texts = False
+    rig.ask(CMD.MAV_CMD_NAV_TAKEOFF)
+    assert lines(journal) == []
+
+
+def test_a_station_that_repeats_itself_does_not_fill_the_log(
+    rig: Rig, journal: pytest.LogCaptureFixture
+) -> None:
+    for _ in range(200):
+        rig.peer.send(CMD.MAVLink_command_long_message(*BOAT, CMD.MAV_CMD_NAV_TAKEOFF, 0, *[0.0] * 7))
+    rig.run(0.1)
+    assert sum("refused" in line for line in lines(journal)) == 20
+    rig.run(10.0)
+    for _ in range(200):
+        rig.peer.send(CMD.MAVLink_command_long_message(*BOAT, CMD.MAV_CMD_NAV_TAKEOFF, 0, *[0.0] * 7))
+    rig.run(0.1)
+    assert sum("refused" in line for line in lines(journal)) == 25, "one in two seconds"
