@@ -276,6 +276,9 @@ class Boat:
                     guidance,
                     self.command,
                     is_calibrating=self.calibration.is_running,
+                    is_armed=vehicle.armed,
+                    min_depth_m=config.failsafe.min_depth_m,
+                    now_s=now_s,
                     load=self.load,
                     storage_fault=log_fault or self.resume.fault,
                 )

@@ -16,7 +16,7 @@ from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.recovery.transition_table import State
 from companion.failsafe.table import Condition
 from companion.guidance.stall_detector import StallVerdict
-from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
+from companion.sensors.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 
 INF = math.inf
 ALL = set(Mode)
@@ -69,6 +69,14 @@ def with_roll(degrees: float) -> Inputs:
 
 def with_hull(*, age_s: float = 0.0, is_wet: bool = False, celsius: float = 20.0) -> Inputs:
     return lambda one: with_board(hull=HullReading(one.now_s - age_s, is_wet, celsius))(one)
+
+
+def with_depth(
+    depth_m: float | None, age_s: float = 0.0, transducer_m: float = 0.0, *, was_deep: bool = True
+) -> Inputs:
+    return lambda one: with_board(
+        depth=DepthReading(one.now_s - age_s, depth_m, transducer_m=transducer_m), was_deep=was_deep
+    )(one)
 
 
 def with_volts(volt: float) -> Inputs:
@@ -152,6 +160,11 @@ SCENARIOS: dict[Condition, Scenario] = {
         with_board(stall=StallVerdict.AGROUND), with_board(stall=StallVerdict.STUCK),
         "Aground: held at the shore", "afloat again", Action.UNGROUND, 0.0, 2.0,
         modes=AUTONOMOUS, spared=set(),
+    ),
+    Condition.SHALLOW: Scenario(
+        with_depth(0.79, age_s=4.9, transducer_m=0.2), with_depth(0.81, transducer_m=0.2),
+        "Shallow: 1.0 m", "deep enough again",
+        Action.SMART_RTL_OR_RTL, 1.5, 5.0, modes=AUTONOMOUS, thresholds=("failsafe.min_depth_m",),
     ),
     Condition.STUCK: Scenario(
         with_board(stall=StallVerdict.STUCK), with_board(stall=StallVerdict.NO_HEADWAY),

@@ -63,6 +63,10 @@ def check_config(config: BoatConfig) -> None:
             raise ConfigError(
                 f"parts.{name}.driver: the boat cannot sail without; expected a driver, or [external] instead"
             )
+    if parts.depth.driver == "gnss" and parts.gnss.driver != "nmea":
+        raise ConfigError(
+            f"parts.depth.driver = 'gnss': expected parts.gnss.driver = 'nmea', not {parts.gnss.driver!r}"
+        )
     check_channels(config.rc)
     check_outputs(config)
 

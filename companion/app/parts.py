@@ -6,6 +6,8 @@ Raises of each: HardwareError, which names the part that does not answer.
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 
+from msgspec.structs import replace
+
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.payload import CommandPayload, WinchPayload
 from companion.core.errors import HardwareError
@@ -19,7 +21,18 @@ from companion.hal.heading.bno055 import open_bno055
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.heading.nmea import open_nmea_compass
 from companion.hal.hull import open_hull
-from companion.hal.interfaces import Battery, Compass, Gnss, Hardware, Hull, Motors, RcReceiver, Rudder, Sonar
+from companion.hal.interfaces import (
+    Battery,
+    Compass,
+    DepthSounder,
+    Gnss,
+    Hardware,
+    Hull,
+    Motors,
+    RcReceiver,
+    Rudder,
+    Sonar,
+)
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
@@ -30,6 +43,8 @@ from companion.hal.pulses.opening import open_pulse_output
 from companion.hal.pulses.rudder_servo import RudderServo
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
+from companion.hal.water.nmea_depth import SharedDepthSounder, open_nmea_depth
+from companion.hal.water.ping1d import open_ping1d
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.magnetic_field import FieldCorrector
 
@@ -135,6 +150,23 @@ def open_hull_sensor(config: BoatConfig, now: Now) -> Hull | None:
     return None if part.driver == "none" else open_hull(part, now)
 
 
+def open_depth(config: BoatConfig, now: Now, gnss: Gnss | None = None) -> DepthSounder | None:
+    """The depth sounder. gnss: the open receiver, whose port it may share."""
+    part = config.parts.depth
+    match part.driver:
+        case "ping1d":
+            return open_ping1d(part, now)
+        case "gnss" if isinstance(gnss, GnssReceiver):
+            return SharedDepthSounder(gnss, part)
+        case "gnss":
+            port, baud = config.parts.gnss.port, config.parts.gnss.baud or 9600
+            return open_nmea_depth(replace(part, port=port, baud=baud), now)
+        case "nmea":
+            return open_nmea_depth(part, now)
+        case "none":
+            return None
+
+
 def open_rc(config: BoatConfig, now: Now) -> RcReceiver | None:
     """The RC receiver."""
     return None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
@@ -178,6 +210,8 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(battery.close)
         if (hull := open_hull_sensor(config, now)) is not None:
             undo.callback(hull.close)
+        if (depth := open_depth(config, now, gnss)) is not None:
+            undo.callback(depth.close)
         payload = undo.enter_context(closing(open_payload(config)))
         rc = open_rc(config, now)
         undo.pop_all()
@@ -194,4 +228,5 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         rudder=rudder,
         payload=payload,
         corrections=gnss if isinstance(gnss, GnssReceiver) else None,
+        depth=depth,
     )

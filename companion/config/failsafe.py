@@ -52,6 +52,8 @@ class Failsafe(Section, frozen=True):
     motor_action: MotorNumber = 8
     stuck_action: ClearingNumber = 7
     aground_action: GroundNumber = 9
+    min_depth_m: NonNegative = 1.0  # of the water, with a sounder: three times what it can measure; 0: off
+    depth_action: ActionNumber = 3  # back over water that was deep enough; LOITER would stay in the shallows
     clearing_tries: Annotated[int, Meta(ge=1, le=10)] = 2
     headway_action: ActionNumber = 1
     capsize_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.radians(60.0)  # 0: off

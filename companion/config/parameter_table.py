@@ -108,6 +108,8 @@ def _tuning() -> list[ParameterRow]:
         ParameterRow("FS_MOT_ACT", _I8, "A motor gives no thrust", "failsafe.motor_action", low=0, high=8, values=names.MOTOR_ACTIONS),
         ParameterRow("FS_STUCK_ACT", _I8, "Boat obstructed", "failsafe.stuck_action", low=0, high=7, values=names.STUCK_ACTIONS),
         ParameterRow("FS_GRND_ACT", _I8, "Boat aground", "failsafe.aground_action", low=0, high=9, values=names.GROUND_ACTIONS),
+        ParameterRow("FS_DEPTH_MIN", _REAL, "Depth of the water that triggers its failsafe, 0 never", "failsafe.min_depth_m", unit="m", low=0, high=100),
+        ParameterRow("FS_DEPTH_ACT", _I8, "Shallow water", "failsafe.depth_action", low=0, high=6, values=names.ACTIONS),
         ParameterRow("FS_CLEAR_TRIES", _I8, "Attempts to clear the propellers before RTL", "failsafe.clearing_tries", low=1, high=10),
         ParameterRow("FS_WAY_ACT", _I8, "No headway against the current", "failsafe.headway_action", low=0, high=6, values=names.ACTIONS),
         ParameterRow("CRASH_ANGLE", _REAL, "Roll or pitch that counts as capsized, 0 off", "failsafe.capsize_rad", scale=_DEG, unit="deg", low=0, high=180),

@@ -9,8 +9,9 @@ from companion.core.state import EstimateFault
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.hypotheses import Fault
 from companion.guidance.stall_detector import StallVerdict
+from companion.sensors.readings import DepthReading
 
-_STALE_S: Final = 5.0  # five readings of a hull sensor: one that has been silent for longer says nothing
+_STALE_S: Final = 5.0  # five readings of a hull sensor or a depth sounder: a silent one says nothing
 _RC_EXCEPT_AUTO: Final = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _GNSS: Final = int(
@@ -109,6 +110,20 @@ def stuck(inputs: FailsafeInputs) -> str:
 def aground(inputs: FailsafeInputs) -> str:
     """Close to a line of the fence, driven hard, and held."""
     return "Aground: held at the shore" if inputs.board.stall is StallVerdict.AGROUND else ""
+
+
+def shallow(inputs: FailsafeInputs) -> str:
+    """Less deep than FS_DEPTH_MIN. A boat that starts from the beach is watched once it has been deeper."""
+    water_m = fresh_water_m(inputs.board.depth, inputs.now_s)
+    is_shallow = (
+        water_m is not None and inputs.board.was_deep and water_m < inputs.config.failsafe.min_depth_m
+    )
+    return f"Shallow: {water_m:.1f} m" if is_shallow else ""
+
+
+def fresh_water_m(reading: DepthReading | None, now_s: float) -> float | None:
+    """The depth of the water; None from a sounder that is silent or finds no bottom."""
+    return None if reading is None or now_s - reading.time_s > _STALE_S else reading.water_m
 
 
 def fence_breached(inputs: FailsafeInputs) -> str:

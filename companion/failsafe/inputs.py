@@ -12,7 +12,7 @@ from companion.failsafe.motors.hypotheses import Hypothesis
 from companion.failsafe.recovery.transition_table import State
 from companion.geofence.fence import Fence
 from companion.guidance.stall_detector import StallVerdict
-from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
+from companion.sensors.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 
 
 class BoardReadings(Struct, frozen=True):
@@ -20,7 +20,8 @@ class BoardReadings(Struct, frozen=True):
 
     left, right, rudder: what motors and rudder are given. judges_motors: False where the hull does not move
     as the motors push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore
-    has held the boat. load: share of the tick that the loop takes. sonar_s: time of the latest ping, NaN
+    has held the boat. depth: the latest sounding that found the bottom. was_deep: the water has been deep
+    enough since arming. load: share of the tick that the loop takes. sonar_s: time of the latest ping, NaN
     without a sonar. storage_fault: why something could not be written, "".
     """
 
@@ -34,6 +35,8 @@ class BoardReadings(Struct, frozen=True):
     consumed_mah: float = 0.0
     heading: HeadingReading | None = None
     hull: HullReading | None = None
+    depth: DepthReading | None = None
+    was_deep: bool = False
     sonar_s: float = math.nan
     storage_fault: str = ""
 

@@ -44,6 +44,7 @@ class Condition(IntFlag):
     STEERING_LOST = 1 << 20
     RC_LOST = 1 << 21
     AGROUND = 1 << 22
+    SHALLOW = 1 << 23
 
 
 class Step(NamedTuple):
@@ -100,6 +101,7 @@ _AUTONOMOUS = Guard(guards.AUTONOMOUS_MODES, spares=guards.never)
 
 # Where the delays come from. CAPSIZED outlasts the roll in a wave of 2 s, LEAK what such a wave splashes, and
 # FENCE_BREACHED and POSITION_LOST two fixes at 5 Hz. TOO_HOT and OUT_OF_RANGE see ten and five readings,
+# SHALLOW two soundings at 1 Hz: a fish or a bubble does not last for two,
 # OVERRUN three time constants of the averaged load. What a recovery acts on ends only once the recovery (6 to
 # 8 s) is over and has been judged.
 ROWS: tuple[Row, ...] = (
@@ -148,6 +150,10 @@ ROWS: tuple[Row, ...] = (
     Row(
         Condition.AGROUND, conditions.aground, "aground_action", "afloat again",
         guard=_AUTONOMOUS, clear_s=2.0,
+    ),
+    Row(
+        Condition.SHALLOW, conditions.shallow, "depth_action", "deep enough again",
+        after=1.5, guard=Guard(guards.AUTONOMOUS_MODES), clear_s=5.0,
     ),
     Row(
         Condition.STUCK, conditions.stuck, "stuck_action", "free again",

@@ -15,6 +15,7 @@ from companion.hal.payload.interfaces import PayloadParts
 from companion.sensors.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
+    DepthReading,
     GnssFix,
     HeadingReading,
     HullReading,
@@ -100,6 +101,7 @@ Gnss = Sensor[GnssFix]
 Compass = Sensor[HeadingReading]
 Battery = Sensor[BatteryReading]
 Hull = Sensor[HullReading]
+DepthSounder = Sensor[DepthReading]
 RcReceiver = Sensor[RcReading]
 """A reading is stamped with the arrival of its frame."""
 
@@ -180,7 +182,7 @@ class FaultInjector(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """All hardware of a boat. Sonar, battery monitor, hull sensor and RC receiver are optional.
+    """All hardware of a boat. Motors, GNSS receiver and compass are needed, the rest is optional.
 
     faults and parameter_hooks are for emulated hardware: fault injection, and additional parameters.
     """
@@ -196,6 +198,7 @@ class Hardware:
     rc: RcReceiver | None = None
     cutoff: MotorCutoff | None = None
     rudder: Rudder | None = None
+    depth: DepthSounder | None = None
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None
     corrections: CorrectionInput | None = None
@@ -209,7 +212,7 @@ class Hardware:
     def close(self) -> None:
         """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
-            parts = (self.rc, self.hull, self.battery, self.sonar, self.compass, self.gnss)
+            parts = (self.rc, self.depth, self.hull, self.battery, self.sonar, self.compass, self.gnss)
             for part in (self.payload, *parts, self.rudder, self.motors):
                 if part is not None:
                     rest.callback(part.close)  # called in reverse order

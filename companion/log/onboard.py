@@ -24,7 +24,7 @@ from companion.log.sink import Sink
 from companion.mavlink.items import MissionItem
 from companion.payload.control import PayloadControl
 from companion.router.channels import Channels
-from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
+from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, RcReading, SonarReading
 from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.mission.steps import Mission
 from companion.vehicle.vehicle import Vehicle
@@ -83,6 +83,7 @@ class OnboardLog:
         self._linear: LinearFrame | None = None
         self._fix: GnssFix | None = None
         self._ping: SonarReading | None = None
+        self._sounding: DepthReading | None = None
         self._heard: RcReading | None = None  # of the transmitter
         self._reading: BatteryReading | None = None
         self._late = self._ticks = 0
@@ -200,6 +201,11 @@ class OnboardLog:
         if now.sensors.sonar is not None and now.sensors.sonar is not self._ping:
             self._ping = now.sensors.sonar
             self._add(samples.sonar(now.sensors.sonar))
+        sounding, nav = now.sensors.depth, now.vehicle.nav
+        is_new = sounding is not None and sounding is not self._sounding
+        if sounding is not None and is_new and nav is not None and self._linear is not None:
+            self._sounding = sounding
+            self._add((samples.depth(sounding, nav, self._linear),))
         heard = now.vehicle.manual_input.rc.latest
         if heard is not None and heard is not self._heard:
             self._heard = heard

@@ -9,7 +9,7 @@ from companion.core.state import Demand, NavState
 from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
-from companion.sensors.readings import BatteryReading, GnssFix, RcReading, SonarReading
+from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, RcReading, SonarReading
 from companion.services.telemetry.snapshot import Snapshot
 
 _DEG: Final = 180.0 / math.pi
@@ -160,6 +160,14 @@ def sonar(ping: SonarReading) -> Iterator[bytes]:
     range_m = ping.max_range_m if ping.range_m is None else ping.range_m
     yield r.RFND.pack(us, 0, _cents(range_m, 65535), _RANGE_TOO_FAR if is_clear else _RANGE_GOOD, eighth)
     yield r.SONR.pack(us, ping.bearing_rad * _DEG, _NAN if is_clear else range_m, ping.max_range_m)
+
+
+def depth(sounding: DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
+    """A sounding, at its own time and where the boat is now: below the transducer, NaN without a bottom."""
+    lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
+    depth_m = _NAN if sounding.depth_m is None else sounding.depth_m
+    temperature_c = _NAN if sounding.temperature_c is None else sounding.temperature_c
+    return r.DPTH.pack(time_us(sounding.time_s), 0, lat_e7, lon_e7, depth_m, temperature_c)
 
 
 def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:

@@ -50,6 +50,10 @@ class NmeaReader:
         self.skipped = 0
         self.malformed = 0
 
+    def want(self, kinds: frozenset[str]) -> None:
+        """Parse these kinds too."""
+        self._wanted |= kinds
+
     def feed(self, data: bytes) -> list[Sentence]:
         """Parse complete sentences; a partial one is kept."""
         *lines, self._held = (self._held + data).split(b"\n")

@@ -62,6 +62,26 @@ class SonarReading(Struct, frozen=True, gc=False):
     max_range_m: float = 4.0
 
 
+class DepthReading(Struct, frozen=True, gc=False):
+    """One sounding. depth_m is below the transducer, None where no bottom was found.
+
+    transducer_m: depth of the transducer below the surface. quality: 0..1, None if not reported.
+    """
+
+    time_s: float
+    depth_m: float | None
+    temperature_c: float | None = None  # of the water
+    transducer_m: float = 0.0
+    min_range_m: float = 0.3
+    max_range_m: float = 100.0
+    quality: float | None = None
+
+    @property
+    def water_m(self) -> float | None:
+        """Depth of the water, None where no bottom was found."""
+        return None if self.depth_m is None else self.depth_m + self.transducer_m
+
+
 class BatteryReading(Struct, frozen=True, gc=False):
     """Battery voltage and current. current_a is positive while discharging, None if not measured."""
 

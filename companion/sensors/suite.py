@@ -17,6 +17,7 @@ from companion.sensors.fuel_gauge import FuelGauge
 from companion.sensors.magnetic_field import MotorLoad
 from companion.sensors.readings import (
     BatteryReading,
+    DepthReading,
     GnssFix,
     HeadingReading,
     HullReading,
@@ -27,6 +28,7 @@ from companion.sensors.silence import SilenceMonitor
 
 _FIX_2D = 2
 _FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
+DEPTH_STALE_S = 5.0  # as the failsafe; five sentences of an NMEA sounder
 BATTERY_STALE_S = 3.0  # thirty readings of a monitor
 SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
@@ -44,12 +46,14 @@ class SensorSuite:
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
         self.sonar: SonarReading | None = None  # the latest ping
+        self.depth: DepthReading | None = None
         self.hull: HullReading | None = None
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
         self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
+        self._depth_silence = SilenceMonitor("Depth sounder", DEPTH_STALE_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._hardware = hardware
@@ -118,6 +122,10 @@ class SensorSuite:
             hardware.field.load = MotorLoad(throttle, None if battery is None else battery.current_a)
         if hardware.hull is not None:
             self.hull = hardware.hull.read()
+        if hardware.depth is not None:
+            self.depth = hardware.depth.read()
+            sounded_s = None if self.depth is None else self.depth.time_s
+            self._tell(self._depth_silence.update(sounded_s, now_s))
         if hardware.rc is not None:
             self.rc = hardware.rc.read()
         if self.pings:

@@ -9,6 +9,7 @@ from sitl.run.simulated_hardware import SimMotors, SimRudder
 from sitl.scenarios.scenario import Scenario
 from sitl.world.computer import Clocked, Computer
 from sitl.world.drive.rudder import Rudder
+from sitl.world.environment.bathymetry import Bathymetry
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import (
     LeakPart,
@@ -26,6 +27,7 @@ from sitl.world.parameters import fault_hooks, hull_hooks
 from sitl.world.payload import SimPayload
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.depth import SimDepthSounder
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
@@ -64,6 +66,10 @@ class Electronics:
         self.payload = SimPayload(scenario.vehicle)
         self._battery = SimBattery(scenario.battery.rate_hz, sensors.battery, seed)
         self._hull = SimHullSensor(sensors.hull) if sensors.hull.fitted else None
+        self._depth: SimDepthSounder | None = None
+        if sensors.depth.fitted:
+            bottom = Bathymetry(scenario.chart, scenario.environment)
+            self._depth = SimDepthSounder(sensors.depth, bottom, seed)
         drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
         if self._hull is not None:
             drivers.append(self._hull)
@@ -71,6 +77,8 @@ class Electronics:
             drivers.append(self._sonar)
         if self.rc is not None:
             drivers.append(self.rc)
+        if self._depth is not None:
+            drivers.append(self._depth)
         self.computer = Computer(drivers)
         parts: dict[str, Part] = {
             "gnss": sensor_part(self._gnss, seed),
@@ -87,6 +95,8 @@ class Electronics:
             parts["sonar"] = sensor_part(self._sonar, seed)
         if self.rc is not None:
             parts["rc"] = sensor_part(self.rc, seed)
+        if self._depth is not None:
+            parts["depth"] = sensor_part(self._depth, seed)
         own_hooks: list[ParameterHook] = []
         if self._hull is not None:
             leak = LeakPart(self._hull)
@@ -107,6 +117,7 @@ class Electronics:
                 *parameter_hooks,
             ),
             hull=self._hull,
+            depth=self._depth,
             rc=self.rc,
             rudder=self.rudder,
             payload=self.payload.parts,
@@ -132,5 +143,7 @@ class Electronics:
             self.rc.sample(now_s, truth.north_m, truth.east_m)
         if self._hull is not None and now_s >= self._hull.due_s:
             self._hull.sample(now_s)
+        if self._depth is not None and now_s >= self._depth.due_s:
+            self._depth.sample(now_s, truth.north_m, truth.east_m)
         if now_s >= self._battery.due_s:
             self._battery.sample(now_s, truth.voltage_v, truth.current_a)

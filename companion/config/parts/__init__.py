@@ -1,6 +1,7 @@
 """Configuration of the hardware: drivers, pins and ports; one file a kind of part."""
 
 from companion.config.parts.battery import BatteryPart
+from companion.config.parts.depth import DepthPart
 from companion.config.parts.gnss import GnssPart
 from companion.config.parts.heading import CompassPart, Mounting
 from companion.config.parts.hull import HullPart
@@ -13,6 +14,7 @@ from companion.config.section import Section
 __all__ = [
     "BatteryPart",
     "CompassPart",
+    "DepthPart",
     "GnssPart",
     "HullPart",
     "MotorsPart",
@@ -35,4 +37,5 @@ class Parts(Section, frozen=True):
     sonar: RangerPart = RangerPart()
     battery: BatteryPart = BatteryPart()
     hull: HullPart = HullPart()
+    depth: DepthPart = DepthPart()
     pca9685: Pca9685Part = Pca9685Part()

@@ -7,7 +7,7 @@ from typing import Final
 from companion.hal.interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.nmea import NmeaReader
+from companion.sensors.nmea import NmeaReader, Sentence
 from companion.sensors.nmea_fix import GNSS_SENTENCES, FixAssembler
 from companion.sensors.nmea_heading import TRUE_SENTENCES, HeadingAssembler
 from companion.sensors.readings import GnssFix
@@ -46,6 +46,12 @@ class GnssReceiver(PortSensor[GnssFix]):
         self._baud = baud
         self._corrections: deque[bytes] = deque()
         self._injected_bytes, self._injected_s = 0.0, 0.0  # as far as the line has not carried them yet
+        self._listeners: dict[str, Callable[[Sentence, float], None]] = {}
+
+    def listen(self, kinds: frozenset[str], ingest: Callable[[Sentence, float], None]) -> None:
+        """Pass sentences of these kinds, which are not the receiver's own, to another; in its thread."""
+        self._listeners.update(dict.fromkeys(kinds, ingest))
+        self.reader.want(kinds)
 
     def inject(self, data: bytes) -> bool:
         """Send corrections; False beyond what the line carries. Called in the boat's thread."""
@@ -79,7 +85,9 @@ class GnssReceiver(PortSensor[GnssFix]):
 
     def _read_sentences(self, data: bytes, time_s: float) -> Iterator[GnssFix]:
         for sentence in self.reader.feed(data):
-            if sentence.kind not in TRUE_SENTENCES:
+            if (ingest := self._listeners.get(sentence.kind)) is not None:
+                ingest(sentence, time_s)
+            elif sentence.kind not in TRUE_SENTENCES:
                 for fix in self._fixes.feed(sentence, time_s):
                     yield self._with_heading(self._clock.stamp(fix), time_s)
             elif self.heading is not None and (reading := self._headings.feed(sentence, time_s)) is not None:

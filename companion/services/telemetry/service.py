@@ -12,12 +12,14 @@ from companion.services.telemetry import motion_messages as motion
 from companion.services.telemetry import obstacle_messages as obstacle
 from companion.services.telemetry import payload_messages as payload
 from companion.services.telemetry import sensor_messages as sensor
+from companion.services.telemetry import sounding_messages as sounding
 from companion.services.telemetry import status_messages as status
 from companion.services.telemetry.snapshot import Snapshot
 from companion.services.telemetry.streams import Streams
 
 _ID = dialect
-BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
+Built = Message | list[Message] | None
+BUILDERS: dict[int, Callable[[Snapshot], Built]] = {
     _ID.MAVLINK_MSG_ID_ATTITUDE: motion.attitude,
     _ID.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: motion.attitude_quaternion,
     _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: motion.global_position_int,
@@ -46,7 +48,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
     metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
     _ID.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
-    _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: status.distance_sensor,
+    _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: sounding.distance_sensors,
     _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
     _ID.MAVLINK_MSG_ID_FENCE_STATUS: status.fence_status,
     _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
@@ -54,6 +56,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Message | None]] = {
     _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
     _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
     _ID.MAVLINK_MSG_ID_WINCH_STATUS: payload.winch_status,
+    _ID.MAVLINK_MSG_ID_WATER_DEPTH: sounding.water_depth,
 }
 
 # Sent only on request, with REQUEST_MESSAGE's second parameter
@@ -110,8 +113,7 @@ class TelemetryService:
         if (build_indexed := INDEXED.get(message_id)) is not None:
             return build_indexed(now, which)
         builder = BUILDERS.get(message_id)
-        message = None if builder is None else builder(now)
-        return [] if message is None else [message]
+        return [] if builder is None else _listed(builder(now))
 
     def set_interval_us(self, channel: int, message_id: int, interval_us: float, now_s: float) -> bool:
         """SET_MESSAGE_INTERVAL: −1 stops, 0 sets the default rate. False for an unknown message."""
@@ -138,7 +140,7 @@ class TelemetryService:
 
     def tick(self, now_s: float) -> None:
         """Send what is due. A message for several channels is built once."""
-        built: dict[int, Message | None] = {}
+        built: dict[int, list[Message]] = {}
         now: Snapshot | None = None
         for channel, streams in self._streams.items():
             if not streams.has_due(now_s) or not self._may_send(channel, now_s):
@@ -148,6 +150,12 @@ class TelemetryService:
                 return
             for message_id in streams.due(now_s):
                 if message_id not in built:
-                    built[message_id] = BUILDERS[message_id](now)
-                if (message := built[message_id]) is not None:
+                    built[message_id] = _listed(BUILDERS[message_id](now))
+                for message in built[message_id]:
                     self._outbox.send(channel, message)
+
+
+def _listed(built: Built) -> list[Message]:
+    if built is None:
+        return []
+    return built if isinstance(built, list) else [built]

@@ -1,11 +1,10 @@
 """Telemetry of the boat's status: one function per message, None if not available."""
 
-import math
 import re
 
 from companion import __version__
 from companion.core.modes import Mode
-from companion.core.units import clamp, deg_to_e7, wrap_two_pi
+from companion.core.units import clamp, deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
@@ -178,45 +177,6 @@ def mission_current(vehicle: Vehicle) -> Message:
         state = dialect.MISSION_STATE_NOT_STARTED
     in_auto = 1 if vehicle.mode is Mode.AUTO else 2  # mission_mode: 1 in mission mode, 2 suspended
     return dialect.MAVLink_mission_current_message(progress.current_seq, progress.last_seq, state, in_auto)
-
-
-def distance_sensor(now: Snapshot) -> Message | None:
-    """The latest ping. Other bearings than multiples of 45° use a custom orientation."""
-    ping = now.sensors.sonar
-    if ping is None:
-        return None
-    half_yaw_rad = 0.5 * ping.bearing_rad
-    range_m = ping.max_range_m + 0.01 if ping.range_m is None else ping.range_m
-    return dialect.MAVLink_distance_sensor_message(
-        time_boot_ms=round(ping.time_s * 1e3) & 0xFFFFFFFF,
-        min_distance=round(ping.min_range_m * 100.0),
-        max_distance=round(ping.max_range_m * 100.0),
-        current_distance=round(clamp(range_m * 100.0, 0.0, 65535.0)),
-        type=_sensor_type(now),
-        id=0,
-        orientation=_orientation(ping.bearing_rad),
-        covariance=0xFF,
-        horizontal_fov=now.config.avoidance.beam_rad,
-        vertical_fov=now.config.avoidance.beam_rad,
-        quaternion=[math.cos(half_yaw_rad), 0.0, 0.0, math.sin(half_yaw_rad)],
-        signal_quality=0,
-    )
-
-
-def _sensor_type(now: Snapshot) -> int:
-    is_laser = now.config.parts.sonar.is_laser
-    kind: int = dialect.MAV_DISTANCE_SENSOR_LASER if is_laser else dialect.MAV_DISTANCE_SENSOR_ULTRASOUND
-    return kind
-
-
-def _orientation(bearing_rad: float) -> int:
-    """MAV_SENSOR_ROTATION's yaws in eighths of a turn, or CUSTOM with the quaternion."""
-    eighths = wrap_two_pi(bearing_rad) / (math.pi / 4.0)
-    nearest = round(eighths)
-    if abs(eighths - nearest) < 1e-6:
-        return nearest % 8
-    custom: int = dialect.MAV_SENSOR_ROTATION_CUSTOM
-    return custom
 
 
 def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001

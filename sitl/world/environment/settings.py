@@ -50,7 +50,8 @@ class Environment(Section, frozen=True):
     correlation time. wave_height_m is the significant height, wave_period_s the period of the highest
     waves.
 
-    shore_hold_n is the force with which a soft shore holds a grounded hull; 0 is a hard wall.
+    shore_hold_n is the force with which a soft shore holds a grounded hull; 0 is a hard wall. The bottom
+    slopes down by shore_slope from every shore to depth_m. The depth acts on the depth sounder only.
 
     Raises:
         ValueError: gusts that are weaker than the mean wind, or waves that are too steep to stand.
@@ -70,6 +71,8 @@ class Environment(Section, frozen=True):
     wave_period_s: Positive = 2.0
     wave_from_deg: float = 0.0
     shore_hold_n: NonNegative = 0.0
+    depth_m: Positive = 5.0
+    shore_slope: Positive = 0.2
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -69,6 +69,13 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
         "garbage": Effect(0.0, "any range"),
         "wrong": Effect(-0.5, "ranges off by size metres"),
     },
+    "depth": {
+        **_timing(10.0, 1.0, 4.0),
+        "stuck": Effect(0.0, "repeats one depth, with current time stamps"),
+        "deaf": Effect(0.0, "finds no bottom"),
+        "garbage": Effect(0.0, "any depth"),
+        "wrong": Effect(-1.0, "depths off by size metres"),
+    },
     "battery": {
         **_timing(50.0, 5.0, 10.0),
         "stuck": Effect(0.0, "repeats one voltage and current"),

@@ -14,6 +14,7 @@ from sitl.world.drive.rudder import Rudder
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.depth import SimDepthSounder
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.hull_sensor import SimHullSensor
@@ -32,7 +33,9 @@ class Shaft(Protocol):
 
 
 def sensor_part(
-    sensor: SimGnss | SimCompass | SimSonar | SimBattery | SimRc, seed: int, name: str = "fault"
+    sensor: SimGnss | SimCompass | SimSonar | SimBattery | SimRc | SimDepthSounder,
+    seed: int,
+    name: str = "fault",
 ) -> Part:
     """A sensor that simulates its faults itself, by the attribute of this name."""
 

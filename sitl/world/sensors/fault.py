@@ -11,6 +11,7 @@ import msgspec
 
 from companion.sensors.readings import (
     BatteryReading,
+    DepthReading,
     GnssFix,
     HeadingReading,
     HullReading,
@@ -18,7 +19,7 @@ from companion.sensors.readings import (
     SonarReading,
 )
 
-R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading, HullReading)
+R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading, HullReading, DepthReading)
 
 _LONGEST_QUEUE = 1024
 

@@ -114,6 +114,25 @@ class HullSensorSettings(Section, frozen=True):
     temperature_c: Annotated[float, Meta(ge=-40.0, le=85.0)] = 40.0
 
 
+class DepthSettings(Section, frozen=True):
+    """A depth sounder that looks straight down. The bottom is that of the scenario's environment.
+
+    sound_gain: what depths are off by where the speed of sound is set wrongly. lost_share of the soundings
+    find no bottom (weed, bubbles), double_share the second echo, by way of the surface.
+    """
+
+    fitted: bool = False
+    rate_hz: Positive = 5.0
+    noise_m: NonNegative = 0.02
+    sound_gain: Positive = 1.01
+    lost_share: Share = 0.02
+    double_share: Share = 0.0
+    transducer_m: NonNegative = 0.1
+    min_range_m: NonNegative = 0.3
+    max_range_m: Positive = 50.0
+    temperature_c: Annotated[float, Meta(ge=-5.0, le=50.0)] = 15.0
+
+
 class StickStep(Section, frozen=True):
     """Where sticks and switches are from a time on: every channel's pulse in µs. None: it is off."""
 
@@ -153,3 +172,4 @@ class Sensors(Section, frozen=True):
     battery: BatteryMonitorSettings = BatteryMonitorSettings()
     rc: RcSettings = RcSettings()
     hull: HullSensorSettings = HullSensorSettings()
+    depth: DepthSettings = DepthSettings()

@@ -23,6 +23,7 @@ WORDS = {
     Action.NONE: "tell only",
     Action.RTL: "RTL",
     Action.LOITER_OR_HOLD: "LOITER",
+    Action.SMART_RTL_OR_RTL: "SMART_RTL",
     Action.DISARM: "disarm",
     Action.CLEAR_PROPELLERS: "clear the propellers",
     Action.CHECK_MOTORS: "check the motors",

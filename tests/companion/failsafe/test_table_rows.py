@@ -7,7 +7,18 @@ from typing import Any
 
 import pytest
 from boat_rig import nav_at
-from failsafe_scenarios import LOITER, NONE, RTL, SCENARIOS, Inputs, Scenario, both, given, with_hull
+from failsafe_scenarios import (
+    LOITER,
+    NONE,
+    RTL,
+    SCENARIOS,
+    Inputs,
+    Scenario,
+    both,
+    given,
+    with_depth,
+    with_hull,
+)
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
@@ -188,7 +199,7 @@ def mutants() -> Iterator[tuple[Condition, str, tuple[Row, ...]]]:
             if name == "text of its end" and row.clear_s == math.inf:
                 continue
             yield row.condition, name, (*ROWS[:at], mutant, *ROWS[at + 1 :])
-        retreats = SCENARIOS[row.condition].action in (RTL, LOITER, NONE)
+        retreats = SCENARIOS[row.condition].action in (RTL, LOITER, NONE, Action.SMART_RTL_OR_RTL)
         if retreats:
             yield row.condition, "spares flipped", (*ROWS[:at], unspared(row), *ROWS[at + 1 :])
         if SCENARIOS[row.condition].waiting:
@@ -226,6 +237,23 @@ def test_a_doubled_age_of_the_hull_sensor_is_noticed(
     assert Run(condition, ROWS, CONFIG).live(stale, 20.0) == []
     monkeypatch.setattr(conditions, "_STALE_S", 10.0)
     assert Run(condition, ROWS, CONFIG).live(stale, 20.0)
+
+
+@pytest.mark.parametrize(
+    "reading", [with_depth(None), with_depth(0.5, age_s=5.1), with_depth(0.5, was_deep=False)]
+)
+def test_no_bottom_no_sounding_and_the_start_from_a_beach_are_no_shallow_water(reading: Inputs) -> None:
+    assert Run(Condition.SHALLOW, ROWS, CONFIG).live(reading, 20.0) == []
+
+
+def test_a_doubled_age_of_the_sounder_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conditions, "_STALE_S", 10.0)
+    assert Run(Condition.SHALLOW, ROWS, CONFIG).live(with_depth(0.5, age_s=5.1), 20.0)
+
+
+def test_the_limit_of_the_depth_is_off_at_zero() -> None:
+    off = with_value(CONFIG, "failsafe.min_depth_m", 0.0)
+    assert Run(Condition.SHALLOW, ROWS, off).live(with_depth(0.1), 20.0) == []
 
 
 @pytest.mark.parametrize("held_s", [1.0, 4.0])

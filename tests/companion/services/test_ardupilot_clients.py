@@ -18,7 +18,7 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.readings import GnssFix, SonarReading
 from companion.services.telemetry.motion_messages import gps_raw_int
-from companion.services.telemetry.status_messages import distance_sensor
+from companion.services.telemetry.sounding_messages import distance_sensor
 
 CMD = dialect
 LEFT, BOTH, PERCENT = 3, 1, 0

@@ -59,7 +59,7 @@ def test_battery_and_home_come_often_enough_unasked() -> None:
 def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
     rig.boat.free_memory_bytes = 1 << 30
     rig.step()
-    # Open water has nothing to echo, the lake boat's sonar may not be fitted; there is no fence, no payload
+    # Open water has nothing to echo, sonar and sounder may not be fitted; there is no fence, no payload
     silent = (
         dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
         dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,
@@ -67,6 +67,7 @@ def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
         dialect.MAVLINK_MSG_ID_FENCE_STATUS,
         dialect.MAVLINK_MSG_ID_RELAY_STATUS,
         dialect.MAVLINK_MSG_ID_WINCH_STATUS,
+        dialect.MAVLINK_MSG_ID_WATER_DEPTH,
     )
     for message_id, builder in BUILDERS.items():
         if message_id in silent:

@@ -1,0 +1,86 @@
+"""Ping1D echo sounder of Blue Robotics on a serial line.
+
+It is told to send its distances by itself, and told again whenever it is silent: a part that has lost its
+supply begins without.
+"""
+
+import struct
+from collections.abc import Callable, Iterator
+from typing import Final
+
+from companion.config.parts.depth import DepthPart
+from companion.hal.interfaces import Port
+from companion.hal.port_sensor import PortSensor
+from companion.hal.water import ping_frames as ping
+from companion.links.port_url import open_line
+from companion.sensors.readings import DepthReading
+
+BAUD: Final = 115200
+_INTERVAL_MS: Final = 100
+_SILENT_S: Final = 2.0  # twenty intervals
+_SIMPLE, _FULL = struct.Struct("<IB"), struct.Struct("<IH")
+
+
+class Ping1d(PortSensor[DepthReading]):
+    """Satisfies `companion.hal.interfaces.DepthSounder`."""
+
+    def __init__(self, port: Port, now: Callable[[], float], part: DepthPart) -> None:
+        super().__init__(port, now)
+        self._part = part
+        self.parser = ping.PingParser()
+        self._due_s = now()
+
+    def step(self) -> None:
+        """Process received bytes; set the part up if it is silent. Never waits."""
+        super().step()
+        now_s = self._now()
+        if now_s < self._due_s or not self._links:
+            return
+        self._due_s = now_s + _SILENT_S
+        for link in self._links:
+            link.send(self._set_up())
+
+    def _set_up(self) -> bytes:
+        millimetres_s = round(self._part.sound_m_s * 1000.0)
+        return (
+            ping.encode(ping.SET_SPEED_OF_SOUND, millimetres_s.to_bytes(4, "little"))
+            + ping.encode(ping.SET_MODE_AUTO, b"\x01")
+            + ping.encode(ping.SET_PING_INTERVAL, _INTERVAL_MS.to_bytes(2, "little"))
+            + ping.encode(ping.CONTINUOUS_START, ping.DISTANCE_SIMPLE.to_bytes(2, "little"))
+        )
+
+    def _decode(self, chunk: bytes, time_s: float) -> Iterator[DepthReading]:
+        for number, payload in self.parser.feed(chunk):
+            layout = {ping.DISTANCE_SIMPLE: _SIMPLE, ping.DISTANCE: _FULL}.get(number)
+            if layout is None or len(payload) < layout.size:
+                continue
+            self._due_s = time_s + _SILENT_S
+            millimetres, percent = layout.unpack_from(payload)
+            yield self._reading(time_s, millimetres / 1000.0, min(percent / 100.0, 1.0))
+
+    def _reading(self, time_s: float, depth_m: float, confidence: float) -> DepthReading:
+        part = self._part
+        is_found = confidence >= part.min_confidence and 0.0 < depth_m <= part.max_range_m
+        return DepthReading(
+            time_s,
+            depth_m if is_found else None,
+            None,
+            part.transducer_m,
+            part.min_range_m,
+            part.max_range_m,
+            confidence,
+        )
+
+    def _forget(self) -> None:
+        self.parser.forget()
+        self._due_s = self._now()
+
+
+def open_ping1d(part: DepthPart, now: Callable[[], float]) -> Ping1d:
+    """Open the sounder on its port and start reading.
+
+    Raises:
+        ConfigError: the port url is invalid.
+        LinkError: the port cannot be opened.
+    """
+    return Ping1d(open_line(part.port, part.baud or BAUD, now), now, part).start()

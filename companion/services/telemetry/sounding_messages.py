@@ -1,0 +1,104 @@
+"""Telemetry of ranger and depth sounder: one function per message, None if not available."""
+
+import math
+from typing import Final
+
+from companion.core.units import clamp, deg_to_e7, wrap_two_pi
+from companion.mavlink.dialect import Message, dialect
+from companion.sensors.suite import DEPTH_STALE_S
+from companion.services.telemetry.snapshot import Snapshot
+
+_RANGER_ID, _SOUNDER_ID = 0, 1
+_SOUNDER_BEAM_RAD: Final = math.radians(30.0)  # Ping1D at -3 dB; others have 10 to 45 degrees
+
+
+def distance_sensors(now: Snapshot) -> list[Message]:
+    """The ranger, then the depth sounder."""
+    return [message for message in (distance_sensor(now), sounder_distance(now)) if message is not None]
+
+
+def distance_sensor(now: Snapshot) -> Message | None:
+    """The latest ping. Other bearings than multiples of 45° use a custom orientation."""
+    ping = now.sensors.sonar
+    if ping is None:
+        return None
+    half_yaw_rad = 0.5 * ping.bearing_rad
+    range_m = ping.max_range_m + 0.01 if ping.range_m is None else ping.range_m
+    return dialect.MAVLink_distance_sensor_message(
+        time_boot_ms=round(ping.time_s * 1e3) & 0xFFFFFFFF,
+        min_distance=round(ping.min_range_m * 100.0),
+        max_distance=round(ping.max_range_m * 100.0),
+        current_distance=round(clamp(range_m * 100.0, 0.0, 65535.0)),
+        type=_sensor_type(now),
+        id=_RANGER_ID,
+        orientation=_orientation(ping.bearing_rad),
+        covariance=0xFF,
+        horizontal_fov=now.config.avoidance.beam_rad,
+        vertical_fov=now.config.avoidance.beam_rad,
+        quaternion=[math.cos(half_yaw_rad), 0.0, 0.0, math.sin(half_yaw_rad)],
+        signal_quality=0,
+    )
+
+
+def _sensor_type(now: Snapshot) -> int:
+    is_laser = now.config.parts.sonar.is_laser
+    kind: int = dialect.MAV_DISTANCE_SENSOR_LASER if is_laser else dialect.MAV_DISTANCE_SENSOR_ULTRASOUND
+    return kind
+
+
+def _orientation(bearing_rad: float) -> int:
+    """MAV_SENSOR_ROTATION's yaws in eighths of a turn, or CUSTOM with the quaternion."""
+    eighths = wrap_two_pi(bearing_rad) / (math.pi / 4.0)
+    nearest = round(eighths)
+    if abs(eighths - nearest) < 1e-6:
+        return nearest % 8
+    custom: int = dialect.MAV_SENSOR_ROTATION_CUSTOM
+    return custom
+
+
+def sounder_distance(now: Snapshot) -> Message | None:
+    """The latest sounding, downwards from the transducer."""
+    sounding = now.sensors.depth
+    if sounding is None:
+        return None
+    depth_m = sounding.max_range_m + 0.01 if sounding.depth_m is None else sounding.depth_m
+    return dialect.MAVLink_distance_sensor_message(
+        time_boot_ms=round(sounding.time_s * 1e3) & 0xFFFFFFFF,
+        min_distance=_cm(sounding.min_range_m),
+        max_distance=_cm(sounding.max_range_m),
+        current_distance=_cm(depth_m),
+        type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        id=_SOUNDER_ID,
+        orientation=dialect.MAV_SENSOR_ROTATION_PITCH_270,
+        covariance=0xFF,
+        horizontal_fov=_SOUNDER_BEAM_RAD,
+        vertical_fov=_SOUNDER_BEAM_RAD,
+        quaternion=[0.0, 0.0, 0.0, 0.0],
+        signal_quality=0 if sounding.quality is None else max(round(100.0 * sounding.quality), 1),
+    )
+
+
+def water_depth(now: Snapshot) -> Message | None:
+    """The latest sounding with the boat's position. As Rover's, it is from the transducer down."""
+    sounding, vehicle = now.sensors.depth, now.vehicle
+    if sounding is None or vehicle.nav is None or vehicle.frame is None:
+        return None
+    position = vehicle.frame.to_global(vehicle.nav.point)
+    is_healthy = sounding.depth_m is not None and now.now_s - sounding.time_s <= DEPTH_STALE_S
+    return dialect.MAVLink_water_depth_message(
+        time_boot_ms=round(sounding.time_s * 1e3) & 0xFFFFFFFF,
+        id=_SOUNDER_ID,
+        healthy=int(is_healthy),
+        lat=deg_to_e7(position.lat_deg),
+        lng=deg_to_e7(position.lon_deg),
+        alt=0.0,
+        roll=0.0,
+        pitch=0.0,
+        yaw=vehicle.nav.heading_rad,
+        distance=sounding.depth_m or 0.0,
+        temperature=sounding.temperature_c or 0.0,
+    )
+
+
+def _cm(metres: float) -> int:
+    return round(clamp(metres * 100.0, 0.0, 65535.0))

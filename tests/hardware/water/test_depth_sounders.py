@@ -1,0 +1,331 @@
+"""Depth sounders over pseudo-terminals and in memory: NMEA 0183 and Ping1D, with their faults."""
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from twins.lines import HandClock, PtyLine, eventually
+from twins.sounders import Ping1dTwin, nmea
+
+from companion.app.composition import check_config
+from companion.app.parts import open_depth
+from companion.config import parts
+from companion.config.boat_config import BoatConfig, with_value
+from companion.config.parts import Parts
+from companion.core.errors import ConfigError, LinkError
+from companion.hal.gnss.nmea import NmeaGnss
+from companion.hal.water.nmea_depth import NmeaDepthSounder, SharedDepthSounder
+from companion.hal.water.ping1d import Ping1d
+from companion.hal.water.ping_frames import PingParser
+from companion.links.memory import MemoryPort, memory_pair
+from companion.sensors.readings import DepthReading
+
+PART = parts.DepthPart(driver="nmea")
+
+
+@pytest.fixture
+def clock() -> HandClock:
+    return HandClock()
+
+
+class Wire:
+    """A serial line in memory; the test holds the far end."""
+
+    def __init__(self) -> None:
+        self.port = MemoryPort()
+        self.plug_in()
+
+    def plug_in(self) -> None:
+        near, self.far = memory_pair("sounder", False)
+        self.port.offer(near)
+
+    def say(self, data: bytes) -> None:
+        assert self.far.send(data)
+
+    def heard(self) -> bytes:
+        return b"".join(self.far.receive())
+
+
+def sounding(sounder: NmeaDepthSounder, wire: Wire, *sentences: str) -> DepthReading | None:
+    wire.say(b"".join(map(nmea, sentences)))
+    sounder.step()
+    return sounder.read()
+
+
+@pytest.fixture
+def wire() -> Wire:
+    return Wire()
+
+
+@pytest.fixture
+def sounder(wire: Wire, clock: HandClock) -> NmeaDepthSounder:
+    return NmeaDepthSounder(wire.port, clock, PART)
+
+
+def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
+    sounder: NmeaDepthSounder, wire: Wire, clock: HandClock
+) -> None:
+    reading = sounding(sounder, wire, "SDDPT,2.1,0.3")
+    assert reading == DepthReading(clock(), 2.1, None, 0.3, 0.3, 100.0)
+    assert reading.water_m == pytest.approx(2.4)
+    keel = sounding(sounder, wire, "SDDPT,2.1,-0.5,100.0")  # to the keel: says nothing of the surface
+    assert keel is not None
+    assert keel.water_m == 2.1
+
+
+def test_a_configured_transducer_depth_is_used_in_place_of_the_sounders(wire: Wire, clock: HandClock) -> None:
+    sounder = NmeaDepthSounder(wire.port, clock, parts.DepthPart(driver="nmea", transducer_m=0.1))
+    reading = sounding(sounder, wire, "SDDPT,2.0,0.3")
+    assert reading is not None
+    assert reading.water_m == pytest.approx(2.1)
+
+
+@pytest.mark.parametrize(
+    "sentence", ["SDDBT,006.9,f,002.1,M,001.1,F", "SDDBT,006.89,f,,M,,F", "SDDBT,,f,,M,1.148,F"]
+)
+def test_dbt_is_read_in_whichever_unit_it_has(sounder: NmeaDepthSounder, wire: Wire, sentence: str) -> None:
+    reading = sounding(sounder, wire, sentence)
+    assert reading is not None
+    assert reading.depth_m == pytest.approx(2.1, abs=0.005)
+
+
+def test_dpt_suppresses_dbt_for_two_seconds(sounder: NmeaDepthSounder, wire: Wire, clock: HandClock) -> None:
+    reading = sounding(sounder, wire, "SDDPT,2.1,0.3", "SDDBT,6.9,f,2.1,M,1.1,F")
+    assert reading is not None
+    assert reading.transducer_m == 0.3
+    clock.advance(2.0)
+    reading = sounding(sounder, wire, "SDDBT,13.1,f,4.0,M,2.2,F")
+    assert reading is not None
+    assert (reading.depth_m, reading.transducer_m) == (4.0, 0.0)
+
+
+def test_the_temperature_lives_for_ten_seconds(
+    sounder: NmeaDepthSounder, wire: Wire, clock: HandClock
+) -> None:
+    assert sounding(sounder, wire, "SDMTW,18.5,C") is None
+    for age_s, celsius in ((10.0, 18.5), (0.1, None)):
+        clock.advance(age_s)
+        reading = sounding(sounder, wire, "SDDPT,2.1,")
+        assert reading is not None
+        assert reading.temperature_c == celsius
+
+
+@pytest.mark.parametrize("depth", ["", "0.0", "-1.0", "100.1"])
+def test_no_bottom_is_a_reading_without_a_depth(sounder: NmeaDepthSounder, wire: Wire, depth: str) -> None:
+    reading = sounding(sounder, wire, f"SDDPT,{depth},0.3")
+    assert reading is not None
+    assert reading.depth_m is reading.water_m is None
+
+
+def test_garbage_and_wrong_sums_are_counted(sounder: NmeaDepthSounder, wire: Wire) -> None:
+    wire.say(b"\x00\xff$SDDPT,2.1,0.3*00\r\n$SDDPT,2.1")
+    sounder.step()
+    assert sounder.read() is None
+    assert sounder.reader.malformed == 1
+    wire.far.close()
+    wire.plug_in()
+    reading = sounding(sounder, wire, "SDDPT,3.0,0.3")
+    assert reading is not None
+    assert reading.depth_m == 3.0
+
+
+def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) -> None:
+    gnss = NmeaGnss(wire.port, clock)
+    depth = SharedDepthSounder(gnss, parts.DepthPart(driver="gnss"))
+    assert depth.read() is None
+    for second in ("00", "01"):
+        wire.say(nmea(f"GNGGA,1200{second}.00,5000.00000,N,00112.00000,W,1,12,0.90,0.0,M,0.0,M,,"))
+        wire.say(nmea(f"GNRMC,1200{second}.00,A,5000.00000,N,00112.00000,W,0.1,0.0,221126,,,A"))
+        wire.say(nmea("SDDPT,2.1,0.3") + nmea("SDMTW,18.5,C"))
+    gnss.step()
+    reading = depth.read()
+    assert reading is not None
+    assert reading.depth_m == 2.1
+    assert gnss.read() is not None
+    wire.say(nmea("SDDPT,2.2,0.3"))
+    gnss.step()
+    reading = depth.read()
+    assert reading is not None
+    assert (reading.depth_m, reading.temperature_c) == (2.2, 18.5)
+    depth.close()
+
+
+def test_a_shared_line_needs_an_nmea_receiver() -> None:
+    config = BoatConfig(
+        links=("udpout:127.0.0.1:14550",),
+        parts=Parts(
+            motors=parts.MotorsPart(driver="l298n"),
+            compass=parts.CompassPart(driver="nmea"),
+            gnss=parts.GnssPart(driver="nmea"),
+            depth=parts.DepthPart(driver="gnss"),
+        ),
+    )
+    check_config(config)
+    bare = with_value(with_value(config, "external.position", 1), "parts.gnss.driver", "none")
+    with pytest.raises(ConfigError, match=r"parts\.depth\.driver = 'gnss'.* not 'none'"):
+        check_config(bare)
+
+
+# Ping1D
+
+
+@pytest.fixture
+def twin() -> Ping1dTwin:
+    return Ping1dTwin()
+
+
+@pytest.fixture
+def ping(wire: Wire, clock: HandClock) -> Ping1d:
+    return Ping1d(wire.port, clock, parts.DepthPart(driver="ping1d", transducer_m=0.15))
+
+
+def interval(ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock) -> DepthReading | None:
+    """A tenth of a second: the part hears and measures, the driver reads."""
+    ping.step()
+    if said := twin.hear(wire.heard()) + twin.say():
+        wire.say(said)
+    ping.step()
+    clock.advance(0.1)
+    return ping.read()
+
+
+def test_the_part_is_set_up_and_its_distance_is_the_depth(
+    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
+) -> None:
+    reading = interval(ping, twin, wire, clock)
+    assert twin.settings == {1002: (1_480_000).to_bytes(4, "little"), 1003: b"\x01", 1004: b"\x64\x00"}
+    assert twin.streams == {1211}
+    assert reading is not None
+    assert (reading.depth_m, reading.quality) == (3.25, 0.97)
+    assert reading.water_m == pytest.approx(3.4)
+    assert twin.wrong_sums == ping.parser.malformed == 0
+
+
+@pytest.mark.parametrize(("confidence", "is_found"), [(50, True), (49, False), (0, False)])
+def test_an_uncertain_distance_is_no_bottom(
+    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock, confidence: int, is_found: bool
+) -> None:
+    twin.confidence = confidence
+    reading = interval(ping, twin, wire, clock)
+    assert reading is not None
+    assert (reading.depth_m is not None) is is_found
+
+
+def test_both_kinds_of_distance_are_read(
+    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
+) -> None:
+    twin.streams = {1212}
+    reading = interval(ping, twin, wire, clock)
+    assert reading is not None
+    assert reading.depth_m == 3.25
+
+
+def test_a_part_that_lost_its_supply_is_told_again_within_seconds_and_not_more_often(
+    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
+) -> None:
+    before = interval(ping, twin, wire, clock)
+    twin.power_up()
+    commands = []
+    for _ in range(45):
+        ping.step()
+        if data := wire.heard():
+            commands.append(clock() - 100.0)
+            if len(commands) == 2:
+                wire.say(twin.hear(data) + twin.say())
+        clock.advance(0.1)
+    assert commands == pytest.approx([2.1, 4.2], abs=0.11)
+    ping.step()
+    after = ping.read()
+    assert before is not None
+    assert after is not None
+    assert after.time_s > before.time_s
+
+
+def test_a_part_that_is_plugged_in_again_is_set_up_at_once(
+    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
+) -> None:
+    interval(ping, twin, wire, clock)
+    wire.far.close()
+    ping.step()
+    twin.power_up()
+    wire.plug_in()
+    twin.distance_mm = 1000
+    reading = interval(ping, twin, wire, clock)
+    assert reading is not None
+    assert reading.depth_m == 1.0
+
+
+@given(st.lists(st.integers(0, 100_000), max_size=8), st.data())
+def test_frames_are_found_among_garbage_in_any_pieces(depths: list[int], data: st.DataObject) -> None:
+    garbage = st.binary(max_size=20).map(lambda noise: noise.replace(b"B", b""))
+    frames = [Ping1dTwin.frame(1211, struct.pack("<IB", depth, 90)) for depth in depths]
+    stream = b"".join(data.draw(garbage) + frame for frame in frames)
+    parser, found = PingParser(), list[bytes]()
+    while stream:
+        size = data.draw(st.integers(1, 30))
+        found += [payload for _, payload in parser.feed(stream[:size])]
+        stream = stream[size:]
+    assert found == [frame[8:-2] for frame in frames]
+
+
+@given(st.binary(max_size=600))
+def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
+    parser = PingParser()
+    parser.feed(noise + b"BR" + noise)
+    assert len(parser._held) < 270
+
+
+def test_a_frame_with_a_wrong_sum_or_length_costs_no_other() -> None:
+    good = Ping1dTwin.frame(1211, struct.pack("<IB", 1500, 90))
+    wrong_sum = bytearray(good)
+    wrong_sum[-1] ^= 1
+    too_long = bytearray(good)
+    too_long[3] = 0xFF
+    parser = PingParser()
+    assert len(parser.feed(good + bytes(wrong_sum) + good + bytes(too_long) + good)) == 3
+    assert parser.malformed == 2
+
+
+# On a device
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Iterator[PtyLine]:
+    line = PtyLine(tmp_path / "sounder")
+    yield line
+    line.unplug()
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("driver", ["nmea", "ping1d"])
+def test_a_sounder_on_a_device_is_opened_read_and_closed(
+    line: PtyLine, twin: Ping1dTwin, clock: HandClock, driver: str
+) -> None:
+    part = parts.DepthPart(driver=driver, port=line.device)  # type: ignore[arg-type]
+    sounder = open_depth(BoatConfig(parts=Parts(depth=part)), clock)
+    assert sounder is not None
+
+    def has_sounded() -> bool:
+        if driver == "nmea":
+            line.say(nmea("SDDPT,3.25,0.0"))
+        else:
+            twin.live(line)
+        reading = sounder.read()
+        return reading is not None and reading.depth_m == 3.25
+
+    try:
+        eventually(has_sounded)
+    finally:
+        sounder.close()
+        sounder.close()
+
+
+def test_no_device_is_told(tmp_path: Path, clock: HandClock) -> None:
+    for driver in ("nmea", "ping1d"):
+        part = parts.DepthPart(driver=driver, port=str(tmp_path / "none"))
+        with pytest.raises(LinkError, match="none"):
+            open_depth(BoatConfig(parts=Parts(depth=part)), clock)
+    assert open_depth(BoatConfig(), clock) is None
