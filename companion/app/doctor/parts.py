@@ -39,6 +39,7 @@ PARTS: Mapping[str, Open] = MappingProxyType(
         "sonar": parts.open_sonar,
         "battery": parts.open_battery,
         "hull": parts.open_hull_sensor,
+        "depth": parts.open_depth,
         "rc": parts.open_rc,
     }
 )

@@ -8,8 +8,10 @@ from typing import Any
 from companion.app.doctor.findings import Verdict
 from companion.config.boat_config import BoatConfig
 from companion.core.units import wrap_two_pi
+from companion.sensors.charge import cells_fault
 from companion.sensors.readings import (
     BatteryReading,
+    DepthReading,
     GnssFix,
     HeadingReading,
     HullReading,
@@ -52,6 +54,8 @@ def battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
     text += ", current not measured" if reading.current_a is None else f", {reading.current_a:.2f} A"
     if reading.voltage_v < config.arming.battery_min_v:
         return Verdict.WARNING, f"{text}; below arming.battery_min_v = {config.arming.battery_min_v:g} V"
+    if fault := cells_fault(reading.voltage_v, config.battery.cells):
+        return Verdict.WARNING, f"{text}; {fault}"
     return Verdict.FINE, text
 
 
@@ -60,6 +64,14 @@ def hull_in_words(reading: HullReading, config: BoatConfig) -> Words:  # noqa: A
     wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
     text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
     return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
+
+
+def depth_in_words(reading: DepthReading, config: BoatConfig) -> Words:  # noqa: ARG001
+    """Depth below the transducer and of the water."""
+    if reading.depth_m is None or reading.water_m is None:
+        return Verdict.WARNING, "the sounder answers, no bottom found"
+    text = f"{reading.depth_m:.2f} m below the transducer, water {reading.water_m:.2f} m"
+    return Verdict.FINE, text if reading.temperature_c is None else f"{text}, {reading.temperature_c:.1f} °C"
 
 
 def rc_in_words(reading: RcReading, config: BoatConfig) -> Words:  # noqa: ARG001
@@ -90,6 +102,7 @@ WORDS: Mapping[type, Callable[[Any, BoatConfig], Words]] = MappingProxyType(
         HeadingReading: heading_in_words,
         BatteryReading: battery_in_words,
         HullReading: hull_in_words,
+        DepthReading: depth_in_words,
         RcReading: rc_in_words,
         list: pings_in_words,
     }

@@ -31,6 +31,7 @@ from companion.hal import interfaces
 from companion.router.status import LinksStatus
 from companion.sensors.readings import (
     BatteryReading,
+    DepthReading,
     GnssFix,
     HeadingReading,
     HullReading,
@@ -155,6 +156,17 @@ PLACE = LatLon(50.0, -1.2)
             Verdict.WARNING,
             "9.00 V, current not measured; below arming.battery_min_v = 10.5 V",
         ),
+        (
+            BatteryReading(0.0, 14.8, 0.4),
+            Verdict.WARNING,
+            "14.80 V, 0.40 A; Battery: 14.8 V does not fit 3 cells, but 4",
+        ),
+        (
+            DepthReading(0.0, 2.0, 18.5, 0.25),
+            Verdict.FINE,
+            "2.00 m below the transducer, water 2.25 m, 18.5 °C",
+        ),
+        (DepthReading(0.0, None), Verdict.WARNING, "the sounder answers, no bottom found"),
         (HullReading(0.0, is_wet=True, temperature_c=50.0), Verdict.FAILED, "WATER, 50 °C"),
         (RcReading(0.0, (1500, 1000), rssi_dbm=-60.0), Verdict.FINE, "channels 1500 1000 µs, -60 dBm"),
         (RcReading(0.0, (), is_failsafe=True), Verdict.WARNING, "receiver answers, transmitter off"),
