@@ -55,6 +55,10 @@ def check_config(config: BoatConfig) -> None:
         raise ConfigError(
             f"parts.rudder.driver: drive.layout is {config.drive.layout!r}; expected a rudder in both or none"
         )
+    if parts.compass.driver == "gnss" and parts.gnss.driver not in ("ubx", "nmea"):
+        raise ConfigError(
+            f"parts.compass.driver: 'gnss' needs parts.gnss.driver 'ubx' or 'nmea', not {parts.gnss.driver!r}"
+        )
     for name, driver, use in (
         ("gnss", parts.gnss.driver, external.position),
         ("compass", parts.compass.driver, external.heading),

@@ -1,6 +1,7 @@
 """u-blox GNSS receiver, set up and read with the UBX protocol."""
 
 import math
+import os
 from collections.abc import Callable, Iterator
 from typing import Final
 
@@ -110,6 +111,6 @@ def open_ubx_gnss(part: GnssPart, now: Callable[[], float], heading: GnssHeading
         None if set_baud is None else baud,
         part.rate_hz,
         wants_baseline=heading is not None,
-        is_usb=_USB in part.port,
+        is_usb=_USB in os.path.realpath(part.port),
     )
     return UbxGnss(port, now, setup, part.latency_s, heading, set_baud).start()

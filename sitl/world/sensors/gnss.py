@@ -110,6 +110,7 @@ class SimGnss(Sensor[GnssFix]):
             north_m_s=north_m_s + settings.velocity_noise_m_s * normal(numbers),
             east_m_s=east_m_s + settings.velocity_noise_m_s * normal(numbers),
             horizontal_accuracy_m=self._accuracy_m,
+            speed_accuracy_m_s=settings.speed_accuracy_m_s or None,
             unix_time_s=EPOCH_UNIX_S + now_s,
             time_of_day_s=(EPOCH_UNIX_S % DAY_S + now_s) % DAY_S,
         )

@@ -33,6 +33,7 @@ class GnssSettings(Section, frozen=True):
     fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
     satellites: Annotated[int, Meta(ge=0, le=60)] = 12
     hdop: Positive = 0.9
+    speed_accuracy_m_s: NonNegative = 0.0  # as reported; 0: not reported
 
 
 class CompassSettings(Section, frozen=True):

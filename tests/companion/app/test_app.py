@@ -94,6 +94,17 @@ def test_a_boat_that_is_told_where_it_is_needs_neither_receiver_nor_compass() ->
         check_config(decode_config({**tree, "external": {"position": 2}}, "test"))
 
 
+def test_a_heading_by_antennas_needs_a_receiver_that_gives_one() -> None:
+    for receiver, is_fine in (("ubx", True), ("nmea", True), ("gpsd", False), ("none", False)):
+        parts = {**PARTS, "gnss": {"driver": receiver}, "compass": {"driver": "gnss"}}
+        tree = decode_config({"links": ["udpin::14550"], "parts": parts}, "test")
+        if is_fine:
+            check_config(tree)
+        else:
+            with pytest.raises(ConfigError, match=r"parts\.compass\.driver: 'gnss' needs"):
+                check_config(tree)
+
+
 def test_a_heading_sensor_that_is_not_there_says_nothing() -> None:
     assert open_compass(BoatConfig(), lambda: 0.0).read() is None
 

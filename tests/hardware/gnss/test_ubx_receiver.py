@@ -244,6 +244,44 @@ def test_noise_on_the_line_delays_the_set_up_but_does_not_stop_it() -> None:
     assert all(abs(fix.position.lat_deg - 50.5) < 1e-6 for fix in bench.fixes)
 
 
+def first_text_after(bench: Bench, limit_s: float) -> tuple[float, str]:
+    """Seconds until the next message, and the message."""
+    bench.texts.clear()
+    began_s = bench.clock()
+    while not bench.texts:
+        assert bench.clock() - began_s < limit_s
+        bench.run(STEP_S)
+    return bench.clock() - began_s, bench.texts[0]
+
+
+def test_silence_is_noticed_within_two_seconds_of_the_last_solution() -> None:
+    bench = Bench()
+    bench.until_running()
+    bench.receiver.is_mute = True
+    seconds, text = first_text_after(bench, 10.0)
+    assert text == "GNSS: receiver silent, setting it up again"
+    assert 1.8 < seconds < 2.3
+    seconds, text = first_text_after(bench, 30.0)
+    assert text == "GNSS: silent at every baud rate, check wiring"
+    assert seconds == pytest.approx(8 * 1.2, abs=0.5)  # each of eight rates for longer than a period
+
+
+def test_a_slow_receiver_is_given_five_periods() -> None:
+    bench = Bench(rate_hz=1.0)
+    bench.until_running()
+    bench.receiver.is_mute = True
+    seconds, _ = first_text_after(bench, 10.0)
+    assert 4.0 < seconds < 5.3
+
+
+def test_sentences_without_an_answer_are_used_after_four_seconds() -> None:
+    bench = Bench(NEO_M8N, baud=115_200)
+    bench.receiver.is_deaf = True
+    seconds, text = first_text_after(bench, 10.0)
+    assert "does not answer" in text
+    assert 3.8 < seconds < 5.5
+
+
 def test_an_unplugged_receiver_is_set_up_again_at_once() -> None:
     bench = Bench(ZED_F9P, interface="USB", is_usb=True, target_baud=None)
     bench.until_running()
