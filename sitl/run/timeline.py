@@ -1,4 +1,4 @@
-"""The events of a run: modes, arming, messages, waypoints, contacts, faults, late commands."""
+"""The events of a run: modes, arming, messages, waypoints, contacts, faults, late commands, payload."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,7 +13,7 @@ OVER = " is over"  # after a fault's name, when it ends
 
 
 class Event(NamedTuple):
-    """One event. kind is mode, arming, text, waypoint, touch, fault or motors."""
+    """One event. kind is mode, arming, text, waypoint, touch, fault, motors or payload."""
 
     time_s: float
     kind: str
@@ -54,6 +54,9 @@ class Timeline:
             self._reached = len(station.reached)
         if lockstep.world.electronics.faults.active != self._faults:
             self._note_faults(lockstep.world.electronics.faults.active, truth.time_s)
+        done = lockstep.world.electronics.payload.lines
+        while done:
+            self._add(truth.time_s, "payload", done.popleft())
         if truth.grounded is not self._grounded:
             self._grounded = truth.grounded
             if truth.grounded:

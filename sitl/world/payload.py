@@ -1,6 +1,7 @@
 """Simulated payload: outputs and programs that record what they are given."""
 
 import math
+from collections import deque
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
@@ -22,7 +23,8 @@ class Recorded(NamedTuple):
 class SimOutput:
     """An output. history: every value written; fault: why it does not answer, empty if it does."""
 
-    def __init__(self, clock: "SimPayload") -> None:
+    def __init__(self, clock: "SimPayload", title: str) -> None:
+        self.title = title
         self.history: list[Recorded] = []
         self.fault = ""
         self.is_closed = False
@@ -38,6 +40,7 @@ class SimOutput:
         if self.fault:
             raise HardwareError(self.fault)
         self.history.append(Recorded(self._clock.time_s, value))
+        self._clock.lines.append(f"{self.title}: {value:g}")
 
     def close(self) -> None:
         """Release it."""
@@ -71,7 +74,8 @@ class SimCounter:
 class SimProgram:
     """A program. starts: the times of its starts; end: what it reports, empty for success."""
 
-    def __init__(self, clock: "SimPayload", run_s: float = RUN_S) -> None:
+    def __init__(self, clock: "SimPayload", title: str, run_s: float = RUN_S) -> None:
+        self.title = title
         self.starts: list[float] = []
         self.end = ""
         self.run_s = run_s
@@ -88,6 +92,7 @@ class SimProgram:
         if not self.is_running:
             self.starts.append(self._clock.time_s)
             self._has_told = False
+            self._clock.lines.append(f"{self.title}: started")
         return ""
 
     def poll(self) -> str | None:
@@ -115,19 +120,23 @@ class SimCapture(SimProgram):
 
 
 class SimPayload:
-    """The payload of a configuration. Its parts are in `parts`, by the index of their table."""
+    """The payload of a configuration. Its parts are in `parts`, by the index of their table.
+
+    lines: what was done lately, for a timeline to take.
+    """
 
     def __init__(self, config: BoatConfig) -> None:
         self.time_s = 0.0
+        self.lines: deque[str] = deque(maxlen=100)
         self.outputs: dict[int, SimOutput] = {}
         self.counters: dict[int, SimCounter] = {}
         self.programs: dict[int, SimProgram] = {}
-        self.capture = SimCapture(self) if config.camera.capture else None
+        self.capture = SimCapture(self, "camera") if config.camera.capture else None
         for index, setting in enumerate(config.payload):
             if isinstance(setting, CommandPayload):
-                self.programs[index] = SimProgram(self)
+                self.programs[index] = SimProgram(self, setting.title)
                 continue
-            output = self.outputs[index] = SimOutput(self)
+            output = self.outputs[index] = SimOutput(self, setting.title)
             if isinstance(setting, WinchPayload) and setting.count_pin is not None:
                 self.counters[index] = SimCounter(setting, output)
         self.parts = PayloadParts(self.outputs, self.counters, self.programs, self.capture)

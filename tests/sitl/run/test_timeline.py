@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
+from payload_rig import CAMERA, PAYLOAD
 
 from companion.core.modes import Mode
+from companion.mavlink.items import MissionItem
 from sitl.run.estimate_recorder import EVERY_S, Estimate
 from sitl.run.lockstep import Lockstep
 from sitl.run.mission_run import MissionRun
@@ -109,3 +111,15 @@ def test_a_boat_that_has_left_its_mission_is_watched_for_as_long_as_was_asked() 
     assert watched.time_s == pytest.approx(ended.time_s)
     assert watched.path_length_m == pytest.approx(ended.path_length_m)
     assert watched.completed
+
+
+def test_payload_outputs_and_programs_are_told_as_they_are_given_values() -> None:
+    servo = MissionItem(2, 183, param1=9.0, param2=1700.0)
+    image = MissionItem(2, 2000, param3=1.0)
+    mission_run = MissionRun(scenario("open", PAYLOAD, CAMERA), [*ITEMS[:2], servo, image, ITEMS[2]])
+    mission_run.run()
+    told = [(event.time_s, event.text) for event in mission_run.timeline.events if event.kind == "payload"]
+    lines = [text for _, text in told]
+    assert lines[0] == "relay 0 (pump): 0"
+    assert lines[-2:] == ["servo 9 (bait): 1700", "camera: started"]
+    assert told[-1][0] > 5.0

@@ -1,0 +1,154 @@
+"""The payload of an emulated boat as MAVSDK, MAVProxy and `mission-upload` meet it."""
+
+import asyncio
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
+from mavsdk.asyncio.plugins.camera import CameraAsync
+from mavsdk.asyncio.plugins.gripper import GripperAsync
+from mavsdk.logging import log_subscribe
+from mavsdk.plugins.camera import CaptureInfo, VideoStreamUpdate
+from patience import JOB_S, MOMENT_S
+from payload_rig import CAMERA, PAYLOAD
+from programs import Program, RunningBoat, RunProgram, start_boat
+from pymavlink import mavutil
+
+pytestmark = pytest.mark.realtime
+pytest_plugins = ("program_fixtures",)
+
+
+@pytest.fixture(scope="module")
+def boat(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoat]:
+    """One boat for all."""
+    log_subscribe(lambda *_: True)
+    room = tmp_path_factory.mktemp("payload") / "boat"
+    running = start_boat(room, "open", "--set", PAYLOAD, "--set", CAMERA, "--speedup", "5")
+    yield running
+    running.program.close()
+
+
+def test_mavsdk_finds_the_camera_takes_a_photo_and_moves_the_gripper(boat: RunningBoat) -> None:
+    async def job() -> None:
+        setting = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
+        async with Mavsdk(setting) as mavsdk:
+            await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{boat.port}")
+            system = await mavsdk.first_autopilot(MOMENT_S)
+            assert system is not None
+            camera = CameraAsync(system)
+
+            async def stream() -> VideoStreamUpdate:
+                async for update in camera.subscribe_video_stream_info():
+                    if update.video_stream_info.settings.uri:
+                        return update
+                raise AssertionError("the stream ended")
+
+            async def photo() -> CaptureInfo:
+                async for taken in camera.subscribe_capture_info():
+                    return taken
+                raise AssertionError("no photo came")
+
+            seen = await asyncio.wait_for(stream(), MOMENT_S)
+            assert seen.component_id == 100
+            assert seen.video_stream_info.settings.uri == "rtsp://10.0.0.2:8554/bow"
+            (found,) = (await camera.camera_list()).cameras
+            assert (found.component_id, found.model_name) == (100, "Boat camera")
+            coming = asyncio.create_task(photo())
+            await asyncio.sleep(0)
+            await camera.take_photo(100)
+            taken = await asyncio.wait_for(coming, MOMENT_S)
+            assert taken.is_success
+            assert taken.index == 0
+            assert taken.position.latitude_deg == pytest.approx(50.0, abs=0.01)
+            gripper = GripperAsync(system)
+            await gripper.grab(1)
+            await gripper.release(1)
+
+    asyncio.run(asyncio.wait_for(job(), JOB_S))
+
+
+def test_mavproxy_sets_relay_and_servo(boat: RunningBoat, tmp_path: Path) -> None:
+    proxy = Program(tmp_path / "proxy", ["mavproxy.py", f"--master={boat.url}", "--state-basedir=."])
+    try:
+        proxy.wait_for("Received [0-9]+ parameters")
+        for line, answer in (
+            ("relay set 0 1", r"Relay 0 \(pump\): on"),
+            ("servo set 9 1250", r"Servo 9 \(bait\): 1250 us"),
+            ("servo set 3 1900", r"DO_SET_SERVO: no servo 3, expected 9 \(bait\)"),
+        ):
+            said = len(proxy.out)
+            proxy.say(line)
+            proxy.wait_for(answer, MOMENT_S, after=said)
+    finally:
+        proxy.close()
+
+
+PLAN = {
+    "fileType": "Plan", "groundStation": "QGroundControl", "version": 1,
+    "geoFence": {"circles": [], "polygons": [], "version": 2}, "rallyPoints": {"points": [], "version": 2},
+    "mission": {
+        "cruiseSpeed": 2, "firmwareType": 3, "globalPlanAltitudeMode": 1, "hoverSpeed": 2,
+        "vehicleType": 11,
+        "plannedHomePosition": [50.0, -1.2, 0], "version": 2,
+        "items": [
+            {"type": "SimpleItem", "autoContinue": True, "command": command, "doJumpId": number,
+             "frame": frame, "params": params}
+            for number, (command, frame, params) in enumerate((
+                (16, 3, [0, 0, 0, None, 50.0002, -1.2, 0]),
+                (183, 2, [9, 1700, 0, 0, 0, 0, 0]),
+                (182, 2, [0, 2, 2, 0, 0, 0, 0]),
+                (211, 2, [1, 0, 0, 0, 0, 0, 0]),
+                (203, 2, [0, 0, 0, 0, 1, 0, 0]),
+                (217, 2, [7, 0, 0, 0, 0, 0, 0]),
+                (16, 3, [0, 0, 0, None, 50.0004, -1.2, 0]),
+            ), 1)
+        ],
+    },
+}  # fmt: skip
+
+
+def test_mission_upload_brings_payload_items_unchanged_and_the_boat_does_them(
+    run_program: RunProgram, tmp_path: Path
+) -> None:
+    plan = tmp_path / "drop.plan"
+    plan.write_text(json.dumps(PLAN), encoding="utf-8")
+    boat = start_boat(tmp_path / "boat", "open", "--set", PAYLOAD, "--set", CAMERA, "--speedup", "5")
+    link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{boat.port}", source_system=99)
+    lines: list[str] = []
+    try:
+        job = run_program("mission-upload", str(plan), "--connect", boat.url, "--start", "--follow", "--json")
+        while job.is_running:
+            message = link.recv_match(type="STATUSTEXT", blocking=True, timeout=0.2)
+            lines += [] if message is None else [message.text]
+        ended = job.wait(JOB_S)
+    finally:
+        link.close()
+        boat.program.close()
+    assert ended.code == 0, ended
+    report = json.loads(ended.out)
+    assert report["upload"]["items"] == 8
+    assert report["upload"]["read_back_equal"] is True
+    for line in (
+        "Servo 9 (bait): 1700 us",
+        "Relay 0 (pump): 2 times, every 2 s",
+        "Gripper 1: open",
+        "Command 7 (sample): started",
+    ):
+        assert line in lines, lines
+
+
+def test_mission_upload_says_which_item_a_boat_without_payload_refuses(
+    run_program: RunProgram, tmp_path: Path
+) -> None:
+    plan = tmp_path / "drop.plan"
+    plan.write_text(json.dumps(PLAN), encoding="utf-8")
+    bare = start_boat(tmp_path / "boat", "open")
+    try:
+        ended = run_program("mission-upload", str(plan), "--connect", bare.url).wait(JOB_S)
+    finally:
+        bare.program.close()
+    assert ended.code == 1
+    assert "item 2" in ended.err
+    assert "DO_SET_SERVO" in ended.err
