@@ -18,6 +18,7 @@ from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.gnss.ubx import open_ubx_gnss
 from companion.hal.heading.antennas import AntennaCompass
 from companion.hal.heading.bno055 import open_bno055
+from companion.hal.heading.bno085 import open_bno085
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.heading.nmea import open_nmea_compass
 from companion.hal.hull import open_hull
@@ -124,6 +125,8 @@ def open_compass(
             return AntennaCompass(receiver.heading, reserve, now, None if gnss else receiver)
         case "bno055":
             return open_bno055(part, now)
+        case "bno085":
+            return open_bno085(part, now)
         case "qmc5883l" | "hmc5883l" | "lis3mdl":
             return open_magnetic_compass(part, now, field or FieldCorrector())
         case "nmea":

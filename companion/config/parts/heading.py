@@ -31,13 +31,13 @@ class CompassPart(Section, frozen=True):
     correction_rad is added to its heading. The declination is added too where the part's north is magnetic.
     """
 
-    driver: Literal["nmea", "bno055", "qmc5883l", "hmc5883l", "lis3mdl", "gnss", "none"] = "none"
-    fallback: Literal["nmea", "bno055", "qmc5883l", "hmc5883l", "lis3mdl", "none"] = "none"
+    driver: Literal["nmea", "bno055", "bno085", "qmc5883l", "hmc5883l", "lis3mdl", "gnss", "none"] = "none"
+    fallback: Literal["nmea", "bno055", "bno085", "qmc5883l", "hmc5883l", "lis3mdl", "none"] = "none"
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0
     address: BusAddress = 0  # on I²C; 0: the part's usual one
-    mounting: Mounting = Mounting()  # of the magnetometer
+    mounting: Mounting = Mounting()  # of the BNO085 or the magnetometer
     imu: Literal["mpu6050", "lsm6ds", "none"] = "none"  # gyro and accelerometer beside a magnetometer
     imu_address: BusAddress = 0
     imu_mounting: Mounting = Mounting()

@@ -1,0 +1,108 @@
+"""BNO085 or BNO086 compass on a UART (PS1 high, PS0 low: UART-SHTP at 3 Mbit/s).
+
+Not on I²C: the part stretches the clock, which the Pi's controller does not support; bytes are then shifted
+(raspberrypi/linux issue 4884). Its simple UART mode (RVC) has no magnetic north, as it does not use the
+magnetometer.
+"""
+
+import logging
+import math
+import time
+from collections.abc import Callable, Iterable
+from typing import Final
+
+from companion.config.parts import CompassPart
+from companion.core.units import wrap_pi
+from companion.core.vectors import Matrix, Vector, dot, times
+from companion.hal.heading.registers import board_to_body
+from companion.hal.interfaces import Port
+from companion.hal.port_sensor import PortSensor
+from companion.links.port_url import open_line
+from companion.sensors.attitude import roll_pitch
+from companion.sensors.readings import HeadingReading
+from companion.sensors.sh2.session import Rotation, Sh2Session
+
+_log = logging.getLogger(__name__)
+
+BAUD: Final = 3_000_000
+# The part needs 100 µs from one byte to the next (data sheet 1000-3927, 1.2.3.1)
+BYTE_S: Final = 0.0002
+_REST_S: Final = 0.01
+
+
+class Bno085Compass(PortSensor[HeadingReading]):
+    """Satisfies `companion.hal.interfaces.Compass`.
+
+    Its north is magnetic. Headings are used once the part has called its own reliable, since its last reset.
+    """
+
+    def __init__(
+        self,
+        port: Port,
+        part: CompassPart,
+        now: Callable[[], float],
+        pause: Callable[[float], None] = time.sleep,
+    ) -> None:
+        """pause: between two bytes."""
+        super().__init__(port, now, _REST_S)
+        self._axes = board_to_body(part.mounting)
+        self._correction_rad = part.correction_rad
+        self._pause = pause
+        self._session = Sh2Session(now())
+        self._knows_north = False
+        self._resets = 0
+
+    def step(self) -> None:
+        """Process received bytes, and send what the part needs."""
+        super().step()
+        self._session.tick(self._now())
+        for frame in self._session.take_outbox():
+            for link in self._links:
+                for at in range(len(frame)):
+                    link.send(frame[at : at + 1])
+                    self._pause(BYTE_S)
+
+    def _forget(self) -> None:
+        self._session = Sh2Session(self._now())
+        self._knows_north, self._resets = False, 0
+
+    def _decode(self, chunk: bytes, time_s: float) -> Iterable[HeadingReading]:
+        samples = self._session.feed(chunk, time_s)
+        if self._session.resets != self._resets:
+            if self._resets:
+                _log.warning("BNO085: it was reset; it is set up again")
+            self._resets, self._knows_north = self._session.resets, False
+        for sample in samples:
+            self._knows_north = self._knows_north or sample.status > 0
+            if self._knows_north:
+                yield heading_reading(sample, self._axes, self._correction_rad, time_s)
+
+
+def heading_reading(sample: Rotation, axes: Matrix, correction_rad: float, time_s: float) -> HeadingReading:
+    """The reading of a board that is mounted so. axes: board to body."""
+    ahead = _turned(sample.quaternion, axes[0])  # a row: the body's axis in board axes
+    heading_rad = wrap_pi(math.atan2(ahead[0], ahead[1]) + correction_rad)
+    x, y, z, w = sample.quaternion
+    up = _turned((-x, -y, -z, w), (0.0, 0.0, 1.0))  # in board axes
+    down = times(axes, (-up[0], -up[1], -up[2]))
+    roll_rad, pitch_rad = roll_pitch(down)
+    rate_rad_s = None if sample.rate is None else dot(times(axes, sample.rate), down)
+    return HeadingReading(time_s, heading_rad, rate_rad_s, roll_rad, pitch_rad, is_magnetic=True)
+
+
+def _turned(quaternion: tuple[float, float, float, float], vector: Vector) -> Vector:
+    """A vector turned by a unit quaternion (x, y, z, w)."""
+    x, y, z, w = quaternion
+    a, b, c = vector
+    s, t, u = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return (a + w * s + y * u - z * t, b + w * t + z * s - x * u, c + w * u + x * t - y * s)
+
+
+def open_bno085(part: CompassPart, now: Callable[[], float]) -> Bno085Compass:
+    """Open the part on its serial line and start reading.
+
+    Raises:
+        ConfigError: the port url is invalid.
+        LinkError: the port cannot be opened.
+    """
+    return Bno085Compass(open_line(part.port, BAUD, now), part, now).start()

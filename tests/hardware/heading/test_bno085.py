@@ -1,0 +1,253 @@
+"""A BNO085 on its UART: SHTP frames, set-up, resets, bytes that are lost."""
+
+import logging
+import math
+import random
+import threading
+from pathlib import Path
+
+import pytest
+from twins.bno085 import Bno085Twin, Quaternion
+from twins.lines import HandClock, PtyLine, eventually
+
+from companion.app.parts import open_compass
+from companion.config.boat_config import BoatConfig, with_value
+from companion.config.parts import CompassPart, Mounting
+from companion.core.errors import LinkError
+from companion.hal.heading.bno085 import BYTE_S, Bno085Compass, open_bno085
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
+from companion.sensors.readings import HeadingReading
+from companion.sensors.sh2.frames import FrameReader, Packet, encode
+
+HALF = math.sqrt(0.5)
+
+
+class Bench:
+    """A compass and its part on a line without threads."""
+
+    def __init__(self, part: CompassPart | None = None, turned: Quaternion = (0.0, 0.0, 0.0, 1.0)) -> None:
+        self.clock = HandClock()
+        self.twin = Bno085Twin(turned)
+        self.pauses: list[float] = []
+        self.far = MemoryLink("none")
+        self.port = MemoryPort()
+        self.plug_in()
+        part = part or CompassPart(driver="bno085")
+        self.compass = Bno085Compass(self.port, part, self.clock, self.pauses.append)
+
+    def plug_in(self) -> None:
+        near, self.far = memory_pair("uart", is_datagram=False)
+        self.port.offer(near)
+
+    def run(self, seconds: float, loss: float = 0.0) -> None:
+        """loss: share of the part's bytes that do not arrive."""
+        dice = random.Random(7)
+        for _ in range(round(seconds / 0.02)):
+            self.clock.advance(0.02)
+            for chunk in self.far.receive():
+                assert len(chunk) == 1
+                self.twin.hear(chunk)
+            said = bytes(byte for byte in self.twin.speak(0.02) if dice.random() >= loss)
+            if said:
+                self.far.send(said)
+            self.compass.step()
+
+    @property
+    def reading(self) -> HeadingReading:
+        reading = self.compass.read()
+        assert reading is not None
+        return reading
+
+    @property
+    def angles_deg(self) -> tuple[float, float, float]:
+        reading = self.reading
+        assert reading.roll_rad is not None
+        assert reading.pitch_rad is not None
+        return (
+            math.degrees(reading.heading_rad) % 360.0,
+            math.degrees(reading.roll_rad),
+            math.degrees(reading.pitch_rad),
+        )
+
+
+@pytest.mark.parametrize(
+    ("heading_deg", "roll_deg", "pitch_deg"),
+    [(0.0, 0.0, 0.0), (90.0, 10.0, 0.0), (250.0, -5.0, 8.0), (359.0, 0.0, -20.0)],
+)
+def test_heading_roll_and_pitch_are_those_of_the_boat(
+    heading_deg: float, roll_deg: float, pitch_deg: float
+) -> None:
+    bench = Bench()
+    bench.twin.heading_deg, bench.twin.roll_deg, bench.twin.pitch_deg = heading_deg, roll_deg, pitch_deg
+    bench.run(1.0)
+    assert bench.angles_deg == pytest.approx((heading_deg, roll_deg, pitch_deg), abs=0.1)
+    assert bench.reading.is_magnetic
+    assert bench.reading.time_s == bench.clock()
+
+
+def test_the_yaw_rate_is_clockwise_and_about_the_vertical() -> None:
+    bench = Bench()
+    bench.twin.gyro_deg_s = (0.0, 0.0, -20.0)  # z up
+    bench.run(1.0)
+    assert math.degrees(bench.reading.yaw_rate_rad_s or 0.0) == pytest.approx(20.0, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("mounting", "turned"),
+    [
+        (Mounting(yaw_deg=90), (0.0, 0.0, -HALF, HALF)),  # its arrow to starboard
+        (Mounting(roll_deg=180), (1.0, 0.0, 0.0, 0.0)),
+    ],
+)
+def test_a_board_is_mounted_in_any_direction(mounting: Mounting, turned: Quaternion) -> None:
+    bench = Bench(CompassPart(driver="bno085", mounting=mounting), turned)
+    bench.twin.heading_deg, bench.twin.roll_deg = 120.0, 7.0
+    bench.run(1.0)
+    assert bench.angles_deg == pytest.approx((120.0, 7.0, 0.0), abs=0.1)
+
+
+def test_the_features_are_requested_once_and_each_byte_has_its_pause() -> None:
+    bench = Bench()
+    bench.run(3.0)
+    assert bench.twin.requests.count(0x05) <= 2  # at the start, and after the reset that it reports
+    assert set(bench.twin.features) == {0x05, 0x02}
+    assert bench.twin.features[0x05] == pytest.approx(0.02)
+    assert min(bench.pauses) >= 100e-6 == pytest.approx(BYTE_S / 2)
+    calibrations = [one for one in bench.twin.commands if one[2] == 0x07]
+    assert calibrations[0][3:6] == bytes((1, 1, 1))
+
+
+def test_a_part_without_room_is_not_sent_more() -> None:
+    bench = Bench()
+    bench.twin.space = 10
+    bench.run(0.9)
+    assert bench.twin.requests == []
+    bench.twin.space = 100
+    bench.run(1.0)
+    assert bench.compass.read() is not None
+
+
+def test_the_calibration_is_saved_once_it_is_good() -> None:
+    bench = Bench()
+    bench.twin.status = 1
+    bench.run(2.0)
+    assert bench.twin.saves == 0
+    bench.twin.status = 3
+    bench.run(3.0)
+    assert bench.twin.saves == 1
+
+
+def test_no_heading_counts_before_it_is_reliable() -> None:
+    bench = Bench()
+    bench.twin.status = 0
+    bench.run(1.0)
+    assert bench.compass.read() is None
+    bench.twin.status = 1
+    bench.run(0.1)
+    assert bench.compass.read() is not None
+
+
+def test_a_part_whose_supply_dipped_is_set_up_and_must_find_north_again(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level(logging.WARNING)
+    bench = Bench()
+    bench.run(2.0)
+    before = bench.reading
+    bench.twin.power_up()
+    bench.twin.status, bench.twin.heading_deg = 0, 77.0
+    bench.run(1.0)
+    assert bench.twin.features
+    assert bench.reading.time_s - before.time_s < 0.1
+    assert "BNO085: it was reset; it is set up again" in caplog.text
+    bench.twin.status = 2
+    bench.run(0.2)
+    assert bench.angles_deg[0] == pytest.approx(77.0, abs=0.1)
+
+
+def test_a_part_that_has_forgotten_its_features_is_asked_again() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    bench.twin.features.clear()
+    bench.run(2.0)
+    assert bench.reading.time_s == bench.clock()
+
+
+def test_a_part_that_hangs_is_reset() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    bench.twin.features.clear()
+    bench.twin.is_hung = True
+    bench.run(3.5)
+    assert bench.clock() - bench.reading.time_s > 3.0
+    bench.run(4.0)
+    assert not bench.twin.is_hung
+    assert bench.reading.time_s == bench.clock()
+
+
+def test_lost_bytes_cost_samples_and_never_give_a_wrong_one() -> None:
+    bench = Bench()
+    bench.twin.heading_deg = 200.0
+    for _ in range(50):
+        bench.run(0.2, loss=0.01)
+        if bench.compass.read() is not None:
+            assert bench.angles_deg == pytest.approx((200.0, 0.0, 0.0), abs=0.1)
+    assert bench.compass._session.dropped > 0
+    assert bench.clock() - bench.reading.time_s < 0.5
+
+
+def test_noise_on_the_line_is_no_heading() -> None:
+    reader, dice = FrameReader(), random.Random(3)
+    bench = Bench()
+    noise = bytes(dice.randrange(256) for _ in range(20000))
+    bench.far.send(noise)
+    bench.compass.step()
+    assert bench.compass.read() is None
+    assert len(reader.feed(noise)) < 5
+
+
+def test_frames_escape_the_flag_and_two_flags_in_a_row_are_one() -> None:
+    payload = bytes(range(0x70, 0x80))
+    frame = encode(2, 0x7E, payload)
+    assert frame.count(0x7E) == 2
+    assert FrameReader().feed(b"\x7e" + frame + frame[1:]) == [Packet(2, payload)] * 2
+
+
+def test_a_line_that_comes_back_is_set_up_again() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    bench.far.close()
+    bench.run(0.2)
+    bench.twin.power_up()
+    bench.plug_in()
+    bench.run(1.5)
+    assert bench.reading.time_s == bench.clock()
+
+
+def test_through_a_real_line_and_thread(tmp_path: Path) -> None:
+    line, twin, clock = PtyLine(tmp_path / "uart"), Bno085Twin(), HandClock()
+    twin.heading_deg = 45.0
+    config = with_value(BoatConfig(), "parts.compass.driver", "bno085")
+    config = with_value(config, "parts.compass.port", line.device)
+    compass = open_compass(config, clock)
+    try:
+
+        def has_reading() -> bool:
+            clock.advance(0.02)
+            twin.hear(line.heard())
+            line.say(twin.speak(0.02))
+            return compass.read() is not None
+
+        eventually(has_reading)
+        reading = compass.read()
+        assert reading is not None
+        assert math.degrees(reading.heading_rad) == pytest.approx(45.0, abs=0.1)
+    finally:
+        compass.close()
+        line.unplug()
+    assert not [one for one in threading.enumerate() if "uart" in one.name and one.is_alive()]
+
+
+def test_a_missing_line_is_told_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="there is no device"):
+        open_bno085(CompassPart(driver="bno085", port=str(tmp_path / "none")), HandClock())
