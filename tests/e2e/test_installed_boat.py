@@ -175,6 +175,10 @@ def test_installed_on_the_running_system_it_runs_and_is_removed_again(
         said = machine.run(*COMPANION.split(), "install", check=True)
         assert re.search(f"{word} +write /etc/systemd/system/mavboat.service", said), said
     assert machine.run("cat", "/etc/mavboat/boat.toml") == BOAT, "the owner's configuration was overwritten"
+    rules = machine.run("sh", "-c", "udevadm test /sys/class/mem/null 2>&1")
+    assert "60-mavboat.rules" in rules
+    complaints = [line for line in rules.splitlines() if "mavboat.rules:" in line]
+    assert complaints == [], "udev does not understand its rules"
     machine.run("systemctl", "start", UNIT, check=True)
     assert boat.show("SubState") == "running"
     machine.run(*COMPANION.split(), "uninstall", check=True)

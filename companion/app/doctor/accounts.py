@@ -2,11 +2,13 @@
 
 import getpass
 import os
+from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.install.accounts import Member, User
 from companion.app.install.plan import GROUPS, STATE, USER
 from companion.app.install.service import Enabled
+from companion.app.status_file import RUNTIME_DIRECTORY
 
 NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
 
@@ -45,10 +47,28 @@ def check_service(examined: Examined) -> Finding:
     )
 
 
+def check_folders(examined: Examined) -> Finding:
+    """Whether the unit, to which the rest of the system is read-only, may write where it should."""
+    config = examined.config
+    named = {"storage.folder": config.storage.folder, "camera.folder": config.camera.folder}
+    own = (STATE, RUNTIME_DIRECTORY)
+    outside = [
+        f"{key} = {folder}"
+        for key, folder in named.items()
+        if folder and not any(Path(folder).is_relative_to(one) for one in own)
+    ]
+    if outside:
+        text = f"the unit may not write to {', '.join(outside)}"
+        cure = f"name a folder below {STATE}, or add ReadWritePaths= with `sudo systemctl edit mavboat`"
+        return Finding("folders", Verdict.WARNING, text, cure)
+    return Finding("folders", Verdict.FINE, "all where the unit may write")
+
+
 def account_findings(examined: Examined, user: str = "") -> list[Finding]:
     """All of them."""
     return [
         check_user(examined),
         check_own_groups(examined, user or os.environ.get("SUDO_USER") or getpass.getuser()),
         check_service(examined),
+        check_folders(examined),
     ]

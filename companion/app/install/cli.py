@@ -9,11 +9,12 @@ import typer
 
 from companion.app.composition import check_config
 from companion.app.init.presets import preset_text
-from companion.app.install.plan import install_steps, uninstall_steps
+from companion.app.install.plan import USB_FILE, install_steps, uninstall_steps
 from companion.app.install.service import UNIT
 from companion.app.install.steps import apply_steps, describe_steps
 from companion.app.install.target import InstallError, Target, is_readable_by_others
 from companion.app.install.unit import CONFIG, PROGRAMS
+from companion.app.install.usb_names import usb_rules
 from companion.config.boat_config import load_config
 
 Root = Annotated[Path, typer.Option("--root", help="Root folder of the system: / or that of an image.")]
@@ -26,6 +27,9 @@ def install(
     ] = None,
     root: Root = Path("/"),
     programs: Annotated[Path | None, typer.Option(help="Folder of boat-companion on that system.")] = None,
+    usb: Annotated[
+        list[str] | None, typer.Option(help="NAME=DEVICE: call this USB adapter /dev/mavboat-NAME.")
+    ] = None,
     dry_run: DryRun = False,
 ) -> None:
     """Install the boat as a service: user, folders, configuration, udev names, unit. Changes nothing twice.
@@ -40,7 +44,7 @@ def install(
     if config is not None:
         check_config(load_config(config))
     text = config.read_text(encoding="utf-8") if config else preset_text("lake")
-    steps = install_steps(target, programs, text)
+    steps = install_steps(target, programs, text, _usb_text(target, usb or []))
     program = programs / "boat-companion"
     if dry_run:
         describe_steps(steps, typer.echo)
@@ -71,6 +75,12 @@ def uninstall(
         describe_steps(steps, typer.echo)
     else:
         apply_steps(steps, typer.echo)
+
+
+def _usb_text(target: Target, usb: list[str]) -> str:
+    path = target.path(USB_FILE)
+    before = path.read_text(encoding="utf-8") if path.exists() else ""
+    return usb_rules(usb, before) if usb else before
 
 
 def _target(root: Path, *, needs_root: bool) -> Target:

@@ -13,6 +13,7 @@ USER = "mavboat"
 GROUPS = ("gpio", "i2c", "dialout", "video")
 STATE = Path("/var/lib/mavboat")
 
+USB_FILE = Path("/etc/udev/rules.d/61-mavboat-usb.rules")
 _UNIT_FILE = Path("/etc/systemd/system") / UNIT
 _FILES = {
     "60-mavboat.rules": (
@@ -27,8 +28,11 @@ _FILES = {
 }
 
 
-def install_steps(target: Target, programs: Path, config_text: str) -> list[Step]:
-    """The steps of an installation, in their order. programs: the folder of boat-companion on the target."""
+def install_steps(target: Target, programs: Path, config_text: str, usb_text: str = "") -> list[Step]:
+    """The steps of an installation, in their order.
+
+    programs: the folder of boat-companion on the target. usb_text: rules that name USB parts, if any.
+    """
     steps: list[Step] = [Group(target, name) for name in GROUPS]
     steps += [
         User(target, USER, GROUPS, STATE),
@@ -39,6 +43,8 @@ def install_steps(target: Target, programs: Path, config_text: str) -> list[Step
     for name, (path, what) in _FILES.items():
         text = (FILES / name).read_text(encoding="utf-8")
         steps += [Folder(target, path.parent, mode=None), FileText(target, path, text, what)]
+    if usb_text:
+        steps.append(FileText(target, USB_FILE, usb_text, "names of the boat's USB parts"))
     steps += [FileText(target, _UNIT_FILE, unit_text(programs), "the unit")]
     if target.is_this_machine:
         steps.append(Reloaded(target))
@@ -48,7 +54,7 @@ def install_steps(target: Target, programs: Path, config_text: str) -> list[Step
 def uninstall_steps(target: Target, *, purge: bool) -> list[Step]:
     """The steps that remove it again. purge: also configuration, missions, logs and their user."""
     steps: list[Step] = [Enabled(target, is_wanted=False), FileText(target, _UNIT_FILE, None, "the unit")]
-    for path, what in reversed(_FILES.values()):
+    for path, what in ((USB_FILE, "names of the boat's USB parts"), *reversed(_FILES.values())):
         steps.append(FileText(target, path, None, what))
     if target.is_this_machine:
         steps.append(Reloaded(target))

@@ -10,12 +10,12 @@ from doctor_tree import PI_4, Tree
 from rich.console import Console
 
 from companion.app.cli import run_program
-from companion.app.doctor.accounts import check_own_groups, check_service, check_user
+from companion.app.doctor.accounts import check_folders, check_own_groups, check_service, check_user
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.doctor.report import as_json, is_fine, print_table
 from companion.app.install.steps import apply_steps
 from companion.app.install.target import Target
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, StorageSetting
 
 pytest_plugins = ("doctor_fixtures",)
 
@@ -136,6 +136,21 @@ def test_groups_of_whoever_asks(tree: Tree) -> None:
     found.fix[0].undo()
     assert check_own_groups(examined(root), "skipper").text == "skipper is not in i2c"
     assert check_own_groups(examined(root), "root").verdict is Verdict.FINE
+
+
+@pytest.mark.parametrize(
+    ("folder", "verdict"),
+    [
+        ("/var/lib/mavboat", Verdict.FINE),
+        ("/run/mavboat/x", Verdict.FINE),
+        ("", Verdict.FINE),
+        ("/home/pi/boat", Verdict.WARNING),
+        ("/var/lib/mavboat2", Verdict.WARNING),
+    ],
+)
+def test_a_folder_outside_the_units_own_is_told(tree: Tree, folder: str, verdict: Verdict) -> None:
+    config = BoatConfig(storage=StorageSetting(folder=folder))
+    assert check_folders(Examined(Target(tree({})), config)).verdict is verdict
 
 
 def test_whether_the_boat_starts_by_itself(tree: Tree) -> None:
