@@ -32,6 +32,7 @@ from companion.calibration.routine import (
 )
 from companion.calibration.runs import go_to_edge, has_room, opposite
 from companion.calibration.yaw_model import YawFit, YawModel, yaw_model
+from companion.control.allocation import rudder_effect
 from companion.core.intent import Drive, HoldHeading
 from companion.core.units import clamp, wrap_pi
 
@@ -96,7 +97,8 @@ def tune_heading(inputs: RoutineInputs) -> Routine:
         CalibrationError: the heading does not oscillate, or there is too little room.
     """
     config, heading, offset = inputs.config, inputs.nav.heading_rad, 0.0
-    throw = min(_THROW, 1.0 - config.speed.cruise_throttle)
+    room = 1.0 - config.speed.cruise_throttle if config.drive.has_pair else 1.0
+    throw = min(_THROW, room)
     if throw < _LEAST_THROW:
         raise CalibrationError("cruise speed leaves no thrust to steer with")
     periods: dict[float, list[float]] = {one: [] for one in _HYSTERESES_RAD}
@@ -135,8 +137,17 @@ def _swing(
     while len(relay.periods_s) < wanted and has_room(inputs, heading_rad) and not inputs.is_slowed:
         relay.update(wrap_pi(inputs.nav.heading_rad - heading_rad), inputs.now_s)
         inputs = yield Drive(config.speed.cruise_throttle, relay.steering)
-        stretch.add(0.5 * (inputs.command.left - inputs.command.right), inputs.nav.yaw_rate_rad_s)
+        stretch.add(_steered(inputs), inputs.nav.yaw_rate_rad_s)
     return inputs
+
+
+def _steered(inputs: RoutineInputs) -> float:
+    """The steering given, in shares of full steering."""
+    command, config, nav = inputs.command, inputs.config, inputs.nav
+    if config.drive.has_pair:
+        return 0.5 * (command.left - command.right)
+    water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+    return command.rudder * rudder_effect(command.left, water_m_s, config.drive, config.speed)
 
 
 def gains(model: YawModel, period_s: float) -> list[Finding]:

@@ -7,6 +7,7 @@ failsafes change. The command service also ends it at any other command.
 import math
 from enum import IntEnum
 
+from companion.config.drive import DIFFERENTIAL, DriveSetting
 from companion.core.state import Thrust
 from companion.core.units import clamp
 from companion.core.vehicle_status import VehicleStatus
@@ -18,18 +19,19 @@ _NO_THRUST = Thrust(0.0, 0.0)
 class TestedMotor(IntEnum):
     """Rover's numbers."""
 
-    THROTTLE = 1  # both ahead
-    STEERING = 2  # a turn on the spot, to starboard
+    THROTTLE = 1  # all ahead
+    STEERING = 2  # to starboard: the rudder, or both motors without one
     LEFT = 3
     RIGHT = 4
 
 
 _SIDES = {
-    TestedMotor.THROTTLE: (1.0, 1.0),
-    TestedMotor.STEERING: (1.0, -1.0),
-    TestedMotor.LEFT: (1.0, 0.0),
-    TestedMotor.RIGHT: (0.0, 1.0),
+    TestedMotor.THROTTLE: Thrust(1.0, 1.0),
+    TestedMotor.STEERING: Thrust(1.0, -1.0),
+    TestedMotor.LEFT: Thrust(1.0, 0.0),
+    TestedMotor.RIGHT: Thrust(0.0, 1.0),
 }
+_RUDDER = Thrust(0.0, 0.0, 1.0)
 
 
 class MotorTest:
@@ -43,16 +45,24 @@ class MotorTest:
         self._began = _conditions(VehicleStatus())
 
     def start(
-        self, motor: TestedMotor, share: float, duration_s: float, status: VehicleStatus, now_s: float
+        self,
+        motor: TestedMotor,
+        share: float,
+        duration_s: float,
+        status: VehicleStatus,
+        now_s: float,
+        drive: DriveSetting = DIFFERENTIAL,
     ) -> str:
         """Turn a motor at a share of full drive, −1..1. Returns why not, empty when it turns."""
         if status.armed:
             return "disarm first"
         if status.is_restarting:
             return "the program is restarting"
-        left, right = _SIDES[motor]
+        if motor in (TestedMotor.LEFT, TestedMotor.RIGHT) and not drive.has_pair:
+            return "this boat has one motor: test throttle or steering"
+        whole = _RUDDER if motor is TestedMotor.STEERING and drive.has_rudder else _SIDES[motor]
         share = clamp(share, -1.0, 1.0)
-        self._thrust = Thrust(left * share, right * share)
+        self._thrust = Thrust(whole.left * share, whole.right * share, whole.rudder * share)
         self._until_s = now_s + min(duration_s, LONGEST_S)
         self._began = _conditions(status)
         self.is_running = True

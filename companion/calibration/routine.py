@@ -91,7 +91,11 @@ def aim(inputs: RoutineInputs, heading_rad: float, speed_m_s: float = 0.0) -> St
     Raises:
         CalibrationError: the heading is not reached.
     """
-    until_s, aimed_s, intent = inputs.now_s + _TURNING_S, math.inf, HoldHeading(heading_rad, speed_m_s)
+    until_s, aimed_s, intent = (
+        inputs.now_s + _TURNING_S,
+        math.inf,
+        HoldHeading(heading_rad, speed_m_s, _AIMED_RAD),
+    )
     while inputs.now_s < aimed_s + _AIMED_S:
         if inputs.now_s > until_s:
             raise CalibrationError("the bow does not come round")

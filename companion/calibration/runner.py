@@ -26,16 +26,29 @@ _LONGEST_S: Final = 1800.0
 
 
 class Calibration(NamedTuple):
-    """A kind of calibration. is_bare: it drives the motors without trim. usual_s: about its duration."""
+    """A kind of calibration. is_bare: it drives the motors without trim. usual_s: about its duration.
+
+    layouts: of drives that it can measure; refusal: what the operator of another boat is told.
+    """
 
     name: str
     routine: Callable[[RoutineInputs], Routine]
     is_bare: bool
     usual_s: float
+    layouts: tuple[str, ...]
+    refusal: str
 
 
-THRUSTERS: Final = Calibration("Thruster calibration", calibrate, True, 480.0)
-HEADING: Final = Calibration("Heading autotune", tune_heading, False, 150.0)
+# Its pulses and turns tell two motors apart by how they turn the boat at rest
+THRUSTERS: Final = Calibration(
+    "Thruster calibration", calibrate, True, 480.0, ("differential",),
+    "measures two motors; set a rudder boat's by hand",
+)  # fmt: skip
+# Its relay is the sticks', which move motors and rudder together where there are both
+HEADING: Final = Calibration(
+    "Heading autotune", tune_heading, False, 150.0, ("differential", "rudder"),
+    "steers with motors or a rudder, not both",
+)  # fmt: skip
 
 
 class CalibrationResult(NamedTuple):
@@ -78,6 +91,8 @@ class CalibrationRunner:
         """
         if self.is_running:
             return f"{self.kind.name} is under way"
+        if config.drive.layout not in kind.layouts:
+            return kind.refusal
         if not status.armed:
             return "arm first"
         timeout_s = config.motors.estimate_timeout_s

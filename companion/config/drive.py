@@ -9,8 +9,6 @@ from companion.config.section import NonNegative, Positive, Section, Share
 
 class DriveSetting(Section, frozen=True):
     """layout: two motors side by side; one motor (the left channel) and a rudder; or two motors and a rudder.
-    motors: brushed ones behind a bridge, or brushless ones behind speed controllers, whose current tells
-    nothing of a fault: it grows with the cube of the command, and a controller cuts off a motor that stalls.
 
     The rest describes the rudder. Its yaw moment is proportional to its angle, up to the stall near 35°,
     where the linkage must end, and to the square of the water's speed at the blade. Full rudder at cruise
@@ -26,7 +24,6 @@ class DriveSetting(Section, frozen=True):
     """
 
     layout: Literal["differential", "rudder", "differential_rudder"] = "differential"
-    motors: Literal["brushed", "brushless"] = "brushed"
     wash: Share = 0.5
     astern: Share = 0.3
     steerage_m_s: NonNegative = 0.6

@@ -34,10 +34,7 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     """Motion and steering. linear: for the present frame, None without one."""
     us, nav, demand, command = time_us(now.now_s), now.vehicle.nav, now.guidance.demand, now.command
     left, right = command.left, command.right
-    pulses = [round(1500.0 + 500.0 * left), 0, round(1500.0 + 500.0 * right), *[0] * 13]
-    for channel, width_us in now.payload.units.servo_us():
-        pulses[channel - 1] = width_us
-    yield r.RCOU.pack(us, *pulses[:_LOGGED_CHANNELS])
+    yield r.RCOU.pack(us, *now.output_us[:_LOGGED_CHANNELS])
     if nav is None:
         return
     yaw_deg = _degrees(nav.heading_rad)
@@ -56,9 +53,8 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
         lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
         yield r.POS.pack(us, lat_e7, lon_e7, 0.0, 0.0, 0.0)
     turn_rad_s = nav.yaw_rate_rad_s
-    yield r.STER.pack(
-        us, 0, 2250.0 * (left - right), _NAN, nav.surge_m_s * turn_rad_s, _NAN, turn_rad_s * _DEG
-    )
+    steering = 2250.0 * (left - right) + 4500.0 * command.rudder
+    yield r.STER.pack(us, 0, steering, _NAN, nav.surge_m_s * turn_rad_s, _NAN, turn_rad_s * _DEG)
     wanted_m_s = _NAN if demand is None else demand.speed_m_s
     yield r.THR.pack(us, 0, 50.0 * (left + right), wanted_m_s, nav.surge_m_s, _NAN)
     if demand is not None:

@@ -115,7 +115,9 @@ class MotorWatch:
         if config.drive.has_rudder:
             water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
             steered = rudder * rudder_effect(0.5 * (left + right), water_m_s, config.drive, config.speed)
-        battery = battery if config.drive.motors == "brushed" else None
+        if config.parts.motors.driver == "esc":
+            # Its current grows with the cube of the command, and it cuts off a motor that stalls
+            battery = None
         evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s, steered)
         if now_s < self._cleared_until_s:
             evidence.acquit()

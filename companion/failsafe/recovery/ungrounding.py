@@ -10,6 +10,7 @@ held at full thrust overheats. Once off, the boat stands off into open water.
 import math
 
 from companion.config.boat_config import BoatConfig
+from companion.config.drive import DriveSetting
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
@@ -78,7 +79,7 @@ class Ungrounding:
                 self._next(now_s)
                 return _STOP, Trigger.HELD
             self._looked_s, self._looked_at = now_s, nav.point
-        return self._drive(wrap_pi(away_rad - nav.heading_rad)), trigger
+        return self._drive(wrap_pi(away_rad - nav.heading_rad), config.drive), trigger
 
     def _next(self, now_s: float) -> None:
         self._try += 1
@@ -88,13 +89,17 @@ class Ungrounding:
             self._try, self.rounds = 0, self.rounds + 1
         self._rest_s = now_s + rest_s
 
-    def _drive(self, away_rad: float) -> Drive:
+    def _drive(self, away_rad: float, drive: DriveSetting) -> Drive:
         """away_rad: bearing of open water, clockwise from the bow."""
         side = math.copysign(1.0, away_rad)
-        if self._try == 0:
-            return Drive(_ALONG, side * _HELM)
+        throttle, steering = _ALONG, side * _HELM
         if self._try == 1:
-            return Drive(math.copysign(_ALONG, math.cos(away_rad)), side * _HELM)
-        if self._try == 2:
-            return Drive(-_ALONG, side * _HELM)
-        return Drive(0.0, side)
+            throttle = math.copysign(_ALONG, math.cos(away_rad))
+        elif self._try == 2:
+            throttle = -_ALONG
+        elif self._try == 3:
+            # Without a second motor the bow is turned off by the wash over the rudder, hard over
+            throttle, steering = 0.0 if drive.can_pivot else _ALONG, side
+        if throttle < 0.0 and not drive.has_pair:
+            steering = -steering  # the sticks set the rudder's angle, and astern it turns the other way
+        return Drive(throttle, steering)

@@ -138,8 +138,9 @@ class MaintenanceCommands:
         if share == 0.0 or duration_s == 0.0:
             self._motor_test.stop()
             return ACCEPTED
+        vehicle = self._vehicle
         if reason := self._motor_test.start(
-            TestedMotor(motor), share, duration_s, self._vehicle.status, command.now_s
+            TestedMotor(motor), share, duration_s, vehicle.status, command.now_s, vehicle.config.drive
         ):
             return self._report(FAILED, f"Motor test: {reason}")
         self._tester, self._tester_seen_s = command.origin, command.now_s

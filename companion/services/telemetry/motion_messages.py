@@ -200,12 +200,8 @@ def nav_controller_output(now: Snapshot) -> Message | None:
 
 
 def servo_output_raw(now: Snapshot) -> Message:
-    """Motor commands as pulse widths: 1 left, 3 right, as Rover's skid steering; the payload's servos."""
-    left, right = (round(1500.0 + 500.0 * share) for share in (now.command.left, now.command.right))
-    widths_us = [left, 0, right, *[0] * 13]
-    for channel, width_us in now.payload.units.servo_us():
-        widths_us[channel - 1] = width_us
-    return dialect.MAVLink_servo_output_raw_message(now.boot_us & 0xFFFFFFFF, 0, *widths_us)
+    """Motors, rudder and the payload's servos as pulse widths."""
+    return dialect.MAVLink_servo_output_raw_message(now.boot_us & 0xFFFFFFFF, 0, *now.output_us)
 
 
 def pid_tuning(now: Snapshot) -> Message | None:
