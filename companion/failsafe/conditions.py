@@ -101,7 +101,10 @@ def no_headway(inputs: FailsafeInputs) -> str:
 
 def stuck(inputs: FailsafeInputs) -> str:
     """Full ahead, and something holds the boat."""
-    return "Stuck: something holds the boat" if inputs.board.stall is StallVerdict.STUCK else ""
+    if inputs.board.stall is not StallVerdict.STUCK:
+        return ""
+    has_pair = inputs.config.drive.has_pair
+    return "Stuck: something holds the boat" if has_pair else "Stuck: held, or the motor gives no thrust"
 
 
 # Boundary

@@ -15,6 +15,10 @@ STALL_S = 10.0  # without headway for this long
 HIGH_THROTTLE = 0.75  # of the maximum: with less the boat is not trying
 ASKED_SHARE = 0.5  # of min_speed_m_s: a lower demand is no attempt to move
 WAY_SHARE = 0.1  # of min_speed_m_s: less is no headway
+# One motor has no motor watch (failsafe/motors/watch.py), and where it gives no thrust, the
+# estimator believes in some: 0.1 to 0.2 m/s. It makes headway from this share on, averaged over this time.
+ONE_MOTOR_SHARE = 0.6
+ONE_MOTOR_S = 4.0
 ALIGNED_RAD = 0.8  # a boat that still turns is not yet trying
 CURRENT_TIME_S = 20.0  # averaging time of the current
 HELD_S = 6.0  # at the shore
@@ -40,6 +44,7 @@ class StallDetector:
     """
 
     __slots__ = (
+        "_ahead_m_s",
         "_current_east_m_s",
         "_current_north_m_s",
         "_held_at",
@@ -53,7 +58,7 @@ class StallDetector:
         self.verdict = StallVerdict.MAKING_WAY
         self.stalled_s = self.held_s = 0.0
         self._held_at, self._held_rad = Point(0.0, 0.0), 0.0
-        self._current_north_m_s = self._current_east_m_s = 0.0
+        self._current_north_m_s = self._current_east_m_s = self._ahead_m_s = 0.0
 
     def reset(self) -> None:
         """Restart the detection; the current is kept."""
@@ -89,7 +94,11 @@ class StallDetector:
         slow_m_s = config.guidance.min_speed_m_s
         c, s = math.cos(demand.heading_rad), math.sin(demand.heading_rad)
         ahead_m_s = nav.north_m_s * c + nav.east_m_s * s
-        if ahead_m_s > WAY_SHARE * slow_m_s:
+        least_m_s = WAY_SHARE * slow_m_s
+        if not config.drive.has_pair:
+            self._ahead_m_s += min(dt_s / ONE_MOTOR_S, 1.0) * (ahead_m_s - self._ahead_m_s)
+            ahead_m_s, least_m_s = self._ahead_m_s, ONE_MOTOR_SHARE * slow_m_s
+        if ahead_m_s > least_m_s:
             share = dt_s / CURRENT_TIME_S
             self._current_north_m_s += share * (nav.current_north_m_s - self._current_north_m_s)
             self._current_east_m_s += share * (nav.current_east_m_s - self._current_east_m_s)

@@ -1,4 +1,4 @@
-"""Whether the rudder steers the boat."""
+"""Whether rudder and motor do what they are given, on a boat that a rudder steers."""
 
 import math
 from typing import Final
@@ -7,32 +7,40 @@ from companion.config.boat_config import BoatConfig
 from companion.control.allocation import rudder_effect
 from companion.core.state import NavState
 
-# The rudder boat of the emulator follows half of full steering with 0.2 rad/s or more within two seconds.
-_STEERED: Final = 0.5  # of full steering: with more, the boat turns,
+# Of what rudder and flow can give, at most full steering: with less the helm may hold a course against wind
+_HARD: Final = 0.8
+# The emulator's rudder boat follows half of full steering with 0.2 rad/s or more within two seconds, and a
+# rudder hard over at its slowest speed, a tenth of full steering, with 0.1 rad/s
+_STEERED: Final = 0.05  # of full steering: with more, the boat turns,
 _TURNS_RAD_S: Final = 0.05  # like this at least
 _SMOOTH_S: Final = 1.0
-_HELPLESS_S: Final = 5.0  # hard over in vain: longer than the servo, the hull and a gust take
+# Half of full steering in vain for 5 s, or less for as much longer: more than servo, hull and a gust take
+_HELPLESS_S: Final = 2.5
+_AHEAD: Final = 0.3  # throttle that takes way off a boat going astern within two seconds
+_ASTERN_M_S: Final = 0.15  # more than twice the receiver's noise
+_REVERSED_S: Final = 5.0
 
 
 class RudderWatch:
-    """fault: what is wrong with the rudder, in words; empty while it steers the boat.
+    """fault: what is wrong, in words; empty while rudder and motor steer the boat.
 
     A rudder that is stuck, lost or fouled makes the heading loop steer hard, and the boat does not turn, or
-    turns the other way. Slow boats are not judged: there the rudder has too little moment.
+    turns the other way. So does one without wash. A boat with one motor that goes astern under throttle ahead
+    has a reversed motor.
     """
 
-    __slots__ = ("_helpless_s", "_steered", "_turn_rad_s", "fault")
+    __slots__ = ("_astern_s", "_helpless_s", "_most", "_steered", "_turn_rad_s", "fault")
 
     def __init__(self) -> None:
         self.fault = ""
         self.pause()
 
     def pause(self) -> None:
-        """The motion says nothing of the rudder for now. A fault stands."""
-        self._steered = self._turn_rad_s = self._helpless_s = 0.0
+        """The motion says nothing for now. A fault stands."""
+        self._steered = self._most = self._turn_rad_s = self._helpless_s = self._astern_s = 0.0
 
     def rearm(self) -> None:
-        """The boat is disarmed."""
+        """Judge anew, without a fault."""
         self.fault = ""
         self.pause()
 
@@ -49,14 +57,20 @@ class RudderWatch:
             self.rearm()
             return
         water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
-        moment = min(max(rudder * rudder_effect(throttle, water_m_s, config.drive, config.speed), -1.0), 1.0)
+        effect = rudder_effect(throttle, water_m_s, config.drive, config.speed)
         blend = min(dt_s / _SMOOTH_S, 1.0)
-        self._steered += blend * (moment - self._steered)
+        self._most += blend * (min(abs(effect), 1.0) - self._most)
+        self._steered += blend * (min(max(rudder * effect, -1.0), 1.0) - self._steered)
         self._turn_rad_s += blend * (nav.yaw_rate_rad_s - self._turn_rad_s)
-        is_steered = abs(self._steered) > _STEERED
+        is_steered = abs(self._steered) > max(_HARD * self._most, _STEERED)
         is_turning = self._turn_rad_s * math.copysign(1.0, self._steered) >= _TURNS_RAD_S
-        if is_steered and is_turning:
-            self.fault = ""
-        self._helpless_s = self._helpless_s + dt_s if is_steered and not is_turning else 0.0
-        if self._helpless_s >= _HELPLESS_S:
-            self.fault = "Steering lost: rudder has no effect"
+        is_astern = not config.drive.has_pair and throttle > _AHEAD and nav.surge_m_s < -_ASTERN_M_S
+        self._astern_s = self._astern_s + dt_s if is_astern else 0.0
+        if self._astern_s >= _REVERSED_S:
+            self.fault = "Steering lost: motor reversed"
+        elif is_steered and is_turning and not is_astern:
+            self.fault, self._helpless_s = "", 0.0
+        elif is_steered:
+            self._helpless_s += abs(self._steered) * dt_s
+            if self._helpless_s >= _HELPLESS_S:
+                self.fault = "Steering lost: rudder or motor has no effect"

@@ -5,12 +5,21 @@ from boat_rig import FRAME, nav_at
 from failsafe_scenarios import with_verdict
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.config.fence import FenceSetting
 from companion.core.geo import Point
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
-from companion.failsafe.actions import Action, AssumeFailed, Decision, Notify, Recover
+from companion.failsafe.actions import (
+    MODES,
+    RECOVERIES,
+    Action,
+    AssumeFailed,
+    Decision,
+    Notify,
+    Recover,
+    Retreat,
+)
 from companion.failsafe.escalation import Change
 from companion.failsafe.guards import may_drift
 from companion.failsafe.inputs import FailsafeInputs
@@ -134,3 +143,23 @@ def test_a_motor_named_during_a_comparison_is_reported_at_once(recovery: State) 
 )
 def test_but_not_where_it_would_be_in_the_way(change: dict[str, object], wanted: str) -> None:
     assert routine_check(replace(inputs(**{wanted: True}), **change)) == []
+
+
+@pytest.mark.parametrize("layout", ["rudder", "differential", "differential_rudder"])
+@pytest.mark.parametrize("condition", Condition, ids=lambda one: one.name)
+def test_what_one_motor_and_a_rudder_cannot_do_is_replaced(layout: str, condition: Condition) -> None:
+    """Every action in every row: the mode or the recovery that follows from it."""
+    config = decode_config({"drive": {"layout": layout}}, "test")
+    row = next(row for row in ROWS if row.condition is condition)
+    seen = FailsafeInputs(now_s=0.0, config=config, armed=True, mode=Mode.GUIDED, nav=nav_at(), fence=Fence())
+    for action in (*RECOVERIES, *MODES):
+        _, *decisions = respond(Alarm(row, Change.FIRES, "x", action), seen)
+        expected = action
+        if layout == "rudder" and action is Action.CHECK_MOTORS:
+            expected = Action.CLEAR_PROPELLERS
+        if layout == "rudder" and action in MODES and condition is Condition.STEERING_LOST:
+            expected = Action.HOLD
+        if expected in RECOVERIES:
+            assert [one.trigger for one in decisions if isinstance(one, Recover)] == [RECOVERIES[expected][0]]
+        else:
+            assert [one.modes for one in decisions if isinstance(one, Retreat)] == [MODES[expected]]

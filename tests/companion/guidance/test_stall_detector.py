@@ -5,7 +5,7 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.state import STOPPED, Demand, MotorCommand, NavState
 from companion.guidance.stall_detector import HELD_S, STALL_S, StallDetector, StallVerdict
 
@@ -255,3 +255,23 @@ def test_a_boat_aground_is_told_to_whoever_asks_each_tick() -> None:
     headway = StallDetector()
     assert held(headway, TURNING, 1.1 * HELD_S) is StallVerdict.AGROUND
     assert headway.update(NO_WAY, TURNING, STILL, CONFIG, DT, is_at_line=True) is StallVerdict.AGROUND
+
+
+def test_one_motor_without_thrust_is_found_though_the_estimate_shows_some_way() -> None:
+    """A dead motor's estimated speed: 0.1 to 0.3 m/s, from thrust that is not there."""
+    one = decode_config({"drive": {"layout": "rudder"}}, "test")
+    verdicts = {}
+    for config in (CONFIG, one):
+        headway = StallDetector()
+        for tick in range(1500):
+            nav = replace(STILL, north_m_s=0.2 + 0.1 * math.sin(0.1 * tick))
+            headway.update(NORTH, FULL, nav, config, DT)
+        verdicts[config.drive.layout] = headway.verdict
+    assert verdicts == {"differential": StallVerdict.MAKING_WAY, "rudder": StallVerdict.STUCK}
+
+
+def test_one_motor_that_makes_way_against_a_current_is_not_stalled() -> None:
+    one, headway = decode_config({"drive": {"layout": "rudder"}}, "test"), StallDetector()
+    for _ in range(3000):
+        headway.update(NORTH, FULL, replace(STILL, north_m_s=0.3), one, DT)
+    assert headway.verdict is StallVerdict.MAKING_WAY
