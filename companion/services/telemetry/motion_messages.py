@@ -14,6 +14,7 @@ _POSITION_AND_VELOCITY = 0b1001_1110_0100
 
 # Limits of the fields: a cold receiver reports arbitrary values
 _INT32_MAX, _UINT32_MAX = 0x7FFFFFFF, 0xFFFFFFFF
+_OLDEST_CORRECTIONS_S = 120.0  # of a u-blox receiver; it reports no greater age
 
 
 def _int16(value: float) -> int:
@@ -155,6 +156,29 @@ def gps_raw_int(now: Snapshot) -> Message | None:
         vel_acc=_thousandths(fix.speed_accuracy_m_s),
         hdg_acc=_e5_degrees(fix.heading_accuracy_rad),
         yaw=_antenna_yaw_cdeg(fix, now.config.parts.compass.driver == "gnss"),
+    )
+
+
+def gps_rtk(now: Snapshot) -> Message | None:
+    """The time of the corrections in use; None without them. The age is that of the receiver, rounded up."""
+    fix = now.sensors.fix
+    if fix is None or fix.correction_age_s is None:
+        return None
+    corrected_s = max(fix.time_s - min(fix.correction_age_s, _OLDEST_CORRECTIONS_S), 0.0)
+    return dialect.MAVLink_gps_rtk_message(
+        time_last_baseline_ms=round(corrected_s * 1e3) & _UINT32_MAX,
+        rtk_receiver_id=0,
+        wn=0,
+        tow=0,
+        rtk_health=int(fix.fix_type >= dialect.GPS_FIX_TYPE_DGPS),
+        rtk_rate=0,
+        nsats=min(fix.satellites, 255),
+        baseline_coords_type=dialect.RTK_BASELINE_COORDINATE_SYSTEM_NED,
+        baseline_a_mm=0,
+        baseline_b_mm=0,
+        baseline_c_mm=0,
+        accuracy=_thousandths(fix.horizontal_accuracy_m),
+        iar_num_hypotheses=0,
     )
 
 

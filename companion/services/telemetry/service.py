@@ -25,6 +25,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Built]] = {
     _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: motion.global_position_int,
     _ID.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: motion.gps_global_origin,
     _ID.MAVLINK_MSG_ID_GPS_RAW_INT: motion.gps_raw_int,
+    _ID.MAVLINK_MSG_ID_GPS_RTK: motion.gps_rtk,
     _ID.MAVLINK_MSG_ID_LOCAL_POSITION_NED: motion.local_position_ned,
     _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
     _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,

@@ -17,7 +17,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.readings import GnssFix, SonarReading
-from companion.services.telemetry.motion_messages import gps_raw_int
+from companion.services.telemetry.motion_messages import gps_raw_int, gps_rtk
 from companion.services.telemetry.sounding_messages import distance_sensor
 
 CMD = dialect
@@ -229,6 +229,23 @@ def gps_raw_of(fix: GnssFix, compass: str) -> Message:
     message = gps_raw_int(now)  # type: ignore[arg-type]
     assert message is not None
     return message
+
+
+def test_the_age_of_corrections_is_sent_while_there_are_some() -> None:
+    def sent(age_s: float | None) -> Message | None:
+        fix = GnssFix(
+            500.0, LatLon(0.0, 0.0), 6, 20, 0.6, correction_age_s=age_s, horizontal_accuracy_m=0.014
+        )
+        return gps_rtk(types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix)))  # type: ignore[arg-type]
+
+    assert sent(None) is None
+    message = sent(5.0)
+    assert message is not None
+    assert bytes_of(message)
+    assert (message.time_last_baseline_ms, message.accuracy, message.nsats) == (495_000, 14, 20)
+    oldest = sent(math.inf)
+    assert oldest is not None
+    assert oldest.time_last_baseline_ms == 380_000
 
 
 def test_a_receivers_accuracies_and_its_antennas_heading_are_sent() -> None:

@@ -59,8 +59,9 @@ def test_battery_and_home_come_often_enough_unasked() -> None:
 def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
     rig.boat.free_memory_bytes = 1 << 30
     rig.step()
-    # Open water has nothing to echo, sonar and sounder may not be fitted; there is no fence, no payload
+    # Open water has nothing to echo, sonar and sounder may not be fitted; no fence, payload, corrections
     silent = (
+        dialect.MAVLINK_MSG_ID_GPS_RTK,
         dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
         dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,
         dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE_3D,
