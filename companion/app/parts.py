@@ -5,6 +5,7 @@ Raises of each: HardwareError, which names the part that does not answer.
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
+from pathlib import Path
 
 from msgspec.structs import replace
 
@@ -46,6 +47,7 @@ from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.water.nmea_depth import SharedDepthSounder, open_nmea_depth
 from companion.hal.water.ping1d import open_ping1d
+from companion.persistence.profile import ProfileFile
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.magnetic_field import FieldCorrector
 
@@ -124,7 +126,9 @@ def open_compass(
             reserve = open_compass(with_value(config, "parts.compass.driver", part.fallback), now, field)
             return AntennaCompass(receiver.heading, reserve, now, None if gnss else receiver)
         case "bno055":
-            return open_bno055(part, now)
+            folder = config.storage.folder
+            path = Path(folder).expanduser() / "bno055.profile"
+            return open_bno055(part, now, ProfileFile(path) if folder else None)
         case "bno085":
             return open_bno085(part, now)
         case "qmc5883l" | "hmc5883l" | "lis3mdl":

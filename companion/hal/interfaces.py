@@ -97,6 +97,13 @@ class ReportingPart(Protocol):
         """The messages since the last call, oldest first."""
 
 
+@runtime_checkable
+class PausingPart(Protocol):
+    """A part that wants to miss some readings, to save its calibration. may_pause: it may do so now."""
+
+    may_pause: bool
+
+
 Gnss = Sensor[GnssFix]
 Compass = Sensor[HeadingReading]
 Battery = Sensor[BatteryReading]

@@ -6,7 +6,7 @@ from companion.config.boat_config import BoatConfig, Trim
 from companion.config.parts import CompassPart
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
-from companion.hal.interfaces import Hardware
+from companion.hal.interfaces import Hardware, PausingPart
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
 from companion.sensors.attitude import down_axis, level_field
@@ -56,6 +56,7 @@ class SensorSuite:
         self._depth_silence = SilenceMonitor("Depth sounder", DEPTH_STALE_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
+        self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
         self._hardware = hardware
         self._sector: Sector = ALL_ROUND
 
@@ -111,6 +112,8 @@ class SensorSuite:
         own_fix = hardware.gnss.read()
         self.fix = external.choose_fix(own_fix, config.external, now_s)
         self.is_fix_own = self.fix is own_fix
+        if self._pausing is not None:
+            self._pausing.may_pause = not (command.left or command.right)
         self.compass = hardware.compass.read()
         own_heading = trimmed(self.compass, config.trim, self.declination_rad(config.parts.compass))
         self.heading = external.choose_heading(own_heading, config.external, now_s)

@@ -6,15 +6,18 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from boat_rig import Rig
 from twins.battery import Ina219Twin
 from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock
 
 from companion.config import parts
 from companion.core.errors import HardwareError
+from companion.core.state import MotorCommand
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
 from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
+from companion.persistence.profile import ProfileFile
 
 COMPASS, BATTERY = parts.CompassPart(driver="bno055"), parts.BatteryPart(driver="ina219")
 
@@ -213,3 +216,112 @@ def test_a_library_that_does_not_load_is_one_line_that_names_the_part_and_the_cu
     assert text.startswith("BNO055: the Python module 'moody_library' does not load on this machine (")
     assert text.endswith("reinstall the extra pi, or set the part's driver to none")
     assert "\n" not in text
+
+
+LEARNED = bytes(range(1, 23))
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> ProfileFile:
+    return ProfileFile(tmp_path / "state" / "bno055.profile")
+
+
+def learn(bus: I2cBus, chip: Bno055Twin, kept: ProfileFile) -> Bno055Compass:
+    """A part that has calibrated itself while the boat was at rest, and was given the time to save it."""
+    compass = Bno055Compass(Bno055(bus), HandClock(), profile=kept)
+    steps(compass, 3)
+    chip.profile = LEARNED
+    compass.may_pause = True
+    steps(compass, 260)
+    return compass
+
+
+def test_a_good_calibration_is_kept_and_given_back_after_a_power_cut(
+    bus: I2cBus, chip: Bno055Twin, kept: ProfileFile
+) -> None:
+    learn(bus, chip, kept)
+    assert kept.load() == LEARNED
+    chip.power_up()
+    compass = Bno055Compass(Bno055(bus), HandClock(), profile=kept)
+    steps(compass, 3)
+    assert chip.profile == LEARNED
+    assert chip.mode == NDOF
+    assert compass.read() is not None
+
+
+def test_a_dip_of_the_supply_gives_the_calibration_back_too(
+    bus: I2cBus, chip: Bno055Twin, kept: ProfileFile
+) -> None:
+    compass = learn(bus, chip, kept)
+    chip.power_up()
+    steps(compass, 2)
+    assert chip.profile == LEARNED
+
+
+def test_the_calibration_is_not_read_under_way_nor_before_it_is_good(
+    bus: I2cBus, chip: Bno055Twin, kept: ProfileFile
+) -> None:
+    compass = Bno055Compass(Bno055(bus), HandClock(), profile=kept)
+    steps(compass, 2)
+    chip.profile = LEARNED
+    steps(compass, 600)
+    assert kept.load() == b""
+    chip.magnet, compass.may_pause = 2, True
+    steps(compass, 600)
+    assert kept.load() == b""
+
+
+def test_saving_costs_three_readings_once(bus: I2cBus, chip: Bno055Twin, kept: ProfileFile) -> None:
+    clock = HandClock()
+    compass = Bno055Compass(Bno055(bus), clock, profile=kept)
+    compass.may_pause = True
+    missed = 0
+    for _ in range(1000):
+        clock.advance(0.04)
+        compass.step()
+        reading = compass.read()
+        missed += reading is not None and reading.time_s != clock()
+    assert 1 <= missed <= 3
+
+
+def test_a_damaged_profile_is_not_given_to_the_part(
+    bus: I2cBus, chip: Bno055Twin, kept: ProfileFile, tmp_path: Path
+) -> None:
+    kept.save(LEARNED)
+    path = tmp_path / "state" / "bno055.profile"
+    path.write_bytes(path.read_bytes()[:-3])  # cut off in the middle of a write
+    assert kept.load() == b""
+    compass = Bno055Compass(Bno055(bus), HandClock(), profile=kept)
+    steps(compass, 3)
+    assert chip.profile == bytes(22)
+    kept.save(LEARNED)
+    kept.save(LEARNED[::-1])
+    path.write_bytes(b"")
+    assert kept.load() == LEARNED
+
+
+def test_a_folder_that_cannot_be_written_costs_the_profile_only(
+    bus: I2cBus, chip: Bno055Twin, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "file").touch()
+    learn(bus, chip, ProfileFile(tmp_path / "file" / "bno055.profile"))
+    assert chip.mode == NDOF
+    assert "cannot be written" in caplog.text
+
+
+def test_the_boat_lets_the_part_pause_while_its_motors_are_off() -> None:
+    class Resting:
+        may_pause = False
+
+        def read(self) -> None:
+            pass
+
+        def close(self) -> None:
+            pass
+
+    compass = Resting()
+    rig = Rig(compass=compass)
+    rig.run(0.1)
+    assert compass.may_pause
+    rig.boat.sensors.read(rig.config, 1.0, MotorCommand(0.5, 0.0))
+    assert not compass.may_pause

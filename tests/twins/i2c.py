@@ -41,6 +41,7 @@ class Bno055Twin:
         """As its supply comes on, or after a dip."""
         self.resets += 1
         self.mode, self.units, self.page, self.power = CONFIG, 0x80, 0, 0
+        self.profile = bytes(22)
 
     def get(self, register: int, length: int) -> bytes:
         map_ = bytearray(0x80)
@@ -55,12 +56,16 @@ class Bno055Twin:
             )
             map_[0x14:0x20] = struct.pack("<6h", *values)
             map_[0x35] = 0xFC | self.magnet
+        if self.mode == CONFIG:  # 3.11.4
+            map_[0x55:0x6B] = self.profile
         map_[0x3B], map_[0x3D], map_[0x3E] = self.units, self.mode, self.power
         return bytes(map_[register : register + length])
 
     def put(self, register: int, data: bytes) -> None:
         for offset, value in enumerate(data):
             self._put(register + offset, value)
+        if register == 0x55 and self.mode == CONFIG:
+            self.profile = data
 
     def _put(self, register: int, value: int) -> None:
         match register:

@@ -1,9 +1,11 @@
 """BNO055 compass on I²C, from its data sheet (Bosch BST-BNO055-DS000-14, June 2016).
 
-The part fuses accelerometer, magnetometer and gyroscope in NDOF mode. It is not reset at program start, which
-would lose its magnetometer calibration.
+The part fuses accelerometer, magnetometer and gyroscope in NDOF mode and calibrates itself. It loses its
+calibration with its supply. So the boat reads the profile (3.11.4) once it is good, keeps it in a file, and
+writes it back. The part is not reset at program start.
 """
 
+import logging
 import math
 import struct
 from collections.abc import Callable
@@ -14,6 +16,7 @@ from companion.core.errors import HardwareError
 from companion.core.units import wrap_pi
 from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
+from companion.persistence.profile import ProfileFile
 from companion.sensors.readings import HeadingReading
 
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
@@ -23,16 +26,21 @@ UNITS: Final = 0x80  # table 3-11: degrees, degrees per second, Android's signs;
 _CHIP_ID_AT, _PAGE_AT, _DATA_AT, _STATUS_AT = 0x00, 0x07, 0x18, 0x35
 _UNITS_AT, _MODE_AT, _POWER_AT = 0x3B, 0x3D, 0x3E
 _DATA: Final = struct.Struct("<4h")  # GYR_DATA_Z, EUL_Heading, EUL_Roll, EUL_Pitch
+_PROFILE_AT, PROFILE_BYTES = 0x55, 22  # offsets and radii; legible in CONFIG mode only
 _STATUS_BYTES: Final = _MODE_AT + 1 - _STATUS_AT  # CALIB_STAT to OPR_MODE
 _PER_DEGREE: Final = 16.0  # tables 3-22 and 3-29: of angles and of rates
 _MODE_BITS: Final = 0x0F
 _PERIOD_S: Final = 0.04
+_CALIBRATED: Final = 3
+_GOOD_SAMPLES: Final = 250  # ten seconds
+
+_log = logging.getLogger(__name__)
 
 
 class Bno055Sample(NamedTuple):
     """One reading in the part's axes, x ahead, z up.
 
-    magnet: calibration status of the magnetometer, 0..3.
+    magnet, gyro: their calibration status, 0..3.
     """
 
     heading_deg: float
@@ -40,6 +48,7 @@ class Bno055Sample(NamedTuple):
     pitch_deg: float
     yaw_rate_rad_s: float
     magnet: int
+    gyro: int
 
 
 class Bno055:
@@ -74,22 +83,34 @@ class Bno055:
             pitch / _PER_DEGREE,
             math.radians(yaw_rate / _PER_DEGREE),
             status[0] & 0x03,
+            status[0] >> 4 & 0x03,
         )
 
-    def set_up(self) -> None:
-        """Start measuring. From another mode it takes two calls: units can only change in CONFIG mode.
+    def set_up(self, profile: bytes = b"") -> None:
+        """Start measuring, with a calibration profile. From another mode it takes two calls: units and
+        profile can only change in CONFIG mode.
 
         Raises:
             OSError: it does not answer.
         """
         (mode,) = self._read(_MODE_AT, 1)
         if mode & _MODE_BITS != CONFIG_MODE:
-            self._write(_MODE_AT, CONFIG_MODE)  # it takes 19 ms (table 3-6)
+            self.stop()
             return
         self._write(_PAGE_AT, 0)
+        if len(profile) == PROFILE_BYTES:
+            self.bus.write_i2c_block_data(self._address, _PROFILE_AT, profile)
         self._write(_POWER_AT, 0)  # normal power
         self._write(_UNITS_AT, UNITS)
         self._write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
+
+    def stop(self) -> None:
+        """Go to CONFIG mode, which takes 19 ms (table 3-6). Raises OSError."""
+        self._write(_MODE_AT, CONFIG_MODE)
+
+    def read_profile(self) -> bytes:
+        """The calibration profile, in CONFIG mode. Raises OSError."""
+        return self._read(_PROFILE_AT, PROFILE_BYTES)
 
     def _read(self, register: int, length: int) -> bytes:
         return bytes(self.bus.read_i2c_block_data(self._address, register, length))
@@ -105,22 +126,43 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
     (Bosch data sheet BST-BNO055-DS000), so the rate changes sign. Its north is magnetic; correction_rad
     includes variation and mounting angle. Headings are used only after the magnetometer has been calibrated
     since power-up: before, they start at zero in any direction.
+
+    may_pause: reading and saving the profile may cost three readings now; the boat sets it.
     """
 
-    def __init__(self, part: Bno055, now: Callable[[], float], correction_rad: float = 0.0) -> None:
+    def __init__(
+        self,
+        part: Bno055,
+        now: Callable[[], float],
+        correction_rad: float = 0.0,
+        profile: ProfileFile | None = None,
+    ) -> None:
         super().__init__(self.step, "BNO055", now, part.bus.close)
+        self.may_pause = False
         self._part = part
         self._correction_rad = correction_rad
         self._knows_north = False
+        self._file = profile
+        self._profile = b"" if profile is None else profile.load()
+        self._is_saving = False
+        self._has_saved = profile is None
+        self._good = 0  # samples in a row with a good calibration
 
     def step(self) -> float:
         """Read the part once; returns the seconds to wait before the next reading."""
         sample = self._part.read()
         if sample is None:
-            # A supply dip resets the part to configuration mode.
-            self._knows_north = False
-            self._part.set_up()
-        elif not self._knows_north:
+            if self._is_saving:
+                self._save()
+            else:  # a supply dip has reset the part to configuration mode
+                self._knows_north, self._has_saved, self._good = False, self._file is None, 0
+            self._part.set_up(self._profile)
+            return _PERIOD_S
+        self._good = self._good + 1 if sample.magnet == sample.gyro == _CALIBRATED else 0
+        if self._good >= _GOOD_SAMPLES and not self._has_saved and self.may_pause:
+            self._has_saved = self._is_saving = True
+            self._part.stop()
+        if not self._knows_north:
             self._knows_north = sample.magnet > 0
         elif 0.0 <= sample.heading_deg <= 360.0:  # reject corrupted transfers
             heading_rad = wrap_pi(math.radians(sample.heading_deg) + self._correction_rad)
@@ -131,14 +173,24 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
             )
         return _PERIOD_S
 
+    def _save(self) -> None:
+        self._is_saving = False
+        found = self._part.read_profile()
+        if self._file is not None and found != self._profile and any(found):
+            self._profile = found
+            self._file.save(found)
+            _log.info("BNO055: its calibration is saved")
 
-def open_bno055(part: parts.CompassPart, now: Callable[[], float]) -> Bno055Compass:
-    """Open the part on the Pi's I²C bus and start reading.
+
+def open_bno055(
+    part: parts.CompassPart, now: Callable[[], float], profile: ProfileFile | None = None
+) -> Bno055Compass:
+    """Open the part on the Pi's I²C bus and start reading. profile: its calibration.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
     address = part.address or ADDRESS
     return open_i2c_part(
-        "BNO055", address, lambda bus: Bno055Compass(Bno055(bus, address), now, part.correction_rad)
+        "BNO055", address, lambda bus: Bno055Compass(Bno055(bus, address), now, part.correction_rad, profile)
     ).start()
