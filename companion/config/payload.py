@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.parts.motors import PULLED_UP
 from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.parts.pulses import PulseWidth as Width
 from companion.config.section import NonNegative, Positive, Section
@@ -52,6 +53,11 @@ class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
     start: Literal["on", "off"] = "off"
     on_disarm: Switch = "keep"
     on_link_loss: Switch = "keep"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.active_low:
+            _check_reset(pin=self.pin)
 
 
 class LightPayload(RelayPayload, frozen=True, kw_only=True, tag="light"):
@@ -116,6 +122,12 @@ class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
     pulse_m: Positive = 0.1  # line for each pulse
     stall_s: Positive = 3.0  # without a pulse: stop
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.out_pin is None) is not (self.in_pin is None):
+            raise ValueError("expected both out_pin and in_pin, or neither")
+        _check_reset(out_pin=self.out_pin, in_pin=self.in_pin)
+
 
 class CommandPayload(_Payload, frozen=True, kw_only=True, tag="command"):
     """A program of the owner's, started by DO_SEND_SCRIPT_MESSAGE. run: the program and its arguments,
@@ -133,6 +145,12 @@ class CommandPayload(_Payload, frozen=True, kw_only=True, tag="command"):
             raise ValueError(f"run[0] = {self.run[0]!r}: expected an absolute path")
 
 
+def _check_reset(**pins: int | None) -> None:
+    for key, pin in pins.items():
+        if pin is not None and pin in PULLED_UP:
+            raise ValueError(f"{key} = {pin}: GPIO 0 to 8 are on at reset; expected 9 to 27")
+
+
 def _check_widths(setting: _Payload, signal: PulseOutputSetting, *keys: str) -> None:
     for key in keys:
         width_us = getattr(setting, key)
@@ -144,25 +162,16 @@ PayloadSetting = (
     RelayPayload | LightPayload | HornPayload | ServoPayload | GripperPayload | WinchPayload | CommandPayload
 )
 
-_PINS = ("pin", "out_pin", "in_pin", "count_pin")
-
 
 def check_payloads(payloads: Iterable[PayloadSetting]) -> None:
-    """No two with one number or on one pin, and each with its output.
+    """No two with one number.
 
     Raises:
         ValueError: names the table and the key.
     """
     numbers: dict[tuple[str, int], str] = {}
-    pins: dict[int, str] = {}
     for index, one in enumerate(payloads):
         key = f"payload[{index}]"
         group = "relay" if isinstance(one, RelayPayload) else one.kind
         if (other := numbers.setdefault((group, one.number), key)) != key:
             raise ValueError(f"{key}.number = {one.number}: expected another than {other}")
-        if isinstance(one, WinchPayload) and (one.out_pin is None) is not (one.in_pin is None):
-            raise ValueError(f"{key}: expected both out_pin and in_pin, or neither")
-        for name in _PINS:
-            pin = getattr(one, name, None)
-            if pin is not None and (other := pins.setdefault(pin, f"{key}.{name}")) != f"{key}.{name}":
-                raise ValueError(f"{key}.{name} = {pin}: expected another pin than {other}")

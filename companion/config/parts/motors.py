@@ -7,9 +7,8 @@ from msgspec import Meta
 from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.section import NonNegative, Section
 
-_PULLED_UP = range(
-    9
-)  # GPIO 0 to 8 are high from reset until a program sets them (BCM2835 data sheet, table 6-31)
+# GPIO 0 to 8 are high from reset until a program sets them (BCM2835 data sheet, table 6-31)
+PULLED_UP = range(9)
 
 
 class MotorsPart(Section, frozen=True):
@@ -38,7 +37,7 @@ class MotorsPart(Section, frozen=True):
         super().__post_init__()
         if self.driver == "drv8833":
             for name in ("left_forward", "left_backward", "right_forward", "right_backward"):
-                if getattr(self, name) in _PULLED_UP:
+                if getattr(self, name) in PULLED_UP:
                     raise ValueError(
                         f"{name} = {getattr(self, name)}: GPIO 0 to 8 are high at reset and would run the "
                         "motor; expected another"

@@ -149,12 +149,12 @@ def test_winches_stop_and_relays_are_switched_off_whatever_the_motors_are(
     payload = [
         {kind = "relay", number = 0, pin = 17},
         {kind = "horn", number = 1, pin = 27, active_low = true},
-        {kind = "winch", number = 1, out_pin = 5, in_pin = 6},
+        {kind = "winch", number = 1, out_pin = 23, in_pin = 26},
         {kind = "winch", number = 2, signal = {pin = 13}},
         {kind = "servo", number = 9, signal = {pin = 12}},
     ]"""
     assert run(tmp_path, payload) == 0
-    assert pinctrl.read_text(encoding="utf-8") == "set 17,5,6 op dl\nset 27 op dh\n"
+    assert pinctrl.read_text(encoding="utf-8") == "set 17,23,26 op dl\nset 27 op dh\n"
     ended = [(signal.output, signal.width_us) for signal in kernel.history]
     assert ended == [("pwmchip0/pwm1", 1500.0), ("pwmchip0/pwm1", 0.0)]
     assert waits == [pytest.approx(0.06)]

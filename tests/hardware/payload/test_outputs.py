@@ -177,7 +177,7 @@ def test_parts_are_opened_by_their_table_and_closed_if_one_fails(pins: Pins) -> 
         config(
             {"kind": "relay", "number": 0, "pin": 17},
             {"kind": "command", "number": 1, "run": ["/bin/true"]},
-            {"kind": "winch", "out_pin": 5, "in_pin": 6, "count_pin": 13},
+            {"kind": "winch", "out_pin": 23, "in_pin": 26, "count_pin": 13},
         )
     )
     assert (sorted(parts.outputs), sorted(parts.programs), sorted(parts.counters)) == ([0, 2], [1], [2])
