@@ -11,11 +11,12 @@ from gpiozero.pins.mock import MockFactory
 from companion.config.boat_config import BoatConfig, decode_config, load_config
 from companion.config.outputs_in_use import outputs_in_use
 from companion.links.port_url import parse_port_url
+from pictures.wiring_table import wiring_rows
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
 EXAMPLE = ROOT / "examples" / "configs" / "boat.toml"
-ROWS = re.findall(r"^\| (\d+) \| (\d+) \| ([^|]+) \|([^|]*)\|$", GUIDE, re.MULTILINE)
+ROWS = wiring_rows(GUIDE)
 
 OTHER_ROWS = re.findall(
     r"^\| `?(\w+)`? \| GPIO (\d+) \(pin (\d+)\) \| ([^|]+) \| `([a-z_.]+)`(?: = (\d+))? \|$",

@@ -1,0 +1,18 @@
+"""Draw the pictures that need no run of the emulator: python -m pictures."""
+
+from pathlib import Path
+
+from pictures.wiring import draw_wiring
+from pictures.wiring_table import read_wiring
+
+GUIDE = Path("docs/hardware.md")
+WIRING = Path("docs/pictures/wiring.svg")
+
+
+def main() -> None:
+    """Draw them all."""
+    WIRING.write_text(draw_wiring(read_wiring(GUIDE.read_text(encoding="utf-8"))), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
