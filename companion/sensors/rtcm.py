@@ -9,6 +9,7 @@ from typing import Final
 _PREAMBLE: Final = b"\xd3"
 _HEADER, _PARITY = 3, 3
 _RESERVED: Final = 0xFC  # of the byte behind the preamble
+_MOST_MALFORMED: Final = 3  # in one call
 _POLYNOMIAL: Final = 0x1864CFB
 
 
@@ -39,7 +40,11 @@ def message_type(frame: bytes) -> int:
 
 
 class RtcmReader:
-    """Splits a byte stream into frames. `malformed`: frames with a wrong checksum."""
+    """Splits a byte stream into frames. `malformed`: frames with a wrong checksum.
+
+    Every wrong checksum costs the computation over up to 1029 bytes. Beyond a few in one call the rest is
+    dropped, so that made-up preambles cannot load the computer.
+    """
 
     def __init__(self) -> None:
         self.malformed = 0
@@ -49,6 +54,7 @@ class RtcmReader:
         """Whole frames, with header and checksum; a partial one is kept, at most 1028 bytes."""
         held, at = self._held + data, 0
         frames = []
+        left = _MOST_MALFORMED
         while (at := held.find(_PREAMBLE, at)) >= 0:
             if len(held) < at + _HEADER:
                 break
@@ -61,6 +67,10 @@ class RtcmReader:
             if crc24q(held[at:end]):  # with its own checksum behind it a frame gives 0
                 self.malformed += 1
                 at += 1
+                left -= 1
+                if not left:
+                    at = -1
+                    break
                 continue
             frames.append(held[at:end])
             at = end

@@ -65,6 +65,26 @@ def test_fixes_bear_the_time_of_their_measurement_however_late_the_line_brings_t
     assert dates_s == pytest.approx([0.05, 0.05, 0.02, 0.02, 0.02, 0.02], abs=1e-6)
 
 
+def test_a_silent_receiver_and_a_wrong_baud_rate_are_told_apart() -> None:
+    port, receiver = port_and_far_end()
+    clock = HandClock()
+    gnss = NmeaGnss(port, clock)
+
+    def texts_after(seconds: float, data: bytes = b"") -> list[str]:
+        clock.advance(seconds)
+        receiver.send(data)
+        gnss.step()
+        return [text for _, text in gnss.take_texts()]
+
+    assert texts_after(5.0) == []
+    assert texts_after(0.1) == ["GNSS receiver is silent"]
+    assert texts_after(60.0) == []
+    assert texts_after(0.1, epoch(0)) == ["GNSS receiver measures again"]
+    assert texts_after(5.0, b"\x86\xf8\x00\xfe") == []
+    assert texts_after(0.1) == ["GNSS receiver sends no sentences; check parts.gnss.baud"]
+    assert texts_after(0.1, sentence("GPTXT,01,01,02,ANTSTATUS=OK")) == ["GNSS receiver measures again"]
+
+
 def test_noise_on_the_line_is_counted_and_does_not_stop_the_compass() -> None:
     port, part = port_and_far_end()
     compass = NmeaCompass(port, HandClock(), correction_rad=math.radians(2.0))

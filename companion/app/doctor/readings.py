@@ -33,6 +33,8 @@ def fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
     text = f"{name}, {fix.satellites} satellites"
     if fix.fix_type >= 2:
         text += f", HDOP {fix.hdop:.1f}, {fix.position.lat_deg:.6f} {fix.position.lon_deg:.6f}"
+        if fix.horizontal_accuracy_m is not None:
+            text += f" ±{fix.horizontal_accuracy_m:.2g} m"
     good = fix.fix_type >= config.arming.min_fix_type and fix.hdop <= config.arming.max_hdop
     return (Verdict.FINE, text) if good else (Verdict.WARNING, f"{text}; not enough to arm")
 

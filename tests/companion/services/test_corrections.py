@@ -176,6 +176,17 @@ def test_hostile_messages_give_the_receiver_nothing(messages: list[tuple[int, by
     assert frame(1077, 700) in bench.receiver.frames
 
 
+def test_made_up_preambles_cost_a_few_checksums_a_message() -> None:
+    bench, attack = Bench(), b"\xd3\x00\x40" * 60
+    for number in range(50):
+        bench.hear(rtcm_data(attack))
+        status = bench.service.status(bench.now_s)
+        assert status is not None
+        assert status.malformed <= 3 * (number + 1)
+    bench.hear(rtcm_data(STATION))
+    assert bench.receiver.frames == [STATION]
+
+
 def test_a_wrong_checksum_is_counted_and_not_sent() -> None:
     wrong = STATION[:-1] + b"\x99"
     bench = Bench().hear(rtcm_data(wrong), rtcm_data(STATION))
