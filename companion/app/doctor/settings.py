@@ -117,9 +117,19 @@ def check_devices(examined: Examined) -> list[Finding]:
     return [Finding("devices", Verdict.FINE, f"{len(devices)} configured devices exist")]
 
 
+def check_main_port(examined: Examined) -> list[Finding]:
+    """On a Pi 5, serial0 is not on the header."""
+    keys = [key for key, port in needs_of(examined.config).ports.items() if port == "/dev/serial0"]
+    if not keys or "Raspberry Pi 5" not in examined.model:
+        return []
+    text = f"{', '.join(keys)} = /dev/serial0, which is the debug connector of a Pi 5"
+    return [Finding("serial port", Verdict.FAILED, text, "for GPIO 14 and 15 set it to /dev/ttyAMA0")]
+
+
 def settings_findings(examined: Examined) -> list[Finding]:
     """All of them."""
-    return [*check_boot_config(examined), *check_console(examined), *check_devices(examined)]
+    checks = (check_boot_config, check_console, check_main_port, check_devices)
+    return [finding for check in checks for finding in check(examined)]
 
 
 def _boot_file(examined: Examined, name: str) -> str | None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from companion.app.install.accounts import Group, NoUser, User
 from companion.app.install.files import FileText, Folder, NoFolder
-from companion.app.install.service import UNIT, Enabled, Reloaded
+from companion.app.install.service import UNIT, Compiled, Enabled, Reloaded
 from companion.app.install.steps import Step
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG, FILES, unit_text
@@ -47,7 +47,7 @@ def install_steps(target: Target, programs: Path, config_text: str, usb_text: st
         steps.append(FileText(target, USB_FILE, usb_text, "names of the boat's USB parts"))
     steps += [FileText(target, _UNIT_FILE, unit_text(programs), "the unit")]
     if target.is_this_machine:
-        steps.append(Reloaded(target))
+        steps += [Compiled(target, programs), Reloaded(target)]
     return [*steps, Enabled(target, is_wanted=True)]
 
 

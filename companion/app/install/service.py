@@ -6,6 +6,16 @@ from companion.app.install.target import Target
 
 UNIT = "mavboat.service"
 _UDEV = Path("/run/udev/control")
+_COMPILE = """
+import compileall, importlib.util, pathlib, companion.app.cli
+for name in ("gpiozero", "lgpio", "smbus2", "colorzero"):
+    if spec := importlib.util.find_spec(name):
+        origin = pathlib.Path(spec.origin)
+        if origin.name == "__init__.py":
+            compileall.compile_dir(origin.parent, quiet=2)
+        else:
+            compileall.compile_file(origin, quiet=2)
+"""
 _WANTS = Path("/etc/systemd/system/multi-user.target.wants")
 
 
@@ -37,6 +47,31 @@ class Enabled:
         root = [] if target.is_this_machine else ["--root", str(target.root)]
         now = ["--now"] if target.is_this_machine and not is_wanted else []
         target.run("systemctl", *root, "enable" if is_wanted else "disable", *now, UNIT)
+
+
+class Compiled:
+    """What the boat imports is compiled by root: its user may not write beside the sources, and would compile
+    them again at every start. Drivers' libraries, which are imported late, are named.
+    """
+
+    def __init__(self, target: Target, programs: Path) -> None:
+        self._target = target
+        self._programs = programs
+
+    def describe(self) -> str:
+        """What it does."""
+        return "compile what the boat imports"
+
+    def is_done(self) -> bool:
+        """It is always repeated, which takes no time if nothing is new."""
+        return False
+
+    def apply(self) -> None:
+        """Import the program, and compile the libraries; a read-only environment stays as it is."""
+        self._target.run(str(self._programs / "python"), "-I", "-c", _COMPILE)
+
+    def undo(self) -> None:
+        """Nothing: Python ignores compiled files without their sources."""
 
 
 class Reloaded:

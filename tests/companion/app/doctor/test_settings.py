@@ -13,6 +13,7 @@ from companion.app.doctor.settings import (
     check_boot_config,
     check_console,
     check_devices,
+    check_main_port,
 )
 from companion.app.install.steps import apply_steps
 from companion.config.boat_config import BoatConfig
@@ -144,6 +145,13 @@ def test_a_console_on_the_receivers_line_is_taken_off(examine: Examine, console:
 
 def test_a_console_disturbs_no_boat_without_parts_there(examine: Examine) -> None:
     assert check_console(examine({CMDLINE: "console=serial0,115200\n"})) == []
+
+
+def test_the_header_of_a_pi_5_has_another_port(examine: Examine) -> None:
+    (found,) = check_main_port(examine({"/proc/device-tree/model": PI_5}, KIT))
+    assert (found.verdict, found.cure) == (Verdict.FAILED, "for GPIO 14 and 15 set it to /dev/ttyAMA0")
+    assert check_main_port(examine({"/proc/device-tree/model": PI_4}, KIT)) == []
+    assert check_main_port(examine({"/proc/device-tree/model": PI_5})) == []
 
 
 def test_bullseye_keeps_its_files_elsewhere_and_other_computers_have_none(examine: Examine) -> None:
