@@ -16,6 +16,7 @@ from benchmarks import (
     codec,
     emulator,
     fleet,
+    full_boat,
     garbage,
     install,
     loop,
@@ -47,6 +48,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "startup": startup.rows,
     "survey": survey.rows,
     "loop": loop.rows,
+    "full_boat": full_boat.rows,
     "garbage": garbage.rows,
     "install": install.rows,
 }

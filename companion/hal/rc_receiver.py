@@ -24,8 +24,9 @@ class _Protocol(NamedTuple):
 
 
 _PROTOCOLS = {
-    "crsf": _Protocol(rc_crsf.CrsfParser, rc_crsf.BAUD, LINE_8N1, 0.005),
-    "ibus": _Protocol(rc_ibus.IbusParser, rc_ibus.BAUD, LINE_8N1, 0.005),
+    # A rest shorter than the boat's tick: of up to 500 frames a second the boat uses 50.
+    "crsf": _Protocol(rc_crsf.CrsfParser, rc_crsf.BAUD, LINE_8N1, 0.015),
+    "ibus": _Protocol(rc_ibus.IbusParser, rc_ibus.BAUD, LINE_8N1, 0.015),
     "sbus": _Protocol(rc_sbus.SbusParser, rc_sbus.BAUD, LINE_8E2, 0.0),  # frames are separated by pauses
 }
 

@@ -7,9 +7,10 @@ import ctypes
 import errno
 import struct
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-import pytest
+if TYPE_CHECKING:  # benchmarks use these twins, too
+    import pytest
 
 I2C_SLAVE, I2C_FUNCS, I2C_SMBUS = 0x0703, 0x0705, 0x0720  # linux/i2c-dev.h
 I2C_SMBUS_READ, I2C_SMBUS_I2C_BLOCK_DATA = 1, 8  # linux/i2c.h
@@ -108,7 +109,7 @@ class I2cDev:
         return 0
 
 
-def plug_in(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, parts: dict[int, Part]) -> I2cDev:
+def plug_in(monkeypatch: "pytest.MonkeyPatch", tmp_path: Path, parts: dict[int, Part]) -> I2cDev:
     """Put parts on the bus that the drivers open."""
     bus = I2cDev(parts)
     device = tmp_path / "i2c-1"

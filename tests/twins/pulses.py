@@ -4,9 +4,10 @@ import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import pytest
+if TYPE_CHECKING:  # benchmarks use these twins, too
+    import pytest
 
 PI_4 = {"pwmchip0": ("fe20c000.pwm", 2), "pwmchip2": ("fe20c800.pwm", 2)}  # the second is the audio jack's
 PI_5 = {
@@ -106,7 +107,7 @@ class KernelPwm:
 
 
 def plug_in_pwm(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: "pytest.MonkeyPatch",
     tmp_path: Path,
     chips: dict[str, tuple[str, int]],
     now: Callable[[], float] = lambda: 0.0,

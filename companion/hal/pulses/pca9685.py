@@ -28,6 +28,7 @@ AUTO_INCREMENT: Final = 0x20
 TOTEM_POLE: Final = 0x04  # MODE2: outputs change on the stop condition, and are low while OE is high
 FULL_OFF: Final = 0x10  # in OFF high; wins over everything else (7.3.3)
 _STEPS: Final = 4096
+_AT_ONCE: Final = 8  # channels in a block of SMBus, 32 bytes
 _OSCILLATOR_STARTS_S: Final = 0.0005  # 7.3.1.1
 _LOOK_S: Final = 0.25  # between two looks at the registers
 _RETRY_S: Final = 0.02
@@ -78,11 +79,16 @@ class Pca9685:
             for register, value in expected
         )
 
-    def write(self, channel: int, width_us: float) -> None:
-        """Pulses of this width on a channel; 0 for none."""
-        steps = min(round(width_us / self._step_us), _STEPS - 1)
-        off = (steps & 0xFF, steps >> 8) if steps else (0, FULL_OFF)
-        self.bus.write_i2c_block_data(self._address, LED0 + 4 * channel, [0, 0, *off])
+    def steps(self, width_us: float) -> int:
+        """A width in the chip's steps."""
+        return min(round(width_us / self._step_us), _STEPS - 1)
+
+    def write(self, channel: int, *widths: int) -> None:
+        """Pulses of these widths, in steps, on a channel and those after it, at most eight; 0 for none."""
+        data: list[int] = []
+        for steps in widths:
+            data += (0, 0, steps & 0xFF, steps >> 8) if steps else (0, 0, 0, FULL_OFF)
+        self.bus.write_i2c_block_data(self._address, LED0 + 4 * channel, data)
 
     def all_off(self) -> None:
         """No pulses on any channel."""
@@ -108,7 +114,8 @@ class Pca9685Board:
         self._name = name
         self._lock = threading.Lock()
         self._changed = threading.Event()
-        self._wanted: dict[int, float] = {}  # widths to be written, by channel
+        self._wanted: dict[int, int] = {}  # steps to be written, by channel
+        self._sent: dict[int, int] = {}
         self._failures = 0
         self._background = Background(self._run, name, retry_s=_RETRY_S)
 
@@ -118,9 +125,13 @@ class Pca9685Board:
 
     def put(self, channel: int, width_us: float) -> None:
         """Have a width written soon; 0: no pulses."""
+        steps = self._chip.steps(width_us)
         with self._lock:
-            self._wanted[channel] = width_us
-        self._changed.set()
+            if steps == self._wanted.get(channel, self._sent.get(channel)):
+                return
+            self._wanted[channel] = steps
+        if not self._changed.is_set():
+            self._changed.set()
 
     def step(self) -> None:
         """Set the chip up again if its supply has dipped, then write what is wanted; failures are counted."""
@@ -129,17 +140,19 @@ class Pca9685Board:
                 self._chip.set_up()
                 with self._lock:
                     self._wanted.clear()  # the users are told, and begin anew
+                    self._sent.clear()
                     self.dips += 1
                 _log.error(
                     "%s: its supply dipped; all its signals are off until they are set again", self._name
                 )
-            while (change := self._next()) is not None:
+            while changes := self._next():
                 try:
-                    self._chip.write(*change)
+                    self._chip.write(min(changes), *(changes[channel] for channel in sorted(changes)))
                 except OSError:
                     with self._lock:
-                        self._wanted.setdefault(*change)
+                        self._wanted = changes | self._wanted
                     raise
+                self._sent |= changes
         except OSError as error:
             self._failures += 1
             if self._failures == _FAILURES:
@@ -169,9 +182,15 @@ class Pca9685Board:
         self._changed.clear()
         return 0.0
 
-    def _next(self) -> tuple[int, float] | None:
+    def _next(self) -> dict[int, int]:
+        """The first wanted channel, and those next to it, which one transfer writes."""
+        changes: dict[int, int] = {}
         with self._lock:
-            return self._wanted.popitem() if self._wanted else None
+            channel = min(self._wanted, default=0)
+            while channel in self._wanted and len(changes) < _AT_ONCE:
+                changes[channel] = self._wanted.pop(channel)
+                channel += 1
+        return changes
 
 
 class Pca9685Pulses:
@@ -266,7 +285,7 @@ def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> 
     def replace(bus: I2cBus) -> None:
         chip = Pca9685(bus, part, sets_up=False)
         if width_us:
-            chip.write(channel, width_us)
+            chip.write(channel, chip.steps(width_us))
         else:
             chip.all_off()
         bus.close()

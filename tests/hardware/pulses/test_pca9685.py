@@ -71,7 +71,8 @@ def test_a_width_is_right_to_a_step_once_the_oscillator_is_known(
 ) -> None:
     chip.oscillator_hz = oscillator_hz
     part = Pca9685Part(frequency_hz=frequency_hz, oscillator_hz=oscillator_hz)
-    Pca9685(bus, part).write(3, width_us)
+    pca = Pca9685(bus, part)
+    pca.write(3, pca.steps(width_us))
     assert chip.width_us(3) == pytest.approx(width_us, abs=0.51e6 / (4096 * chip.frequency_hz))
 
 
@@ -103,6 +104,36 @@ def test_only_changes_are_written_and_widths_are_limited(board: Pca9685Board, ch
     output.off()
     board.step()
     assert chip.width_us(0) == 0.0
+
+
+def test_channels_side_by_side_are_one_transfer_and_less_than_a_step_is_none(
+    board: Pca9685Board, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a bus of 10 kHz, as a BNO055 needs it, a transfer of one channel takes 5 ms."""
+    lengths: list[int] = []
+    put = chip.put
+
+    def count(register: int, data: bytes) -> None:
+        lengths.append(len(data))
+        put(register, data)
+
+    monkeypatch.setattr(chip, "put", count)
+    settings = [PulseOutputSetting(output="pca9685", channel=channel) for channel in (*range(10), 15)]
+    outputs = [Pca9685Pulses(board, setting) for setting in settings]
+    for number, output in enumerate(outputs):
+        output.write_us(1500.0 + 10.0 * number)
+    board.step()
+    assert lengths == [32, 8, 4]
+    assert [round(chip.width_us(setting.channel), -1) for setting in settings] == [
+        1500.0 + 10.0 * number for number in range(11)
+    ]
+    lengths.clear()
+    outputs[0].write_us(1499.0)
+    board.step()
+    assert lengths == []
+    outputs[1].write_us(1600.0)
+    board.step()
+    assert lengths == [4]
 
 
 def test_a_byte_that_is_lost_is_sent_again_and_nobody_is_told(board: Pca9685Board, chip: Pca9685Twin) -> None:
