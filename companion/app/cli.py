@@ -11,7 +11,9 @@ from rich.console import Console
 from rich.table import Table
 
 from companion import __version__
-from companion.app.composition import check_config, run_boat
+from companion.app.clock import SystemClock
+from companion.app.compass_calibration import calibrate_compass as run_compass_calibration
+from companion.app.composition import check_config, open_storage, run_boat
 from companion.app.doctor.cli import doctor
 from companion.app.esc_calibration import calibrate_escs as run_calibration
 from companion.app.init.cli import init
@@ -69,6 +71,17 @@ def check(config: ConfigFile) -> None:
     tree = load_config(config)
     check_config(tree)
     typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
+
+
+@app.command()
+def calibrate_compass(config: ConfigFile) -> None:
+    """Find the iron near a magnetometer while you turn the boat; the boat's program must not run.
+
+    Example:  boat-companion calibrate-compass --config /etc/mavboat/boat.toml
+    """
+    tree = load_config(config)
+    with contextlib.closing(open_storage(tree.storage.folder)) as storage:
+        run_compass_calibration(tree, storage, SystemClock(), typer.echo)
 
 
 @app.command()

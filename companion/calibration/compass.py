@@ -15,10 +15,10 @@ from enum import IntEnum
 from typing import Final, NamedTuple
 
 from companion.calibration.ellipsoid import Ellipsoid, Point, fit_ellipsoid
+from companion.config.compass_rows import DIAGONAL, MOST_OFF_DIAGONAL, MOST_OFFSET_MG
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, length, plus
 from companion.sensors.attitude import down_axis, level_field
-from companion.sensors.compass_parameters import DIAGONAL, MOST_OFF_DIAGONAL, MOST_OFFSET_MG
 from companion.sensors.earth_field import EarthField
 from companion.sensors.magnetic_field import NO_LOAD, MagneticCorrection, MotorLoad
 from companion.sensors.readings import HeadingReading

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from companion.calibration.fitting import Fit
+from companion.config.compass_rows import MOST_MOTOR_MG
 from companion.core.vectors import Vector, plus
 from companion.sensors.magnetic_field import BY_CURRENT, BY_THROTTLE, MagneticCorrection, MotorLoad
 from companion.sensors.readings import HeadingReading
@@ -24,7 +25,6 @@ _REST_S: Final = 2.0  # at rest after the run, which ends it
 _LEAST_CURRENT_A: Final = 0.5  # a smaller difference says nothing about a battery monitor
 _MOST_TURN_RAD: Final = math.radians(60.0)  # until then the gyro's drift is small
 _LEAST_SAMPLES: Final = 100
-_MOST_MG: Final = 1000.0  # limit of the parameter
 
 
 class MotorFit(NamedTuple):
@@ -110,7 +110,7 @@ class MotorFieldCalibration:
             return MotorFit(self._before, reason="too few readings")
         (ahead, aside, north, east), _ = level
         motor = (-ahead, -aside, -down[0][0])
-        if max(map(abs, motor)) > _MOST_MG:
+        if max(map(abs, motor)) > MOST_MOTOR_MG:
             return MotorFit(self._before, reason="the motors' leads are too near: move the compass")
         before = self._before
         offset = plus(before.offset, motor, -self._mean_iron_load(source))

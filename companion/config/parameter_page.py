@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 
 from companion.config.boat_config import BoatConfig
+from companion.config.compass_rows import MAGNETOMETER_ROWS
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.persistence.storage import MemoryStorage
@@ -31,6 +32,13 @@ _VALUES = """\
 ## Values
 
 Meaning of the numbers. `+` marks a bit; the parameter is the sum of the bits set.
+"""
+
+_MAGNETOMETER = """\
+## With a magnetometer
+
+With a bare magnetometer (`qmc5883l`, `hmc5883l`, `lis3mdl`) these replace the constants of the same names.
+The calibration sets them. COMPASS_MOT is per ampere or per full throttle, by COMPASS_MOTCT.
 """
 
 _CONSTANTS = """\
@@ -69,11 +77,21 @@ def parameter_page(rows: tuple[ParameterRow, ...] = ROWS) -> str:
             _VALUES,
             *_table(("parameters", "values"), _values(rows)),
             "",
+            _MAGNETOMETER,
+            *_table(("name", "meaning", "default", "range", "unit", "type"), _of_magnetometer()),
+            "",
             _CONSTANTS,
             *_table(("name", "meaning", "value", "unit", "type"), constants),
             "",
         ]
     )
+
+
+def _of_magnetometer() -> list[tuple[str, ...]]:
+    return [
+        (f"`{row.name}`", row.text, _number(row.default), _range(row), row.unit, _TYPES[row.kind])
+        for row in sorted(MAGNETOMETER_ROWS, key=lambda row: row.name)
+    ]
 
 
 def _table(head: tuple[str, ...], lines: Iterable[tuple[str, ...]]) -> list[str]:

@@ -1,54 +1,18 @@
-"""The parameters of a bare magnetometer, with ArduPilot's names and units. They hold its calibration, which
-is stored with the other parameters.
-
-They replace the table's constants of the same names, which stations need from parts that calibrate
-themselves.
-"""
+"""A magnetometer's correction as parameters, which are stored with the others."""
 
 from functools import partial
-from typing import Final
 
 import msgspec
 
-from companion.config.parameter_values import MOTOR_SOURCES
-from companion.config.parameters import ParameterHook, ParameterRow, ParameterType
+from companion.config.compass_rows import AXES, MAGNETOMETER_ROWS
+from companion.config.parameters import ParameterHook
 from companion.core.vectors import Matrix, Vector
 from companion.sensors.magnetic_field import FieldCorrector, MagneticCorrection
-
-AXES: Final = "XYZ"
-MOST_OFFSET_MG: Final = 1800.0  # ArduPilot's COMPASS_OFFS_MAX
-DIAGONAL: Final = (0.2, 5.0)  # ArduPilot's limits of a fit
-MOST_OFF_DIAGONAL: Final = 1.0
-_SIDES: Final = ("ahead", "to starboard", "down")
-_REAL: Final = ParameterType.REAL32
 
 
 def compass_hooks(corrector: FieldCorrector) -> list[ParameterHook]:
     """Rows that set the corrector."""
-    rows = [
-        ParameterRow(
-            "COMPASS_MOTCT",
-            ParameterType.INT8,
-            "What the motors' field is proportional to",
-            low=0,
-            high=2,
-            values=MOTOR_SOURCES,
-        )
-    ]
-    for axis, side in zip(AXES, _SIDES, strict=True):
-        offset, diagonal = f"Added to the field {side}; calibrated", f"Factor of the field {side}; calibrated"
-        beside, motor = (
-            "Soft iron, beside the diagonal; calibrated",
-            f"Field of the motors {side}; calibrated",
-        )
-        most, (low, high), off = MOST_OFFSET_MG, DIAGONAL, MOST_OFF_DIAGONAL
-        rows += [
-            ParameterRow(f"COMPASS_OFS_{axis}", _REAL, offset, unit="mGauss", low=-most, high=most),
-            ParameterRow(f"COMPASS_DIA_{axis}", _REAL, diagonal, default=1.0, low=low, high=high),
-            ParameterRow(f"COMPASS_ODI_{axis}", _REAL, beside, low=-off, high=off),
-            ParameterRow(f"COMPASS_MOT_{axis}", _REAL, motor, unit="mGauss/A", low=-1000, high=1000),
-        ]
-    return [ParameterHook(row, partial(_apply, corrector, row.name)) for row in rows]
+    return [ParameterHook(row, partial(_apply, corrector, row.name)) for row in MAGNETOMETER_ROWS]
 
 
 def parameter_values(correction: MagneticCorrection) -> list[tuple[str, float]]:

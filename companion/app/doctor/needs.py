@@ -24,7 +24,9 @@ I2C_DRIVERS = frozenset(
         "ads1115",
     }
 )
-PORT_DRIVERS = frozenset({"nmea", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "crsf", "ibus", "sbus"})
+PORT_DRIVERS = frozenset(
+    {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "crsf", "ibus", "sbus"}
+)
 OTHER_DRIVERS = frozenset(
     {"none", "l298n", "tb6612", "bts7960", "drv8833", "esc", "servo", "hcsr04", "jsnsr04t", "host", "gnss"}
 )

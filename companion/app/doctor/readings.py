@@ -47,6 +47,8 @@ def heading_in_words(reading: HeadingReading, config: BoatConfig) -> Words:  # n
         text += f", turning {math.degrees(reading.yaw_rate_rad_s):+.1f}°/s"
     if reading.roll_rad is not None and reading.pitch_rad is not None:
         text += f", roll {_degrees(reading.roll_rad)}, pitch {_degrees(reading.pitch_rad)}"
+    if reading.field_mg is not None:
+        text += f", field {math.hypot(*reading.field_mg):.0f} mG"
     return Verdict.FINE, text
 
 

@@ -11,10 +11,11 @@ from typing import Final
 
 from companion.calibration.compass import CompassCalibration, FieldFit, Verdict
 from companion.calibration.motor_field import MotorFieldCalibration
+from companion.config.compass_rows import MOST_OFFSET_MG
 from companion.core.status_text import Severity
 from companion.core.vectors import UNIT
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.compass_parameters import MOST_OFFSET_MG, parameter_values
+from companion.sensors.compass_parameters import parameter_values
 from companion.sensors.magnetic_field import BY_CURRENT, MagneticCorrection, MotorLoad
 from companion.sensors.suite import SensorSuite
 from companion.services.commands.command import (

@@ -114,7 +114,8 @@ def test_the_field_is_reported_before_correction_in_body_axes(bench: Bench) -> N
 
 def test_the_field_of_the_motors_is_taken_out_by_their_current(bench: Bench) -> None:
     bench.scene.heading_deg = 0.0
-    bench.corrector.correction = MagneticCorrection(motor=(0.0, -8.0, 0.0), motor_source=BY_CURRENT)
+    correction = MagneticCorrection((0.001, 0.0, 0.0), motor=(0.0, -8.0, 0.0), motor_source=BY_CURRENT)
+    bench.corrector.correction = correction
     bench.scene.iron_mg = (0.0, 40.0, 0.0)  # of 5 A
     bench.run(5.0)
     assert bench.error_deg == pytest.approx(-11.3, abs=1.0)
