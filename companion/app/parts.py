@@ -31,6 +31,7 @@ from companion.hal.interfaces import (
     Hardware,
     Hull,
     Motors,
+    Probe,
     RcReceiver,
     Rudder,
     Sonar,
@@ -41,6 +42,8 @@ from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
 from companion.hal.payload.interfaces import PayloadOutput, PayloadParts, Program, PulseCounter
 from companion.hal.payload.outputs import open_counter, open_output
+from companion.hal.probes.polled import open_analog_probe, open_file_probe
+from companion.hal.probes.serial_line import open_serial_probes
 from companion.hal.pulses.opening import open_pulse_output
 from companion.hal.pulses.rudder_servo import RudderServo
 from companion.hal.ranging.mounted_ranger import open_ranger
@@ -174,6 +177,25 @@ def open_depth(config: BoatConfig, now: Now, gnss: Gnss | None = None) -> DepthS
             return None
 
 
+def open_probes(config: BoatConfig, now: Now) -> tuple[Probe, ...]:
+    """The probes, in the order of the configuration."""
+    opened: dict[str, Probe] = {}
+    with ExitStack() as undo:
+        for part in config.probe:
+            if part.name in opened:
+                continue
+            if part.driver == "serial":
+                together = [one for one in config.probe if one.driver == "serial" and one.port == part.port]
+                for one, probe in zip(together, open_serial_probes(together, now), strict=True):
+                    opened[one.name] = probe
+            else:
+                opening = open_analog_probe if part.driver == "ads1115" else open_file_probe
+                opened[part.name] = opening(part, now)
+            undo.callback(opened[part.name].close)
+        undo.pop_all()
+    return tuple(opened[part.name] for part in config.probe)
+
+
 def open_rc(config: BoatConfig, now: Now) -> RcReceiver | None:
     """The RC receiver."""
     return None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
@@ -219,6 +241,9 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
             undo.callback(hull.close)
         if (depth := open_depth(config, now, gnss)) is not None:
             undo.callback(depth.close)
+        probes = open_probes(config, now)
+        for probe in probes:
+            undo.callback(probe.close)
         payload = undo.enter_context(closing(open_payload(config)))
         rc = open_rc(config, now)
         undo.pop_all()
@@ -236,4 +261,5 @@ def open_hardware(config: BoatConfig, now: Now) -> Hardware:
         payload=payload,
         corrections=gnss if isinstance(gnss, GnssReceiver) else None,
         depth=depth,
+        probes=probes,
     )

@@ -21,6 +21,7 @@ from companion.config.failsafe import Failsafe
 from companion.config.fence import FenceSetting
 from companion.config.handling import Handling
 from companion.config.parts import Parts
+from companion.config.parts.probes import ProbePart, check_probes
 from companion.config.payload import PayloadSetting, check_payloads
 from companion.config.rc import Rc
 from companion.config.section import NonNegative, Positive, Section, Share, SystemId, replaced
@@ -253,11 +254,13 @@ class BoatConfig(Section, frozen=True):
     log: Log = Log()
     parts: Parts = Parts()
     payload: tuple[PayloadSetting, ...] = ()
+    probe: tuple[ProbePart, ...] = ()
     camera: CameraSetting = CameraSetting()
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check_payloads(self.payload)
+        check_probes(self.probe)
 
     @property
     def link_settings(self) -> tuple[LinkConfig, ...]:

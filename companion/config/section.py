@@ -12,7 +12,7 @@ Positive = Annotated[float, Meta(gt=0.0)]
 SystemId = Annotated[int, Meta(ge=1, le=255)]
 
 
-_FLOAT32_MAX = 3.4028234663852886e38  # limit of a MAVLink parameter
+FLOAT32_MAX = 3.4028234663852886e38  # limit of a MAVLink parameter
 
 
 class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -25,7 +25,7 @@ class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     def __post_init__(self) -> None:
         for name in self.__struct_fields__:
             value = getattr(self, name)
-            if isinstance(value, float) and not abs(value) <= _FLOAT32_MAX:
+            if isinstance(value, float) and not abs(value) <= FLOAT32_MAX:
                 raise ValueError(f"{name} = {value}: expected a finite number")
 
 

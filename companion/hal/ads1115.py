@@ -1,6 +1,8 @@
 """ADS1115 analog-to-digital converter on I²C, from its data sheet (Texas Instruments SBAS444E)."""
 
+import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable
 from typing import Final
 
@@ -17,6 +19,8 @@ _LATE: Final = 1.2  # its clock is off by up to 10 %, 6.5
 _POLL_S: Final = 0.005
 _VOLT: Final = 4.096 / 32768.0
 _FULL_SCALE: Final = 32767
+# One conversion at a time: the battery monitor and probes may share a part, each in its thread
+_LOCKS: Final[defaultdict[int, threading.Lock]] = defaultdict(threading.Lock)
 
 
 class Ads1115:
@@ -32,8 +36,10 @@ class Ads1115:
         self.bus = bus
         self._address = address
         self._pause = pause
-        self._start(0)
-        if self._read(_CONFIG_AT) & 0x7FFF != _START & 0x7FFF:
+        with _LOCKS[address]:
+            self._start(0)
+            kept = self._read(_CONFIG_AT)
+        if kept & 0x7FFF != _START & 0x7FFF:
             raise HardwareError(f"ADS1115: the part at I²C address {address:#x} is not an ADS1115")
 
     def read_v(self, channel: int) -> float | None:
@@ -43,6 +49,10 @@ class Ads1115:
             HardwareError: the conversion does not end.
             OSError: it does not answer.
         """
+        with _LOCKS[self._address]:
+            return self._convert_v(channel)
+
+    def _convert_v(self, channel: int) -> float | None:
         self._start(channel)
         waited_s = _CONVERSION_S
         self._pause(_CONVERSION_S)

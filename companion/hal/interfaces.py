@@ -19,6 +19,7 @@ from companion.sensors.readings import (
     GnssFix,
     HeadingReading,
     HullReading,
+    ProbeReading,
     RcReading,
     SonarReading,
 )
@@ -109,6 +110,7 @@ Compass = Sensor[HeadingReading]
 Battery = Sensor[BatteryReading]
 Hull = Sensor[HullReading]
 DepthSounder = Sensor[DepthReading]
+Probe = Sensor[ProbeReading]
 RcReceiver = Sensor[RcReading]
 """A reading is stamped with the arrival of its frame."""
 
@@ -206,6 +208,7 @@ class Hardware:
     cutoff: MotorCutoff | None = None
     rudder: Rudder | None = None
     depth: DepthSounder | None = None
+    probes: tuple[Probe, ...] = ()  # in the order of the configuration
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None
     corrections: CorrectionInput | None = None
@@ -220,6 +223,6 @@ class Hardware:
         """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
             parts = (self.rc, self.depth, self.hull, self.battery, self.sonar, self.compass, self.gnss)
-            for part in (self.payload, *parts, self.rudder, self.motors):
+            for part in (*self.probes, self.payload, *parts, self.rudder, self.motors):
                 if part is not None:
                     rest.callback(part.close)  # called in reverse order

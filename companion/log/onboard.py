@@ -14,6 +14,7 @@ from typing import Final
 from companion.app.runner import TickCount
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import Parameters
+from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.log import events, samples
 from companion.log import records as r
@@ -84,6 +85,7 @@ class OnboardLog:
         self._fix: GnssFix | None = None
         self._ping: SonarReading | None = None
         self._sounding: DepthReading | None = None
+        self._probed_s: dict[str, float] = {}  # by name, when the latest logged value was measured
         self._heard: RcReading | None = None  # of the transmitter
         self._reading: BatteryReading | None = None
         self._late = self._ticks = 0
@@ -201,15 +203,23 @@ class OnboardLog:
         if now.sensors.sonar is not None and now.sensors.sonar is not self._ping:
             self._ping = now.sensors.sonar
             self._add(samples.sonar(now.sensors.sonar))
-        sounding, nav = now.sensors.depth, now.vehicle.nav
-        is_new = sounding is not None and sounding is not self._sounding
-        if sounding is not None and is_new and nav is not None and self._linear is not None:
-            self._sounding = sounding
-            self._add((samples.depth(sounding, nav, self._linear),))
+        if now.vehicle.nav is not None and self._linear is not None:
+            self._add(self._water(now, now.vehicle.nav, self._linear))
         heard = now.vehicle.manual_input.rc.latest
         if heard is not None and heard is not self._heard:
             self._heard = heard
             self._add(samples.radio(heard))
+
+    def _water(self, now: Snapshot, nav: NavState, linear: LinearFrame) -> Iterator[bytes]:
+        """New soundings and values of probes, with the position."""
+        sounding = now.sensors.depth
+        if sounding is not None and sounding is not self._sounding:
+            self._sounding = sounding
+            yield samples.depth(sounding, nav, linear)
+        for reading in now.sensors.probes:
+            if self._probed_s.get(reading.name) != reading.time_s:
+                self._probed_s[reading.name] = reading.time_s
+                yield samples.probe(reading, nav, linear)
 
     def _status(self, now: Snapshot, channels: Channels) -> Iterator[bytes]:
         us = self._now_us

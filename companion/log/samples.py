@@ -9,7 +9,14 @@ from companion.core.state import Demand, NavState
 from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
-from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, RcReading, SonarReading
+from companion.sensors.readings import (
+    BatteryReading,
+    DepthReading,
+    GnssFix,
+    ProbeReading,
+    RcReading,
+    SonarReading,
+)
 from companion.services.telemetry.snapshot import Snapshot
 
 _DEG: Final = 180.0 / math.pi
@@ -164,6 +171,13 @@ def depth(sounding: DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
     depth_m = _NAN if sounding.depth_m is None else sounding.depth_m
     temperature_c = _NAN if sounding.temperature_c is None else sounding.temperature_c
     return r.DPTH.pack(time_us(sounding.time_s), 0, lat_e7, lon_e7, depth_m, temperature_c)
+
+
+def probe(reading: ProbeReading, nav: NavState, linear: LinearFrame) -> bytes:
+    """A probe's value, at its own time and where the boat is now."""
+    lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
+    name, unit = reading.name.encode("ascii"), reading.unit.encode("ascii")
+    return r.PROB.pack(time_us(reading.time_s), name, reading.value, lat_e7, lon_e7, unit)
 
 
 def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:

@@ -82,6 +82,15 @@ class DepthReading(Struct, frozen=True, gc=False):
         return None if self.depth_m is None else self.depth_m + self.transducer_m
 
 
+class ProbeReading(Struct, frozen=True, gc=False):
+    """One value of a probe, in its unit."""
+
+    time_s: float
+    name: str
+    value: float
+    unit: str = ""
+
+
 class BatteryReading(Struct, frozen=True, gc=False):
     """Battery voltage and current. current_a is positive while discharging, None if not measured."""
 

@@ -21,6 +21,7 @@ from companion.sensors.readings import (
     GnssFix,
     HeadingReading,
     HullReading,
+    ProbeReading,
     RcReading,
     SonarReading,
 )
@@ -47,12 +48,14 @@ class SensorSuite:
         self.battery: BatteryReading | None = None
         self.sonar: SonarReading | None = None  # the latest ping
         self.depth: DepthReading | None = None
+        self.probes: list[ProbeReading] = []  # of those that are not silent
         self.hull: HullReading | None = None
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
         self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
+        self._probe_silences: dict[str, SilenceMonitor] = {}
         self._depth_silence = SilenceMonitor("Depth sounder", DEPTH_STALE_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
@@ -129,6 +132,8 @@ class SensorSuite:
             self.depth = hardware.depth.read()
             sounded_s = None if self.depth is None else self.depth.time_s
             self._tell(self._depth_silence.update(sounded_s, now_s))
+        if hardware.probes:
+            self._read_probes(config, now_s)
         if hardware.rc is not None:
             self.rc = hardware.rc.read()
         if self.pings:
@@ -155,6 +160,17 @@ class SensorSuite:
             self.battery = battery
             self.gauge.update(battery, config.battery, command)
         self._tell(self._battery_silence.update(None if self.battery is None else self.battery.time_s, now_s))
+
+    def _read_probes(self, config: BoatConfig, now_s: float) -> None:
+        self.probes.clear()
+        for part, probe in zip(config.probe, self._hardware.probes, strict=True):
+            reading = probe.read()
+            if (silence := self._probe_silences.get(part.name)) is None:
+                silence = SilenceMonitor(f"Probe {part.name}", part.timeout_s)
+                self._probe_silences[part.name] = silence
+            self._tell(silence.update(None if reading is None else reading.time_s, now_s))
+            if reading is not None and now_s - reading.time_s <= part.timeout_s:
+                self.probes.append(reading)
 
     def _tell(self, notice: StatusText | None) -> None:
         if notice is not None:

@@ -25,10 +25,23 @@ I2C_DRIVERS = frozenset(
     }
 )
 PORT_DRIVERS = frozenset(
-    {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "crsf", "ibus", "sbus"}
+    {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "serial", "crsf", "ibus", "sbus"}
 )
 OTHER_DRIVERS = frozenset(
-    {"none", "l298n", "tb6612", "bts7960", "drv8833", "esc", "servo", "hcsr04", "jsnsr04t", "host", "gnss"}
+    {
+        "none",
+        "l298n",
+        "tb6612",
+        "bts7960",
+        "drv8833",
+        "esc",
+        "servo",
+        "hcsr04",
+        "jsnsr04t",
+        "host",
+        "file",
+        "gnss",
+    }
 )
 
 
@@ -72,6 +85,8 @@ def _sections(config: BoatConfig) -> Iterator[tuple[str, Section]]:
         for number, one in enumerate(value if isinstance(value, tuple) else (value,)):
             yield from _used(f"parts.{name}[{number}]" if isinstance(value, tuple) else f"parts.{name}", one)
     yield "rc", config.rc
+    for number, probe in enumerate(config.probe):
+        yield f"probe[{number}]", probe
     for number, payload in enumerate(config.payload):
         yield from _used(f"payload[{number}]", payload)
 

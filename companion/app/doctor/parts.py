@@ -6,6 +6,8 @@ from shutil import which
 from types import MappingProxyType
 from typing import Any, Protocol
 
+from msgspec.structs import replace
+
 from companion.app import parts
 from companion.app.clock import Clock
 from companion.app.doctor.findings import Examined, Finding, Verdict
@@ -50,9 +52,9 @@ def driver_of(config: BoatConfig, name: str) -> str:
     return str((getattr(config.parts, name, None) or getattr(config, name)).driver)
 
 
-def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock) -> Finding:
-    """Open a part, wait for its first reading, and close it."""
-    driver = driver_of(config, name)
+def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, driver: str = "") -> Finding:
+    """Open a part, wait for its first reading, and close it. driver: default: that of the section."""
+    driver = driver or driver_of(config, name)
     if driver == "none":
         return Finding(name, Verdict.SKIPPED, "not fitted")
     try:
@@ -74,6 +76,20 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock) -> 
         return Finding(name, Verdict.FAILED, text, "check its supply, wires, port and baud rate")
     verdict, words = in_words(reading, config)
     return Finding(name, verdict, f"{driver}: {words}{said}")
+
+
+def check_probes(config: BoatConfig, clock: Clock) -> list[Finding]:
+    """Each probe, one after the other."""
+    return [
+        check_part(
+            f"probe {one.name}",
+            lambda alone, now: parts.open_probes(alone, now)[0],
+            replace(config, probe=(one,)),
+            clock,
+            one.driver,
+        )
+        for one in config.probe
+    ]
 
 
 def check_payload(config: BoatConfig) -> Finding:
@@ -108,4 +124,4 @@ def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
             Finding("parts", Verdict.SKIPPED, "the running boat uses them", "sudo systemctl stop mavboat")
         ]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
-    return [*found, check_payload(examined.config)]
+    return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]

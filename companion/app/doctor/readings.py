@@ -15,6 +15,7 @@ from companion.sensors.readings import (
     GnssFix,
     HeadingReading,
     HullReading,
+    ProbeReading,
     RcReading,
     SonarReading,
 )
@@ -78,6 +79,11 @@ def depth_in_words(reading: DepthReading, config: BoatConfig) -> Words:  # noqa:
     return Verdict.FINE, text if reading.temperature_c is None else f"{text}, {reading.temperature_c:.1f} °C"
 
 
+def probe_in_words(reading: ProbeReading, config: BoatConfig) -> Words:  # noqa: ARG001
+    """The value with its unit."""
+    return Verdict.FINE, f"{reading.value:.6g} {reading.unit}".rstrip()
+
+
 def rc_in_words(reading: RcReading, config: BoatConfig) -> Words:  # noqa: ARG001
     """Channels and signal."""
     if reading.is_failsafe:
@@ -107,6 +113,7 @@ WORDS: Mapping[type, Callable[[Any, BoatConfig], Words]] = MappingProxyType(
         BatteryReading: battery_in_words,
         HullReading: hull_in_words,
         DepthReading: depth_in_words,
+        ProbeReading: probe_in_words,
         RcReading: rc_in_words,
         list: pings_in_words,
     }

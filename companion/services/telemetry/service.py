@@ -1,8 +1,9 @@
 """Telemetry: the table of messages, a schedule per channel, and single requests."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+from companion.config.parts.probes import ProbePart
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
 from companion.services.outbox import Outbox
@@ -14,6 +15,7 @@ from companion.services.telemetry import payload_messages as payload
 from companion.services.telemetry import sensor_messages as sensor
 from companion.services.telemetry import sounding_messages as sounding
 from companion.services.telemetry import status_messages as status
+from companion.services.telemetry.probe_messages import ProbeSchedule, probe_values
 from companion.services.telemetry.snapshot import Snapshot
 from companion.services.telemetry.streams import Streams
 
@@ -63,6 +65,7 @@ BUILDERS: dict[int, Callable[[Snapshot], Built]] = {
 # Sent only on request, with REQUEST_MESSAGE's second parameter
 INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {
     _ID.MAVLINK_MSG_ID_AVAILABLE_MODES: lambda _, which: modes.available_modes(which),
+    _ID.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: probe_values,
 }
 
 _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour
@@ -83,8 +86,15 @@ def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
 class TelemetryService:
     """Sends due messages on each channel; without room, all messages wait."""
 
-    def __init__(self, outbox: Outbox, take_snapshot: TakeSnapshot, may_send: MaySend = always) -> None:
+    def __init__(
+        self,
+        outbox: Outbox,
+        take_snapshot: TakeSnapshot,
+        may_send: MaySend = always,
+        probes: Sequence[ProbePart] = (),
+    ) -> None:
         """take_snapshot: the present state, None before the first step. Called only if something is due."""
+        self._probes = ProbeSchedule(probes)
         self._outbox = outbox
         self._take_snapshot = take_snapshot
         self._may_send = may_send
@@ -154,6 +164,11 @@ class TelemetryService:
                     built[message_id] = _listed(BUILDERS[message_id](now))
                 for message in built[message_id]:
                     self._outbox.send(channel, message)
+        if self._probes.has_due(now_s) and (now := now or self._take_snapshot()) is not None:
+            for message in self._probes.due(now.sensors.probes, now_s):
+                for channel, streams in self._streams.items():
+                    if streams.stream_hz > 0.0 and self._may_send(channel, now_s):
+                        self._outbox.send(channel, message)
 
 
 def _listed(built: Built) -> list[Message]:

@@ -82,14 +82,14 @@ class Streams:
         self._interval_s: dict[int, float] = {}
         self._due_s: dict[int, float] = {}
         self._next_s = math.inf
-        self._stream_hz = stream_hz
+        self.stream_hz = stream_hz
         if stream_hz > 0.0:
             for message_id in _UNASKED:
                 self.set_interval(message_id, self.default_s(message_id), 0.0)
 
     def default_s(self, message_id: int) -> float:
         """The default interval; a second for messages not sent by default."""
-        rate_hz = self._stream_hz * _UNASKED.get(message_id, 0.0)
+        rate_hz = self.stream_hz * _UNASKED.get(message_id, 0.0)
         return 1.0 / rate_hz if rate_hz > 0.0 else _ONCE_A_SECOND_S
 
     def set_interval(self, message_id: int, interval_s: float, now_s: float) -> None:
