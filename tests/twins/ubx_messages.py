@@ -17,6 +17,7 @@ class Motion:
     fix_ok: int = 1
     carrier: int = 0
     correction_age: int = 0
+    invalid_position: int = 0
     h_acc_mm: int = 1500
     s_acc_mm_s: int = 250
     valid: tuple[int, int, int] = (1, 1, 1)
@@ -51,12 +52,13 @@ def nav_pvt(tow_ms: int, motion: Motion) -> bytes:
             year=2024, month=5, day=28, hour=9 + seconds // 3600, min=seconds // 60 % 60, second=seconds % 60,
             validDate=date, validTime=clock, fullyResolved=resolved, nano=tow_ms % 1000 * 1_000_000,
             fixType=motion.fix_type, gnssFixOk=motion.fix_ok, carrSoln=motion.carrier,
-            diffSoln=int(motion.carrier > 0), numSV=14, lon=motion.lon, lat=motion.lat, hMSL=12_500,
+            diffSoln=int(motion.carrier > 0 or motion.correction_age > 0), numSV=14,
+            lon=motion.lon, lat=motion.lat, hMSL=12_500,
             hAcc=motion.h_acc_mm, vAcc=2 * motion.h_acc_mm, velN=motion.velocity_mm_s[0],
             velE=motion.velocity_mm_s[1],
             gSpeed=round(math.hypot(*motion.velocity_mm_s)), headMot=motion.course_deg,
             sAcc=motion.s_acc_mm_s, pDOP=1.6,
-            lastCorrectionAge=motion.correction_age,
+            lastCorrectionAge=motion.correction_age, invalidLlh=motion.invalid_position,
         ).serialize()
     )  # fmt: skip
 

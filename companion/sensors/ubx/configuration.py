@@ -30,6 +30,10 @@ _UARTS: Final = (1, 2)
 _NMEA_CLASS: Final = 0xF000
 _GGA, _GLL, _GSA, _GSV, _RMC, _VTG, _GST = 0, 1, 2, 3, 4, 5, 7  # NMEA message ids
 
+# What an epoch takes on the line: NAV-PVT and NAV-DOP; NAV-RELPOSNED; the sentences above
+_UBX_BYTES, _BASELINE_BYTES, _NMEA_BYTES = 126, 72, 260
+_BITS_A_BYTE, _LINE_SHARE = 10, 0.8  # the rest is for answers
+
 _RAM: Final = b"\x00\x01\x00\x00"  # CFG-VALSET: version 0, layer RAM
 _VALUE_BYTES: Final = {1: 1, 2: 1, 3: 2, 4: 4}  # by the size bits of a key
 _RATE_MEAS, _RATE_NAV, _DYNAMIC_MODEL = 0x30210001, 0x30210002, 0x20110021
@@ -70,6 +74,14 @@ class Step(NamedTuple):
         return encode(self.kind, self.payload)
 
 
+def rate_on_line(rate_hz: float, baud: int | None, protocol: float, wants_baseline: bool) -> float:
+    """The wanted rate, or what a slow line carries of it in whole Hz. baud: None for USB."""
+    if baud is None:
+        return rate_hz
+    size = _NMEA_BYTES if protocol < PVT_FROM else _UBX_BYTES + wants_baseline * _BASELINE_BYTES
+    return min(rate_hz, max(_LINE_SHARE * baud / _BITS_A_BYTE // size, 1.0))
+
+
 def steps(protocol: float, interface: Interface, rate_hz: float, wants_baseline: bool) -> list[Step]:
     """All that is set after the baud rate. interface: used by keys; legacy messages mean the line's own."""
     if protocol >= KEYS_FROM:
@@ -82,7 +94,7 @@ def steps(protocol: float, interface: Interface, rate_hz: float, wants_baseline:
     if protocol >= PVT_FROM:
         outputs = {NAV_PVT: 1, NAV_DOP: 1}
     else:
-        nmea = {_GGA: 1, _RMC: 1, _GST: 1, _GSA: 0, _GSV: 0, _GLL: 0, _VTG: 0}
+        nmea = {_GGA: 1, _RMC: 1, _GSA: 1, _GST: 1, _GSV: 0, _GLL: 0, _VTG: 0}
         outputs = {_NMEA_CLASS + number: rate for number, rate in nmea.items()}
     return result + [
         Step("output of messages", CFG_MSG, kind.to_bytes(2, "big") + bytes((rate,)))

@@ -19,7 +19,7 @@ _DOP: Final = Struct("<I7H")
 _DOP_LENGTH: Final = 18
 _RELPOSNED: Final = Struct("<BxHI3iii4x4b5I4xI")
 _VALID_DATE, _VALID_TIME, _FULLY_RESOLVED = 0x01, 0x02, 0x04
-_FIX_OK, _DIFFERENTIAL = 0x01, 0x02
+_FIX_OK, _DIFFERENTIAL, _INVALID_POSITION = 0x01, 0x02, 0x01
 # PVT's fixType: dead reckoning alone (1) and time only (5) are no fix.
 _FIX_TYPES: Final = {2: 2, 3: 3, 4: 3}
 _RTK: Final = {1: 5, 2: 6}  # carrier solution: floating, fixed
@@ -74,11 +74,13 @@ def solution(payload: bytes) -> Solution | None:
         lon_e7, lat_e7, _, altitude_mm, h_acc_mm, v_acc_mm, north_mm_s, east_mm_s, _, _, _, s_acc_mm_s, _,
         dop_e2, flags3,
     ) = _PVT.unpack_from(payload)  # fmt: skip
-    fix_type = _FIX_TYPES.get(fix, 1) if flags & _FIX_OK else 1
+    has_flags3 = len(payload) == _PVT_LENGTHS[1]
+    is_valid = flags & _FIX_OK and not (has_flags3 and flags3 & _INVALID_POSITION)
+    fix_type = _FIX_TYPES.get(fix, 1) if is_valid else 1
     if fix_type == 3:
         fix_type = _RTK.get(flags >> 6, 4 if flags & _DIFFERENTIAL else 3)
     is_dated = valid & 7 == _VALID_DATE | _VALID_TIME | _FULLY_RESOLVED and year > 1980 and 1 <= month <= 12
-    age = flags3 >> 1 & 0x0F if len(payload) > _PVT_LENGTHS[0] else 0
+    age = flags3 >> 1 & 0x0F if has_flags3 and flags & _DIFFERENTIAL else 0
     if not (abs(lat_e7) <= 900_000_000 and abs(lon_e7) <= 1_800_000_000):
         return None
     return Solution(

@@ -23,6 +23,7 @@ from companion.sensors.ubx.configuration import (
     Step,
     line_port,
     port_step,
+    rate_on_line,
     steps,
     value_step,
 )
@@ -66,7 +67,8 @@ class UbxSetup:
         self.phase = Phase.SEARCH
         self.baud = target_baud
         self.version: Version | None = None
-        self._target_baud, self._rate_hz, self._wants_baseline = target_baud, rate_hz, wants_baseline
+        self._target_baud, self._wants_baseline = target_baud, wants_baseline
+        self._wanted_hz = self._rate_hz = rate_hz
         self._interfaces = (USB, UART1, UART2) if is_usb else (UART1, USB, UART2)
         self._interface = 0
         self._rates: list[int | None] = []
@@ -217,8 +219,9 @@ class UbxSetup:
             self._poll_version(now_s)
 
     def _begin_steps(self, now_s: float) -> None:
-        protocol = self._protocol
-        self._steps = steps(protocol, self._current_interface, self._rate_hz, self._wants_baseline)
+        protocol, wants_baseline = self._protocol, self._wants_baseline
+        self._rate_hz = rate_on_line(self._wanted_hz, self.baud, protocol, wants_baseline)
+        self._steps = steps(protocol, self._current_interface, self._rate_hz, wants_baseline)
         if (port := self._port) is not None and protocol < KEYS_FROM:
             baud = port.baud if self.baud is None else self.baud
             self._steps.insert(0, port_step(port, baud, protocol))

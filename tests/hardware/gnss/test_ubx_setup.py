@@ -1,0 +1,189 @@
+"""The u-blox driver against a receiver that follows the interface descriptions: set-up and faults."""
+
+import pytest
+from twins.ubx_bench import STEP_S, Bench
+from twins.ubx_receiver import MAX_M10, NEO_6M, NEO_M8N, ZED_F9P, Model
+
+from companion.sensors.gnss_heading import GnssHeading
+from companion.sensors.ubx.setup import Phase
+
+SEA = 5
+
+
+@pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, MAX_M10], ids=lambda model: model.hardware)
+@pytest.mark.parametrize("baud", [None, 4800, 9600, 38400, 57600, 115_200, 460_800])
+def test_a_receiver_is_found_at_any_baud_rate_and_set_up(model: Model, baud: int | None) -> None:
+    bench = Bench(model, baud=baud)
+    bench.until_running()
+    settings = bench.receiver.settings
+    assert (settings.baud, settings.period_ms, settings.model) == (115_200, 200, SEA)
+    assert not settings.nmea_out
+    assert bench.texts == [bench.texts[-1]]
+    bench.fixes.clear()
+    bench.run(2.0)
+    assert len(bench.fixes) == pytest.approx(10, abs=1)
+    assert bench.receiver.other_layers == []  # only the volatile layer
+
+
+@pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, NEO_6M], ids=lambda model: model.hardware)
+def test_a_power_dip_is_followed_by_another_set_up(model: Model) -> None:
+    bench = Bench(model)
+    bench.until_running()
+    bench.run(3.0)
+    bench.texts.clear()
+    bench.receiver.dip()
+    assert bench.until_running() < 10.0
+    assert bench.texts[0] == "GNSS: receiver silent, setting it up again"
+    assert "set up again" in bench.texts[-1]
+    assert (bench.receiver.settings.baud, bench.receiver.settings.model) == (115_200, SEA)
+
+
+def test_a_receiver_without_power_is_reported_once_and_found_when_it_has_some() -> None:
+    bench = Bench()
+    bench.receiver.is_mute = True
+    bench.run(40.0)
+    assert bench.texts == ["GNSS: silent at every baud rate, check wiring"]
+    assert bench.gnss.read() is None
+    bench.receiver.is_mute = False
+    bench.until_running()
+
+
+@pytest.mark.parametrize("baud", [4800, 9600, 115_200])
+def test_a_receiver_that_cannot_hear_is_read_as_it_is(baud: int) -> None:
+    bench = Bench(NEO_M8N, baud=baud)
+    bench.receiver.is_deaf = True
+    bench.run(20.0)
+    assert bench.phase is Phase.LISTENING
+    assert bench.texts == ["GNSS: receiver does not answer: using its own settings"]
+    fix = bench.run(2.0).fixes[-1]
+    assert bench.clock() - fix.time_s < 2.5
+    assert (fix.fix_type, fix.satellites) == (3, 9)
+    bench.receiver.is_deaf = False  # the wire is put in its place
+    bench.until_running(40.0)
+
+
+def test_a_receiver_that_listening_lost_is_searched_again() -> None:
+    bench = Bench(NEO_M8N)
+    bench.receiver.is_deaf = True
+    bench.run(20.0)
+    bench.receiver.is_deaf, bench.receiver.saved_baud = False, 38400
+    bench.receiver.dip()
+    bench.until_running()
+
+
+@pytest.mark.parametrize(
+    ("refused", "text"),
+    [((0x06, 0x24), "sea model"), ((0x06, 0x08), "navigation rate"), ((0x06, 0x01), "output of messages")],
+)
+def test_a_refusal_is_reported_and_the_rest_is_set(refused: tuple[int, int], text: str) -> None:
+    bench = Bench(NEO_M8N)
+    bench.receiver.refused.add(refused)
+    bench.run(15.0)
+    assert f"GNSS: receiver refused: {text}" in bench.texts
+    if text != "output of messages":
+        assert bench.phase is Phase.RUNNING
+        assert bench.fixes
+    else:
+        assert bench.phase is Phase.LISTENING
+        assert bench.clock() - bench.run(2.0).fixes[-1].time_s < 2.5  # by its sentences
+
+
+def test_a_receiver_that_acknowledges_nothing_is_still_read() -> None:
+    bench = Bench(NEO_M8N)
+    bench.receiver.unacknowledged = True
+    bench.until_running(40.0)
+    assert "GNSS: no acknowledgement: navigation rate" in bench.texts
+    assert bench.receiver.settings.nmea_out
+    assert bench.phase is Phase.RUNNING
+
+
+@pytest.mark.parametrize(
+    ("model", "rate_hz", "has_baseline", "period_ms"),
+    [
+        (NEO_M8N, 5.0, False, 200),
+        (NEO_M8N, 10.0, False, 167),  # 6 Hz of 126 bytes
+        (NEO_6M, 5.0, False, 500),  # 2 Hz of 260 bytes
+        (ZED_F9P, 5.0, True, 333),  # 3 Hz of 198 bytes
+    ],
+)
+def test_on_a_slow_line_the_rate_is_what_the_line_carries(
+    model: Model, rate_hz: float, has_baseline: bool, period_ms: int
+) -> None:
+    heading = GnssHeading() if has_baseline else None
+    bench = Bench(model, baud=9600, target_baud=9600, rate_hz=rate_hz, heading=heading)
+    bench.until_running()
+    assert bench.receiver.settings.period_ms == period_ms
+
+
+def test_a_refused_baud_rate_leaves_the_one_that_works() -> None:
+    bench = Bench(NEO_M8N)
+    bench.receiver.refused.add((0x06, 0x00))
+    bench.until_running()
+    assert "GNSS: receiver silent at 115200 baud" in bench.texts
+    assert bench.receiver.settings.baud == 9600
+    assert bench.receiver.settings.model == SEA
+
+
+@pytest.mark.parametrize("interface", ["UART1", "UART2", "USB"])
+@pytest.mark.parametrize("is_usb", [False, True])
+def test_the_connected_port_of_the_receiver_is_found(interface: str, is_usb: bool) -> None:
+    bench = Bench(ZED_F9P, interface=interface, is_usb=is_usb)
+    bench.until_running()
+    assert bench.run(1.0).fixes
+
+
+def test_noise_on_the_line_delays_the_set_up_but_does_not_stop_it() -> None:
+    bench = Bench(ZED_F9P)
+    bench.line.garbles_every = 311  # every third NAV-PVT
+    bench.until_running(60.0)
+    bench.fixes.clear()
+    bench.run(10.0)
+    assert len(bench.fixes) > 25
+    assert all(abs(fix.position.lat_deg - 50.5) < 1e-6 for fix in bench.fixes)
+
+
+def first_text_after(bench: Bench, limit_s: float) -> tuple[float, str]:
+    """Seconds until the next message, and the message."""
+    bench.texts.clear()
+    began_s = bench.clock()
+    while not bench.texts:
+        assert bench.clock() - began_s < limit_s
+        bench.run(STEP_S)
+    return bench.clock() - began_s, bench.texts[0]
+
+
+def test_silence_is_noticed_within_two_seconds_of_the_last_solution() -> None:
+    bench = Bench()
+    bench.until_running()
+    bench.receiver.is_mute = True
+    seconds, text = first_text_after(bench, 10.0)
+    assert text == "GNSS: receiver silent, setting it up again"
+    assert 1.8 < seconds < 2.3
+    seconds, text = first_text_after(bench, 30.0)
+    assert text == "GNSS: silent at every baud rate, check wiring"
+    assert seconds == pytest.approx(8 * 1.2, abs=0.5)  # each of eight rates for longer than a period
+
+
+def test_a_slow_receiver_is_given_five_periods() -> None:
+    bench = Bench(rate_hz=1.0)
+    bench.until_running()
+    bench.receiver.is_mute = True
+    seconds, _ = first_text_after(bench, 10.0)
+    assert 4.0 < seconds < 5.3
+
+
+def test_sentences_without_an_answer_are_used_after_four_seconds() -> None:
+    bench = Bench(NEO_M8N, baud=115_200)
+    bench.receiver.is_deaf = True
+    seconds, text = first_text_after(bench, 10.0)
+    assert "does not answer" in text
+    assert 3.8 < seconds < 5.5
+
+
+def test_an_unplugged_receiver_is_set_up_again_at_once() -> None:
+    bench = Bench(ZED_F9P, interface="USB", is_usb=True, target_baud=None)
+    bench.until_running()
+    bench.texts.clear()
+    bench.line.replug()
+    assert bench.until_running() < 4.0
+    assert bench.receiver.settings.model == SEA
