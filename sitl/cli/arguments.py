@@ -12,7 +12,10 @@ from sitl.scenarios.scenario import Scenario, load_scenario
 from sitl.world.sensors.sampling import MOST_SEED
 
 Source = Annotated[
-    str, typer.Argument(metavar="SCENARIO", help="lake, pool, open, a .toml file or a .geojson map")
+    str,
+    typer.Argument(
+        metavar="SCENARIO", help="lake, pool, open, random, bench_boat, a .toml file or a .geojson map"
+    ),
 ]
 Settings = Annotated[
     list[str] | None,

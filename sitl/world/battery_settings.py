@@ -11,7 +11,8 @@ class BatterySettings(Section, frozen=True):
     """One pack. charge is the share left at the start; idle_a is what computer and sensors draw.
 
     brownout_v is the voltage at the terminals below which the computer's regulator gives up: five volts,
-    the two that a plain one drops, and some for the leads.
+    the two that a plain one drops, and some for the leads. fuse_a: rating of the fuse beside the pack, 0
+    without one.
     """
 
     capacity_mah: Positive = 2200.0
@@ -21,3 +22,4 @@ class BatterySettings(Section, frozen=True):
     idle_a: NonNegative = 0.6
     brownout_v: NonNegative = 7.0
     rate_hz: Positive = 10.0
+    fuse_a: NonNegative = 0.0

@@ -4,6 +4,8 @@ The resistance rises as the last fifth is drawn, and below empty the voltage fal
 does whose cells are drained too deep: so a boat that sails on loses first its speed, then its computer.
 """
 
+import math
+
 from sitl.world.battery_settings import BatterySettings
 
 # Open-circuit voltage of one cell at 0, 10 … 100 % charge: the shape common to LiPo cells at rest, flat in
@@ -11,6 +13,10 @@ from sitl.world.battery_settings import BatterySettings
 CELL_V = (3.27, 3.61, 3.69, 3.73, 3.77, 3.80, 3.84, 3.90, 3.98, 4.08, 4.20)
 CLIFF = 0.03  # share of the capacity that can be drawn below empty, until nothing is left
 _LAST = 0.2  # share of the charge over which the resistance rises
+# A blade fuse opens after 0.75 to 600 s at 1.35 times its rating, 0.15 to 5 s at twice and 0.08 to 0.5 s at
+# 3.5 times (ISO 8820-3). Its wire melts once the heat beyond what it gives off, ∫ (I²/I_r² − 1) dt, is this:
+# after 3.6 s, 1 s and 0.27 s.
+_MELTS_S = 3.0
 _RISE = 2.0  # how much more of it there is when empty, of what there is when full
 
 
@@ -23,6 +29,7 @@ class Pack:
         self._capacity_c = parameters.capacity_mah * 3.6
         self._used_c = (1.0 - parameters.charge) * self._capacity_c
         self.current_a = self.voltage_v = 0.0
+        self._fuse_heat_s = 0.0
         self.step(0.0, 0.0)
         self.supply_v = self.voltage_v
 
@@ -35,6 +42,11 @@ class Pack:
     def used_mah(self) -> float:
         """Charge taken out since full."""
         return self._used_c / 3.6
+
+    @property
+    def is_fuse_blown(self) -> bool:
+        """Whether the fuse has opened: nothing aboard has power."""
+        return self._fuse_heat_s >= _MELTS_S
 
     @property
     def is_browned_out(self) -> bool:
@@ -66,6 +78,12 @@ class Pack:
             self._used_c = min(self._used_c, (1.0 + CLIFF) * self._capacity_c)
             cell_v = max(0.0, CELL_V[0] * (1.0 + charge / CLIFF))
             resistance_ohm *= 1.0 + _RISE
+        if parameters.fuse_a > 0.0:
+            loaded = current_a / parameters.fuse_a
+            self._fuse_heat_s = max(self._fuse_heat_s + (loaded * loaded - 1.0) * dt_s, 0.0)
+            if self._fuse_heat_s >= _MELTS_S:
+                self._fuse_heat_s = math.inf
+                self.current_a = cell_v = 0.0
         voltage_v = max(0.0, parameters.cells * cell_v - current_a * resistance_ohm)
         self.supply_v = 0.5 * (self.voltage_v + voltage_v)
         self.voltage_v = voltage_v

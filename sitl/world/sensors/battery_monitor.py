@@ -30,7 +30,9 @@ class SimBattery(Sensor[BatteryReading]):
         if self._is_noisy:
             voltage_v += settings.voltage_noise_v * normal(self._random)
             current_a += settings.current_noise_a * normal(self._random)
-        self._output(BatteryReading(now_s + self.clock_offset_s, voltage_v, current_a), now_s)
+        is_known = settings.max_current_a == 0.0 or abs(current_a) <= settings.max_current_a
+        reading = BatteryReading(now_s + self.clock_offset_s, voltage_v, current_a if is_known else None)
+        self._output(reading, now_s)
 
     def _with_fault(
         self, reading: BatteryReading, fault: SensorFault[BatteryReading], now_s: float

@@ -101,11 +101,15 @@ class SonarSettings(Section, frozen=True):
 
 
 class BatteryMonitorSettings(Section, frozen=True):
-    """White noise on each, and a gain of the current that the shunt is off by (1 is right)."""
+    """White noise on each, and a gain of the current that the shunt is off by (1 is right).
+
+    max_current_a: beyond it the current is unknown; 0: no limit.
+    """
 
     voltage_noise_v: NonNegative = 0.0
     current_noise_a: NonNegative = 0.0
     current_gain: NonNegative = 1.0
+    max_current_a: NonNegative = 0.0
 
 
 class HullSensorSettings(Section, frozen=True):

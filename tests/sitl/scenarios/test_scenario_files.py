@@ -25,8 +25,9 @@ def write(folder: Path, text: str) -> str:
 
 
 def test_the_installed_scenarios_load() -> None:
-    assert scenario_names() == ["lake", "open", "pool", "random"]
+    assert scenario_names() == ["bench_boat", "lake", "open", "pool", "random"]
     assert [load_scenario(name).title for name in scenario_names()] == [
+        "The boat of the hardware page",
         "Mill pond",
         "Open water",
         "The paper's pool",
@@ -197,7 +198,7 @@ def test_overrides_that_contradict_each_other_are_refused() -> None:
 
 
 def test_a_scenario_that_does_not_exist_lists_those_that_do() -> None:
-    with pytest.raises(ConfigError, match="sea: no such scenario: expected one of lake, open, pool"):
+    with pytest.raises(ConfigError, match="sea: no such scenario: expected one of bench_boat, lake, open, pool"):
         load_scenario("sea")
     with pytest.raises(ConfigError, match=r"nowhere\.toml: cannot be read"):
         load_scenario("nowhere.toml")

@@ -5,11 +5,13 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 
 from companion.config.boat_config import load_config
 from companion.hal.motors.bridges import PLANS
 from sitl.scenarios.scenario import Scenario, load_scenario
 from sitl.world.drive.thruster import Thruster
+from sitl.world.pack import Pack
 from sitl.world.world import World
 
 ROOT = Path(__file__).parents[3]
@@ -102,3 +104,76 @@ def test_the_example_cruises_as_this_boat_does() -> None:
     speed_m_s, current_a = at(config.speed.cruise_throttle)
     assert speed_m_s == pytest.approx(config.speed.cruise_m_s, abs=0.05)
     assert current_a == pytest.approx(stated(r"cruises at 1.2 m/s with ([\d.]+) A"), abs=0.1)
+
+
+def bench() -> Scenario:
+    return load_scenario("bench_boat")
+
+
+def test_the_bench_boat_is_the_kit_with_the_program_of_the_example() -> None:
+    config = load_config(ROOT / "examples" / "configs" / "boat.toml")
+    assert (bench().hull, bench().thrusters, bench().battery) == (
+        kit().hull, kit().thrusters, kit().battery,
+    )  # fmt: skip
+    vehicle = bench().vehicle
+    emulated = structs.replace(vehicle.parts.compass, correction_rad=config.parts.compass.correction_rad)
+    assert structs.replace(vehicle.parts, compass=emulated) == config.parts
+    for section in ("speed", "handling", "guidance", "battery", "motors", "thrusters", "drive", "arming"):
+        assert getattr(vehicle, section) == getattr(config, section), section
+
+
+def test_fuse_and_shunt_are_the_pages() -> None:
+    assert bench().battery.fuse_a == FUSE_A
+    assert bench().sensors.battery.max_current_a == SHUNT_A
+
+
+def test_the_converter_feeds_pi_and_servo() -> None:
+    volts, converter_a = stated(r"\| (\d) V step-down converter"), stated(r"step-down converter, (\d+) A")
+    assert bench().battery.idle_a * full_pack_v() / volts < converter_a  # without losses: the most it can be
+
+
+def test_a_current_beyond_the_shunts_is_reported_as_unknown() -> None:
+    world = World(bench())
+    monitor = world.hardware.battery
+    assert monitor is not None
+    for shaft in (world._thrusters.left, world._thrusters.right):
+        shaft.weed = 1.0
+    world.hardware.motors.write(1.0, 1.0)
+    seen = []
+    for _ in range(200):
+        world.step(DT_S)
+        reading = monitor.read()
+        assert reading is not None
+        seen.append(reading.current_a)
+    assert world.truth.current_a > SHUNT_A
+    assert seen[-1] is None
+    assert world.truth.current_a == pytest.approx(
+        stated(r"both motors stalled, with Pi and servo \| ([\d.]+) A"), abs=0.25
+    )
+
+
+def test_both_motors_stalled_do_not_blow_the_fuse_for_minutes_and_a_short_does_at_once() -> None:
+    stalled, short = Pack(bench().battery), Pack(bench().battery)
+    for _ in range(round(300.0 / DT_S)):
+        stalled.step(2.0 * stalled_a(), DT_S)
+    assert not stalled.is_fuse_blown
+    seconds = 0.0
+    while not short.is_fuse_blown:
+        short.step(30.0, DT_S)
+        seconds += DT_S
+    assert DT_S < seconds < 0.5
+    short.step(0.0, DT_S)
+    assert (short.voltage_v, short.current_a) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("times", "least_s", "most_s"), [(1.35, 0.75, 600.0), (2.0, 0.15, 5.0), (3.5, 0.08, 0.5)]
+)
+def test_the_fuse_opens_when_a_blade_fuse_does(times: float, least_s: float, most_s: float) -> None:
+    # ISO 8820-3, operating time of blade fuses
+    pack = Pack(structs.replace(bench().battery, idle_a=0.0, capacity_mah=50000.0))
+    seconds = 0.0
+    while not pack.is_fuse_blown:
+        pack.step(times * FUSE_A, DT_S)
+        seconds += DT_S
+    assert least_s < seconds < most_s
