@@ -28,6 +28,7 @@ class Boat:
     both 0 where the file does not say. reserve: share of the capacity that is never used. margin: times the
     charge for the way home that must be left, or the boat turns back by itself. fence_margin_m: how far
     inside the fence the boat stops. accel_m_s2: to a lower speed; to a higher one it is half as much again.
+    least_radius_m: of its turns; 0: it turns on the spot.
     """
 
     name: str = "the boat"
@@ -37,6 +38,7 @@ class Boat:
     accel_m_s2: float = 0.4
     corner_accel_m_s2: float = 0.8
     turn_rate_rad_s: float = 0.65
+    least_radius_m: float = 0.0
     waypoint_radius_m: float = 2.0
     capacity_mah: float = 2200.0
     cruise_a: float = 0.0
@@ -60,6 +62,7 @@ class Boat:
             accel_m_s2=guidance.accel_m_s2,
             corner_accel_m_s2=guidance.corner_accel_m_s2,
             turn_rate_rad_s=config.handling.turn_rate_rad_s,
+            least_radius_m=config.drive.least_radius_m,
             waypoint_radius_m=guidance.waypoint_radius_m,
             capacity_mah=battery.capacity_mah,
             cruise_a=battery.cruise_a,

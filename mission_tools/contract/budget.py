@@ -258,7 +258,10 @@ def _manoeuvres_s(
             slowest = min(speed_m_s, math.sqrt(boat.corner_accel_m_s2 * radius_m))
         slowing_s = (speed_m_s - slowest) ** 2 / (2.0 * speed_m_s) * (stop_s2_m if is_last else both_s2_m)
         is_on_the_spot = slowest < boat.slowest_m_s
-        turning_s = (1.0 if is_on_the_spot else TURN_LOSS) * turn / boat.turn_rate_rad_s
+        rate_rad_s = boat.turn_rate_rad_s
+        if boat.least_radius_m > 0.0:
+            rate_rad_s = min(rate_rad_s, max(slowest, boat.slowest_m_s) / boat.least_radius_m)
+        turning_s = (1.0 if is_on_the_spot else TURN_LOSS) * turn / rate_rad_s
         lost.append(slowing_s + turning_s)
     lost[0] += 0.5 * speed_m_s / (GAINING_SHARE * boat.accel_m_s2)
     return lost

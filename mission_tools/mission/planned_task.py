@@ -139,7 +139,8 @@ def _turn_radius_m(options: PlanOptions) -> float:
         return options.turn_radius_m or 0.0
     boat = load_boat(options.boat)
     speed_m_s = options.speed_m_s or boat.cruise_m_s
-    return turn_radius_m(speed_m_s, boat.turn_rate_rad_s, boat.corner_accel_m_s2)
+    radius_m = turn_radius_m(speed_m_s, boat.turn_rate_rad_s, boat.corner_accel_m_s2)
+    return max(radius_m, boat.least_radius_m)
 
 
 def survey_area(chart: Chart, areas: FileAreas, name: str) -> SurveyArea:

@@ -41,6 +41,7 @@ BOTH: dict[Condition, Course] = {
     Condition.BATTERY_CRITICAL: HOME,
     Condition.BATTERY_LOW: HOME,
     Condition.OUT_OF_RANGE: HOME,
+    Condition.SHALLOW: Course((AUTO, Mode.SMART_RTL), 20.0),
     Condition.STUCK: Course((AUTO, RTL, LOITER), 140.0, (CLEAR, CLEAR)),
     Condition.NO_HEADWAY: Course((AUTO, RTL, LOITER), 70.0),
     Condition.OPERATOR_LOST: STAY_THEN_HOME,
@@ -114,7 +115,7 @@ def test_the_row_ends_as_it_should(boat: str, condition: Condition) -> None:
         for _ in range(30):
             rig.run(1.0)
             assert rig.offset_m(at.north_m, at.east_m) < ROOM_M[boat] + 2.0  # it still makes way at first
-    elif modes[-1] is RTL:
+    elif modes[-1] in (RTL, Mode.SMART_RTL):
         before_m = rig.offset_m(0.0, 0.0)
         rig.until(lambda: rig.offset_m(0.0, 0.0) < max(before_m - 10.0, 3.0), 40.0)
     else:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.contract.boat import Boat, load_boat
@@ -65,6 +65,19 @@ def test_a_sharp_corner_costs_the_time_to_slow_down_and_to_gain_speed() -> None:
     back = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)])
     on_the_spot_s = math.pi / 0.65
     assert back.time_s == pytest.approx(straight.time_s + 2.0 / 0.8 + 2.0 / 1.2 + on_the_spot_s, abs=0.2)
+
+
+def test_a_boat_that_cannot_turn_on_the_spot_sails_half_a_circle_at_a_sharp_corner() -> None:
+    way = [Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)]
+    rudder = replace(BOAT, least_radius_m=3.0)
+    wait_s = 3.0 * math.pi / 0.4 - math.pi / 0.65  # at the slowest speed, rather than on the spot
+    assert budget(way, rudder).time_s == pytest.approx(budget(way).time_s + wait_s, abs=0.1)
+
+
+@pytest.mark.parametrize(("layout", "radius_m"), [("rudder", 4.0), ("differential", 0.0)])
+def test_the_least_radius_is_that_of_the_boats_file(layout: str, radius_m: float) -> None:
+    config = decode_config({"drive": {"layout": layout, "turn_radius_m": 4.0}}, "test")
+    assert Boat.of(config).least_radius_m == radius_m
 
 
 def test_a_hold_draws_what_station_keeping_does() -> None:

@@ -198,7 +198,9 @@ def test_overrides_that_contradict_each_other_are_refused() -> None:
 
 
 def test_a_scenario_that_does_not_exist_lists_those_that_do() -> None:
-    with pytest.raises(ConfigError, match="sea: no such scenario: expected one of bench_boat, lake, open, pool"):
+    with pytest.raises(
+        ConfigError, match="sea: no such scenario: expected one of bench_boat, lake, open, pool"
+    ):
         load_scenario("sea")
     with pytest.raises(ConfigError, match=r"nowhere\.toml: cannot be read"):
         load_scenario("nowhere.toml")
