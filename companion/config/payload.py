@@ -41,7 +41,7 @@ class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
 
 
 class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
-    """A pin that switches something. max_on_s: it switches off after this time; 0: never.
+    """A pin that switches something. max_on_s: longest time on without a break; 0: no limit.
 
     At the end of the program it is off, and the pin becomes an input.
     """

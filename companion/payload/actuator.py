@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from companion.core.errors import HardwareError
 from companion.hal.payload.interfaces import PayloadOutput
 
 _RETRY_S = 1.0
@@ -23,13 +22,16 @@ class Actuator:
     fault: why the output did not take it, empty if it did; it is written again every second.
     """
 
-    def __init__(self, output: PayloadOutput) -> None:
+    def __init__(self, output: PayloadOutput, max_on_s: float = 0.0) -> None:
+        """max_on_s: longest time at 1 without a break, whatever the plan; then 0 is written. 0: no limit."""
         self.value = math.nan
         self.fault = ""
         self._output = output
         self._plan: Iterator[TimedWrite] = iter(())
         self._due_s = math.inf
         self._retry_s = math.inf
+        self._max_on_s = max_on_s or math.inf
+        self._on_s = math.inf  # since when it is at 1
 
     @property
     def is_busy(self) -> bool:
@@ -43,6 +45,9 @@ class Actuator:
 
     def tick(self, now_s: float) -> None:
         """Write what is due, one value at most."""
+        if now_s - self._on_s >= self._max_on_s:
+            self._due_s = math.inf
+            self._write(0.0, now_s)
         if now_s >= self._due_s:
             write = next(self._plan, None)
             if write is None:
@@ -56,9 +61,10 @@ class Actuator:
 
     def _write(self, value: float, now_s: float) -> None:
         self.value = value
+        self._on_s = min(self._on_s, now_s) if value == 1.0 else math.inf
         try:
             self._output.write(value)
-        except HardwareError as error:
+        except OSError as error:  # a HardwareError, or the bus
             self.fault, self._retry_s = str(error), now_s + _RETRY_S
         else:
             self.fault, self._retry_s = "", math.inf

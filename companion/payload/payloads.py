@@ -76,7 +76,8 @@ class Payloads:
                 winch = Winch(setting, parts.outputs[index], parts.counters.get(index))
                 self.units.append(Unit(setting, winch))
             else:
-                self.units.append(Unit(setting, Actuator(parts.outputs[index])))
+                max_on_s = setting.max_on_s if isinstance(setting, RelayPayload) else 0.0
+                self.units.append(Unit(setting, Actuator(parts.outputs[index], max_on_s)))
         self._values = [math.nan] * len(self.units)  # as last reported
         self._faults = [""] * len(self.units)
         self._status_texts: list[StatusText] = []
@@ -184,7 +185,7 @@ class Payloads:
             if isinstance(actuator, Winch):
                 actuator.stop(now_s)
             elif (value := _safe_value(setting, getattr(setting, moment))) is not None:
-                actuator.run(_limited(setting, value), now_s)
+                actuator.run([TimedWrite(value)], now_s)
 
     def _note_writes(self) -> None:
         """Compare all outputs with what was reported."""
@@ -211,7 +212,7 @@ def _plan(setting: PayloadSetting, value: float, action: UnitAction) -> Iterable
         case RepeatServo(_, width_us, count, period_s) if isinstance(setting, ServoPayload):
             return alternate(width_us, setting.signal.trim_us, count, period_s)
         case SetRelay(_, is_on) | SetLights(is_on):
-            return _limited(setting, _ON if is_on else _OFF)
+            return [TimedWrite(_ON if is_on else _OFF)]
         case RepeatRelay(_, count, period_s):
             was = _ON if value == _ON else _OFF
             return alternate(_ON - was, was, count, period_s)
@@ -219,13 +220,6 @@ def _plan(setting: PayloadSetting, value: float, action: UnitAction) -> Iterable
             value = _safe_value(setting, "closed" if closes else "open") or _OFF
             return [TimedWrite(value)]
     return ()
-
-
-def _limited(setting: PayloadSetting, value: float) -> list[TimedWrite]:
-    """A value that is taken back after the relay's longest time."""
-    if isinstance(setting, RelayPayload) and setting.max_on_s and value == _ON:
-        return [TimedWrite(_ON, setting.max_on_s), TimedWrite(_OFF)]
-    return [TimedWrite(value)]
 
 
 def _safe_value(setting: PayloadSetting, state: str | int) -> float | None:

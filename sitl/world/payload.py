@@ -72,12 +72,12 @@ class SimCounter:
 
 
 class SimProgram:
-    """A program. starts: the times of its starts; end: what it reports, empty for success."""
+    """A program. starts: the times of its starts; outcome: what it reports, empty for success."""
 
     def __init__(self, clock: "SimPayload", title: str, run_s: float = RUN_S) -> None:
         self.title = title
         self.starts: list[float] = []
-        self.end = ""
+        self.outcome = ""
         self.run_s = run_s
         self._clock = clock
         self._has_told = True
@@ -100,7 +100,10 @@ class SimProgram:
         if self._has_told or self.is_running:
             return None
         self._has_told = True
-        return self.end
+        return self.outcome
+
+    def end(self) -> None:
+        """Nothing to end."""
 
     def close(self) -> None:
         """Nothing to release."""

@@ -66,9 +66,13 @@ class ChildProgram:
         end, self._end = self._end, None
         return end
 
-    def close(self) -> None:
-        """End it. May be called twice."""
+    def end(self) -> None:
+        """Begin to end it, without waiting."""
         self._stop.set()
+
+    def close(self) -> None:
+        """End it, and wait for that. May be called twice."""
+        self.end()
         if self._thread is not None:
             self._thread.join(_GRACE_S + 1.0)
 

@@ -55,8 +55,11 @@ class Program(Protocol):
     def is_running(self) -> bool:
         """Whether it runs."""
 
+    def end(self) -> None:
+        """Begin to end it, without waiting."""
+
     def close(self) -> None:
-        """End it. May be called twice."""
+        """End it, and wait for that. May be called twice."""
 
 
 class Capture(Program, Protocol):
@@ -83,3 +86,5 @@ class PayloadParts:
                 rest.callback(part.close)
             if self.capture is not None:
                 rest.callback(self.capture.close)
+            for program in self.programs.values():
+                program.end()

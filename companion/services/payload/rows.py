@@ -29,6 +29,7 @@ from companion.payload.fitted import CAMERA, FittedPayload
 
 LEAST_PERIOD_S = 0.1  # half of it is two and a half pulses of a servo, which come every 20 ms
 MOST_REPEATS = 10_000
+_SLACK_S = 1e-6  # of a period that came in single precision
 _LONGEST_S = 86_400.0
 _FARTHEST_M = 100_000.0
 _RELEASE, _GRAB = 0, 1  # GRIPPER_ACTIONS
@@ -76,7 +77,7 @@ def _repetition(count: float, period_s: float, first: int) -> ActionFault | None
     """Check number and period of a repetition. first: the parameter of the number."""
     if _whole(count, 1, MOST_REPEATS) is None:
         return _wrong(first, count, f"a number of times, 1 to {MOST_REPEATS}")
-    if not LEAST_PERIOD_S <= period_s <= _LONGEST_S:
+    if not LEAST_PERIOD_S - _SLACK_S <= period_s <= _LONGEST_S:
         return _wrong(first + 1, period_s, f"a period of at least {LEAST_PERIOD_S:g} s")
     return None
 

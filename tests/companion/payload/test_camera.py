@@ -41,6 +41,9 @@ class Shutter:
     def space_mb(self) -> tuple[float, float]:
         return 0.0, 0.0
 
+    def end(self) -> None:
+        """Nothing to end."""
+
     def close(self) -> None:
         """Nothing to release."""
 

@@ -91,7 +91,7 @@ def test_a_failed_image_is_no_photo_and_is_told() -> None:
     rig = PayloadRig()
     capture = rig.sim.capture
     assert capture is not None
-    capture.end = "exit code 1"
+    capture.outcome = "exit code 1"
     station = qgc(rig)
     run(rig, station, 4.0)
     station.press_shutter(rig.now_s)

@@ -42,7 +42,10 @@ ANSWERS = [
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 2, 1.0), OK, ""),
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 2, 0.05), DENIED, "parameter 3 is 0.05, expected a period of"),
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (2, 2, 10.0), DENIED, "horn 2: period 10 s, expected at most 4"),
-    (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 20000, 1.0), DENIED, "parameter 2 is 20000"),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 1, 0.1), OK, ""),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 1, 0.099), DENIED, "parameter 3 is 0.099"),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 10000, 1.0), OK, ""),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 10001, 1.0), DENIED, "parameter 2 is 10001"),
     (CMD.MAV_CMD_DO_GRIPPER, (1, 1), OK, ""),
     (CMD.MAV_CMD_DO_GRIPPER, (0, 0), OK, ""),
     (CMD.MAV_CMD_DO_GRIPPER, (2, 0), DENIED, "no gripper 2, expected 1"),
@@ -220,7 +223,7 @@ def test_an_owners_command_runs_once_at_a_time_and_its_end_is_told() -> None:
     rig = PayloadRig()
     rig.step()
     program = rig.sim.programs[SAMPLE]
-    program.run_s, program.end = 5.0, "exit code 3"
+    program.run_s, program.outcome = 5.0, "exit code 3"
     assert rig.ask(CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, 7) == OK
     rig.run(3.0)
     assert rig.ask(CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, 7) == REJECTED_FOR_NOW
