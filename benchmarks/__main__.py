@@ -15,6 +15,7 @@ from benchmarks import (
     campaign,
     codec,
     emulator,
+    endurance,
     fleet,
     full_boat,
     garbage,
@@ -49,6 +50,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "survey": survey.rows,
     "loop": loop.rows,
     "full_boat": full_boat.rows,
+    "endurance": endurance.rows,
     "garbage": garbage.rows,
     "install": install.rows,
 }
