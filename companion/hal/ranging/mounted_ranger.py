@@ -5,10 +5,12 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
+from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.parts.ranging import RangerPart
 from companion.hal.background import Background
+from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses
 from companion.hal.ranging import serial_frames
 from companion.hal.ranging.echo_pins import HCSR04, JSNSR04T, EchoPinRanger
 from companion.hal.ranging.serial_ranger import SerialRanger
@@ -19,6 +21,7 @@ from companion.sensors.readings import SonarReading
 
 _SERVO_STEP_S: Final = 0.06  # a micro servo turns 15° in 30 ms and settles
 _SERVO_SETTLES_S: Final = 0.5  # from any position to the first bearing
+_QUARTER_TURN_RAD: Final = 0.5 * math.pi  # of the servo's horn, at its longest and shortest pulse
 _READINGS: Final = 256
 _WATER_AIR_C: Final = 15.0
 _ECHO_CHIPS: Final = {"hcsr04": HCSR04, "jsnsr04t": JSNSR04T}
@@ -143,11 +146,12 @@ def open_ranger(part: RangerPart, now: Callable[[], float], pin_factory: object 
         if part.servo < 0:
             sonar = MountedRanger(ranger, now, range_m=part.range_m)
         else:
-            servo = _open_servo(part.servo, pin_factory)
+            signal = servo_signal(part.servo)
+            servo = open_lgpio_pulses(signal)
             undo.callback(servo.close)
 
             def turn(bearing_rad: float) -> None:
-                servo.angle = math.degrees(bearing_rad)
+                servo.write_us(signal.width_us(bearing_rad / _QUARTER_TURN_RAD))
 
             bearings_rad = sweep_bearings_rad(part.sweep_rad, part.step_rad)
             sonar = MountedRanger(ranger, now, bearings_rad, turn, part.range_m, servo.close)
@@ -176,14 +180,11 @@ def _open_bare(part: RangerPart, now: Callable[[], float], pin_factory: object) 
     return SerialRanger(open_line(part.port, kind.baud, now), kind, decode, max_range_m)
 
 
-def _open_servo(pin: int, pin_factory: object) -> Any:  # noqa: ANN401 — gpiozero's AngularServo, without types
-    # A longer pulse turns a servo counter-clockwise seen from above: −90° is the longest.
-    with opening_pins("sonar") as gpiozero:
-        return gpiozero.AngularServo(
-            pin,
-            min_angle=90,
-            max_angle=-90,
-            min_pulse_width=0.0005,
-            max_pulse_width=0.0025,
-            pin_factory=pin_factory,
-        )
+def servo_signal(pin: int) -> PulseOutputSetting:
+    """The signal of a micro servo of 180°; its longest pulse turns it counter-clockwise, to port.
+
+    gpiozero's own servo would turn in steps of 18°: it sets lgpio's pulses in percent of the period.
+    """
+    return PulseOutputSetting(
+        output="software", pin=pin, min_us=500, trim_us=1500, max_us=2500, reversed=True
+    )

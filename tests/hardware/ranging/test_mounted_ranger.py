@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any, Literal
@@ -12,11 +13,12 @@ from gpiozero.pins.mock import MockFactory, MockPWMPin
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.lines import HandClock, eventually
+from twins.pulses import LgpioTwin
 
 from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.hal.ranging.echo_pins import JSNSR04T, EchoPinRanger, speed_of_sound_m_s
-from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, sweep_bearings_rad
+from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, servo_signal, sweep_bearings_rad
 from companion.sensors.readings import SonarReading
 
 PART = parts.RangerPart(driver="hcsr04")
@@ -221,10 +223,16 @@ def test_the_default_sweep_covers_half_the_horizon_in_thirteen_directions() -> N
     assert sweep_bearings_rad(0.0, 0.1) == (0.0,)
 
 
+@pytest.fixture
+def lgpio(monkeypatch: pytest.MonkeyPatch) -> LgpioTwin:
+    lgpio = LgpioTwin({0: "pinctrl-bcm2711"})
+    monkeypatch.setitem(sys.modules, "lgpio", lgpio)
+    return lgpio
+
+
 @pytest.mark.realtime
-def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Bench) -> None:
+def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Bench, lgpio: LgpioTwin) -> None:
     part = parts.RangerPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
-    servo: Any = bench.factory.pin(18)
     bench.twin.echo_s = 2.0 * 2.0 / SOUND_M_S
     sonar = open_ranger(part, HandClock(), bench.factory)
     readings: list[SonarReading] = []
@@ -239,13 +247,21 @@ def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Ben
         [-math.pi / 2, math.pi / 2, -math.pi / 2]
     )
     assert {round(reading.range_m or 0.0, 6) for reading in readings} == {2.0}
-    duty = [state.state for state in servo.states if state.state]
-    assert duty[1:3] == pytest.approx([0.0025 / 0.020, 0.0005 / 0.020])  # port is the longest pulse
-    assert {bench.twin.function, bench.echo.function, servo.function} == {"input"}
+    assert [signal.width_us for signal in lgpio.history[:2]] == [2500, 500]  # port is the longest pulse
+    assert {bench.twin.function, bench.echo.function} == {"input"}
+    assert lgpio.handles == {}
 
 
-def test_pins_that_cannot_be_opened_are_given_back(bench: Bench) -> None:
-    clash = parts.RangerPart(driver="hcsr04", servo=PART.trigger)
-    with pytest.raises(HardwareError, match="sonar: the pins cannot be opened"):
-        open_ranger(clash, HandClock(), bench.factory)
+def test_the_servo_turns_in_steps_of_less_than_a_degree(bench: Bench, lgpio: LgpioTwin) -> None:
+    signal = servo_signal(18)
+    widths = [
+        round(signal.width_us(math.radians(degrees) / (0.5 * math.pi))) for degrees in range(-90, 91, 15)
+    ]
+    assert widths == [2500, 2333, 2167, 2000, 1833, 1667, 1500, 1333, 1167, 1000, 833, 667, 500]
+
+
+def test_pins_that_cannot_be_opened_are_given_back(bench: Bench, lgpio: LgpioTwin) -> None:
+    lgpio.claimed[18] = 99
+    with pytest.raises(HardwareError, match="GPIO 18: the pin cannot be used: GPIO busy"):
+        open_ranger(parts.RangerPart(driver="hcsr04", servo=18), HandClock(), bench.factory)
     open_ranger(PART, HandClock(), bench.factory).close()
