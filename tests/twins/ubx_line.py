@@ -1,5 +1,7 @@
 """The line between a u-blox receiver and the driver."""
 
+from collections.abc import Callable
+
 from companion.links.memory import MemoryPort, memory_pair
 from twins.ubx_receiver import UbxReceiver
 
@@ -11,6 +13,7 @@ class BaudLine:
         self.receiver = receiver
         self.baud: int | None = None  # of the host
         self.garbles_every = 0  # byte out of so many is wrong; 0: none
+        self.on_sent: Callable[[bytes], object] = bytes  # each piece that the host sends
         self._count = 0
         near, self._far = memory_pair(is_datagram=False)
         self.port = MemoryPort(near)
@@ -30,6 +33,7 @@ class BaudLine:
         """Move the bytes of both directions."""
         before = self.receiver.baud
         for data in self._far.receive():
+            self.on_sent(data)
             if self.receiver.baud in (None, self.baud):
                 self.receiver.hear(data)
         data = self.receiver.run(now_s)

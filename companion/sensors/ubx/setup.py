@@ -12,6 +12,7 @@ from enum import Enum
 from typing import Final
 
 from companion.core.status_text import Severity, StatusText
+from companion.sensors.ubx.baud_search import BaudSearch
 from companion.sensors.ubx.configuration import (
     KEYS_FROM,
     PVT_FROM,
@@ -30,8 +31,6 @@ from companion.sensors.ubx.configuration import (
 from companion.sensors.ubx.frames import ACK_ACK, ACK_NAK, CFG_PRT, MON_VER, NAV_PVT, UbxFrame, encode
 from companion.sensors.ubx.messages import Version, version
 
-# Factory rates (u-blox 9: 38,400; before: 9600), then those that people set
-BAUD_RATES: Final = (9600, 38400, 115200, 57600, 230400, 19200, 460800, 4800)
 _POLL_S: Final = 0.5
 _DWELL_S: Final = 1.2  # at each rate: a receiver sends at least once a second
 # An answer waits behind the NMEA output of at most 1 s, which a crowded line at 9600 baud sends in 2 s.
@@ -39,6 +38,7 @@ _ANSWER_S: Final = 4.0
 _ASK_AGAIN_S: Final = 30.0  # while listening
 _SETTLE_S: Final = 0.3  # from the command to the new baud rate; its 37 bytes take 0.1 s at 4800 baud
 _VERIFY_S: Final = 2.5
+_MOST_BAUD_FAILURES: Final = 2  # the first one may have been a power dip
 _ACK_S: Final = 1.0  # UBX-CFG messages are acknowledged within one second (UBX-13003221, section 32.10)
 _TRIES: Final = 3
 _SILENT_S: Final = 2.0  # without output,
@@ -70,14 +70,14 @@ class UbxSetup:
         self._target_baud, self._wants_baseline = target_baud, wants_baseline
         self._wanted_hz = self._rate_hz = rate_hz
         self._interfaces = (USB, UART1, UART2) if is_usb else (UART1, USB, UART2)
-        self._interface = 0
-        self._rates: list[int | None] = []
-        self._rates_left = 0
+        self._interface = self._good_interface = self._interfaces_tried = 0
+        self._search_rates = BaudSearch(target_baud, target_baud)
         self._since_s = self._sent_s = self._heard_s = self._output_s = -math.inf
         self._tries = 0
         self._port: LinePort | None = None
         self._steps: list[Step] = []
-        self._has_told_running = self._was_running = self._keeps_baud = False
+        self._was_running = False
+        self._baud_failures = 0
         self._told_s: dict[str, float] = {}
         self._outbox: list[bytes] = []
         self._texts: list[StatusText] = []
@@ -140,22 +140,16 @@ class UbxSetup:
 
     def _search(self, now_s: float) -> None:
         if self._since_s == -math.inf:
-            self._rates = [self.baud]
-            if self.baud is not None:
-                self._rates += [rate for rate in (self._target_baud, *BAUD_RATES) if rate != self.baud]
-            self._rates_left = len(self._rates)
+            self._search_rates = BaudSearch(self.baud, self._target_baud)
             self._since_s = now_s
         elif self._heard_s >= self._since_s:
             if now_s - self._since_s >= _ANSWER_S:
                 self._listen(now_s, "does not answer")
                 return
         elif now_s - self._since_s >= _DWELL_S:
-            self._rates_left -= 1
-            if self._rates_left <= 0:
-                self._rates_left = len(self._rates)
+            self.baud = self._search_rates.next()
+            if self._search_rates.is_round:
                 self._tell(now_s, Severity.WARNING, "GNSS: silent at every baud rate, check wiring")
-            self._rates.append(self._rates.pop(0))
-            self.baud = self._rates[0]
             self._since_s = now_s
         if now_s - self._sent_s >= _POLL_S or self._sent_s < self._since_s:
             self._poll_version(now_s)
@@ -172,6 +166,7 @@ class UbxSetup:
         if self.phase not in (Phase.SEARCH, Phase.LISTENING):
             return
         self.version = found
+        self._interface, self._interfaces_tried = self._good_interface, 0
         if found.protocol < KEYS_FROM:
             self._enter(Phase.PORT, now_s)
         elif (key := self._current_interface.baud) is not None and (baud := self._other_baud) is not None:
@@ -186,7 +181,8 @@ class UbxSetup:
     @property
     def _other_baud(self) -> int | None:
         """The baud rate to change to; None to keep the present one."""
-        return None if self._keeps_baud or self.baud == self._target_baud else self._target_baud
+        is_wanted = self.baud != self._target_baud and self._baud_failures < _MOST_BAUD_FAILURES
+        return self._target_baud if is_wanted else None
 
     @property
     def _protocol(self) -> float:
@@ -213,7 +209,7 @@ class UbxSetup:
             self._poll_version(now_s)
         elif now_s - self._since_s >= _VERIFY_S:
             self._tell(now_s, Severity.WARNING, f"GNSS: receiver silent at {self.baud} baud")
-            self._keeps_baud = True
+            self._baud_failures += 1
             self._restart(now_s)
         elif now_s - self._sent_s >= _POLL_S:
             self._poll_version(now_s)
@@ -242,7 +238,7 @@ class UbxSetup:
         else:
             self._tell(now_s, Severity.WARNING, f"GNSS: no acknowledgement: {self._steps[0].what}")
             if now_s - self._heard_s > _SILENT_S:
-                self._run(now_s)
+                self._restart(now_s)
             else:
                 self._next_step(now_s, is_set=False)
 
@@ -274,6 +270,7 @@ class UbxSetup:
             text = f"GNSS: {self.version.module} set up{again}: {self._rate_hz:g} Hz{line}"
             self._texts.append(StatusText(Severity.INFO, text))
             self._was_running = True
+            self._good_interface, self._baud_failures = self._interface, 0
             self._told_s.clear()
         self._output_s = now_s
 
@@ -291,8 +288,9 @@ class UbxSetup:
 
     def _try_next_interface(self) -> bool:
         """The line may be connected to another port of the receiver. Returns False after the last one."""
+        self._interfaces_tried += 1
         self._interface = (self._interface + 1) % len(self._interfaces)
-        return self._interface != 0
+        return self._interfaces_tried < len(self._interfaces)
 
     def _listen(self, now_s: float, why: str) -> None:
         self._tell(now_s, Severity.WARNING, f"GNSS: receiver {why}: using its own settings")

@@ -60,13 +60,12 @@ def test_a_time_without_date_or_leap_seconds_is_not_used(valid: tuple[int, int, 
 
 def test_the_age_of_corrections_is_the_upper_bound_of_its_class() -> None:
     bench = Bench(ZED_F9P)
-    bench.receiver.motion.correction_age = 4
     bench.until_running()
-    assert bench.run(1.0).fixes[-1].correction_age_s == 10.0
-    bench.receiver.motion.correction_age = 12
-    assert bench.run(1.0).fixes[-1].correction_age_s == math.inf
-    bench.receiver.motion.correction_age = 0
-    assert bench.run(1.0).fixes[-1].correction_age_s is None
+    # UBX-22008968, NAV-PVT, lastCorrectionAge
+    classes_s = [None, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, math.inf]
+    for code, age_s in enumerate(classes_s):
+        bench.receiver.motion.correction_age = code
+        assert bench.run(0.5).fixes[-1].correction_age_s == age_s
 
 
 def test_a_u_blox_6_sends_accuracies_and_fixes_as_sentences() -> None:

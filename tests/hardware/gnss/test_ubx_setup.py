@@ -187,3 +187,49 @@ def test_an_unplugged_receiver_is_set_up_again_at_once() -> None:
     bench.line.replug()
     assert bench.until_running() < 4.0
     assert bench.receiver.settings.model == SEA
+
+
+def test_set_up_takes_a_second_where_the_baud_rate_is_right_and_two_where_it_is_not() -> None:
+    at_rate = Bench(NEO_M8N, baud=115_200)
+    assert at_rate.until_running() == pytest.approx(0.7, abs=0.3)
+    at_factory_rate = Bench(NEO_M8N)
+    # 1.2 s at the wrong rate, 0.3 s to change the right one, then the same
+    assert at_factory_rate.until_running() == pytest.approx(2.5, abs=0.25)
+
+
+def test_a_receiver_that_acknowledges_nothing_costs_three_seconds_a_message() -> None:
+    bench = Bench(NEO_M8N, baud=115_200)
+    bench.receiver.unacknowledged = True
+    bench.until_running(60.0)
+    assert bench.clock() - 100.0 == pytest.approx(5 * 3.0, abs=1.0)  # port, rate, model, two outputs
+
+
+def test_the_receiver_is_asked_twice_a_second() -> None:
+    bench = Bench(NEO_M8N)
+    bench.receiver.is_mute = True
+    sent: list[bytes] = []
+    bench.line.on_sent = sent.append
+    bench.run(9.0)
+    assert len(sent) == pytest.approx(9.0 / 1.2 * 3, abs=3)
+
+
+def test_what_is_still_wrong_is_said_again_after_a_minute() -> None:
+    bench = Bench()
+    bench.receiver.is_mute = True
+    bench.run(9.0 + 59.0)
+    assert len(bench.texts) == 1
+    bench.run(12.0)
+    assert len(bench.texts) == 2
+
+
+@pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, NEO_6M], ids=lambda model: model.hardware)
+@pytest.mark.parametrize("dip_s", [0.2, 0.9, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3, 2.5, 2.7, 3.0, 3.3])
+def test_a_power_dip_at_any_moment_of_the_set_up_is_overcome(model: Model, dip_s: float) -> None:
+    bench = Bench(model)
+    bench.run(dip_s)
+    bench.receiver.dip()
+    bench.run(25.0)
+    assert bench.phase is Phase.RUNNING
+    settings = bench.receiver.settings
+    assert (settings.baud, settings.period_ms, settings.model) == (115_200, 200, SEA)
+    assert bench.clock() - bench.fixes[-1].time_s < 0.5
