@@ -8,13 +8,14 @@ from pathlib import Path
 
 from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
+from companion.app.needs import needs_of
 from companion.app.parts import open_hardware
 from companion.app.runner import Runner
 from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, LinkConfig
-from companion.config.outputs_in_use import check_outputs
+from companion.config.outputs_in_use import check_outputs, outputs_in_use
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
 from companion.hal.interfaces import Hardware, Port
@@ -31,6 +32,13 @@ logger = logging.getLogger(__name__)
 Now = Callable[[], float]
 
 _MEMORY_EVERY = 50  # ticks between two looks at the computer's memory
+
+_UART_DEVICES = (
+    "/dev/serial0",
+    "/dev/ttyS0",
+    "/dev/ttyAMA0",
+)  # names of GPIO 14 and 15 on a Pi
+_UART_OUTPUTS = ("GPIO 14", "GPIO 15")
 
 # where stale frames are to be dropped they wait in the channel, which knows their age, not in the driver
 _SHORT_QUEUE_BYTES = 512
@@ -73,6 +81,23 @@ def check_config(config: BoatConfig) -> None:
         )
     check_channels(config.rc)
     check_outputs(config)
+    check_ports(config)
+
+
+def check_ports(config: BoatConfig) -> None:
+    """No two parts or links on one device, and no part on the pins of a UART that is in use.
+
+    Raises:
+        ConfigError: names both keys.
+    """
+    taken: dict[str, str] = {}
+    outputs = {output: key for key, output in outputs_in_use(config)}
+    for key, port in needs_of(config).ports.items():
+        if (other := taken.setdefault(port, key)) != key:
+            raise ConfigError(f"{key}: {port} belongs to {other}; expected another")
+        for output in _UART_OUTPUTS if port in _UART_DEVICES else ():
+            if output in outputs:
+                raise ConfigError(f"{outputs[output]}: {output} belongs to {key}, {port}; expected another")
 
 
 def check_channels(setting: Rc) -> None:

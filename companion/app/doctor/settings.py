@@ -8,8 +8,8 @@ import re
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.doctor.needs import Needs, needs_of
 from companion.app.install.files import FileText
+from companion.app.needs import Needs, needs_of
 
 _FOLDERS = ("/boot/firmware", "/boot")  # since Bookworm, and before
 _MAIN_UART = ("/dev/serial0", "/dev/ttyAMA0", "/dev/ttyS0")

@@ -75,6 +75,24 @@ def after(ticks: int) -> Callable[[], bool]:
             {"links": ["udpin::14550"], "parts": PARTS, "rc": {"arm_channel": 3}},
             r"rc\.arm_channel = 3: .*throttle",
         ),
+        (
+            {
+                "links": ["serial:/dev/serial0:57600"],
+                "parts": {**PARTS, "gnss": {"driver": "nmea", "port": "/dev/serial0"}},
+            },
+            r"links\[0\]: /dev/serial0 belongs to parts.gnss.port",
+        ),
+        (
+            {
+                "links": ["tcpin::5760"],
+                "parts": {
+                    **PARTS,
+                    "gnss": {"driver": "nmea", "port": "/dev/ttyAMA0"},
+                    "sonar": {"driver": "hcsr04", "trigger": 14},
+                },
+            },
+            "parts.sonar.trigger: GPIO 14 belongs to parts.gnss.port, /dev/ttyAMA0",
+        ),
     ],
 )
 def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: dict[str, object], words: str) -> None:

@@ -165,7 +165,7 @@ def test_a_boat_is_read_from_its_own_file_and_from_an_emulated_ones(tmp_path: Pa
     assert boat.margin == default.failsafe.range_margin
     assert load_boat("lake").capacity_mah == 5000.0
     assert load_boat("kit").cruise_m_s == 1.2
-    with pytest.raises(UsageError, match="no such boat \\(there are: kit, lake, pool\\)"):
+    with pytest.raises(UsageError, match=r"no such boat \(there are: .*kit, lake, pool"):
         load_boat("canoe")
     (tmp_path / "c.toml").write_text("[battery]\ncruise = 4.0\n")
     with pytest.raises(ConfigError, match="cruise"):

@@ -6,7 +6,6 @@ import pytest
 from doctor_tree import PI_4, Examine
 
 from companion.app.doctor.findings import Verdict
-from companion.app.doctor.needs import I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, needs_of
 from companion.app.doctor.settings import (
     BACKUP,
     active_lines,
@@ -16,6 +15,7 @@ from companion.app.doctor.settings import (
     check_main_port,
 )
 from companion.app.install.steps import apply_steps
+from companion.app.needs import I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, needs_of
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
 from companion.config.parts import RudderPart as Rudder
