@@ -12,7 +12,6 @@ from companion.links.port_url import parse_port_url
 I2C_DRIVERS = frozenset(
     {
         "bno055",
-        "bno085",
         "qmc5883l",
         "hmc5883l",
         "lis3mdl",

@@ -56,8 +56,11 @@ class ServiceNotifier:
 
     def restarting(self) -> None:
         """The process is about to be replaced by a fresh start of the program."""
+        lines = ["RELOADING=1"]
+        if self._watchdog_usec:
+            lines += [f"WATCHDOG_USEC={RESTART_WATCHDOG_S * _USEC:.0f}", "WATCHDOG=1"]
         if self._is_ready:
-            self._send(["RELOADING=1", f"WATCHDOG_USEC={RESTART_WATCHDOG_S * _USEC:.0f}", "WATCHDOG=1"])
+            self._send(lines)
 
     def stopping(self) -> None:
         """The program ends."""

@@ -57,7 +57,7 @@ def install(
     if not target.path(program).exists():
         typer.echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
     if target.is_this_machine:
-        typer.echo(f"Edit {CONFIG}, check it with `boat-companion doctor`, then: sudo systemctl start {UNIT}")
+        typer.echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {UNIT}")
 
 
 def uninstall(

@@ -116,6 +116,16 @@ def test_a_restart_in_place_is_no_end_and_has_longer_than_the_watchdog(manager: 
     assert manager.received()[0][:2] == ["READY=1", "WATCHDOG_USEC=2000000"]
 
 
+def test_a_restart_in_place_starts_no_watchdog_where_there_was_none(manager: Manager) -> None:
+    notifier = ServiceNotifier(manager.environment)
+    notifier.restarting()
+    assert manager.received() == [], "it was never ready"
+    notifier.tick(0.0, "HOLD, disarmed")
+    notifier.restarting()
+    notifier.close()
+    assert manager.received()[1:] == [["RELOADING=1"]]
+
+
 def test_a_full_queue_delays_a_message_and_no_tick(manager: Manager) -> None:
     fill(manager)
     notifier = ServiceNotifier(manager.environment)

@@ -63,6 +63,8 @@ def driver_fields(kind: Any, seen: set[type]) -> set[str]:  # noqa: ANN401
 
 def test_every_driver_is_said_to_be_on_the_bus_on_a_port_or_elsewhere() -> None:
     assert driver_fields(BoatConfig, set()) == I2C_DRIVERS | PORT_DRIVERS | OTHER_DRIVERS
+    assert I2C_DRIVERS.isdisjoint(PORT_DRIVERS | OTHER_DRIVERS)
+    assert PORT_DRIVERS.isdisjoint(OTHER_DRIVERS)
 
 
 def test_what_a_configuration_needs() -> None:
@@ -76,6 +78,12 @@ def test_what_a_configuration_needs() -> None:
     assert needs.i2c == ["parts.motors.right"]
     assert needs.pwm == {"parts.motors.left": 12, "parts.rudder.signal": 19, "payload[1].signal": 18}
     assert not needs_of(BoatConfig()).ports
+
+
+def test_a_part_that_would_stretch_the_clock_may_be_on_a_port_instead() -> None:
+    rvc = BoatConfig(parts=Parts(compass=CompassPart(driver="bno085", port="/dev/ttyAMA3")))
+    assert needs_of(rvc).ports == {"parts.compass.port": "/dev/ttyAMA3"}
+    assert not needs_of(rvc).i2c
 
 
 def test_conditions_of_config_txt_are_followed() -> None:
