@@ -15,6 +15,7 @@ _FOLDERS = ("/boot/firmware", "/boot")  # since Bookworm, and before
 _MAIN_UART = ("/dev/serial0", "/dev/ttyAMA0", "/dev/ttyS0")
 _CONSOLE = re.compile(r"\bconsole=(serial0|ttyAMA0|ttyS0)\S*\s*")
 _SECTION = re.compile(r"\[(.+)\]")
+_PROGRAMS = ("/usr/bin", "/usr/local/bin", "/usr/sbin", "/usr/local/sbin")
 BACKUP = ".before-doctor"
 _HEAD = "\n[all]\n# added by boat-companion doctor\n"
 
@@ -126,9 +127,19 @@ def check_main_port(examined: Examined) -> list[Finding]:
     return [Finding("serial port", Verdict.FAILED, text, "for GPIO 14 and 15 set it to /dev/ttyAMA0")]
 
 
+def check_motors_off(examined: Examined) -> list[Finding]:
+    """The program with which the unit drives the motors' pins low after a kill."""
+    if examined.config.parts.motors.driver in ("esc", "none"):
+        return []
+    if any(examined.path(f"{folder}/pinctrl").exists() for folder in _PROGRAMS):
+        return [Finding("pinctrl", Verdict.FINE, "stops the motors if the program is killed")]
+    text = "not installed: motors would run on if the program were killed"
+    return [Finding("pinctrl", Verdict.FAILED, text, "sudo apt install raspi-utils")]
+
+
 def settings_findings(examined: Examined) -> list[Finding]:
     """All of them."""
-    checks = (check_boot_config, check_console, check_main_port, check_devices)
+    checks = (check_boot_config, check_console, check_main_port, check_devices, check_motors_off)
     return [finding for check in checks for finding in check(examined)]
 
 

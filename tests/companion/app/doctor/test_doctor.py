@@ -41,6 +41,7 @@ SOUND = {
     "/boot/firmware/cmdline.txt": "console=tty1\n",
     "/dev/serial0": "",
     "/var/lib/mavboat/logs/x": "",
+    "/usr/bin/pinctrl": "",
 }
 
 

@@ -13,6 +13,7 @@ from companion.app.doctor.settings import (
     check_console,
     check_devices,
     check_main_port,
+    check_motors_off,
 )
 from companion.app.install.steps import apply_steps
 from companion.app.needs import I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, needs_of
@@ -166,6 +167,12 @@ def test_bullseye_keeps_its_files_elsewhere_and_other_computers_have_none(examin
     assert check_boot_config(examine({}, KIT))[0].verdict is Verdict.SKIPPED
     (found,) = check_boot_config(examine({"/boot/config.txt": STOCK}, KIT))
     assert found.text.startswith("/boot/config.txt lacks")
+
+
+def test_the_program_that_stops_the_motors_after_a_kill_is_looked_for(examine: Examine) -> None:
+    assert check_motors_off(examine({}, KIT))[0].verdict is Verdict.FAILED
+    assert check_motors_off(examine({}, ESC)) == []
+    assert check_motors_off(examine({"/usr/bin/pinctrl": ""}, KIT))[0].verdict is Verdict.FINE
 
 
 def test_missing_devices_are_named_with_their_keys(examine: Examine) -> None:
