@@ -10,7 +10,7 @@ _OF_PROGRAM: Final = {"boat-sitl": "sitl"} | {
 
 def how_to_install(extra: str) -> str:
     """What installs an extra. The package is on no index: its sources or its wheel are at hand."""
-    return f"pip install '.[{extra}]' in the folder of mavboat's sources"
+    return f"pip install '.[{extra}]' in a clone of mavboat, or 'FILE.whl[{extra}]' with its wheel"
 
 
 def missing_extra(program: str, error: BaseException) -> str | None:
@@ -22,5 +22,5 @@ def missing_extra(program: str, error: BaseException) -> str | None:
         return None
     extra = _OF_PROGRAM.get(program)
     if extra is None:  # the base of the package is incomplete
-        return f"the Python module {package!r} is missing: pip install . in the folder of mavboat's sources"
+        return f"the Python module {package!r} is missing: pip install . in a clone of mavboat"
     return f"needs the extra {extra!r} (no module {package!r}): {how_to_install(extra)}"
