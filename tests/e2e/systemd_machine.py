@@ -17,6 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from patience import MOMENT_S
+from programs import until
 
 HOST_ROOT = Path(os.environ.get("MAVBOAT_DEBIAN_ROOT", "/"))
 PROJECT = Path(__file__).parents[2]
@@ -35,7 +36,7 @@ mount -t proc proc {root}/proc
 mount --bind {root}/proc/sys {root}/proc/sys
 mount -o remount,bind,ro {root}/proc/sys
 mount -t sysfs sysfs {root}/sys
-mount -t cgroup2 cgroup2 {root}/sys/fs/cgroup || mount --bind /sys/fs/cgroup/unified {root}/sys/fs/cgroup
+mount -t cgroup2 cgroup2 {root}/sys/fs/cgroup
 mount -o remount,bind,ro {root}/sys
 mount -t tmpfs -o mode=755 tmpfs {root}/run
 mount -t tmpfs -o mode=755 tmpfs {root}/dev
@@ -65,12 +66,23 @@ exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin container=test chroot {root} \
 """
 
 
+def _cgroups() -> Path | None:
+    """Where the unified hierarchy of control groups is mounted."""
+    for line in Path("/proc/mounts").read_text(encoding="utf-8").splitlines():
+        _, folder, kind, *_ = line.split()
+        if kind == "cgroup2":
+            return Path(folder)
+    return None
+
+
 def why_not() -> str:
     """Why no such system can be started here; empty if it can."""
     if os.geteuid() != 0:
         return "only root can start a system in namespaces"
     if not (HOST_ROOT / "lib/systemd/systemd").exists() or not (HOST_ROOT / "etc/debian_version").exists():
         return f"{HOST_ROOT} is not the root of a Debian with systemd"
+    if _cgroups() is None:
+        return "no unified hierarchy of control groups is mounted"
     missing = [name for name in _NEEDED if shutil.which(name) is None]
     if missing:
         return f"{', '.join(missing)}: not installed"
@@ -100,9 +112,15 @@ class SystemdMachine:
         script = place.parent / "boot.sh"
         script.write_text(f"{_MOUNT}\nroot={root}\n{prepare}\n{_BOOT}".format(**values), encoding="utf-8")
         self.said = place.parent / "boot.txt"
+        cgroups = _cgroups()
+        assert cgroups is not None
+        # its namespace's root: systems that run at the same time do not see each other's units
+        self._cgroup = cgroups / f"mavboat-test-{os.getpid()}-{place.parent.name}"
+        self._cgroup.mkdir()
+        enter = f"echo $$ > {self._cgroup}/cgroup.procs; exec unshare {shlex.join(_NAMESPACES)}"
         with self.said.open("wb") as said:
             self._process = subprocess.Popen(
-                ["unshare", *_NAMESPACES, "--fork", "--kill-child", "bash", str(script)],
+                ["sh", "-c", f"{enter} --fork --kill-child bash {script}"],
                 stdin=subprocess.DEVNULL,
                 stdout=said,
                 stderr=said,
@@ -140,10 +158,13 @@ class SystemdMachine:
 
     def close(self) -> None:
         """End it, with all its processes."""
-        with_children = self._process.pid
         if self._process.poll() is None:
-            os.kill(with_children, signal.SIGKILL)  # --kill-child takes process 1 and so all others along
+            os.kill(self._process.pid, signal.SIGKILL)  # --kill-child: process 1 too, and so all others
         self._process.wait(MOMENT_S)
+        events = self._cgroup / "cgroup.events"
+        until(lambda: "populated 0" in events.read_text(encoding="utf-8"))
+        for folder, _, _ in os.walk(self._cgroup, topdown=False):
+            Path(folder).rmdir()
 
     def _first(self) -> int:
         """Process 1 of the system, by its number here."""
