@@ -78,6 +78,8 @@ class Boat:
         camera = self.parameters.config.camera
         self.channels = Channels(ports, own, (camera.component,) if camera.is_fitted else ())
         self.vehicle.compass_fault = self.sensors.compass_fault
+        if self.sensors.uses_earth_field(self.parameters.config.parts.compass):
+            self.sensors.earth.load()
         self.signing = SigningStore(storage, unix_offset_s)
         for port in ports:
             if isinstance(port, ConfiguredPort) and port.policy.setting.signing != "off":
@@ -238,7 +240,7 @@ class Boat:
     def _sense(self, now_s: float) -> None:
         sensors, estimator = self.sensors, self.estimator
         sensors.read(self.parameters.config, now_s, self.command)
-        sensors.locate(self._wall_time.unix_s(now_s))
+        sensors.locate(self.parameters.config.parts.compass, self._wall_time.unix_s(now_s))
         for severity, text in sensors.notices:
             self.vehicle.notify(severity, text)
         self._origin.share_frame()

@@ -13,6 +13,7 @@ I2C_DRIVERS = frozenset(
     {
         "bno055",
         "qmc5883l",
+        "qmc5883p",
         "hmc5883l",
         "lis3mdl",
         "mpu6050",

@@ -134,7 +134,7 @@ def open_compass(
             return open_bno055(part, now, ProfileFile(path) if folder else None)
         case "bno085":
             return open_bno085(part, now)
-        case "qmc5883l" | "hmc5883l" | "lis3mdl":
+        case "qmc5883l" | "qmc5883p" | "hmc5883l" | "lis3mdl":
             return open_magnetic_compass(part, now, field or FieldCorrector())
         case "nmea":
             return open_nmea_compass(part, now)

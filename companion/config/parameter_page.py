@@ -37,7 +37,7 @@ Meaning of the numbers. `+` marks a bit; the parameter is the sum of the bits se
 _MAGNETOMETER = """\
 ## With a magnetometer
 
-With a bare magnetometer (`qmc5883l`, `hmc5883l`, `lis3mdl`) these replace the constants of the same names.
+With a bare magnetometer these replace the constants of the same names.
 The calibration sets them. COMPASS_MOT is per ampere or per full throttle, by COMPASS_MOTCT.
 """
 

@@ -21,8 +21,8 @@ _CODES: Final = {
 }  # fmt: skip
 
 UNITS: Final = {
-    "-": "", "A": "A", "a": "Ah", "b": "B", "d": "deg", "D": "deglatitude", "h": "degheading", "k": "deg/s",
-    "m": "m", "n": "m/s", "o": "m/s/s", "O": "degC", "s": "s", "S": "satellites", "U": "deglongitude",
+    "-": "", "A": "A", "a": "Ah", "b": "B", "d": "deg", "D": "deglatitude", "G": "Gauss", "h": "degheading",
+    "k": "deg/s", "m": "m", "n": "m/s", "o": "m/s/s", "O": "degC", "s": "s", "S": "satellites", "U": "deglongitude",
     "v": "V", "w": "Ohm", "X": "W.h", "Y": "us", "z": "Hz", "%": "%", "#": "instance",
 }  # fmt: skip
 MULTIPLIERS: Final = {

@@ -55,6 +55,10 @@ BAT: Final = RecordKind(
 
 DPTH: Final = RecordKind(27, "DPTH", "QBLLff", "TimeUS,Inst,Lat,Lng,Depth,Temp", "s#DUmO", "F-GG00")
 PROB: Final = RecordKind(28, "PROB", "QNfLLN", "TimeUS,Name,Value,Lat,Lng,Unit", "s--DU-", "F--GG-")
+MAG: Final = RecordKind(
+    29, "MAG", "QBhhhhhhhhhBI", "TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ,Health,S",
+    "s#GGGGGGGGG-s", "F-CCCCCCCCC-F",
+)  # fmt: skip
 RCIN: Final = RecordKind(25, "RCIN", "Q" + 14 * "H", _OUTPUTS, "s" + 14 * "Y", "F" + 14 * "-")
 RSSI: Final = RecordKind(26, "RSSI", "Qff", "TimeUS,RXRSSI,RXLQ", "s-%", "F--")
 
@@ -90,7 +94,7 @@ MAV: Final = RecordKind(
 DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv", "s--bbbb", "F--0000")
 
 KINDS: Final = (
-    ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, DPTH, PROB, BAT,
-    RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PAYL, CAM, PM, MAV, DSF,
+    ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, DPTH, PROB, MAG,
+    BAT, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PAYL, CAM, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

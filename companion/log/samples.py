@@ -7,8 +7,10 @@ from typing import Final
 from companion.core.geo import bearing_rad, distance_m
 from companion.core.state import Demand, NavState
 from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
+from companion.core.vectors import Vector
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
+from companion.sensors.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
     DepthReading,
@@ -46,7 +48,12 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
         return
     yaw_deg = _degrees(nav.heading_rad)
     wanted_deg = yaw_deg if demand is None else _degrees(demand.heading_rad)
-    yield r.ATT.pack(us, 0.0, 0.0, 0.0, 0.0, wanted_deg, yaw_deg, 0)
+    compass = now.sensors.compass
+    roll_deg = 0.0 if compass is None else (compass.roll_rad or 0.0) * _DEG
+    pitch_deg = 0.0 if compass is None else (compass.pitch_rad or 0.0) * _DEG
+    yield r.ATT.pack(us, 0.0, roll_deg, 0.0, pitch_deg, wanted_deg, yaw_deg, 0)
+    if now.sensors.field is not None and compass is not None and compass.field_mg is not None:
+        yield _magnetometer(us, now.sensors.field, compass.field_mg)
     yield r.BOAT.pack(
         us, nav.surge_m_s, nav.sway_m_s, nav.yaw_rate_rad_s * _DEG, nav.position_age_s, nav.heading_age_s
     )
@@ -66,6 +73,18 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.THR.pack(us, 0, 50.0 * (left + right), wanted_m_s, nav.surge_m_s, _NAN)
     if demand is not None:
         yield from _loops(now, us, nav, demand, centideg)
+
+
+def _magnetometer(us: int, corrector: FieldCorrector, measured: Vector) -> bytes:
+    """As ArduPilot's: the corrected field, the offsets, and what was added for the motors, in mG."""
+    correction, limit = corrector.correction, 32767.0
+    motor_load = corrector.load.of(correction.motor_source)
+    values = (
+        *corrector.correct(measured),
+        *correction.offset,
+        *(one * motor_load for one in correction.motor),
+    )
+    return r.MAG.pack(us, 0, *(round(clamp(one, -limit, limit)) for one in values), 1, us)
 
 
 def payload(now: Snapshot) -> Iterator[bytes]:

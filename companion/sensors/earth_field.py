@@ -40,6 +40,10 @@ class EarthFieldModel:
         self._position: LatLon | None = None
         self._unix_s = 0.0
 
+    def load(self) -> None:
+        """Load the coefficients, which takes some ticks on a Pi."""
+        self._model.calculate(0.0, 0.0, 0.0, self._model.life_span[0])
+
     def update(self, position: LatLon, unix_s: float) -> list[StatusText]:
         """Call at any rate; it calculates again when the boat is far from the last place, or a day later.
         unix_s: 0 if unknown. Returns what to tell the operator.

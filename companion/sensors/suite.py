@@ -79,10 +79,15 @@ class SensorSuite:
             return part.declination_rad
         return 0.0 if self.earth.field is None else self.earth.field.declination_rad
 
-    def locate(self, unix_s: float) -> None:
+    def uses_earth_field(self, part: CompassPart) -> bool:
+        """Whether the world magnetic model is needed: for the declination, or for a calibration."""
+        return part.auto_declination or self.field is not None
+
+    def locate(self, part: CompassPart, unix_s: float) -> None:
         """Find the earth's magnetic field at the fix, where it is used. unix_s: 0 if unknown."""
         reading, fix = self.compass, self.fix
-        if reading is not None and reading.is_magnetic and fix is not None and fix.fix_type >= _FIX_2D:
+        is_used = reading is not None and reading.is_magnetic and self.uses_earth_field(part)
+        if is_used and fix is not None and fix.fix_type >= _FIX_2D:
             self.notices += self.earth.update(fix.position, unix_s)
 
     def compass_fault(self) -> str:

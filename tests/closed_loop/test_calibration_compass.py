@@ -4,12 +4,16 @@ circles under the boat's own power, against the true heading.
 
 import math
 import statistics
+from pathlib import Path
 
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, OK, Rig
+from log_rig import of_kind, read_log
 
 from companion.core.requests import ManualControl
 from companion.core.units import wrap_pi
+from companion.log.records import HEADER
+from companion.log.samples import motion
 from companion.mavlink.dialect import dialect
 from companion.persistence.storage import MemoryStorage
 
@@ -114,6 +118,20 @@ def test_the_calibration_is_that_of_the_parameters_and_outlives_the_power(calibr
     assert again.hardware.field is not None
     assert again.hardware.field.correction.offset[0] == pytest.approx(report.ofs_x, rel=1e-5)
     assert not again.boat.sensors.compass_fault()
+
+
+def test_the_field_told_is_the_corrected_one_and_the_log_has_both(calibrated: Rig, tmp_path: Path) -> None:
+    rig = calibrated
+    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_RAW_IMU) == OK
+    (imu,) = rig.peer.said("RAW_IMU")
+    assert math.hypot(imu.xmag, imu.ymag) == pytest.approx(203.0, abs=20.0)
+    assert imu.zmag > 300
+    path = tmp_path / "00001.bin"
+    path.write_bytes(HEADER + b"".join(motion(rig.boat.take_snapshot(), None)))
+    (mag,) = of_kind(read_log(path), "MAG")
+    field = rig.boat.sensors.compass.field_mg if rig.boat.sensors.compass else None
+    assert field is not None
+    assert mag.MagX - mag.OfsX - mag.MOX == pytest.approx(field[0], abs=30.0)  # but for soft iron
 
 
 def test_the_motors_leads_are_measured_and_taken_out(calibrated: Rig) -> None:

@@ -1,6 +1,6 @@
 """Twins of magnetometers and inertial sensors, by their data sheets, in a common scene.
 
-QMC5883L: QST 13-52-04 revision 1.0. HMC5883L: Honeywell 900405 revision E. LIS3MDL: ST DocID024204
+QMC5883L: QST 13-52-04 revision 1.0. QMC5883P: QST 13-52-19 revision C. HMC5883L: Honeywell 900405 revision E. LIS3MDL: ST DocID024204
 revision 6. MPU-6050: InvenSense PS- and RM-MPU-6000A-00. LSM6DSOX: ST DS12814 revision 3.
 """
 
@@ -155,6 +155,39 @@ class Qmc5883lTwin(MeasuringTwin):
             self.reset()
             self.setups += 1
             return
+        super().put(register, data)
+
+
+class Qmc5883pTwin(MeasuringTwin):
+    """Suspended after power-up; reading the status clears DRDY. Its axes are right once 0x29 is written."""
+
+    address = 0x2C
+    RATES_HZ = (10.0, 50.0, 100.0, 200.0)
+    PER_GAUSS = (1000, 2500, 3750, 15000)
+
+    def reset(self) -> None:
+        self.map[0x00] = 0x80
+
+    def rate_hz(self) -> float:
+        control = self.map[0x0A]
+        return self.RATES_HZ[control >> 2 & 3] if control & 3 in (1, 3) else 0.0
+
+    def get(self, register: int, length: int) -> bytes:
+        per_gauss = self.PER_GAUSS[self.map[0x0B] >> 2 & 3]
+        if register == 0x09:
+            is_new = self.has_new()
+            is_over = False
+            if is_new:
+                (field,) = self.sample((self.scene.field_mg(),))
+                sign = 1.0 if self.map[0x29] == 0x06 else -1.0
+                counts = [sign * one * per_gauss / 1000.0 for one in field]
+                is_over = max(map(abs, counts)) > 32767
+                self.map[1:7] = struct.pack("<3h", *_counts(counts))
+            return bytes([int(is_new) | int(is_over) << 1])
+        return bytes(self.map[register : register + length])
+
+    def put(self, register: int, data: bytes) -> None:
+        self.setups += register == 0x0A
         super().put(register, data)
 
 

@@ -31,8 +31,12 @@ class CompassPart(Section, frozen=True):
     correction_rad is added to its heading. The declination is added too where the part's north is magnetic.
     """
 
-    driver: Literal["nmea", "bno055", "bno085", "qmc5883l", "hmc5883l", "lis3mdl", "gnss", "none"] = "none"
-    fallback: Literal["nmea", "bno055", "bno085", "qmc5883l", "hmc5883l", "lis3mdl", "none"] = "none"
+    driver: Literal[
+        "nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl", "gnss", "none"
+    ] = "none"
+    fallback: Literal["nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl", "none"] = (
+        "none"
+    )
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0
@@ -48,4 +52,4 @@ class CompassPart(Section, frozen=True):
     def is_magnetometer(self) -> bool:
         """Whether the boat calibrates the part, which does not calibrate itself."""
         driver = self.fallback if self.driver == "gnss" else self.driver
-        return driver in ("qmc5883l", "hmc5883l", "lis3mdl")
+        return driver in ("qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl")

@@ -11,9 +11,9 @@ from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, times
 from companion.hal.background import BackgroundSensor
 from companion.hal.heading.inertial import Lsm6ds, Mpu6050
-from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l
+from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
 from companion.hal.heading.registers import InertialSensor, Magnetometer, board_to_body
-from companion.hal.raspberry_pi import open_i2c
+from companion.hal.raspberry_pi import I2cBus, open_i2c
 from companion.sensors.attitude import AttitudeFilter, magnetic_heading
 from companion.sensors.magnetic_field import FieldCorrector
 from companion.sensors.readings import HeadingReading
@@ -25,8 +25,9 @@ SILENT_S: Final = 0.5  # without a new sample a part is set up again: after a su
 STUCK: Final = 50  # equal samples, a second of them: a working part has a noise of more than one count
 LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
 _LEVEL: Final = (0.0, 0.0, 1.0)
-_MAGNETOMETERS: Final[dict[str, type[Qmc5883l] | type[Hmc5883l] | type[Lis3mdl]]] = {
+_MAGNETOMETERS: Final[dict[str, Callable[[I2cBus, int], Magnetometer]]] = {
     "qmc5883l": Qmc5883l,
+    "qmc5883p": Qmc5883p,
     "hmc5883l": Hmc5883l,
     "lis3mdl": Lis3mdl,
 }
@@ -148,8 +149,7 @@ def open_magnetic_compass(
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or a part does not answer.
     """
-    name = _MAGNETOMETERS[part.driver].name
-    bus = open_i2c(name)
+    bus = open_i2c(part.driver.upper())
     try:
         inertial: InertialSensor | None = None
         if part.imu != "none":  # first: it connects its auxiliary bus through

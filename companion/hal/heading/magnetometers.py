@@ -1,6 +1,6 @@
 """Magnetometers on I²C, in their board axes.
 
-QMC5883L: QST 13-52-04, revision 1.0, February 2016. HMC5883L: Honeywell 900405, revision E, February 2013.
+QMC5883L: QST 13-52-04, revision 1.0, February 2016. QMC5883P: QST 13-52-19, revision C. HMC5883L: Honeywell 900405, revision E, February 2013.
 LIS3MDL: ST DocID024204, revision 6, May 2017. All measure continuously in a range of several gauss, as steel
 near the compass can be stronger than the earth's half gauss.
 
@@ -47,6 +47,45 @@ class Qmc5883l:
         self._registers.write(self._CONTROL_2_AT, self._RESET)
         self._registers.write(self._PERIOD_AT, 0x01)  # recommended (9.2.6)
         self._registers.write(self._CONTROL_1_AT, self.CONTROL)
+
+    def read(self) -> Vector | None:
+        """A new field."""
+        (status,) = self._registers.read(self._STATUS_AT, 1)
+        if not status & self._READY:
+            return None
+        x, y, z = _LITTLE.unpack(self._registers.read(self._DATA_AT, _LITTLE.size))
+        if status & self._OVERFLOW:
+            return None
+        return x * self.MG, y * self.MG, z * self.MG
+
+
+class Qmc5883p:
+    """QMC5883P, the successor: another address and other registers, though boards may not say which it is."""
+
+    name = "QMC5883P"
+    ADDRESS: Final = 0x2C
+    # Control 1 (9.2.4): oversampling 8 and 8, 50 Hz, normal mode; control 2: ±8 G, set and reset on
+    CONTROL: Final = (0xC0 | 0x04 | 0x01, 0x08)
+    MG: Final = 1000.0 / 3750.0  # table 2, ±8 G
+    _ID_AT, _DATA_AT, _STATUS_AT, _CONTROL_1_AT, _CONTROL_2_AT, _SIGN_AT = 0x00, 0x01, 0x09, 0x0A, 0x0B, 0x29
+    _ID: Final = 0x80
+    _READY, _OVERFLOW = 0x01, 0x02  # reading the status clears the first
+
+    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+
+    def identify(self) -> str:
+        """What answers instead."""
+        (found,) = self._registers.read(self._ID_AT, 1)
+        return "" if found == self._ID else f"{found:#x}, not {self._ID:#x}"
+
+    def set_up(self) -> None:
+        """Start measuring. The signs of the axes come first, as in the data sheet's example (7.1)."""
+        control_1, control_2 = self.CONTROL
+        self._registers.write(self._SIGN_AT, 0x06)
+        self._registers.write(self._CONTROL_2_AT, control_2)
+        self._registers.write(self._CONTROL_1_AT, control_1)
 
     def read(self) -> Vector | None:
         """A new field."""

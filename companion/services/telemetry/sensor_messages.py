@@ -13,30 +13,35 @@ _BEST_SIGNAL, _UNKNOWN_SIGNAL = 254.0, 0xFF
 _FIELD = 1000.0  # length of the magnetic field vector
 
 
-def _imu(now: Snapshot) -> tuple[int, int, int] | None:
-    """Yaw rate in mrad/s and direction of north in body axes; None without a compass."""
-    reading = now.sensors.compass
+def _imu(now: Snapshot) -> tuple[int, int, int, int] | None:
+    """Yaw rate in mrad/s and magnetic field in body axes; None without a compass.
+
+    The field is a magnetometer's, corrected, in mG; of other parts it is a direction without a strength.
+    """
+    reading, corrector = now.sensors.compass, now.sensors.field
     if reading is None:
         return None
-    rate = reading.yaw_rate_rad_s or 0.0
-    ahead, aside = math.cos(reading.heading_rad), -math.sin(reading.heading_rad)
-    return round(clamp(rate * 1e3, -32767.0, 32767.0)), round(_FIELD * ahead), round(_FIELD * aside)
+    heading_rad = reading.heading_rad
+    field = (_FIELD * math.cos(heading_rad), -_FIELD * math.sin(heading_rad), 0.0)
+    if corrector is not None and reading.field_mg is not None:
+        field = corrector.correct(reading.field_mg)
+    rate = 1e3 * (reading.yaw_rate_rad_s or 0.0)
+    zgyro, x, y, z = (round(clamp(one, -32767.0, 32767.0)) for one in (rate, *field))
+    return zgyro, x, y, z
 
 
 def scaled_imu(now: Snapshot) -> Message | None:
-    """Only yaw gyro and compass. The field is a direction without a strength."""
+    """Only yaw gyro and compass."""
     if (imu := _imu(now)) is None:
         return None
-    zgyro, xmag, ymag = imu
-    return dialect.MAVLink_scaled_imu_message(now.boot_ms, 0, 0, 0, 0, 0, zgyro, xmag, ymag, 0)
+    return dialect.MAVLink_scaled_imu_message(now.boot_ms, 0, 0, 0, 0, 0, *imu)
 
 
 def raw_imu(now: Snapshot) -> Message | None:
     """The same numbers: there are no raw ones."""
     if (imu := _imu(now)) is None:
         return None
-    zgyro, xmag, ymag = imu
-    return dialect.MAVLink_raw_imu_message(now.boot_us, 0, 0, 0, 0, 0, zgyro, xmag, ymag, 0)
+    return dialect.MAVLink_raw_imu_message(now.boot_us, 0, 0, 0, 0, 0, *imu)
 
 
 def power_status(now: Snapshot) -> Message | None:

@@ -15,6 +15,7 @@ from twins.magnetics import (
     MeasuringTwin,
     Mpu6050Twin,
     Qmc5883lTwin,
+    Qmc5883pTwin,
     Scene,
     Triple,
 )
@@ -29,6 +30,7 @@ from companion.sensors.readings import HeadingReading
 
 MAGNETOMETERS: dict[str, type[MeasuringTwin]] = {
     "qmc5883l": Qmc5883lTwin,
+    "qmc5883p": Qmc5883pTwin,
     "hmc5883l": Hmc5883lTwin,
     "lis3mdl": Lis3mdlTwin,
 }
