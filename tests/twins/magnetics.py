@@ -1,7 +1,8 @@
 """Twins of magnetometers and inertial sensors, by their data sheets, in a common scene.
 
-QMC5883L: QST 13-52-04 revision 1.0. QMC5883P: QST 13-52-19 revision C. HMC5883L: Honeywell 900405 revision E. LIS3MDL: ST DocID024204
-revision 6. MPU-6050: InvenSense PS- and RM-MPU-6000A-00. LSM6DSOX: ST DS12814 revision 3.
+QMC5883L: QST 13-52-04 revision 1.0. QMC5883P: QST 13-52-19 revision C. HMC5883L: Honeywell 900405 revision E.
+LIS3MDL: ST DocID024204 revision 6. MPU-6050: InvenSense PS- and RM-MPU-6000A-00. LSM6DSOX: ST DS12814
+revision 3.
 """
 
 import math

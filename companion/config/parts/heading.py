@@ -7,6 +7,7 @@ from msgspec import Meta
 
 from companion.config.section import Positive, Section
 
+Driver = Literal["nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl"]
 QuarterTurn = Literal[0, 90, 180, 270]
 BusAddress = Annotated[int, Meta(ge=0, le=0x77)]
 
@@ -31,12 +32,8 @@ class CompassPart(Section, frozen=True):
     correction_rad is added to its heading. The declination is added too where the part's north is magnetic.
     """
 
-    driver: Literal[
-        "nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl", "gnss", "none"
-    ] = "none"
-    fallback: Literal["nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl", "none"] = (
-        "none"
-    )
+    driver: Literal[Driver, "gnss", "none"] = "none"
+    fallback: Literal[Driver, "none"] = "none"
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0

@@ -1,8 +1,8 @@
 """Magnetometers on I²C, in their board axes.
 
-QMC5883L: QST 13-52-04, revision 1.0, February 2016. QMC5883P: QST 13-52-19, revision C. HMC5883L: Honeywell 900405, revision E, February 2013.
-LIS3MDL: ST DocID024204, revision 6, May 2017. All measure continuously in a range of several gauss, as steel
-near the compass can be stronger than the earth's half gauss.
+QMC5883L: QST 13-52-04, revision 1.0, February 2016. QMC5883P: QST 13-52-19, revision C. HMC5883L: Honeywell
+900405, revision E, February 2013. LIS3MDL: ST DocID024204, revision 6, May 2017. All measure continuously in
+a range of several gauss, as steel near the compass can be stronger than the earth's half gauss.
 
 After a supply dip a part is back in its power-up state and does not measure. The driver of the compass then
 sets it up again.
