@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from companion.hal.payload.interfaces import PayloadOutput
 
-_RETRY_S = 1.0
+_REFRESH_S = 1.0  # a servo chip whose supply has dipped has lost its signals
 
 
 class TimedWrite(NamedTuple):
@@ -19,7 +19,7 @@ class TimedWrite(NamedTuple):
 class Actuator:
     """Writes a plan of values. value: the latest one; NaN before the first.
 
-    fault: why the output did not take it, empty if it did; it is written again every second.
+    fault: why the output did not take it, empty if it did. The value is written again every second.
     """
 
     def __init__(self, output: PayloadOutput, max_on_s: float = 0.0) -> None:
@@ -29,7 +29,7 @@ class Actuator:
         self._output = output
         self._plan: Iterator[TimedWrite] = iter(())
         self._due_s = math.inf
-        self._retry_s = math.inf
+        self._refresh_s = math.inf
         self._max_on_s = max_on_s or math.inf
         self._on_s = math.inf  # since when it is at 1
 
@@ -56,18 +56,19 @@ class Actuator:
                 self._due_s += write.hold_s
                 self._write(write.value, now_s)
                 return
-        if now_s >= self._retry_s:
+        if now_s >= self._refresh_s:
             self._write(self.value, now_s)
 
     def _write(self, value: float, now_s: float) -> None:
         self.value = value
         self._on_s = min(self._on_s, now_s) if value == 1.0 else math.inf
+        self._refresh_s = now_s + _REFRESH_S
         try:
             self._output.write(value)
         except OSError as error:  # a HardwareError, or the bus
-            self.fault, self._retry_s = str(error), now_s + _RETRY_S
+            self.fault = str(error)
         else:
-            self.fault, self._retry_s = "", math.inf
+            self.fault = ""
 
 
 def alternate(first: float, second: float, count: int, period_s: float) -> Iterator[TimedWrite]:

@@ -21,7 +21,7 @@ class Recorded(NamedTuple):
 
 
 class SimOutput:
-    """An output. history: every value written; fault: why it does not answer, empty if it does."""
+    """An output. history: every change of its value; fault: why it does not answer, empty if it does."""
 
     def __init__(self, clock: "SimPayload", title: str) -> None:
         self.title = title
@@ -39,6 +39,8 @@ class SimOutput:
         """Record it."""
         if self.fault:
             raise HardwareError(self.fault)
+        if value == self.value:
+            return
         self.history.append(Recorded(self._clock.time_s, value))
         self._clock.lines.append(f"{self.title}: {value:g}")
 

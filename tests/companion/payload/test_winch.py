@@ -13,13 +13,14 @@ SETTING = WinchPayload(line_m=5.0, speed_m_s=0.5, pulse_m=0.1, stall_s=2.0)
 
 
 class Motor:
-    """Records its values."""
+    """Records the changes of its value."""
 
     def __init__(self) -> None:
         self.values: list[float] = []
 
     def write(self, value: float) -> None:
-        self.values.append(value)
+        if self.values[-1:] != [value]:
+            self.values.append(value)
 
     def close(self) -> None:
         """Nothing to release."""

@@ -1,12 +1,15 @@
 """Outputs of the payload over mock pins that record every change, and over the kernel's PWM files."""
 
+import errno
 from collections.abc import Iterator
 from pathlib import Path
 
 import gpiozero
 import pytest
 from gpiozero.pins.mock import MockFactory, MockPin
-from twins.pulses import PI_4, plug_in_pwm
+from twins.i2c import plug_in
+from twins.lines import eventually
+from twins.pulses import PI_4, Pca9685Twin, plug_in_pwm
 
 from companion.app.parts import open_payload
 from companion.config.boat_config import BoatConfig, decode_config
@@ -15,6 +18,7 @@ from companion.config.payload import GripperPayload, HornPayload, RelayPayload, 
 from companion.core.errors import HardwareError
 from companion.hal.payload.outputs import open_counter, open_output
 from companion.payload.actions import MoveWinch, WinchMotion
+from companion.payload.actuator import Actuator, TimedWrite
 from companion.payload.winch import Winch
 
 CHIP = Pca9685Part()
@@ -166,6 +170,50 @@ def test_a_continuous_servo_is_at_rest_when_the_winch_stops(
     assert kernel.history[-1].width_us == pytest.approx(1500.0)
     winch.close()
     assert not kernel.history[-1].width_us
+
+
+def test_a_pwm_that_refuses_is_told_and_written_again_once_it_answers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+    servo = Actuator(open_output(ServoPayload(number=9, signal=PulseOutputSetting(pin=12)), CHIP))
+    servo.run([TimedWrite(1200.0)], 0.0)
+    kernel.fails_with = errno.EIO
+    servo.run([TimedWrite(1700.0)], 1.0)
+    assert "Input/output error" in servo.fault
+    servo.tick(1.5)
+    assert servo.fault
+    kernel.fails_with = 0
+    servo.tick(1.9)
+    assert kernel.history[-1].width_us == pytest.approx(1200.0)
+    servo.tick(2.0)
+    assert not servo.fault
+    assert kernel.history[-1].width_us == pytest.approx(1700.0)
+
+
+def test_a_pca9685_whose_supply_dips_is_told_and_its_servo_set_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    chip = Pca9685Twin()
+    plug_in(monkeypatch, tmp_path, {CHIP.address: chip})
+    signal = PulseOutputSetting(output="pca9685", channel=3)
+    output = open_output(ServoPayload(number=9, signal=signal), CHIP)
+    servo, now_s, faults = Actuator(output), 0.0, set()
+    servo.run([TimedWrite(1700.0)], now_s)
+    eventually(lambda: chip.width_us(3) > 0.0)
+    chip.power_up()
+
+    def is_set_again() -> bool:
+        nonlocal now_s
+        now_s += 1.0
+        servo.tick(now_s)
+        faults.add(servo.fault)
+        return chip.width_us(3) > 0.0 and not servo.fault
+
+    eventually(is_set_again)
+    output.close()
+    assert chip.history[-1].width_us == 0.0
+    assert any("its supply dipped" in fault for fault in faults)
 
 
 def config(*payload: dict[str, object]) -> BoatConfig:
