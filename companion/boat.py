@@ -31,7 +31,7 @@ from companion.persistence.storage import Storage
 from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.policy import ConfiguredPort
-from companion.sensors.compass_parameters import compass_hooks
+from companion.sensors.compass.parameters import compass_hooks
 from companion.sensors.external import ExternalSensors
 from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite

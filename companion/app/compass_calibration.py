@@ -16,8 +16,8 @@ from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.core.errors import BoatError, ConfigError, HardwareError
 from companion.persistence.storage import Storage
-from companion.sensors.compass_parameters import compass_hooks, parameter_values
-from companion.sensors.magnetic_field import FieldCorrector
+from companion.sensors.compass.magnetic_field import FieldCorrector
+from companion.sensors.compass.parameters import compass_hooks, parameter_values
 
 _PERIOD_S = 0.02
 _STEP_PERCENT = 10

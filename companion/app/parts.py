@@ -51,8 +51,8 @@ from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.water.nmea_depth import SharedDepthSounder, open_nmea_depth
 from companion.hal.water.ping1d import open_ping1d
 from companion.persistence.profile import ProfileFile
+from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.magnetic_field import FieldCorrector
 
 Now = Callable[[], float]
 

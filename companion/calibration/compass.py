@@ -18,9 +18,9 @@ from companion.calibration.ellipsoid import Ellipsoid, Point, fit_ellipsoid
 from companion.config.compass_rows import DIAGONAL, MOST_OFF_DIAGONAL, MOST_OFFSET_MG
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, length, plus
-from companion.sensors.attitude import down_axis, level_field
-from companion.sensors.earth_field import EarthField
-from companion.sensors.magnetic_field import NO_LOAD, MagneticCorrection, MotorLoad
+from companion.sensors.compass.attitude import down_axis, level_field
+from companion.sensors.compass.earth_field import EarthField
+from companion.sensors.compass.magnetic_field import NO_LOAD, MagneticCorrection, MotorLoad
 from companion.sensors.readings import HeadingReading
 
 TIMEOUT_S: Final = 600.0

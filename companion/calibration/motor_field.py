@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 from companion.calibration.fitting import Fit
 from companion.config.compass_rows import MOST_MOTOR_MG
 from companion.core.vectors import Vector, plus
-from companion.sensors.magnetic_field import BY_CURRENT, BY_THROTTLE, MagneticCorrection, MotorLoad
+from companion.sensors.compass.magnetic_field import BY_CURRENT, BY_THROTTLE, MagneticCorrection, MotorLoad
 from companion.sensors.readings import HeadingReading
 
 TIMEOUT_S: Final = 120.0

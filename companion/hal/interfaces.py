@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 from companion.config.parameters import ParameterHook
 from companion.core.status_text import StatusText
 from companion.hal.payload.interfaces import PayloadParts
-from companion.sensors.magnetic_field import FieldCorrector
+from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
     DepthReading,

@@ -10,7 +10,7 @@ from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.core.vectors import Vector
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
-from companion.sensors.magnetic_field import FieldCorrector
+from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
     DepthReading,

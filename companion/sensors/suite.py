@@ -9,12 +9,12 @@ from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import Hardware, PausingPart
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
-from companion.sensors.attitude import down_axis, level_field
 from companion.sensors.charge import cells_fault
-from companion.sensors.earth_field import EarthFieldModel
+from companion.sensors.compass.attitude import down_axis, level_field
+from companion.sensors.compass.earth_field import EarthFieldModel
+from companion.sensors.compass.magnetic_field import MotorLoad
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
-from companion.sensors.magnetic_field import MotorLoad
 from companion.sensors.readings import (
     BatteryReading,
     DepthReading,

@@ -18,7 +18,7 @@ from companion.hal.heading.registers import board_to_body
 from companion.hal.interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_line
-from companion.sensors.attitude import roll_pitch
+from companion.sensors.compass.attitude import roll_pitch
 from companion.sensors.readings import HeadingReading
 from companion.sensors.sh2.session import Rotation, Sh2Session
 

@@ -12,7 +12,7 @@ from typing import Final
 from companion.core.vectors import Vector
 from companion.hal.heading.registers import Motion, Registers
 from companion.hal.raspberry_pi import I2cBus
-from companion.sensors.attitude import GRAVITY_M_S2
+from companion.sensors.compass.attitude import GRAVITY_M_S2
 
 
 def _scaled(values: tuple[int, ...], factor: float) -> Vector:

@@ -14,8 +14,8 @@ from companion.hal.heading.inertial import Lsm6ds, Mpu6050
 from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
 from companion.hal.heading.registers import InertialSensor, Magnetometer, board_to_body
 from companion.hal.raspberry_pi import I2cBus, open_i2c
-from companion.sensors.attitude import AttitudeFilter, magnetic_heading
-from companion.sensors.magnetic_field import FieldCorrector
+from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
+from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.readings import HeadingReading
 
 _log = logging.getLogger(__name__)

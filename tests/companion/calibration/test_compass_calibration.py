@@ -11,9 +11,9 @@ from companion.calibration.ellipsoid import fit_ellipsoid, symmetric_eigen
 from companion.calibration.motor_field import MotorFieldCalibration
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, plus, times
-from companion.sensors.attitude import down_axis, magnetic_heading
-from companion.sensors.earth_field import EarthField
-from companion.sensors.magnetic_field import (
+from companion.sensors.compass.attitude import down_axis, magnetic_heading
+from companion.sensors.compass.earth_field import EarthField
+from companion.sensors.compass.magnetic_field import (
     BY_CURRENT,
     BY_THROTTLE,
     NO_CORRECTION,

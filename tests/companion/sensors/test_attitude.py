@@ -5,7 +5,7 @@ import math
 import pytest
 
 from companion.core.vectors import Vector, product, quarter_turns, times
-from companion.sensors.attitude import AttitudeFilter, level_field, magnetic_heading, roll_pitch
+from companion.sensors.compass.attitude import AttitudeFilter, level_field, magnetic_heading, roll_pitch
 
 LEVEL: Vector = (0.0, 0.0, 1.0)
 REST: Vector = (0.0, 0.0, -9.81)

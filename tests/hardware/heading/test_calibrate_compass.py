@@ -14,8 +14,8 @@ from companion.config.parameters import Parameters
 from companion.core.errors import ConfigError, HardwareError
 from companion.hal.heading.magnetic_compass import MagneticCompass
 from companion.persistence.storage import FolderStorage
-from companion.sensors.compass_parameters import compass_hooks
-from companion.sensors.magnetic_field import FieldCorrector
+from companion.sensors.compass.magnetic_field import FieldCorrector
+from companion.sensors.compass.parameters import compass_hooks
 
 
 class Hand:

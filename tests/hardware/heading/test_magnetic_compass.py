@@ -25,7 +25,7 @@ from companion.core.errors import HardwareError
 from companion.core.units import wrap_pi
 from companion.hal.heading import magnetic_compass
 from companion.hal.heading.magnetic_compass import MagneticCompass, open_magnetic_compass
-from companion.sensors.magnetic_field import BY_CURRENT, FieldCorrector, MagneticCorrection, MotorLoad
+from companion.sensors.compass.magnetic_field import BY_CURRENT, FieldCorrector, MagneticCorrection, MotorLoad
 from companion.sensors.readings import HeadingReading
 
 MAGNETOMETERS: dict[str, type[MeasuringTwin]] = {

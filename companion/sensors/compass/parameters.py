@@ -7,7 +7,7 @@ import msgspec
 from companion.config.compass_rows import AXES, MAGNETOMETER_ROWS
 from companion.config.parameters import ParameterHook
 from companion.core.vectors import Matrix, Vector
-from companion.sensors.magnetic_field import FieldCorrector, MagneticCorrection
+from companion.sensors.compass.magnetic_field import FieldCorrector, MagneticCorrection
 
 
 def compass_hooks(corrector: FieldCorrector) -> list[ParameterHook]:
