@@ -36,6 +36,8 @@ def outputs_in_use(config: BoatConfig) -> Iterator[tuple[str, str]]:
         yield "parts.sonar.servo", f"GPIO {parts.sonar.servo}"
     if parts.hull.driver != "none" and parts.hull.leak >= 0:
         yield "parts.hull.leak", f"GPIO {parts.hull.leak}"
+    if parts.pca9685.output_enable >= 0:
+        yield "parts.pca9685.output_enable", f"GPIO {parts.pca9685.output_enable}"
     for index, payload in enumerate(config.payload):
         key = f"payload[{index}]"
         pins = [(f"{key}.{name}", getattr(payload, name, None)) for name in _PAYLOAD_PINS]

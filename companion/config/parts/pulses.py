@@ -58,9 +58,11 @@ class Pca9685Part(Section, frozen=True):
 
     Boards leave the factory with address 0x40, that of the INA219; with A0 bridged it is 0x41. oscillator_hz:
     25 MHz is typical; boards differ by some percent, and pulses with them. Measure a pulse, or put the error
-    into trim_us.
+    into trim_us. output_enable: the pin at OE, low while the program runs; with a resistor to 3.3 V the
+    signals end when the Pi is reset, which does not reset the chip. −1: OE is wired to ground.
     """
 
     address: Annotated[int, Meta(ge=0x40, le=0x7F)] = 0x41
     frequency_hz: Annotated[int, Meta(ge=50, le=400)] = 50
     oscillator_hz: Annotated[float, Meta(ge=20e6, le=30e6)] = 25e6
+    output_enable: int = -1

@@ -27,18 +27,20 @@ class Esc:
         self.setting = setting
         self._dead_time_s = dead_time_s
         self._now = now
-        self._direction = 0  # driven last
-        self._driven_s = -math.inf
+        self._direction: int | None = 0  # 1 ahead, −1 astern, 0 neutral, None unknown
+        self._side = 0  # driven last
+        self._neutral_s = -math.inf
 
     def drive(self, share: float) -> None:
         """Drive at a share of full drive, −1..1."""
         direction = (share > 0.0) - (share < 0.0)
-        now_s = self._now()
-        if direction and direction != self._direction and now_s - self._driven_s < self._dead_time_s:
-            share, direction = 0.0, 0
+        if direction != self._direction:
+            if self._direction != 0:
+                self._neutral_s, self._direction = self._now(), None
+            if direction and direction != self._side and self._now() - self._neutral_s < self._dead_time_s:
+                share, direction = 0.0, 0
         self.output.write_us(self.setting.width_us(share))
-        if direction:
-            self._direction, self._driven_s = direction, now_s
+        self._direction, self._side = direction, direction or self._side
 
 
 class EscMotors:

@@ -14,7 +14,7 @@ from typing import Final
 from companion.config.parts import Pca9685Part, PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.hal.background import Background
-from companion.hal.raspberry_pi import I2cBus, open_i2c_part
+from companion.hal.raspberry_pi import I2cBus, open_i2c_part, opening_pins
 
 _log = logging.getLogger(__name__)
 
@@ -106,16 +106,20 @@ def pre_scale(oscillator_hz: float, frequency_hz: float) -> int:
 class Pca9685Board:
     """A chip, and the thread that writes to it. `step` is one turn of the thread."""
 
-    def __init__(self, chip: Pca9685, name: str = "PCA9685") -> None:
+    def __init__(
+        self, chip: Pca9685, release: Callable[[], None] = lambda: None, name: str = "PCA9685"
+    ) -> None:
+        """release: called last, at `close`."""
         self.dips = 0  # number of times that it had to be set up again
         self.fault = ""  # why it does not answer; empty while it does
         self.users = 0
         self._chip = chip
+        self._release = release
         self._name = name
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._wanted: dict[int, int] = {}  # steps to be written, by channel
-        self._sent: dict[int, int] = {}
+        self._sent: dict[int, int] = {}  # or under way
         self._failures = 0
         self._background = Background(self._run, name, retry_s=_RETRY_S)
 
@@ -151,8 +155,9 @@ class Pca9685Board:
                 except OSError:
                     with self._lock:
                         self._wanted = changes | self._wanted
+                        for channel in changes:
+                            del self._sent[channel]  # what the chip has is unknown
                     raise
-                self._sent |= changes
         except OSError as error:
             self._failures += 1
             if self._failures == _FAILURES:
@@ -173,6 +178,7 @@ class Pca9685Board:
             raise HardwareError(f"{self._name}: its pulses could not be ended: {error}") from error
         finally:
             self._chip.bus.close()
+            self._release()
 
     def _run(self) -> float:
         self.step()
@@ -188,7 +194,7 @@ class Pca9685Board:
         with self._lock:
             channel = min(self._wanted, default=0)
             while channel in self._wanted and len(changes) < _AT_ONCE:
-                changes[channel] = self._wanted.pop(channel)
+                changes[channel] = self._sent[channel] = self._wanted.pop(channel)
                 channel += 1
         return changes
 
@@ -260,7 +266,8 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
     with _opening:
         board = _boards.get(part.address)
         if board is None:
-            board = open_i2c_part("PCA9685", part.address, lambda bus: Pca9685Board(Pca9685(bus, part)))
+            chip = open_i2c_part("PCA9685", part.address, lambda bus: Pca9685(bus, part))
+            board = Pca9685Board(chip, _enable_outputs(chip, part))
             board.start()
             _boards[part.address] = board
         board.users += 1
@@ -273,6 +280,20 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
                 board.close()
 
     return Pca9685Pulses(board, setting, release)
+
+
+def _enable_outputs(chip: Pca9685, part: Pca9685Part) -> Callable[[], None]:
+    """Drive OE low, its active level, once the outputs are off; returns what lets go of it."""
+    if part.output_enable < 0:
+        return lambda: None
+    try:
+        with opening_pins("PCA9685") as gpiozero:
+            pin = gpiozero.OutputDevice(part.output_enable, active_high=False, initial_value=True)
+    except HardwareError:
+        chip.bus.close()
+        raise
+    close: Callable[[], None] = pin.close
+    return close
 
 
 def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> None:

@@ -110,6 +110,17 @@ def test_a_reversal_passes_neutral_for_the_dead_time() -> None:
     assert boat.widths[0] == 1100.0
 
 
+def test_a_reversal_passes_neutral_however_long_ago_the_last_command_was() -> None:
+    boat = Boat().arm()
+    boat.motors.write(1.0, 1.0)
+    boat.clock.advance(10.0 * DEAD_TIME_S)
+    boat.motors.write(-1.0, 1.0)
+    assert boat.widths == [1500.0, 1900.0]
+    boat.clock.advance(1.1 * DEAD_TIME_S)
+    boat.motors.write(-1.0, 1.0)
+    assert boat.widths == [1100.0, 1900.0]
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_a_value_that_is_not_finite_stops_both(bad: float) -> None:
     boat = Boat().arm()

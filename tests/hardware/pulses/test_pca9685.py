@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from twins.i2c import Bno055Twin, I2cDev, plug_in
 from twins.lines import eventually
+from twins.pins import PinBoard
 from twins.pulses import Pca9685Twin
 
 from companion.config.parts import Pca9685Part, PulseOutputSetting
@@ -154,6 +155,39 @@ def test_a_write_that_is_lost_does_not_replace_a_later_one(board: Pca9685Board, 
     board.step()
     board.step()
     assert chip.width_us(0) == pytest.approx(1100.0, abs=3.0)
+
+
+def test_a_stop_while_the_last_width_is_under_way_is_not_lost(
+    board: Pca9685Board, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = Pca9685Pulses(board, LEFT)
+    output.write_us(1500.0)
+    board.step()
+    put, stops = chip.put, iter([True])
+
+    def stop_meanwhile(register: int, data: bytes) -> None:
+        if next(stops, False):
+            output.write_us(1500.0)  # the boat, while the thread waits for the bus
+        put(register, data)
+
+    monkeypatch.setattr(chip, "put", stop_meanwhile)
+    output.write_us(1900.0)
+    board.step()
+    assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
+
+
+def test_the_outputs_are_enabled_once_they_are_off_and_disabled_at_the_end(
+    dev: I2cDev, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pins = PinBoard()
+    monkeypatch.setattr("gpiozero.Device.pin_factory", pins.factory)
+    pin = pins.pin(4)
+    pin.pull = "up"  # the resistor at OE
+    output = open_pca9685_pulses(LEFT, Pca9685Part(output_enable=4))
+    assert (pin.function, pin.state) == ("output", False)
+    output.close()
+    assert pin.function == "input"
+    assert not any(signal.width_us for signal in chip.history)
 
 
 def _fail_once(chip: Pca9685Twin, output: Pca9685Pulses) -> None:
