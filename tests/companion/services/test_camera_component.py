@@ -5,6 +5,8 @@ from typing import Literal
 
 import pytest
 from boat_rig import BOAT, DENIED, OK, QGC, UNSUPPORTED, Peer, Rig
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from payload_rig import CAMERA, PayloadRig
 from qgc_camera import IDLE, SERIES_IDLE, QgcCamera
 
@@ -13,6 +15,8 @@ from companion.links.memory import memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
+from companion.services.camera.component import QUESTIONS
+from companion.services.payload.rows import ROWS
 
 CMD, NAN = dialect, math.nan
 WAYS: list[Literal["commands", "messages"]] = ["commands", "messages"]
@@ -253,3 +257,28 @@ def test_the_camera_may_have_another_component() -> None:
     run(rig, station, 4.0)
     assert station.component == 102
     assert station.video_uri
+
+
+NUMBERS = sorted({*ROWS, *QUESTIONS, CMD.MAV_CMD_REQUEST_MESSAGE, CMD.MAV_CMD_SET_CAMERA_MODE})
+
+
+@settings(max_examples=40)  # each with a boat of its own
+@given(
+    st.sampled_from([1, 100]),
+    st.sampled_from(NUMBERS),
+    st.lists(
+        st.one_of(st.floats(width=32), st.sampled_from([0.0, 1.0, 9.0, 1500.0])), min_size=7, max_size=7
+    ),
+)
+def test_any_payload_command_is_answered_once_and_does_no_harm(
+    component: int, number: int, params: list[float]
+) -> None:
+    rig = PayloadRig()
+    rig.run(0.2)
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_command_long_message(1, component, number, 0, *params))
+    rig.run(1.5)
+    assert len([ack for ack in rig.peer.said("COMMAND_ACK") if ack.command == number]) == 1
+    assert rig.boat.endpoint.faults == rig.boat.net.faults == 0
+    assert all(channel.faults == 0 for channel in rig.boat.channels.open.values())
+    assert rig.world._motors.left == rig.world._motors.right == 0.0

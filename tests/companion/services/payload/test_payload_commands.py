@@ -1,5 +1,6 @@
 """Payload commands by hand and as mission items: every parameter is checked against the boat's payload."""
 
+import dataclasses
 import math
 
 import pytest
@@ -298,3 +299,17 @@ def test_telemetry_shows_servos_relays_and_winch() -> None:
     winch = latest("WINCH_STATUS")
     assert winch.line_length == 0.0  # type: ignore[attr-defined]
     assert winch.status & dialect.MAV_WINCH_STATUS_FULLY_RETRACTED  # type: ignore[attr-defined]
+
+
+def test_a_stored_mission_whose_payload_is_gone_is_not_sailed() -> None:
+    rig = PayloadRig().ready()
+    items = [HOME_ITEM, waypoint(20.0, 0.0), do(CMD.MAV_CMD_DO_SET_SERVO, 9, 1500)]
+    assert isinstance(rig.upload(items), Completed)
+    rig.reboot()
+    rig.step()
+    assert rig.items() == tuple(items)
+    rig.hardware = dataclasses.replace(rig.hardware, payload=None)
+    rig.reboot()
+    rig.run(40.0)
+    assert rig.items() == ()
+    assert any("this boat has no servo" in text for text in rig.peer.texts), rig.peer.texts
