@@ -2,9 +2,8 @@
 
 pip resolves a wheel of this project, with the tested versions of constraints.txt, for 64-bit and 32-bit
 Raspberry Pi OS. Where a package has no wheel for 32 bits, its 64-bit wheel stands in for the size, and the
-row names it; any such package that is not in NO_32_BIT_WHEEL is an error. pip evaluates markers for the
-Python and the machine that run it: each version is resolved by an interpreter of that version, which must be
-on the path, and 32 bits as if they were this machine.
+row names it; any such package that is not in NO_32_BIT_WHEEL is an error. pip runs as if on that machine, on
+an interpreter of each Python version, which must be on the path: it evaluates markers for where it runs.
 """
 
 import json
@@ -24,11 +23,16 @@ from benchmarks.measure import Row, alone
 
 PYTHONS = ("3.11", "3.13")  # of Raspberry Pi OS Bookworm and Trixie
 NOT_FOR_THE_BOAT = frozenset({"bench", "dev", "fuzz", "peers"})
-# adafruit-lgpio is not required there: python3-lgpio of the system replaces it. The others have a source
-# distribution on the ordinary index, and a wheel on the additional one that Raspberry Pi OS gives pip.
-NO_32_BIT_WHEEL = frozenset({"adafruit-lgpio", "msgspec", "pymavlink"})
+# Source distributions on the ordinary index
+NO_32_BIT_WHEEL = frozenset({"msgspec", "pymavlink"})
 _GLIBC = (36, 35, 34, 31, 28, 27, 26, 24, 17)  # minor versions of manylinux tags, up to Bookworm's glibc 2.36
 _CACHE = Path("out/install")
+_PIP = """
+import platform, runpy, sys
+machine = sys.argv.pop(1)
+platform.machine = lambda: machine
+runpy.run_module("pip", run_name="__main__")
+"""
 
 
 @dataclass(frozen=True)
@@ -124,7 +128,7 @@ def _download(requirement: str, machine: str, python: str) -> list[Wheel]:
     folder.mkdir(parents=True, exist_ok=True)
     accepted = ["--only-binary=:all:", "--implementation", "cp", "--python-version", python]
     accepted += [word for tag in platforms(machine) for word in ("--platform", tag)]
-    pip = [f"python{python}", "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    pip = [f"python{python}", "-c", _PIP, machine, "--quiet", "--disable-pip-version-check"]
     report = ["--dry-run", "--ignore-installed", "--target", str(folder / "none"), "--report", "-"]
     resolve = [*pip, "install", *report, *accepted, "-c", "constraints.txt", requirement]
     answer = subprocess.run(resolve, check=True, capture_output=True)
