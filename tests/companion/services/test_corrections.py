@@ -81,6 +81,19 @@ class Bench:
         return self
 
 
+def test_a_preamble_among_noise_hides_no_frame_behind_it() -> None:
+    for noise in (b"\xd3\xff", b"\xd3\xd3", b"\xd3\xfc\xd3"):
+        assert RtcmReader().feed(noise + STATION) == [STATION]
+
+
+def test_the_shortest_frames_have_no_type() -> None:
+    empty = b"\xd3\x00\x00"
+    empty += crc24q(empty).to_bytes(3, "big")
+    assert RtcmReader().feed(empty) == [empty]
+    assert message_type(empty) == 0
+    assert message_type(frame(1077, 2)) == 1077
+
+
 def test_the_example_of_the_standard_is_a_frame() -> None:
     assert RtcmReader().feed(STATION) == [STATION]
     assert message_type(STATION) == 1005
@@ -114,6 +127,10 @@ def test_a_lost_fragment_loses_its_message_only() -> None:
         status = bench.service.status(bench.now_s)
         assert status is not None
         assert (status.lost, status.frames, status.malformed) == (1, 3, 0)
+        assert (status.sender, status.bytes) == ("255/190", 2 * 406 + len(STATION))
+        later = bench.service.status(bench.now_s + 2.5)
+        assert later is not None
+        assert later.age_s == pytest.approx(2.5)
         assert status.types == (1005, 1077, 1097)
 
 

@@ -1,7 +1,6 @@
 """The u-blox driver on a pseudo-terminal, whose baud rate the receiver compares with its own."""
 
 import os
-import termios
 import threading
 import time
 from pathlib import Path
@@ -9,34 +8,10 @@ from pathlib import Path
 import pytest
 from twins.lines import PtyLine, eventually
 from twins.ubx_receiver import NEO_M8N, ZED_F9P, Model, UbxReceiver
+from twins.ubx_serial import SerialReceiver
 
 from companion.config.parts import GnssPart
 from companion.hal.gnss.ubx import open_ubx_gnss
-
-_RATES = {
-    getattr(termios, f"B{rate}"): rate for rate in (4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800)
-}
-
-
-class SerialReceiver:
-    """A receiver at the far end of a pseudo-terminal."""
-
-    def __init__(self, line: PtyLine, receiver: UbxReceiver) -> None:
-        self.line = line
-        self.receiver = receiver
-
-    def run(self) -> None:
-        """Move what has come and what is due."""
-        try:
-            rate = _RATES.get(termios.tcgetattr(self.line._master)[5])
-        except termios.error:
-            return
-        heard = self.line.heard()
-        if heard and rate == self.receiver.baud:
-            self.receiver.hear(heard)
-        sent = self.receiver.run(time.monotonic())
-        if sent:
-            self.line.say(sent if rate == self.receiver.baud else bytes(len(sent)))
 
 
 @pytest.mark.realtime
