@@ -16,6 +16,7 @@ from companion.log.records import HEADER
 from companion.log.samples import motion
 from companion.mavlink.dialect import dialect
 from companion.persistence.storage import MemoryStorage
+from companion.sensors.compass.magnetic_field import MagneticCorrection
 
 CMD = dialect
 REJECTED_FOR_NOW, IN_PROGRESS, CANCELLED = 1, 5, 6
@@ -237,6 +238,40 @@ def test_one_known_heading_calibrates_a_boat_that_cannot_be_turned() -> None:
     assert rig.arm() == OK
     assert rms(steer(rig, 0.2, 0.5, 20.0)) < 2.5
     assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, true_deg, 1.0) == REJECTED_FOR_NOW
+
+
+@pytest.mark.parametrize(("share", "is_refused"), [(0.5, True), (0.7, False), (1.4, False), (1.6, True)])
+def test_a_field_that_is_not_the_earths_does_not_arm(share: float, is_refused: bool) -> None:
+    rig = fresh()
+    field, reading, earth = rig.hardware.field, rig.boat.sensors.compass, rig.boat.sensors.earth.field
+    assert field is not None
+    assert reading is not None
+    assert reading.field_mg is not None
+    assert earth is not None
+    x, y, _ = reading.field_mg
+    field.correction = MagneticCorrection(offset=(share * earth.horizontal_mg - x, -y, 0.0))
+    fault = rig.boat.sensors.compass_fault()
+    assert bool(fault) is is_refused, fault
+    if is_refused:
+        assert fault.startswith(f"field of {share * earth.horizontal_mg:.0f} mG, not 2")
+
+
+def test_a_measurement_of_the_motors_is_cancelled_by_zeros_and_by_an_autopilot_mode() -> None:
+    for ends_by_mode in (False, True):
+        rig = fresh()
+        assert rig.hardware.field is not None
+        rig.hardware.field.correction = MagneticCorrection(offset=(1.0, 2.0, 3.0))
+        rig.set_mode(MANUAL)
+        rig.boat.vehicle.armed = True
+        assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
+        if ends_by_mode:
+            rig.peer.forget()
+            rig.boat.vehicle.mode = rig.boat.vehicle.mode.LOITER
+            rig.run(0.1)
+            acks = [one.result for one in rig.peer.said("COMMAND_ACK")]
+            assert acks == [CANCELLED]
+        else:
+            assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION) == CANCELLED
 
 
 def test_the_motors_field_needs_a_calibrated_compass() -> None:

@@ -23,7 +23,7 @@ class Scene:
     def __init__(self, now: Callable[[], float], seed: int = 1) -> None:
         self.now = now
         self.heading_deg = self.roll_deg = self.pitch_deg = 0.0
-        self.yaw_rate_deg_s = 0.0
+        self.yaw_rate_deg_s = self.roll_rate_deg_s = self.pitch_rate_deg_s = 0.0
         self.north_mg, self.down_mg = 200.0, 440.0
         self.iron_mg: Triple = (0.0, 0.0, 0.0)
         self.gyro_bias_deg_s: Triple = (0.0, 0.0, 0.0)  # of the board
@@ -61,8 +61,12 @@ class Scene:
         return x + a, y + b, z + c
 
     def rate_deg_s(self) -> Triple:
-        """The boat's rate in body axes."""
+        """The boat's rate in body axes (Fossen 2011, 2.28)."""
         x, y, z = self.to_body(0.0, 0.0, self.yaw_rate_deg_s)
+        phi = math.radians(self.roll_deg)
+        x += self.roll_rate_deg_s
+        y += self.pitch_rate_deg_s * math.cos(phi)
+        z -= self.pitch_rate_deg_s * math.sin(phi)
         noise = [self.random.gauss(0.0, 0.05) for _ in range(3)]
         return x + noise[0], y + noise[1], z + noise[2]
 

@@ -198,6 +198,50 @@ def test_a_field_that_is_not_the_earths_is_refused() -> None:
     assert "the earth's is 200 mG" in fit.reason
 
 
+@pytest.mark.parametrize(("strength", "verdict"), [(0.7, 4), (1.5, 4), (1.7, 7)])
+def test_the_earths_strength_is_asked_for_within_bounds(strength: float, verdict: int) -> None:
+    scale: Matrix = ((strength, 0.0, 0.0), (0.0, strength, 0.0), (0.0, 0.0, 1.0))
+    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), soft=scale)
+    boat.circle()
+    assert boat.calibration.solve(16.0).verdict == verdict
+
+
+@pytest.mark.parametrize(("heel_deg", "dimensions"), [(15.0, 2), (25.0, 3)])
+def test_a_heel_that_no_boat_on_the_water_has_asks_for_all_directions(
+    heel_deg: float, dimensions: int
+) -> None:
+    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
+    boat.circle(heel=lambda t: math.radians(heel_deg) * math.sin(t))
+    assert boat.calibration.dimensions == dimensions
+    assert boat.calibration.is_complete is (dimensions == 2)
+
+
+@pytest.mark.parametrize(("gyro", "verdict"), [(0.75, 4), (1.35, 4), (0.6, 6), (1.6, 6)])
+def test_the_field_turns_about_as_far_as_the_gyro(gyro: float, verdict: int) -> None:
+    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
+    boat.circle(gyro=1.0 / gyro)
+    assert boat.calibration.solve(16.0).verdict == verdict
+
+
+def test_a_weak_or_missing_horizontal_field_is_refused_where_the_earths_is_unknown() -> None:
+    for strength, verdict in ((0.15, Verdict.BAD_RADIUS), (0.3, Verdict.SUCCESS)):
+        scale: Matrix = ((strength, 0.0, 0.0), (0.0, strength, 0.0), (0.0, 0.0, 1.0))
+        boat = Boat(CompassCalibration(NO_CORRECTION, None, 0.0), soft=scale)
+        boat.circle(2.5)
+        assert boat.calibration.solve(16.0).verdict is verdict
+
+
+def test_what_the_motors_draw_meanwhile_is_taken_out_if_it_is_known() -> None:
+    before = MagneticCorrection(motor=(-5.0, 3.0, 0.0), motor_source=BY_CURRENT)
+    boat = Boat(CompassCalibration(before, EARTH, 0.0))
+    boat.hard = plus(HARD, (5.0, -3.0, 0.0), 4.0)
+    update = boat.calibration.update
+    boat.calibration.update = lambda reading, now_s, load=None: update(reading, now_s, MotorLoad(0.5, 4.0))  # type: ignore[method-assign]
+    boat.circle()
+    offset = boat.calibration.solve(16.0).correction.offset
+    assert offset[:2] == pytest.approx((-HARD[0], -HARD[1]), abs=2.0)
+
+
 def test_an_offset_beyond_the_parameters_range_is_refused_with_the_cure() -> None:
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), hard=(1900.0, 0.0, 0.0))
     boat.circle()
