@@ -36,6 +36,8 @@ DROP_IN = """
 [Service]
 Environment=GPIOZERO_PIN_FACTORY=mock GPIOZERO_MOCK_PIN_CLASS=filepin PIN_FILES=/run/pins PYTHONPATH=/opt/pins
 ReadWritePaths=/run/pins
+# the drivers' libraries load in the unit's sandbox, too
+ExecStartPre={python} -c "import lgpio, serial, smbus2"
 """
 PREPARE = """
 mkdir -m 777 $root/run/pins
@@ -109,7 +111,7 @@ def prepared(tmp_path: Path) -> str:
     """Shell lines that put mock pins, a pinctrl and the boat's file into the system."""
     write_entry_point(tmp_path / "pins")
     (tmp_path / "boat.toml").write_text(BOAT, encoding="utf-8")
-    (tmp_path / "mock.conf").write_text(DROP_IN, encoding="utf-8")
+    (tmp_path / "mock.conf").write_text(DROP_IN.format(python=sys.executable), encoding="utf-8")
     (tmp_path / "pinctrl").write_text(PINCTRL.format(folder="/run/pins"), encoding="utf-8")
     (tmp_path / "pinctrl").chmod(0o755)
     return PREPARE.format(folder=tmp_path)
