@@ -28,7 +28,8 @@ def nudge_motors(
     try:
         with closing(parts.open_motors(config, clock.now_s)) as motors:
             motors.start()
-            _hold(motors, 0.0, 0.0, config.parts.motors.arming_s, clock)
+            if config.parts.motors.driver == "esc":
+                _hold(motors, 0.0, 0.0, config.parts.motors.arming_s + _PAUSE_S, clock)
             for left, right, what in _turns(config.drive.has_pair):
                 say(f"  {what}")
                 _hold(motors, left, right, _TURN_S, clock)

@@ -12,6 +12,7 @@ from doctor_tree import Examine
 from fake_clock import FakeClock
 from msgspec import json
 from twins.pins import PinBoard
+from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app import parts
 from companion.app.clock import SystemClock
@@ -225,6 +226,36 @@ def test_one_motor_is_turned_once(board: PinBoard) -> None:
     single = BoatConfig(parts=BRIDGED.parts, drive=DriveSetting(layout="rudder"))
     nudge_motors(single, FakeClock(), lambda question: "yes", said.append)
     assert said == ["  motor ahead", "  motor astern"]
+
+
+def test_speed_controllers_are_armed_before_they_turn(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    clock = FakeClock()
+    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4, clock.now_s)
+    escs = BoatConfig(parts=Parts(motors=MotorsPart(driver="esc")))
+    assert nudge_motors(escs, clock, lambda question: "yes", lambda _: None).verdict is Verdict.FINE
+    turned = [one for one in kernel.history if one.width_us not in (0.0, 1500.0)]
+    assert turned[0].time_s >= escs.parts.motors.arming_s
+    assert {one.output for one in turned} == {"pwmchip0/pwm0", "pwmchip0/pwm1"}
+    assert (min(one.width_us for one in turned), max(one.width_us for one in turned)) == (1400.0, 1600.0)
+    assert {one.output: one.width_us for one in kernel.history} == {
+        "pwmchip0/pwm0": 0.0,
+        "pwmchip0/pwm1": 0.0,
+    }
+
+
+def test_a_key_pressed_meanwhile_stops_the_motors(board: PinBoard) -> None:
+    class Interrupted(FakeClock):
+        def sleep(self, seconds: float) -> None:
+            super().sleep(seconds)
+            if self.time_s > 0.5:
+                raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        nudge_motors(BRIDGED, Interrupted(), lambda question: "yes", lambda _: None)
+    assert any(change.value for change in board.history)
+    assert not any({change.pin: change.value for change in board.history}.values())
 
 
 def test_motors_that_do_not_open_fail(monkeypatch: pytest.MonkeyPatch) -> None:
