@@ -33,7 +33,9 @@ _STEP_S = 0.01
 _LOITER = 5
 _HEARTBEAT = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 _CRSF = bytes.fromhex("c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad")  # sticks in the middle
-_CRSF_HZ, _FIX_HZ, _GCS_HZ = 150.0, 5.0, 1.0
+_PING = bytes.fromhex("42520500bb040100b20c0000617802")  # distance_simple: 3250 mm, 97 %
+_PROBE = b"7.01, 3.5\r\n"
+_CRSF_HZ, _FIX_HZ, _GCS_HZ, _PING_HZ, _PROBE_HZ = 150.0, 5.0, 1.0, 5.0, 1.0
 _CONFIG = """
 links = ["udpout:127.0.0.1:{udp}", "tcpin:127.0.0.1:0", "serial:{radio}:57600"]
 [parts]
@@ -42,6 +44,7 @@ gnss = {{driver = "nmea", port = "{gnss}", baud = 38400}}
 compass = {{driver = "bno055", auto_declination = true}}
 sonar = {{driver = "hcsr04", trigger = 23, echo = 24, servo = 18}}
 battery = {{driver = "ina226", shunt_ohm = 0.01}}
+depth = {{driver = "ping1d", port = "{sounder}", transducer_m = 0.1}}
 hull = {{driver = "host", thermometer = "{thermometer}", leak = 25}}
 [parts.motors]
 driver = "esc"
@@ -63,6 +66,21 @@ folder = "{folder}/state"
 status_file = "{folder}/status.json"
 [failsafe]
 overrun_action = 0
+[[probe]]
+name = "ph"
+driver = "ads1115"
+channel = 3
+rate_hz = 2.0
+[[probe]]
+name = "water_t"
+driver = "file"
+path = "{thermometer}"
+scale = 0.001
+[[probe]]
+name = "turbidity"
+driver = "serial"
+port = "{probe}"
+column = 1
 [[payload]]
 kind = "light"
 number = 0
@@ -118,7 +136,7 @@ class FullBoat:
         self._lines = lines
         self._encoder, self._decoder = Encoder(Address(255, 190)), Decoder(datagram=True)
         self._boat: tuple[str, int] | None = None
-        self._due_s = dict.fromkeys(("fix", "rc", "gcs"), 0.0)
+        self._due_s = dict.fromkeys(("fix", "rc", "gcs", "depth", "probe"), 0.0)
         self._acknowledged: set[int] = set()
 
     def wait_for_heartbeat_s(self) -> float:
@@ -139,6 +157,8 @@ class FullBoat:
         end_s = time.monotonic() + seconds
         while time.monotonic() < end_s:
             self._every("fix", _FIX_HZ, lambda: self._write("gnss", _epoch(time.time())))
+            self._every("depth", _PING_HZ, lambda: self._write("sounder", _PING))
+            self._every("probe", _PROBE_HZ, lambda: self._write("probe", _PROBE))
             self._every("rc", _CRSF_HZ, lambda: self._write("rc", _CRSF))
             self._every("gcs", _GCS_HZ, lambda: self._send(_HEARTBEAT))
             self._listen()
@@ -204,6 +224,9 @@ class FullBoat:
         with contextlib.suppress(BlockingIOError):
             while os.read(self._lines["radio"], 65536):
                 pass
+        with contextlib.suppress(BlockingIOError):
+            while os.read(self._lines["sounder"], 65536):
+                pass
 
 
 @contextlib.contextmanager
@@ -216,7 +239,7 @@ def full_boat() -> Iterator[FullBoat]:
         station.setblocking(False)
         lines: dict[str, int] = {}
         devices: dict[str, str] = {}
-        for name in ("gnss", "rc", "radio"):
+        for name in ("gnss", "rc", "radio", "sounder", "probe"):
             lines[name], far = pty.openpty()
             tty.setraw(far)
             os.set_blocking(lines[name], False)

@@ -55,11 +55,18 @@ def plug_in(folder: Path) -> None:
     """Put the twins below the drivers."""
     sys.path.append(str(Path(__file__).parents[1] / "tests"))
     import smbus2.smbus2  # noqa: PLC0415
-    from twins.battery import Ina226Twin  # noqa: PLC0415
+    from twins.battery import Ads1115Twin, Ina226Twin  # noqa: PLC0415
     from twins.i2c import Bno055Twin, I2cDev  # noqa: PLC0415
     from twins.pulses import LgpioTwin, Pca9685Twin  # noqa: PLC0415
 
-    bus = I2cDev({0x28: Bno055Twin(), 0x40: Ina226Twin(time.monotonic), 0x41: _Unrecorded(Pca9685Twin())})
+    bus = I2cDev(
+        {
+            0x28: Bno055Twin(),
+            0x40: Ina226Twin(time.monotonic),
+            0x41: _Unrecorded(Pca9685Twin()),
+            0x48: Ads1115Twin(time.monotonic),
+        }
+    )
     raspberry_pi.DEVICE = folder / "i2c-1"
     raspberry_pi.DEVICE.touch()
     vars(smbus2.smbus2)["ioctl"] = bus.ioctl

@@ -31,6 +31,7 @@ _FIX_2D = 2
 _FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
 DEPTH_STALE_S = 5.0  # as the failsafe; five sentences of an NMEA sounder
 BATTERY_STALE_S = 3.0  # thirty readings of a monitor
+READ_S = 0.1  # between looks at the probes: their highest rate
 SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
 
@@ -55,6 +56,7 @@ class SensorSuite:
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
         self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
+        self._probes_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
         self._depth_silence = SilenceMonitor("Depth sounder", DEPTH_STALE_S)
         self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
@@ -137,7 +139,8 @@ class SensorSuite:
             self.depth = hardware.depth.read()
             sounded_s = None if self.depth is None else self.depth.time_s
             self._tell(self._depth_silence.update(sounded_s, now_s))
-        if hardware.probes:
+        if hardware.probes and now_s >= self._probes_due_s:
+            self._probes_due_s = now_s + READ_S - 1e-6
             self._read_probes(config, now_s)
         if hardware.rc is not None:
             self.rc = hardware.rc.read()

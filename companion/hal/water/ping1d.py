@@ -16,8 +16,9 @@ from companion.links.port_url import open_line
 from companion.sensors.readings import DepthReading
 
 BAUD: Final = 115200
-_INTERVAL_MS: Final = 100
-_SILENT_S: Final = 2.0  # twenty intervals
+_INTERVAL_MS: Final = 200  # a boat sails less than half a metre
+_SILENT_S: Final = 2.0  # ten intervals
+_REST_S: Final = 0.05  # a UART hands over a frame in pieces
 _SIMPLE, _FULL = struct.Struct("<IB"), struct.Struct("<IH")
 
 
@@ -25,7 +26,7 @@ class Ping1d(PortSensor[DepthReading]):
     """Satisfies `companion.hal.interfaces.DepthSounder`."""
 
     def __init__(self, port: Port, now: Callable[[], float], part: DepthPart) -> None:
-        super().__init__(port, now)
+        super().__init__(port, now, _REST_S)
         self._part = part
         self.parser = ping.PingParser()
         self._due_s = now()

@@ -1,11 +1,13 @@
 """Telemetry of the probes: NAMED_VALUE_FLOAT, each at its own rate."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
 from companion.config.parts.probes import ProbePart
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.readings import ProbeReading
+from companion.sensors.suite import READ_S
 from companion.services.telemetry.snapshot import Snapshot
 
 _SLACK_S: Final = 1e-6
@@ -31,13 +33,15 @@ class ProbeSchedule:
         self._period_s = {part.name: 1.0 / part.rate_hz for part in parts}
         self._due_s = dict.fromkeys(self._period_s, 0.0)
         self._sent_s: dict[str, float] = {}
+        self._look_s = 0.0 if parts else math.inf
 
     def has_due(self, now_s: float) -> bool:
-        """Whether any may be due."""
-        return any(now_s + _SLACK_S >= due_s for due_s in self._due_s.values())
+        """Whether to look: ten times a second, the highest rate."""
+        return now_s + _SLACK_S >= self._look_s
 
     def due(self, readings: Sequence[ProbeReading], now_s: float) -> Iterator[Message]:
         """The messages to send now."""
+        self._look_s = now_s + READ_S
         for reading in readings:
             name = reading.name
             if now_s + _SLACK_S < self._due_s.get(name, 0.0) or self._sent_s.get(name) == reading.time_s:

@@ -196,7 +196,7 @@ def test_the_part_is_set_up_and_its_distance_is_the_depth(
     ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
 ) -> None:
     reading = interval(ping, twin, wire, clock)
-    assert twin.settings == {1002: (1_480_000).to_bytes(4, "little"), 1003: b"\x01", 1004: b"\x64\x00"}
+    assert twin.settings == {1002: (1_480_000).to_bytes(4, "little"), 1003: b"\x01", 1004: b"\xc8\x00"}
     assert twin.streams == {1211}
     assert reading is not None
     assert (reading.depth_m, reading.quality) == (3.25, 0.97)

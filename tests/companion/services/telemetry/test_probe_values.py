@@ -26,8 +26,8 @@ class FakeProbe:
         self._latest: ProbeReading | None = None
 
     def read(self) -> ProbeReading | None:
-        """Called once a tick."""
-        time_s = 0.02 * self._looks
+        """Called ten times a second."""
+        time_s = 0.1 * self._looks
         self._looks += 1
         if not self.is_silent and (self._latest is None or time_s - self._latest.time_s >= self._period_s):
             self._latest = ProbeReading(time_s, self._name, self.value, self._unit)
