@@ -112,7 +112,7 @@ def _endure(hours: float, every_h: float) -> Iterator[Figures]:
                 )
             if _is_due(tick, _NEW_ARMING_S, 30.0):
                 station.send(_command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0))
-            if _is_due(tick, _NEW_ARMING_S, 32.0):
+            if _is_due(tick, _NEW_ARMING_S, 60.0):
                 station.send(
                     _command(dialect.MAV_CMD_DO_SET_MODE, 1.0, _GUIDED),
                     _command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0),

@@ -293,6 +293,7 @@ def _endure(hours: float) -> None:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # not without ending the boat's process
     if len(sys.argv) > 1:
         _endure(float(sys.argv[1]))
     else:

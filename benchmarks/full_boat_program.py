@@ -42,6 +42,7 @@ class _Trigger(MockPWMPin):  # type: ignore[misc]
     def _change_state(self, value: float) -> bool:
         has_fallen = bool(self._state) and not value
         has_changed: bool = super()._change_state(value)
+        del self.states[:-1]  # the record would grow
         if has_fallen:
             self.clock_s += 1.0
             self.pulses += 1
