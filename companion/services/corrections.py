@@ -31,8 +31,8 @@ class CorrectionStatus(Struct, frozen=True):
     """What has come so far.
 
     lost: messages with a missing fragment; malformed: frames with a wrong checksum; repeated: by another
-    link; refused: by the receiver, faster than its line. age_s: since the latest frame. types: of the latest
-    frames.
+    link; refused: by the receiver, faster than its line. age_s: since the latest frame, None before.
+    types: of the latest frames.
     """
 
     sender: str
@@ -42,7 +42,7 @@ class CorrectionStatus(Struct, frozen=True):
     malformed: int
     repeated: int
     refused: int
-    age_s: float
+    age_s: float | None
     types: tuple[int, ...]
 
 
@@ -104,7 +104,7 @@ class CorrectionService:
             self._reader.malformed,
             self._repeated,
             self._refused,
-            now_s - self._frame_s,
+            None if self._frame_s == -math.inf else now_s - self._frame_s,
             tuple(sorted({message_type(frame) for _, frame in self._recent})),
         )
 

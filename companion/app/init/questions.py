@@ -29,7 +29,7 @@ QUESTIONS: Final = (
     Question("identity.system_id", "MAVLink system id, unique on the network"),
     Question("parts.gnss.driver", "GNSS receiver"),
     Question("parts.gnss.port", "its port (/dev/serial0: the Pi's UART)", "parts.gnss.driver"),
-    Question("parts.gnss.baud", "its baud rate", "parts.gnss.driver"),
+    Question("parts.gnss.baud", "its baud rate (ubx sets it, nmea reads at it)", "parts.gnss.driver"),
     Question("parts.compass.driver", "heading sensor"),
     Question("parts.battery.driver", "battery monitor"),
     Question("battery.cells", "cells of the pack in series"),

@@ -3,6 +3,7 @@
 import random
 from dataclasses import dataclass, field
 
+import msgspec
 import pytest
 from boat_rig import QGC, Peer, Rig
 from hypothesis import given
@@ -14,7 +15,7 @@ from companion.core.status_text import StatusText
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.rtcm import RtcmReader, crc24q, message_type
-from companion.services.corrections import CorrectionService
+from companion.services.corrections import CorrectionService, CorrectionStatus
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 
@@ -239,6 +240,16 @@ def test_the_operator_hears_of_the_first_frame_and_of_the_end() -> None:
     bench.service.tick(bench.now_s)
     bench.service.tick(bench.now_s)
     assert len(bench.texts) == 2
+
+
+def test_the_status_before_the_first_frame_can_be_read_back() -> None:
+    bench = Bench()
+    assert bench.service.status(bench.now_s) is None
+    bench.hear(fragments(frame(1077, 400), 1)[0])
+    status = bench.service.status(bench.now_s)
+    assert status is not None
+    assert (status.age_s, status.frames) == (None, 0)
+    assert msgspec.json.decode(msgspec.json.encode(status), type=CorrectionStatus) == status
 
 
 def test_refused_frames_are_counted() -> None:

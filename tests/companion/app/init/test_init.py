@@ -133,7 +133,7 @@ def test_defaults_change_nothing(preset: str) -> None:
 
 
 def test_a_wrong_answer_is_explained_and_asked_again() -> None:
-    replies = {"identity.system_id": ["300", "many", "8"], "parts.gnss.driver": ["loran", "nmea"]}
+    replies = {"identity.system_id": ["300", "many", "8"], "parts.gnss.driver": ["loran", "ubx"]}
     texts = {question.text: question.key for question in QUESTIONS}
     complaints: list[str] = []
 
