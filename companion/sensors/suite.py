@@ -95,8 +95,8 @@ class SensorSuite:
     def compass_fault(self) -> str:
         """Why the headings of a bare magnetometer cannot be trusted, empty if they can."""
         field, reading, earth = self.field, self.compass, self.earth.field
-        if field is None:
-            return ""
+        if field is None or (reading is not None and not reading.is_magnetic):
+            return ""  # none, or in reserve
         if not field.correction.is_calibrated:
             return "not calibrated: start its calibration and turn the boat"
         if reading is None or reading.field_mg is None or earth is None:

@@ -6,6 +6,7 @@ import math
 import statistics
 from pathlib import Path
 
+import msgspec
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, OK, Rig
 from log_rig import of_kind, read_log
@@ -178,6 +179,15 @@ def test_without_calibration_only_manual_and_hold_arm() -> None:
     assert any(text.startswith("Arm: Compass: not calibrated: start its") for text in rig.peer.texts)
     rig.boat.vehicle.mode = rig.boat.vehicle.mode.MANUAL
     assert rig.arm() == OK
+
+
+def test_a_magnetometer_in_reserve_does_not_keep_the_boat_from_arming() -> None:
+    rig = fresh()
+    assert rig.boat.sensors.compass_fault()
+    reading = rig.boat.sensors.compass
+    assert reading is not None
+    rig.boat.sensors.compass = msgspec.structs.replace(reading, is_magnetic=False)  # of two antennas
+    assert not rig.boat.sensors.compass_fault()
 
 
 def test_an_autopilot_mode_refuses_a_calibration_and_ends_one() -> None:

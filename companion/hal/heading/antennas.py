@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+from msgspec.structs import replace
+
 from companion.core.status_text import StatusText
 from companion.hal.interfaces import Compass, Gnss, ReportingPart
 from companion.sensors.gnss_heading import FRESH_S, GnssHeading
@@ -19,13 +21,26 @@ class AntennaCompass:
         self._reserve = reserve
         self._now = now
         self._receiver = receiver
+        self._latest: HeadingReading | None = None
+        self._combined: HeadingReading | None = None
 
     def read(self) -> HeadingReading | None:
         """The heading by the antennas; without a recent one, that of the compass in reserve."""
         latest = self._heading.latest
         if latest is not None and self._now() - latest.time_s <= FRESH_S:
-            return latest
+            return self._with_field(latest, self._reserve.read())
         return self._reserve.read() or latest
+
+    def _with_field(self, latest: HeadingReading, reserve: HeadingReading | None) -> HeadingReading:
+        """The antennas' heading with the field of a magnetometer in reserve, which can then be calibrated."""
+        if reserve is None or reserve.field_mg is None:
+            return latest
+        if latest is not self._latest:
+            self._latest = latest
+            self._combined = replace(
+                latest, field_mg=reserve.field_mg, roll_rad=reserve.roll_rad, pitch_rad=reserve.pitch_rad
+            )
+        return self._combined or latest
 
     def take_texts(self) -> list[StatusText]:
         """Those of the compass in reserve; the receiver reports its own."""

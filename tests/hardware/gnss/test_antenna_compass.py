@@ -11,6 +11,7 @@ from companion.app.parts import open_compass, open_gnss
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import HardwareError
 from companion.core.status_text import Severity, StatusText
+from companion.core.vectors import Vector
 from companion.hal.gnss.nmea import NmeaGnss
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
@@ -25,10 +26,11 @@ class Reserve:
     def __init__(self, clock: HandClock) -> None:
         self.is_closed = False
         self.texts: list[StatusText] = []
+        self.field_mg: Vector | None = None
         self._clock = clock
 
     def read(self) -> HeadingReading:
-        return HeadingReading(self._clock(), math.pi)
+        return HeadingReading(self._clock(), math.pi, field_mg=self.field_mg, is_magnetic=True)
 
     def take_texts(self) -> list[StatusText]:
         return self.texts
@@ -166,3 +168,15 @@ def test_a_link_in_memory_is_closed_with_its_receiver() -> None:
     bench.gnss.close()
     assert isinstance(bench.line, MemoryLink)
     assert bench.line.is_closed
+
+
+def test_a_magnetometer_in_reserve_can_be_calibrated_meanwhile() -> None:
+    bench = Bench()
+    bench.reserve.field_mg = (190.0, 20.0, 440.0)
+    bench.hear("GNHDT,10.0,T")
+    reading = bench.compass.read()
+    assert reading is not None
+    assert math.degrees(reading.heading_rad) == pytest.approx(10.0)
+    assert not reading.is_magnetic
+    assert reading.field_mg == (190.0, 20.0, 440.0)
+    assert bench.compass.read() is reading
