@@ -3,6 +3,7 @@
 The pins are files that outlive the program (tests/twins/pin_files.py). No part but the motors is fitted.
 """
 
+import json
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -183,6 +184,11 @@ def test_installed_on_the_running_system_it_runs_and_is_removed_again(
     assert complaints == [], "udev does not understand its rules"
     machine.run("systemctl", "start", UNIT, check=True)
     assert boat.show("SubState") == "running"
+    findings = json.loads(machine.run(*COMPANION.split(), "doctor", "--json"))["findings"]
+    told = {one["check"]: (one["verdict"], one["text"]) for one in findings}
+    assert told["service"] == ("fine", "starts with the computer, runs now: HOLD, disarmed")
+    assert told["parts"] == ("skipped", "the running boat uses them")
+    assert told["boat's user"][0] == told["folders"][0] == told["pinctrl"][0] == "fine"
     machine.run(*COMPANION.split(), "uninstall", check=True)
     assert boat.show("LoadState") == "not-found"
     assert machine.run("ls", "/etc/mavboat", "/var/lib/mavboat").split() == [

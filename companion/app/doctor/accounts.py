@@ -2,14 +2,17 @@
 
 import getpass
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.install.accounts import Member, User
 from companion.app.install.plan import GROUPS, STATE, USER
-from companion.app.install.service import Enabled
+from companion.app.install.service import UNIT, Enabled
+from companion.app.install.target import InstallError, Target
 from companion.app.status_file import RUNTIME_DIRECTORY
 
+_STATE_NAMES = ("ActiveState", "SubState", "NRestarts", "StatusText")
 NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
 
 
@@ -38,13 +41,28 @@ def check_own_groups(examined: Examined, user: str) -> Finding:
     return Finding("your groups", Verdict.WARNING, text, f"sudo usermod -aG {','.join(lacks)} {user}", steps)
 
 
-def check_service(examined: Examined) -> Finding:
-    """Whether the boat starts with the computer."""
-    if Enabled(examined.target, is_wanted=True).is_done():
-        return Finding("service", Verdict.FINE, "starts with the computer")
-    return Finding(
-        "service", Verdict.WARNING, "does not start with the computer", "sudo boat-companion install"
-    )
+def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
+    """Whether the boat starts with the computer, and does not fail again and again. state: of the unit."""
+    if state.get("SubState") == "auto-restart" or state.get("ActiveState") == "failed":
+        text = f"fails, and was started again {state.get('NRestarts', '?')} times"
+        return Finding("service", Verdict.FAILED, text, "journalctl -u mavboat -n 30 tells why")
+    if not Enabled(examined.target, is_wanted=True).is_done():
+        text = "does not start with the computer"
+        return Finding("service", Verdict.WARNING, text, "sudo boat-companion install")
+    now = f", runs now: {state.get('StatusText')}" if state.get("ActiveState") == "active" else ""
+    return Finding("service", Verdict.FINE, f"starts with the computer{now}")
+
+
+def unit_state(target: Target) -> dict[str, str]:
+    """The unit's state in the running systemd; empty where there is none."""
+    if not target.is_this_machine:
+        return {}
+    names = ",".join(_STATE_NAMES)
+    try:
+        lines = target.run("systemctl", "show", UNIT, f"--property={names}").splitlines()
+    except InstallError:
+        return {}
+    return dict(line.split("=", 1) for line in lines if "=" in line)
 
 
 def check_folders(examined: Examined) -> Finding:
@@ -69,6 +87,6 @@ def account_findings(examined: Examined, user: str = "") -> list[Finding]:
     return [
         check_user(examined),
         check_own_groups(examined, user or os.environ.get("SUDO_USER") or getpass.getuser()),
-        check_service(examined),
+        check_service(examined, unit_state(examined.target)),
         check_folders(examined),
     ]

@@ -2,9 +2,11 @@
 
 import os
 from datetime import UTC, datetime
+from ipaddress import IPv4Address, IPv4Network
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.links.port_url import parse_port_url
 
 # Raspberry Pi documentation, vcgencmd get_throttled: these bits now, and 16 higher since the start
 _THROTTLED = {0: "under-voltage", 1: "frequency capped", 2: "throttled", 3: "soft temperature limit"}
@@ -104,6 +106,42 @@ def check_network(examined: Examined) -> Finding:
     return Finding("network", Verdict.FAILED, "no interface is up", "join a Wi-Fi or start an access point")
 
 
+def check_routes(examined: Examined) -> list[Finding]:
+    """Whether the addresses that telemetry is sent to are in reach; a broadcast, in a network of our own."""
+    routes = _routes(examined.read("/proc/net/route") or "")
+    lost = []
+    for link in examined.config.link_settings:
+        url = parse_port_url(link.url)
+        if url.kind not in ("udpout", "tcpout") or (address := _ipv4(url.place)) is None:
+            continue
+        reached = [network for network in routes if address in network]
+        own = [network for network in reached if network.prefixlen > 0]
+        if not reached or (str(address).endswith(".255") and not own):
+            lost.append(link.url)
+    if not lost:
+        return []
+    cure = "start the boat's access point, or use the broadcast address that `ip -4 address` shows after brd"
+    return [Finding("routes", Verdict.WARNING, f"no network of this computer has {', '.join(lost)}", cure)]
+
+
+def _routes(table: str) -> list[IPv4Network]:
+    """Whether the addresses of the links are in reach; a broadcast, in a network of our own."""
+    networks = []
+    for line in table.splitlines()[1:]:
+        columns = line.split()
+        if len(columns) > 7:
+            place, mask = (IPv4Address(bytes.fromhex(columns[at])[::-1]) for at in (1, 7))
+            networks.append(IPv4Network(f"{place}/{mask}", strict=False))
+    return networks
+
+
+def _ipv4(place: str) -> IPv4Address | None:
+    try:
+        return IPv4Address(place)
+    except ValueError:
+        return None
+
+
 def computer_findings(examined: Examined, unix_s: float) -> list[Finding]:
     """All of them."""
     return [
@@ -113,4 +151,5 @@ def computer_findings(examined: Examined, unix_s: float) -> list[Finding]:
         check_disk(examined),
         check_clock(examined, unix_s),
         check_network(examined),
+        *check_routes(examined),
     ]

@@ -31,19 +31,22 @@ class Target:
         """Where the target's path lies here."""
         return self.root / path.relative_to("/")
 
-    def run(self, *command: str) -> None:
-        """Run one of the system's programs, such as useradd.
+    def run(self, *command: str) -> str:
+        """Run one of the system's programs, such as useradd; returns its output.
 
         Raises:
             InstallError: with what the program said.
         """
         try:
-            subprocess.run(command, check=True, capture_output=True, text=True, timeout=_LONGEST_S)  # noqa: S603
+            done = subprocess.run(  # noqa: S603
+                command, check=True, capture_output=True, text=True, timeout=_LONGEST_S
+            )
         except FileNotFoundError:
             raise InstallError(f"{command[0]}: not installed") from None
         except subprocess.SubprocessError as error:
             said = str(getattr(error, "stderr", "") or error)
             raise InstallError(f"{' '.join(command)}: {' '.join(said.split())}") from None
+        return done.stdout
 
     def accounts_option(self) -> list[str]:
         """For useradd and its kin: whose accounts to change."""

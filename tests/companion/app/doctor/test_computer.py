@@ -12,6 +12,7 @@ from companion.app.doctor.computer import (
     check_disk,
     check_model,
     check_network,
+    check_routes,
     check_supply,
     check_temperature,
 )
@@ -109,6 +110,40 @@ def test_a_clock_that_nothing_has_set_is_told(examine: Examine) -> None:
     assert check_clock(examine({}), JUNE_2026).verdict is Verdict.FINE
     own = check_clock(examine({"/sys/class/rtc/rtc0/name": "x"}), JUNE_2026)
     assert own.text.endswith("kept by a clock with a battery")
+
+
+# two networks of a boat with an access point and a home network, as Linux shows them
+ROUTES = """Iface	Destination	Gateway 	Flags	RefCnt	Use	Metric	Mask		MTU	Window	IRTT
+wlan1	00000000	0102A8C0	0003	0	0	600	00000000	0	0	0
+wlan0	0004A8C0	00000000	0001	0	0	600	00FFFFFF	0	0	0
+wlan1	0002A8C0	00000000	0001	0	0	600	00FFFFFF	0	0	0
+"""
+
+
+@pytest.mark.parametrize(
+    ("url", "is_in_reach"),
+    [
+        ("udpout:192.168.4.255:14550", True),
+        ("udpout:192.168.2.77:14550", True),
+        ("udpout:192.168.5.255:14550", False),  # a broadcast does not pass the router
+        ("udpout:203.0.113.9:14550", True),
+        ("tcpout:203.0.113.9:5760", True),
+        ("tcpin:0.0.0.0:5760", True),
+        ("udpout:station.local:14550", True),
+        ("serial:/dev/ttyUSB0:57600", True),
+    ],
+)
+def test_an_address_that_no_network_of_the_boat_has_is_told(
+    examine: Examine, url: str, is_in_reach: bool
+) -> None:
+    found = check_routes(examine({"/proc/net/route": ROUTES}, BoatConfig(links=(url,))))
+    assert (found == []) is is_in_reach
+    assert all(one.verdict is Verdict.WARNING and url in one.text for one in found)
+
+
+def test_without_any_route_no_station_is_in_reach(examine: Examine) -> None:
+    config = BoatConfig(links=("udpout:203.0.113.9:14550",))
+    assert len(check_routes(examine({"/proc/net/route": ROUTES.splitlines()[0]}, config))) == 1
 
 
 def test_at_least_one_way_to_a_station_is_up(examine: Examine) -> None:

@@ -156,8 +156,18 @@ def test_a_folder_outside_the_units_own_is_told(tree: Tree, folder: str, verdict
 
 def test_whether_the_boat_starts_by_itself(tree: Tree) -> None:
     root = tree(SOUND)
-    assert check_service(examined(root)).verdict is Verdict.WARNING
+    assert check_service(examined(root), {}).verdict is Verdict.WARNING
     wants = root / "etc/systemd/system/multi-user.target.wants"
     wants.mkdir(parents=True)
     (wants / "mavboat.service").symlink_to("/etc/systemd/system/mavboat.service")
-    assert check_service(examined(root)).verdict is Verdict.FINE
+    assert check_service(examined(root), {}).text == "starts with the computer"
+    running = {
+        "ActiveState": "active",
+        "SubState": "running",
+        "NRestarts": "0",
+        "StatusText": "HOLD, disarmed",
+    }
+    assert check_service(examined(root), running).text == "starts with the computer, runs now: HOLD, disarmed"
+    failing = {"ActiveState": "activating", "SubState": "auto-restart", "NRestarts": "12"}
+    found = check_service(examined(root), failing)
+    assert (found.verdict, found.text) == (Verdict.FAILED, "fails, and was started again 12 times")
