@@ -1,5 +1,7 @@
 """What is fuzzed: one function a target, bytes in; whatever it raises is a find."""
 
+import contextlib
+import math
 import struct
 import tempfile
 from collections.abc import Callable, Iterator
@@ -9,16 +11,27 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_pack import PackError, unpack_upload
+from companion.config.parts.probes import ProbePart
 from companion.config.rc import Rc
-from companion.core.errors import ConfigError
+from companion.core.errors import ConfigError, HardwareError
+from companion.hal.ranging.serial_frames import (
+    A02YYUW,
+    TFMINI,
+    FrameParser,
+    a02yyuw_range_m,
+    tfmini_range_m,
+)
+from companion.hal.water.ping_frames import PingParser
 from companion.mavlink.codec import Decoder
 from companion.rc.crsf import CrsfParser, crc8
 from companion.rc.ibus import IbusParser
 from companion.rc.rc_control import RcControl
 from companion.rc.sbus import SbusParser
 from companion.sensors.nmea import NmeaReader
+from companion.sensors.nmea_depth import DEPTH_SENTENCES, DepthAssembler
 from companion.sensors.nmea_fix import FixAssembler
 from companion.sensors.nmea_heading import HeadingAssembler
+from companion.sensors.probe_values import raw_number, value_of
 from companion.vehicle.vehicle import Vehicle
 from fuzz.frames import frame
 from fuzz.fuzzed_boat import hear
@@ -34,6 +47,11 @@ _HANDLED = (
     *("LOG_REQUEST_END", "GPS_INPUT", "VISION_POSITION_ESTIMATE", "ODOMETRY", "OBSTACLE_DISTANCE"),
     *("DISTANCE_SENSOR", "SETUP_SIGNING", "FILE_TRANSFER_PROTOCOL", "MISSION_SET_CURRENT", "STATUSTEXT"),
     *("SET_HOME_POSITION", "SET_GPS_GLOBAL_ORIGIN", "MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM"),
+)
+_PROBES = (
+    ProbePart(name="all", driver="file", path="x"),
+    ProbePart(name="column", driver="file", path="x", column=1, scale=1e30),
+    ProbePart(name="pattern", driver="file", path="x", pattern=r"t=(-?\d+)", invalid=(85000.0,)),
 )
 _RADIO = BoatConfig(rc=Rc(arm_channel=5, mode_channel=6))
 _MISSION = (
@@ -128,6 +146,37 @@ def nmea(data: bytes) -> None:
     assert len(reader._held) <= 256
 
 
+def sounders(data: bytes) -> None:
+    """What rangers, depth sounders and probes send; the first byte says which. Checksums are mended."""
+    which, said = data[0] % 5 if data else 0, data[1:]
+    if which < 2:
+        kind = (A02YYUW, TFMINI)[which]
+        frames = FrameParser(kind)
+        for at in range(0, len(said), kind.length - 2):
+            body = kind.header + said[at : at + kind.length - 1 - len(kind.header)]
+            for found in frames.feed(body + bytes([sum(body) & 0xFF])):
+                with contextlib.suppress(HardwareError):
+                    range_m = a02yyuw_range_m(found) if which == 0 else tfmini_range_m(found, 100)
+                    assert range_m is None or 0.0 <= range_m <= 656.0
+        assert len(frames._held) < kind.length
+    elif which == 2:
+        ping = PingParser()
+        for at in range(0, len(said), 7):
+            body = b"BR" + said[at : at + 7]
+            ping.feed(body + (sum(body) & 0xFFFF).to_bytes(2, "little"))
+        assert len(ping._held) < 270
+    elif which == 3:
+        reader, depths = NmeaReader(DEPTH_SENTENCES), DepthAssembler(0.0, 0.3, 100.0)
+        mended = b"\n".join(_with_checksum(line) for line in said.split(b"\n"))
+        for number, sentence in enumerate(reader.feed(mended)):
+            reading = depths.feed(sentence, number)
+            assert reading is None or reading.depth_m is None or 0.0 < reading.depth_m <= 100.0
+    else:
+        for part in _PROBES:
+            value = value_of(raw_number(said.decode("utf-8", "replace"), part), part)
+            assert value is None or math.isfinite(value)
+
+
 def _with_checksum(line: bytes) -> bytes:
     if not line.startswith(b"$"):
         return line
@@ -199,6 +248,7 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
         missions,
         files,
         nmea,
+        sounders,
         radio,
         config,
         parameter_file,

@@ -53,8 +53,14 @@ class ProbePart(Section, frozen=True):
 
 
 def check_probes(probes: Sequence[ProbePart]) -> None:
-    """Raises ValueError: two have one name."""
+    """Raises ValueError: two have one name, or one port and different baud rates."""
     names = [probe.name for probe in probes]
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"probe: two are named {name!r}")
+    bauds: dict[str, int] = {}
+    for probe in probes:
+        if probe.driver == "serial" and bauds.setdefault(probe.port, probe.baud) != probe.baud:
+            raise ValueError(
+                f"baud of the probe {probe.name}: another on {probe.port} has {bauds[probe.port]}"
+            )

@@ -11,6 +11,7 @@ from twins.battery import Ads1115Twin
 from twins.i2c import plug_in
 from twins.lines import HandClock, PtyLine, eventually
 
+from companion.app.composition import check_config
 from companion.app.parts import open_probes
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.parts.probes import ProbePart
@@ -96,6 +97,24 @@ def test_two_probes_of_one_name_are_told() -> None:
     table = {"name": "a", "driver": "file", "path": "x"}
     with pytest.raises(ConfigError, match="probe: two are named 'a'"):
         decode_config({"probe": [table, table]}, "boat.toml")
+
+
+def test_probes_on_one_port_have_one_baud_rate_and_share_it_with_nothing_else() -> None:
+    table = {"name": "a", "driver": "serial", "port": "/dev/ttyUSB3", "column": 0}
+    boat = {
+        "links": ["tcpin::5760"],
+        "parts": {
+            "motors": {"driver": "l298n"},
+            "gnss": {"driver": "nmea", "port": "/dev/ttyUSB1"},
+            "compass": {"driver": "bno055"},
+        },
+    }
+    check_config(decode_config({**boat, "probe": [table, {**table, "name": "b"}]}, "boat.toml"))
+    with pytest.raises(ConfigError, match="baud of the probe b: another on /dev/ttyUSB3 has 9600"):
+        decode_config({"probe": [table, {**table, "name": "b", "baud": 4800}]}, "boat.toml")
+    clash = decode_config({**boat, "probe": [{**table, "port": "/dev/ttyUSB1"}]}, "boat.toml")
+    with pytest.raises(ConfigError, match=r"probe\[0\].port: /dev/ttyUSB1 belongs to parts.gnss.port"):
+        check_config(clash)
 
 
 # Files
